@@ -1,1 +1,43 @@
-//! TBD
+//! Hierarchical quadratic programming with strict priorities, and the augmented closed-loop
+//! inverse kinematics built on it.
+//!
+//! ```
+//! use ahqp_core::{Hierarchy, Level, Rows, Settings, Solver};
+//! use nalgebra::{dmatrix, dvector};
+//!
+//! let mut hierarchy = Hierarchy::new(2)?;
+//! hierarchy.push(Level::least_squares(Rows::equalities(&dmatrix![1.0, 1.0], &dvector![2.0])?))?;
+//! let mut solver = Solver::new(&hierarchy, Settings::default())?;
+//! assert_eq!(solver.solve(&hierarchy)?.x(), [1.0, 1.0]);
+//! # Ok::<(), ahqp_core::Error>(())
+//! ```
+
+mod active_set;
+mod basis;
+mod clik;
+mod error;
+mod hierarchy;
+mod least_squares;
+mod limits;
+mod quadratic;
+#[cfg(feature = "reference")]
+mod reference;
+mod rotation;
+mod rows;
+mod settings;
+mod solution;
+mod solver;
+mod table;
+mod vector;
+
+pub use clik::{AugmentedClik, AugmentedState, integrate_pose, pose_error};
+pub use error::Error;
+pub use hierarchy::{ConstraintSource, Hierarchy, Level, Objective};
+pub use limits::{Limits, MotionState, VelocityInterval};
+#[cfg(feature = "reference")]
+pub use reference::solve_reference;
+pub use rotation::{left_jacobian_inverse, rotation_log};
+pub use rows::Rows;
+pub use settings::{Settings, WarmStart};
+pub use solution::{Solution, Status};
+pub use solver::Solver;

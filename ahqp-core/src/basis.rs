@@ -1,0 +1,291 @@
+//! An orthonormal basis of ℝⁿ, split into fixed, active and free directions.
+//!
+//! Fixed directions are decided by higher levels and never move again; active ones are held by
+//! the working set, whose rows are lower triangular in them; free ones span what may still
+//! move. Dimensions shrink from level to level because fixed directions are not touched again.
+
+use crate::table::RowView;
+use crate::vector::{add_scaled, dot, norm, reflector};
+
+/// The basis, its partition, and the triangular factor of the working set.
+#[derive(Debug, Clone)]
+pub(crate) struct Basis {
+    n: usize,
+    /// Basis vectors, one after the other.
+    vectors: Vec<f64>,
+    fixed: usize,
+    /// Rows of the working set in the order of the triangular factor.
+    active: Vec<usize>,
+    /// Row i: the coordinates of active row i along active directions 0 to i.
+    triangular: Vec<f64>,
+    coordinates: Vec<f64>,
+    image: Vec<f64>,
+}
+
+impl Basis {
+    pub(crate) fn new(n: usize) -> Self {
+        let mut basis = Self {
+            n,
+            vectors: vec![0.0; n * n],
+            fixed: 0,
+            active: Vec::with_capacity(n),
+            triangular: vec![0.0; n * n],
+            coordinates: vec![0.0; n],
+            image: vec![0.0; n],
+        };
+        basis.reset();
+        basis
+    }
+
+    /// Back to the unit vectors, all free.
+    pub(crate) fn reset(&mut self) {
+        self.vectors.fill(0.0);
+        for i in 0..self.n {
+            self.vectors[i * self.n + i] = 1.0;
+        }
+        self.fixed = 0;
+        self.active.clear();
+    }
+
+    pub(crate) fn active(&self) -> &[usize] {
+        &self.active
+    }
+
+    /// The first free direction.
+    fn free_start(&self) -> usize {
+        self.fixed + self.active.len()
+    }
+
+    /// How many directions may still move.
+    pub(crate) fn free_count(&self) -> usize {
+        self.n - self.free_start()
+    }
+
+    fn vector(&self, j: usize) -> &[f64] {
+        &self.vectors[j * self.n..(j + 1) * self.n]
+    }
+
+    /// Coordinates of `row` along the free directions.
+    pub(crate) fn free_coordinates(&self, row: RowView<'_>, out: &mut [f64]) {
+        let start = self.free_start();
+        for (j, value) in out.iter_mut().take(self.n - start).enumerate() {
+            *value = row.dot(self.vector(start + j));
+        }
+    }
+
+    /// Coordinates of the vector `v` along the free directions.
+    pub(crate) fn free_coordinates_of(&self, v: &[f64], out: &mut [f64]) {
+        let start = self.free_start();
+        for (j, value) in out.iter_mut().take(self.n - start).enumerate() {
+            *value = dot(v, self.vector(start + j));
+        }
+    }
+
+    /// x ← x + Σ zⱼ · (free direction j).
+    pub(crate) fn add_free(&self, z: &[f64], x: &mut [f64]) {
+        let start = self.free_start();
+        for (j, &coefficient) in z.iter().take(self.n - start).enumerate() {
+            add_scaled(x, coefficient, self.vector(start + j));
+        }
+    }
+
+    /// Leaves the working set empty; its directions become free.
+    pub(crate) fn clear_active(&mut self) {
+        self.active.clear();
+    }
+
+    /// Adds `row` to the working set. False, and no change, when it depends on the fixed and
+    /// active rows: its part along the free directions is below `tolerance` times its norm.
+    pub(crate) fn push_active(&mut self, id: usize, row: RowView<'_>, tolerance: f64) -> bool {
+        let count = self.active.len();
+        if self.free_count() == 0 {
+            return false;
+        }
+        if self.reflect_first_free(row, tolerance).is_none() {
+            return false;
+        }
+        for j in 0..=count {
+            let value = row.dot(self.vector(self.fixed + j));
+            self.triangular[count * self.n + j] = value;
+        }
+        self.active.push(id);
+        true
+    }
+
+    /// Removes a row of the working set; one more direction is free.
+    pub(crate) fn remove_active(&mut self, position: usize) {
+        let (n, count) = (self.n, self.active.len());
+        self.active.remove(position);
+        self.triangular.copy_within((position + 1) * n..count * n, position * n);
+        // Row i now reaches one column too far; rotate neighbouring directions to mend it.
+        for i in position..count - 1 {
+            let (a, b) = (self.triangular[i * n + i], self.triangular[i * n + i + 1]);
+            let length = a.hypot(b);
+            if length == 0.0 {
+                continue;
+            }
+            let (cosine, sine) = (a / length, b / length);
+            for row in self.triangular[i * n..(count - 1) * n].chunks_exact_mut(n) {
+                let (x, y) = (row[i], row[i + 1]);
+                row[i] = cosine * x + sine * y;
+                row[i + 1] = cosine * y - sine * x;
+            }
+            let start = (self.fixed + i) * n;
+            let (first, second) = self.vectors[start..start + 2 * n].split_at_mut(n);
+            for (x, y) in first.iter_mut().zip(second) {
+                (*x, *y) = (cosine * *x + sine * *y, cosine * *y - sine * *x);
+            }
+        }
+    }
+
+    /// Fixes the direction of `row` for good; the working set must be empty. False when the
+    /// row depends on what is fixed already.
+    pub(crate) fn fix(&mut self, row: RowView<'_>, tolerance: f64) -> bool {
+        debug_assert!(self.active.is_empty());
+        if self.free_count() == 0 || self.reflect_first_free(row, tolerance).is_none() {
+            return false;
+        }
+        self.fixed += 1;
+        true
+    }
+
+    /// Turns the free directions by a product of reflections I − τvvᵀ and fixes the first
+    /// `reflectors.len() / stride` of them; the working set must be empty.
+    pub(crate) fn fix_reflected(&mut self, reflectors: &[f64], stride: usize, tau: &[f64]) {
+        debug_assert!(self.active.is_empty());
+        let start = self.fixed;
+        for (k, (v, &tau)) in reflectors.chunks_exact(stride).zip(tau).enumerate() {
+            self.reflect(start + k, &v[k..self.n - start], tau);
+        }
+        self.fixed += tau.len();
+    }
+
+    /// Moves x along the active directions so that each active row reaches its target.
+    pub(crate) fn reach_targets(&mut self, gaps: &[f64], x: &mut [f64]) {
+        let n = self.n;
+        for (i, &gap) in gaps.iter().enumerate().take(self.active.len()) {
+            let row = &self.triangular[i * n..(i + 1) * n];
+            let known = dot(&row[..i], &self.coordinates[..i]);
+            self.coordinates[i] = (gap - known) / row[i];
+            let start = (self.fixed + i) * n;
+            add_scaled(x, self.coordinates[i], &self.vectors[start..start + n]);
+        }
+    }
+
+    /// Multipliers λ with Σ λᵢ aᵢ = −gradient along the active directions.
+    pub(crate) fn multipliers(&self, gradient: &[f64], out: &mut [f64]) {
+        let (n, count) = (self.n, self.active.len());
+        for (i, value) in out.iter_mut().enumerate().take(count) {
+            *value = -dot(gradient, self.vector(self.fixed + i));
+        }
+        for i in (0..count).rev() {
+            out[i] /= self.triangular[i * n + i];
+            let value = out[i];
+            let row = &self.triangular[i * n..i * n + i];
+            add_scaled(&mut out[..i], -value, row);
+        }
+    }
+
+    /// Turns the free directions so that `row` lies along the first of them.
+    fn reflect_first_free(&mut self, row: RowView<'_>, tolerance: f64) -> Option<()> {
+        let start = self.free_start();
+        let mut v = std::mem::take(&mut self.coordinates);
+        self.free_coordinates(row, &mut v);
+        let part = &mut v[..self.n - start];
+        let independent = norm(part) > tolerance * row.norm();
+        if independent {
+            let (tau, _) = reflector(part);
+            self.reflect(start, part, tau);
+        }
+        self.coordinates = v;
+        independent.then_some(())
+    }
+
+    /// Applies I − τvvᵀ to the directions from `start` on.
+    fn reflect(&mut self, start: usize, v: &[f64], tau: f64) {
+        let n = self.n;
+        self.image.fill(0.0);
+        for (j, &weight) in v.iter().enumerate() {
+            if weight != 0.0 {
+                let at = (start + j) * n;
+                add_scaled(&mut self.image, weight, &self.vectors[at..at + n]);
+            }
+        }
+        for (j, &weight) in v.iter().enumerate() {
+            if weight != 0.0 {
+                let at = (start + j) * n;
+                add_scaled(&mut self.vectors[at..at + n], -tau * weight, &self.image);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use proptest::prelude::*;
+
+    fn gram_error(basis: &Basis) -> f64 {
+        let mut worst = 0.0_f64;
+        for i in 0..basis.n {
+            for j in 0..=i {
+                let expected = f64::from(u8::from(i == j));
+                worst = worst.max((dot(basis.vector(i), basis.vector(j)) - expected).abs());
+            }
+        }
+        worst
+    }
+
+    proptest! {
+        #[test]
+        fn adding_and_removing_rows_keeps_the_basis_orthonormal_and_the_factor_exact(
+            entries in prop::collection::vec(-1.0_f64..1.0, 7 * 5),
+            removals in prop::collection::vec(0_usize..5, 0..4),
+        ) {
+            let n = 7;
+            let mut basis = Basis::new(n);
+            for (id, row) in entries.chunks_exact(n).enumerate() {
+                prop_assume!(norm(row) > 1e-3);
+                basis.push_active(id, RowView::dense(row, norm(row)), 1e-6);
+            }
+            for &position in &removals {
+                if position < basis.active.len() {
+                    basis.remove_active(position);
+                }
+            }
+            prop_assert!(gram_error(&basis) < 1e-12);
+            for (i, &id) in basis.active.iter().enumerate() {
+                let row = &entries[id * n..(id + 1) * n];
+                for j in 0..n {
+                    let expected = if j <= i { basis.triangular[i * n + j] } else { 0.0 };
+                    prop_assert!((dot(row, basis.vector(j)) - expected).abs() < 1e-11);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_dependent_row_is_refused() {
+        let mut basis = Basis::new(3);
+        assert!(basis.push_active(0, RowView::dense(&[1.0, 1.0, 0.0], 2.0_f64.sqrt()), 1e-10));
+        assert!(!basis.push_active(1, RowView::dense(&[2.0, 2.0, 0.0], 8.0_f64.sqrt()), 1e-10));
+        assert_eq!(basis.free_count(), 2);
+    }
+
+    #[test]
+    fn multipliers_balance_the_gradient() {
+        let mut basis = Basis::new(3);
+        let rows = [[1.0, 2.0, 0.0], [0.0, 1.0, 3.0]];
+        for (id, row) in rows.iter().enumerate() {
+            assert!(basis.push_active(id, RowView::dense(row, norm(row)), 1e-10));
+        }
+        let mut gradient = [0.0; 3];
+        add_scaled(&mut gradient, -0.5, &rows[0]);
+        add_scaled(&mut gradient, 0.25, &rows[1]);
+        let mut multipliers = [0.0; 2];
+        basis.multipliers(&gradient, &mut multipliers);
+        assert_relative_eq!(multipliers[0], 0.5, epsilon = 1e-12);
+        assert_relative_eq!(multipliers[1], -0.25, epsilon = 1e-12);
+    }
+}

@@ -1,0 +1,274 @@
+//! Position, velocity and acceleration limits as one velocity interval that is never empty.
+
+use crate::error::Error;
+
+/// Limits of one coordinate.
+///
+/// Taken one by one, the bounds that position, velocity and acceleration limits put on the next
+/// velocity can contradict each other. Here the position limits leave room to brake: at a
+/// distance d the velocity v towards the limit obeys vΔt + v²/(2a) ≤ d. From a state that obeys
+/// all limits there is then always a velocity that does so again; see
+/// [`velocity_interval`](Self::velocity_interval).
+///
+/// ```
+/// use ahqp_core::{Limits, MotionState};
+///
+/// let limits = Limits::new(-1.0, 1.0, 2.0, 10.0)?;
+/// let at_limit = MotionState { position: 1.0, velocity: 0.0 };
+/// let interval = limits.velocity_interval(at_limit, 1e-3);
+/// assert_eq!(interval.upper, 0.0);
+/// assert_eq!(interval.lower, -0.01);
+/// # Ok::<(), ahqp_core::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    lower: f64,
+    upper: f64,
+    velocity: f64,
+    acceleration: f64,
+}
+
+/// Position and velocity of one coordinate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionState {
+    /// Where it is.
+    pub position: f64,
+    /// The velocity commanded last.
+    pub velocity: f64,
+}
+
+/// The velocities that may be commanded next, `lower ≤ v ≤ upper`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VelocityInterval {
+    /// The least.
+    pub lower: f64,
+    /// The greatest.
+    pub upper: f64,
+}
+
+impl Limits {
+    /// With the position range `lower` to `upper` (either may be infinite), the velocity limit
+    /// and the acceleration limit, in consistent units.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for NaN, an empty range, or limits that are not positive and finite.
+    pub fn new(lower: f64, upper: f64, velocity: f64, acceleration: f64) -> Result<Self, Error> {
+        if lower.is_nan() || lower == f64::INFINITY {
+            let expected = "a number, or negative infinity";
+            return Err(Error::Parameter {
+                name: "the lower position limit",
+                value: lower,
+                expected,
+            });
+        }
+        if upper.is_nan() || upper < lower || upper == f64::NEG_INFINITY {
+            let expected = "not below the lower limit";
+            return Err(Error::Parameter {
+                name: "the upper position limit",
+                value: upper,
+                expected,
+            });
+        }
+        for (name, value) in
+            [("the velocity limit", velocity), ("the acceleration limit", acceleration)]
+        {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::Parameter { name, value, expected: "positive and finite" });
+            }
+        }
+        Ok(Self { lower, upper, velocity, acceleration })
+    }
+
+    /// The lower position limit.
+    pub fn lower(&self) -> f64 {
+        self.lower
+    }
+
+    /// The upper position limit.
+    pub fn upper(&self) -> f64 {
+        self.upper
+    }
+
+    /// The velocity limit.
+    pub fn velocity(&self) -> f64 {
+        self.velocity
+    }
+
+    /// The acceleration limit.
+    pub fn acceleration(&self) -> f64 {
+        self.acceleration
+    }
+
+    /// The same limits with the velocity limit times `scale`, clamped to [0, 1]: the interval
+    /// then shrinks as fast as the acceleration limit allows.
+    #[must_use]
+    pub fn slowed(mut self, scale: f64) -> Self {
+        self.velocity *= scale.clamp(0.0, 1.0);
+        self
+    }
+
+    /// Whether `state` obeys the limits and can go on obeying them.
+    pub fn admits(&self, state: MotionState) -> bool {
+        let MotionState { position, velocity } = state;
+        let stop = velocity * velocity / (2.0 * self.acceleration);
+        let end = position + stop.copysign(velocity);
+        velocity.abs() <= self.velocity
+            && (self.lower..=self.upper).contains(&position)
+            && end <= self.upper
+            && end >= self.lower
+    }
+
+    /// The velocities for the next `period` seconds.
+    ///
+    /// Acceleration and velocity limits always hold, position limits are met whenever they can
+    /// be. From an admitted state every velocity of the interval leads to an admitted state.
+    /// From outside, the interval leads back as fast as velocity and acceleration allow. It is
+    /// never empty.
+    pub fn velocity_interval(&self, state: MotionState, period: f64) -> VelocityInterval {
+        let change = self.acceleration * period;
+        let slowest = (state.velocity - change).max(-self.velocity);
+        let fastest = (state.velocity + change).min(self.velocity);
+        // Faster than allowed already: brake at full acceleration.
+        let (slowest, fastest) = if slowest <= fastest {
+            (slowest, fastest)
+        } else if state.velocity > 0.0 {
+            (state.velocity - change, state.velocity - change)
+        } else {
+            (state.velocity + change, state.velocity + change)
+        };
+        let towards_upper = self.approach(self.upper - state.position, period);
+        let towards_lower = -self.approach(state.position - self.lower, period);
+        let mut upper = fastest.min(towards_upper.max(slowest));
+        let mut lower = slowest.max(towards_lower.min(fastest));
+        if lower > upper {
+            // Outside one limit and bound to brake before the other: braking wins.
+            if state.position > self.upper {
+                upper = lower;
+            } else {
+                lower = upper;
+            }
+        }
+        VelocityInterval { lower, upper }
+    }
+
+    /// The largest v with vΔt + v²/(2a) ≤ d; beyond the limit, the velocity that is back after
+    /// one period.
+    fn approach(&self, distance: f64, period: f64) -> f64 {
+        if distance >= 0.0 {
+            if distance.is_infinite() {
+                return f64::INFINITY;
+            }
+            let root = (period * period + 2.0 * distance / self.acceleration).sqrt();
+            2.0 * distance / (period + root)
+        } else {
+            distance / period
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const PERIOD: f64 = 1e-3;
+
+    fn limits() -> impl Strategy<Value = Limits> {
+        (-3.0..3.0_f64, 0.0..5.0_f64, 0.05..5.0_f64, 0.1..30.0_f64)
+            .prop_map(|(lower, width, v, a)| Limits::new(lower, lower + width, v, a).unwrap())
+    }
+
+    /// Rounding of positions adds up over a run; nothing else may.
+    fn step(limits: &Limits, state: MotionState, choice: f64) -> (VelocityInterval, MotionState) {
+        let interval = limits.velocity_interval(state, PERIOD);
+        let velocity = interval.lower + choice * (interval.upper - interval.lower);
+        (interval, MotionState { position: state.position + velocity * PERIOD, velocity })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
+
+        #[test]
+        fn from_an_admitted_state_every_later_state_is_admitted(
+            limits in limits(), start in 0.0..1.0_f64,
+            choices in prop::collection::vec(
+                prop_oneof![Just(0.0), Just(1.0), 0.0..1.0_f64], 1000),
+        ) {
+            let position = limits.lower + start * (limits.upper - limits.lower);
+            let mut state = MotionState { position, velocity: 0.0 };
+            for choice in choices {
+                // Repeating a choice drives the state to its limits.
+                let (interval, next) = step(&limits, state, choice);
+                prop_assert!(interval.lower <= interval.upper);
+                prop_assert!((next.velocity - state.velocity).abs()
+                    <= limits.acceleration * PERIOD * (1.0 + 1e-9));
+                prop_assert!(next.velocity.abs() <= limits.velocity);
+                prop_assert!(next.position <= limits.upper + 1e-12);
+                prop_assert!(next.position >= limits.lower - 1e-12);
+                state = next;
+            }
+        }
+
+        #[test]
+        fn running_into_a_limit_stops_at_it(limits in limits(), up in any::<bool>()) {
+            let middle = 0.5 * (limits.lower + limits.upper);
+            let mut state = MotionState { position: middle, velocity: 0.0 };
+            let time = (limits.upper - limits.lower) / limits.velocity
+                + limits.velocity / limits.acceleration + 1.0;
+            let mut elapsed = 0.0;
+            while elapsed < (2.0 * time).min(40.0) {
+                elapsed += PERIOD;
+                state = step(&limits, state, f64::from(u8::from(up))).1;
+                prop_assert!((limits.lower - 1e-12..=limits.upper + 1e-12).contains(&state.position));
+            }
+        }
+
+        #[test]
+        fn from_outside_it_returns_within_velocity_and_acceleration(
+            limits in limits(), beyond in 0.001..2.0_f64, velocity in -1.0..1.0_f64,
+        ) {
+            let velocity = velocity * limits.velocity;
+            let mut state = MotionState { position: limits.upper + beyond, velocity };
+            // Time to brake the outward motion, to speed up inward, and to travel.
+            let travel = beyond + velocity.powi(2) / (2.0 * limits.acceleration);
+            let time = 2.0 * limits.velocity / limits.acceleration + travel / limits.velocity + 0.1;
+            let mut ticks = 0.0;
+            while state.position > limits.upper + 1e-9 {
+                let (interval, next) = step(&limits, state, 1.0);
+                prop_assert!(interval.lower <= interval.upper);
+                prop_assert!((next.velocity - state.velocity).abs()
+                    <= limits.acceleration * PERIOD * (1.0 + 1e-9));
+                ticks += 1.0;
+                prop_assert!(ticks * PERIOD < time * 1.5 + 1.0, "{state:?}");
+                state = next;
+            }
+        }
+
+        #[test]
+        fn admits_is_what_the_interval_preserves(
+            limits in limits(), start in 0.0..1.0_f64, speed in -1.0..1.0_f64, choice in 0.0..1.0_f64,
+        ) {
+            let position = limits.lower + start * (limits.upper - limits.lower);
+            let state = MotionState { position, velocity: speed * limits.velocity };
+            prop_assume!(limits.admits(state));
+            let (_, next) = step(&limits, state, choice);
+            let stop = next.velocity.powi(2) / (2.0 * limits.acceleration);
+            let end = next.position + stop.copysign(next.velocity);
+            prop_assert!(end <= limits.upper + 1e-12 && end >= limits.lower - 1e-12);
+        }
+    }
+
+    #[test]
+    fn bad_limits_are_named() {
+        for (lower, upper, v, a, word) in [
+            (f64::NAN, 1.0, 1.0, 1.0, "lower"),
+            (2.0, 1.0, 1.0, 1.0, "upper"),
+            (0.0, f64::NAN, 1.0, 1.0, "upper"),
+            (0.0, 1.0, 0.0, 1.0, "velocity"),
+            (0.0, 1.0, 1.0, f64::INFINITY, "acceleration"),
+        ] {
+            let error = Limits::new(lower, upper, v, a).unwrap_err();
+            assert!(error.to_string().contains(word), "{error}");
+        }
+    }
+}

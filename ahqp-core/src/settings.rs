@@ -1,0 +1,77 @@
+//! The solver's few parameters.
+
+use crate::Error;
+
+/// How hard the solver tries and what it calls zero. All tolerances are relative to the sizes
+/// of the rows, bounds and gradients at hand, so that they do not depend on units.
+///
+/// ```
+/// use ahqp_core::Settings;
+///
+/// let settings = Settings { max_iterations: 50, ..Settings::default() };
+/// assert!(settings.validate().is_ok());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Active-set iterations over all levels of one solve, at least 1 \[-\]. Default 1000.
+    pub max_iterations: usize,
+    /// A constraint holds when it is violated by less than this, relative to its size at the
+    /// solution \[-\]. Default 1e-10.
+    pub feasibility_tolerance: f64,
+    /// A row depends on others when what they leave of it is below this fraction of its norm
+    /// \[-\]. Default 1e-10.
+    pub rank_tolerance: f64,
+    /// A multiplier has the wrong sign when it exceeds this, relative to the level's gradient
+    /// \[-\]. Default 1e-10.
+    pub optimality_tolerance: f64,
+    /// Whether a solve starts from the active set of the one before. Default true.
+    pub warm_start: WarmStart,
+}
+
+/// Where a solve starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum WarmStart {
+    /// From the active set at which the previous solve ended.
+    #[default]
+    PreviousActiveSet,
+    /// From nothing.
+    Cold,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            max_iterations: 1000,
+            feasibility_tolerance: 1e-10,
+            rank_tolerance: 1e-10,
+            optimality_tolerance: 1e-10,
+            warm_start: WarmStart::default(),
+        }
+    }
+}
+
+impl Settings {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] names the first that is out of its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        if self.max_iterations == 0 {
+            return Err(Error::Setting {
+                name: "max_iterations",
+                value: 0.0,
+                expected: "at least 1",
+            });
+        }
+        for (name, value) in [
+            ("feasibility_tolerance", self.feasibility_tolerance),
+            ("rank_tolerance", self.rank_tolerance),
+            ("optimality_tolerance", self.optimality_tolerance),
+        ] {
+            if !(value > 0.0 && value < 1e-2) {
+                return Err(Error::Setting { name, value, expected: "between 0 and 0.01" });
+            }
+        }
+        Ok(())
+    }
+}

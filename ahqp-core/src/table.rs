@@ -1,0 +1,249 @@
+//! The rows of a hierarchy in one flat table, checked and copied once a solve.
+
+use std::ops::Range;
+
+use crate::error::Error;
+use crate::hierarchy::{ConstraintSource, Hierarchy, Objective};
+use crate::quadratic::QuadraticFactor;
+use crate::rows::Rows;
+use crate::vector::{dot, norm};
+
+/// A row seen by the algebra: a unit vector for a bound, coefficients otherwise.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RowView<'a> {
+    kind: RowKind<'a>,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum RowKind<'a> {
+    Unit(usize),
+    Dense(&'a [f64], f64),
+}
+
+impl<'a> RowView<'a> {
+    pub(crate) fn unit(variable: usize) -> Self {
+        Self { kind: RowKind::Unit(variable) }
+    }
+
+    pub(crate) fn dense(coefficients: &'a [f64], norm: f64) -> Self {
+        Self { kind: RowKind::Dense(coefficients, norm) }
+    }
+
+    pub(crate) fn dot(self, x: &[f64]) -> f64 {
+        match self.kind {
+            RowKind::Unit(variable) => x[variable],
+            RowKind::Dense(coefficients, _) => dot(coefficients, x),
+        }
+    }
+
+    pub(crate) fn norm(self) -> f64 {
+        match self.kind {
+            RowKind::Unit(_) => 1.0,
+            RowKind::Dense(_, norm) => norm,
+        }
+    }
+
+    /// y ← y + αa.
+    pub(crate) fn add_to(self, y: &mut [f64], alpha: f64) {
+        match self.kind {
+            RowKind::Unit(variable) => y[variable] += alpha,
+            RowKind::Dense(coefficients, _) => crate::vector::add_scaled(y, alpha, coefficients),
+        }
+    }
+}
+
+/// Where a level's rows stand in the table.
+#[derive(Debug, Clone)]
+pub(crate) struct LevelRows {
+    pub(crate) constraints: Range<usize>,
+    pub(crate) objective: Range<usize>,
+    /// The rows of the objective in use: for a quadratic, the rank of its Hessian.
+    pub(crate) used: usize,
+    pub(crate) quadratic: bool,
+    /// Whether a part of the gradient lies outside the range of the Hessian.
+    pub(crate) has_linear: bool,
+    /// That part.
+    pub(crate) linear: Vec<f64>,
+}
+
+impl LevelRows {
+    pub(crate) fn used_objective(&self) -> Range<usize> {
+        self.objective.start..self.objective.start + self.used
+    }
+}
+
+/// All rows: the bounds of the n variables first, then each level's constraints and objective.
+#[derive(Debug, Clone)]
+pub(crate) struct RowTable {
+    pub(crate) n: usize,
+    coefficients: Vec<f64>,
+    pub(crate) lower: Vec<f64>,
+    pub(crate) upper: Vec<f64>,
+    norms: Vec<f64>,
+    pub(crate) sources: Vec<ConstraintSource>,
+    pub(crate) levels: Vec<LevelRows>,
+    factor: QuadraticFactor,
+}
+
+impl RowTable {
+    /// Sizes the table for hierarchies of this shape.
+    pub(crate) fn new(hierarchy: &Hierarchy) -> Self {
+        let n = hierarchy.variables();
+        let mut sources: Vec<_> =
+            (0..n).map(|variable| ConstraintSource::Bound { variable }).collect();
+        let mut levels = Vec::with_capacity(hierarchy.levels().len());
+        for (level, data) in hierarchy.levels().iter().enumerate() {
+            let start = sources.len();
+            sources.extend(
+                (0..data.constraints().len())
+                    .map(|row| ConstraintSource::Constraint { level, row }),
+            );
+            let middle = sources.len();
+            let quadratic = matches!(data.objective(), Objective::Quadratic { .. });
+            let rows = objective_rows(data.objective(), n);
+            sources.extend((0..rows).map(|row| ConstraintSource::Objective { level, row }));
+            levels.push(LevelRows {
+                constraints: start..middle,
+                objective: middle..middle + rows,
+                used: rows,
+                quadratic,
+                has_linear: false,
+                linear: vec![0.0; if quadratic { n } else { 0 }],
+            });
+        }
+        let count = sources.len();
+        Self {
+            n,
+            coefficients: vec![0.0; (count - n) * n],
+            lower: vec![0.0; count],
+            upper: vec![0.0; count],
+            norms: vec![1.0; count],
+            sources,
+            levels,
+            factor: QuadraticFactor::new(n),
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.sources.len()
+    }
+
+    pub(crate) fn row(&self, id: usize) -> RowView<'_> {
+        if id < self.n {
+            RowView::unit(id)
+        } else {
+            let start = (id - self.n) * self.n;
+            RowView::dense(&self.coefficients[start..start + self.n], self.norms[id])
+        }
+    }
+
+    pub(crate) fn is_equality(&self, id: usize) -> bool {
+        self.lower[id] == self.upper[id]
+    }
+
+    /// The size that numbers in row `id` have at x: what rounding is relative to.
+    pub(crate) fn magnitude(&self, id: usize, x_norm: f64) -> f64 {
+        let finite = |bound: f64| if bound.is_finite() { bound.abs() } else { 0.0 };
+        let bounds = finite(self.lower[id]).max(finite(self.upper[id]));
+        let norm = if id < self.n { 1.0 } else { self.norms[id] };
+        bounds + norm * x_norm
+    }
+
+    /// Copies and checks the data of a hierarchy of the same shape.
+    pub(crate) fn load(&mut self, hierarchy: &Hierarchy) -> Result<(), Error> {
+        self.check_shape(hierarchy)?;
+        self.lower[..self.n].copy_from_slice(hierarchy.lower());
+        self.upper[..self.n].copy_from_slice(hierarchy.upper());
+        for variable in 0..self.n {
+            self.check_range(variable)?;
+        }
+        for (level, data) in hierarchy.levels().iter().enumerate() {
+            let constraints = self.levels[level].constraints.start;
+            self.load_rows(constraints, data.constraints())?;
+            let start = self.levels[level].objective.start;
+            match data.objective() {
+                Objective::None => {}
+                Objective::LeastSquares(rows) => self.load_rows(start, rows)?,
+                Objective::Quadratic { hessian, gradient } => {
+                    self.factor.factorise(level, hessian, gradient)?;
+                    self.take_factor(level);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_shape(&self, hierarchy: &Hierarchy) -> Result<(), Error> {
+        let levels = hierarchy.levels();
+        if hierarchy.variables() != self.n || levels.len() != self.levels.len() {
+            return Err(Error::ShapeChanged { level: self.levels.len().min(levels.len()) });
+        }
+        for (level, (data, rows)) in levels.iter().zip(&self.levels).enumerate() {
+            let quadratic = matches!(data.objective(), Objective::Quadratic { .. });
+            if data.constraints().len() != rows.constraints.len()
+                || quadratic != rows.quadratic
+                || objective_rows(data.objective(), self.n) != rows.objective.len()
+            {
+                return Err(Error::ShapeChanged { level });
+            }
+        }
+        Ok(())
+    }
+
+    fn load_rows(&mut self, start: usize, rows: &Rows) -> Result<(), Error> {
+        for (offset, (coefficients, lower, upper)) in rows.iter().enumerate() {
+            let id = start + offset;
+            let at = (id - self.n) * self.n;
+            self.coefficients[at..at + self.n].copy_from_slice(coefficients);
+            let length = norm(coefficients);
+            if !length.is_finite() {
+                return Err(Error::NotFinite {
+                    what: "the matrix",
+                    source_of_row: self.sources[id],
+                    entry: coefficients.iter().position(|v| !v.is_finite()).unwrap_or(0),
+                });
+            }
+            self.norms[id] = length;
+            self.lower[id] = lower;
+            self.upper[id] = upper;
+            self.check_range(id)?;
+        }
+        Ok(())
+    }
+
+    fn check_range(&self, id: usize) -> Result<(), Error> {
+        let (lower, upper) = (self.lower[id], self.upper[id]);
+        // Written so that NaN fails; an infinite equality is no bound at all.
+        if lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY {
+            Ok(())
+        } else {
+            Err(Error::EmptyRange { source_of_row: self.sources[id], lower, upper })
+        }
+    }
+
+    /// ½xᵀHx + gᵀx = ½‖Rx − b‖² + linearᵀx + constant, from the factorisation just made.
+    fn take_factor(&mut self, level: usize) {
+        let n = self.n;
+        let rank = self.factor.rank();
+        let entry = &mut self.levels[level];
+        entry.used = rank;
+        entry.has_linear = self.factor.linear(&mut entry.linear);
+        for offset in 0..rank {
+            let id = entry.objective.start + offset;
+            let at = (id - n) * n;
+            let (row, target) = self.factor.row(offset);
+            self.coefficients[at..at + n].copy_from_slice(row);
+            self.norms[id] = norm(row);
+            self.lower[id] = target;
+            self.upper[id] = target;
+        }
+    }
+}
+
+fn objective_rows(objective: &Objective, variables: usize) -> usize {
+    match objective {
+        Objective::None => 0,
+        Objective::LeastSquares(rows) => rows.len(),
+        Objective::Quadratic { .. } => variables,
+    }
+}
