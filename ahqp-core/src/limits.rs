@@ -181,7 +181,8 @@ mod tests {
     /// Rounding of positions adds up over a run; nothing else may.
     fn step(limits: &Limits, state: MotionState, choice: f64) -> (VelocityInterval, MotionState) {
         let interval = limits.velocity_interval(state, PERIOD);
-        let velocity = interval.lower + choice * (interval.upper - interval.lower);
+        let velocity = (interval.lower + choice * (interval.upper - interval.lower))
+            .clamp(interval.lower, interval.upper);
         (interval, MotionState { position: state.position + velocity * PERIOD, velocity })
     }
 

@@ -1,1 +1,30 @@
-//! TBD
+//! The mobile manipulator MOCA: its model, stack of tasks and controller.
+//!
+//! ```
+//! use moca_model::{MOCA_HOME, RobotData, RobotModel, forward_kinematics, gravity, jacobian};
+//!
+//! let model = RobotModel::moca()?;
+//! let mut data = RobotData::new(&model);
+//! forward_kinematics(&model, &mut data, &MOCA_HOME)?;
+//! jacobian(&model, &mut data)?;
+//! gravity(&model, &mut data)?;
+//!
+//! assert_eq!(data.jacobian().shape(), (6, 10));
+//! assert!((data.gravity()[6] - 22.0).abs() < 0.5); // Nm on the elbow
+//! # Ok::<(), moca_model::Error>(())
+//! ```
+
+mod error;
+mod impedance;
+mod robot;
+mod simulation;
+
+pub use error::Error;
+pub use impedance::{ImpedanceSettings, JointImpedance, JointState};
+pub use robot::{
+    CartesianLimits, Joint, JointKind, JointLimits, LimitOverride, LinkId, MOCA_BASE_JOINTS,
+    MOCA_HOME, MOCA_JOINTS, MOCA_URDF, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, PANDA_CARTESIAN_LIMITS,
+    RobotData, RobotDescription, RobotModel, forward_kinematics, gravity, jacobian,
+    potential_energy, world_from_link,
+};
+pub use simulation::SimulatedRobot;

@@ -1,0 +1,178 @@
+//! How a workspace moves: its frame follows a target with limited rates.
+
+use ahqp_core::rotation_log;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
+
+use crate::error::{Error, positive};
+use crate::workspace::{check_all, check_pose};
+
+/// How fast a frame may follow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FollowerSettings {
+    /// Largest speed \[m/s\]. Default 1.0.
+    pub speed: f64,
+    /// Largest acceleration \[m/s²\]. Default 3.0.
+    pub acceleration: f64,
+    /// Largest angular speed \[rad/s\]. Default 1.5.
+    pub angular_speed: f64,
+    /// Largest angular acceleration \[rad/s²\]. Default 6.0.
+    pub angular_acceleration: f64,
+    /// Rate at which a small distance decays \[1/s\]. Default 5.0.
+    pub gain: f64,
+}
+
+impl Default for FollowerSettings {
+    fn default() -> Self {
+        Self {
+            speed: 1.0,
+            acceleration: 3.0,
+            angular_speed: 1.5,
+            angular_acceleration: 6.0,
+            gain: 5.0,
+        }
+    }
+}
+
+impl FollowerSettings {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] names the first that is not positive and finite.
+    pub fn validate(&self) -> Result<(), Error> {
+        positive("the follower's speed", self.speed)?;
+        positive("the follower's acceleration", self.acceleration)?;
+        positive("the follower's angular speed", self.angular_speed)?;
+        positive("the follower's angular acceleration", self.angular_acceleration)?;
+        positive("the follower's gain", self.gain)?;
+        Ok(())
+    }
+}
+
+/// A frame that follows a moving target without a jolt: whatever the target does, velocity and
+/// acceleration of the frame stay limited, and it comes to rest on a resting target.
+///
+/// ```
+/// use hrsw::{FollowerSettings, FrameFollower};
+/// use nalgebra::{Isometry3, Vector6};
+///
+/// let mut frame = FrameFollower::new(Isometry3::identity(), FollowerSettings::default())?;
+/// frame.retarget(Isometry3::translation(2.0, 0.0, 0.0), Vector6::zeros())?;
+/// for _ in 0..5000 {
+///     frame.advance(1e-3);
+/// }
+/// assert!((frame.pose().translation.x - 2.0).abs() < 1e-3);
+/// # Ok::<(), hrsw::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameFollower {
+    settings: FollowerSettings,
+    pose: Isometry3<f64>,
+    linear: Vector3<f64>,
+    angular: Vector3<f64>,
+    target: Isometry3<f64>,
+    target_linear: Vector3<f64>,
+    target_angular: Vector3<f64>,
+}
+
+impl FrameFollower {
+    /// A frame at rest at `pose`.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for the pose, [`Error::Parameter`] for the settings.
+    pub fn new(pose: Isometry3<f64>, settings: FollowerSettings) -> Result<Self, Error> {
+        check_pose(&pose)?;
+        settings.validate()?;
+        Ok(Self {
+            settings,
+            pose,
+            linear: Vector3::zeros(),
+            angular: Vector3::zeros(),
+            target: pose,
+            target_linear: Vector3::zeros(),
+            target_angular: Vector3::zeros(),
+        })
+    }
+
+    /// Where the frame is.
+    pub fn pose(&self) -> &Isometry3<f64> {
+        &self.pose
+    }
+
+    /// Its velocity: linear at its origin, then angular, in world axes.
+    pub fn twist(&self) -> Vector6<f64> {
+        let (v, w) = (self.linear, self.angular);
+        Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
+    }
+
+    /// Gives the target's pose now and its velocity (linear at its origin, then angular, world
+    /// axes), along which it is taken to go on.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; the target then stays as it was.
+    pub fn retarget(&mut self, pose: Isometry3<f64>, twist: Vector6<f64>) -> Result<(), Error> {
+        check_pose(&pose)?;
+        check_all("the twist of the target", twist.iter())?;
+        self.target = pose;
+        self.target_linear = twist.fixed_rows::<3>(0).into_owned();
+        self.target_angular = twist.fixed_rows::<3>(3).into_owned();
+        Ok(())
+    }
+
+    /// Lets the frame come to rest where it can stop.
+    pub fn hold(&mut self) {
+        let brake = |v: Vector3<f64>, limit: f64| v * (0.5 * v.norm() / limit);
+        self.target = moved(
+            &self.pose,
+            &brake(self.linear, self.settings.acceleration),
+            &brake(self.angular, self.settings.angular_acceleration),
+        );
+        self.target_linear = Vector3::zeros();
+        self.target_angular = Vector3::zeros();
+    }
+
+    /// Jumps to `pose`, at rest: for the first sight of a target, not for one that moves.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; the frame then stays as it was.
+    pub fn reset(&mut self, pose: Isometry3<f64>) -> Result<(), Error> {
+        *self = Self::new(pose, self.settings)?;
+        Ok(())
+    }
+
+    /// One period of `period` seconds.
+    pub fn advance(&mut self, period: f64) {
+        let settings = &self.settings;
+        self.target =
+            moved(&self.target, &(self.target_linear * period), &(self.target_angular * period));
+        let gap = self.target.translation.vector - self.pose.translation.vector;
+        let turn = rotation_log(&(self.target.rotation * self.pose.rotation.inverse()));
+        let approach = |gap: &Vector3<f64>, speed: f64, acceleration: f64| {
+            let distance = gap.norm();
+            if distance == 0.0 {
+                return Vector3::zeros();
+            }
+            // Slow enough to stop in time: the gain near the target, the brake far from it.
+            let brake = (acceleration * distance).sqrt();
+            gap * ((settings.gain * distance).min(brake).min(speed) / distance)
+        };
+        let linear = self.target_linear + approach(&gap, settings.speed, settings.acceleration);
+        let angular = self.target_angular
+            + approach(&turn, settings.angular_speed, settings.angular_acceleration);
+        let linear = limited(&linear, settings.speed);
+        let angular = limited(&angular, settings.angular_speed);
+        self.linear += limited(&(linear - self.linear), settings.acceleration * period);
+        self.angular += limited(&(angular - self.angular), settings.angular_acceleration * period);
+        self.pose = moved(&self.pose, &(self.linear * period), &(self.angular * period));
+    }
+}
+
+fn limited(v: &Vector3<f64>, limit: f64) -> Vector3<f64> {
+    let size = v.norm();
+    if size > limit { v * (limit / size) } else { *v }
+}
+
+fn moved(pose: &Isometry3<f64>, by: &Vector3<f64>, turn: &Vector3<f64>) -> Isometry3<f64> {
+    let mut rotation = UnitQuaternion::from_scaled_axis(*turn) * pose.rotation;
+    rotation.renormalize_fast();
+    Isometry3::from_parts(Translation3::from(pose.translation.vector + by), rotation)
+}

@@ -1,0 +1,215 @@
+//! Joint impedance of a torque-controlled arm.
+
+use crate::error::{Error, check_finite, check_positive, check_size};
+use crate::robot::JointLimits;
+
+/// Gains and rate limit of a [`JointImpedance`], one element a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImpedanceSettings {
+    /// `K_qp`, diagonal \[Nm/rad\]; default 600 600 600 600 250 150 50.
+    pub stiffness: Vec<f64>,
+    /// `K_qd`, diagonal \[Nm s/rad\]; default 50 50 50 20 20 20 10.
+    pub damping: Vec<f64>,
+    /// Largest change of a torque \[Nm/s\]; default 1000, that is 1 Nm a millisecond.
+    pub torque_rate: f64,
+}
+
+impl Default for ImpedanceSettings {
+    /// The Panda's gains in its maker's joint impedance example.
+    fn default() -> Self {
+        Self {
+            stiffness: vec![600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0],
+            damping: vec![50.0, 50.0, 50.0, 20.0, 20.0, 20.0, 10.0],
+            torque_rate: 1000.0,
+        }
+    }
+}
+
+impl ImpedanceSettings {
+    /// Gains for a Panda that gives way easily: stiffness 24 24 24 24 10 6 2,
+    /// damping 2 2 2 1 1 1 0.5.
+    pub fn soft() -> Self {
+        Self {
+            stiffness: vec![24.0, 24.0, 24.0, 24.0, 10.0, 6.0, 2.0],
+            damping: vec![2.0, 2.0, 2.0, 1.0, 1.0, 1.0, 0.5],
+            ..Self::default()
+        }
+    }
+
+    /// Checks the settings for an arm of `joints` joints.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`]; [`Error::NotFinite`] or [`Error::NotPositive`] if a
+    /// gain is not a positive number or the rate is not positive.
+    pub fn validate(&self, joints: usize) -> Result<(), Error> {
+        for (name, gains) in [("stiffness", &self.stiffness), ("damping", &self.damping)] {
+            check_size(name, gains, joints)?;
+            for (index, &gain) in gains.iter().enumerate() {
+                check_finite(gain, || format!("the {name} of arm joint {}", index + 1))?;
+                if gain <= 0.0 {
+                    let what = format!("the {name} of arm joint {}", index + 1);
+                    return Err(Error::NotPositive { what, value: gain });
+                }
+            }
+        }
+        check_positive(self.torque_rate, "the torque rate [Nm/s]")
+    }
+}
+
+/// Positions and velocities of an arm's joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointState<'a> {
+    /// \[rad\]
+    pub position: &'a [f64],
+    /// \[rad/s\]
+    pub velocity: &'a [f64],
+}
+
+/// Torques that make an arm follow its desired motion like springs and dampers.
+///
+/// τ = `K_qd` (q̇* − q̇) + `K_qp` (q* − q) + g(q), the paper's equation for τ, with
+/// each torque's change a tick and then its size limited. A torque leaves only
+/// if every element is finite and within the limits.
+///
+/// ```
+/// use moca_model::{ImpedanceSettings, JointImpedance, JointState, RobotModel};
+///
+/// let model = RobotModel::moca()?;
+/// let arm = &model.limits()[3..];
+/// let mut impedance = JointImpedance::new(ImpedanceSettings::default(), arm)?;
+///
+/// let measured = JointState { position: &[0.0; 7], velocity: &[0.0; 7] };
+/// let desired = JointState { position: &[0.001; 7], velocity: &[0.0; 7] };
+/// let torque = impedance.torque(desired, measured, &[0.0; 7], 0.001)?;
+/// assert!((torque[0] - 0.6).abs() < 1e-12); // 600 Nm/rad · 0.001 rad
+/// # Ok::<(), moca_model::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct JointImpedance {
+    settings: ImpedanceSettings,
+    /// Largest torques \[Nm\].
+    effort: Vec<f64>,
+    /// The last torque that left \[Nm\]; of no meaning until one has.
+    sent: Vec<f64>,
+    has_sent: bool,
+    /// The torque being computed \[Nm\].
+    torque: Vec<f64>,
+}
+
+impl JointImpedance {
+    /// A controller for the joints of `limits`, of which the effort counts.
+    ///
+    /// # Errors
+    /// Those of [`ImpedanceSettings::validate`], and [`Error::NotPositive`] for an
+    /// effort limit.
+    pub fn new(settings: ImpedanceSettings, limits: &[JointLimits]) -> Result<Self, Error> {
+        let joints = limits.len();
+        settings.validate(joints)?;
+        for limit in limits {
+            check_positive(limit.effort, "an effort limit of the arm [Nm]")?;
+        }
+        Ok(Self {
+            settings,
+            effort: limits.iter().map(|limit| limit.effort).collect(),
+            sent: vec![0.0; joints],
+            has_sent: false,
+            torque: vec![0.0; joints],
+        })
+    }
+
+    /// The torques for one tick of `dt` \[s\], one a joint \[Nm\].
+    ///
+    /// `gravity` is g(q) at the measured position \[Nm\]. The first torque's
+    /// change counts from `gravity`, as if the arm had been held still.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::NotPositive`] on dt.
+    /// No torque then leaves, and the rate limit goes on from the last that did.
+    pub fn torque(
+        &mut self,
+        desired: JointState<'_>,
+        measured: JointState<'_>,
+        gravity: &[f64],
+        dt: f64,
+    ) -> Result<&[f64], Error> {
+        self.check(&desired, &measured, gravity, dt)?;
+        self.spring_and_damper(&desired, &measured, gravity);
+        self.limit(gravity, self.settings.torque_rate * dt);
+        for (joint, &torque) in self.torque.iter().enumerate() {
+            check_finite(torque, || format!("the torque of arm joint {}", joint + 1))?;
+        }
+        self.sent.copy_from_slice(&self.torque);
+        self.has_sent = true;
+        Ok(&self.sent)
+    }
+
+    /// Forgets the last torque: the next one's change counts from gravity again.
+    pub fn reset(&mut self) {
+        self.has_sent = false;
+    }
+
+    fn check(
+        &self,
+        desired: &JointState<'_>,
+        measured: &JointState<'_>,
+        gravity: &[f64],
+        dt: f64,
+    ) -> Result<(), Error> {
+        let inputs = [
+            ("the desired arm position", desired.position),
+            ("the desired arm velocity", desired.velocity),
+            ("the measured arm position", measured.position),
+            ("the measured arm velocity", measured.velocity),
+            ("the arm's gravity torque", gravity),
+        ];
+        for (name, values) in inputs {
+            check_size(name, values, self.torque.len())?;
+            for (joint, &value) in values.iter().enumerate() {
+                check_finite(value, || format!("{name}, joint {},", joint + 1))?;
+            }
+        }
+        check_finite(dt, || "the time step [s]".to_owned())?;
+        check_positive(dt, "the time step [s]")
+    }
+
+    /// τ = `K_qd` (q̇* − q̇) + `K_qp` (q* − q) + g(q).
+    fn spring_and_damper(
+        &mut self,
+        desired: &JointState<'_>,
+        measured: &JointState<'_>,
+        gravity: &[f64],
+    ) {
+        let gains = self.settings.stiffness.iter().zip(&self.settings.damping);
+        let positions = desired.position.iter().zip(measured.position);
+        let velocities = desired.velocity.iter().zip(measured.velocity);
+        let joints = gains.zip(positions.zip(velocities)).zip(gravity);
+        for (torque, (((stiffness, damping), (position, velocity)), gravity)) in
+            self.torque.iter_mut().zip(joints)
+        {
+            *torque = damping * (velocity.0 - velocity.1)
+                + stiffness * (position.0 - position.1)
+                + gravity;
+        }
+    }
+
+    /// Limits the change since the last torque to `step` \[Nm\], then the size.
+    /// The last torque is within the effort, so both limits hold.
+    fn limit(&mut self, gravity: &[f64], step: f64) {
+        let last = if self.has_sent { &self.sent } else { gravity };
+        for ((torque, last), effort) in self.torque.iter_mut().zip(last).zip(&self.effort) {
+            let last = clamp(*last, *effort);
+            *torque = clamp(last + clamp(*torque - last, step), *effort);
+        }
+    }
+}
+
+/// `value` between −`bound` and `bound`; NaN stays, for the check behind to find.
+fn clamp(value: f64, bound: f64) -> f64 {
+    if value > bound {
+        bound
+    } else if value < -bound {
+        -bound
+    } else {
+        value
+    }
+}

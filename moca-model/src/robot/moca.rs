@@ -1,0 +1,148 @@
+//! MOCA: a Franka Emika Panda on a Robotnik SUMMIT-XL STEEL.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+use nalgebra::Isometry3;
+
+use super::description::RobotDescription;
+use super::limits::LimitOverride;
+use super::model::RobotModel;
+use crate::error::Error;
+
+/// The URDF of MOCA that this crate carries; its header names the sources.
+pub const MOCA_URDF: &str = include_str!("../../urdf/moca.urdf");
+
+/// q: base x, y, yaw, then the arm's seven joints.
+pub const MOCA_JOINTS: [&str; 10] = [
+    "base_x",
+    "base_y",
+    "base_yaw",
+    "panda_joint1",
+    "panda_joint2",
+    "panda_joint3",
+    "panda_joint4",
+    "panda_joint5",
+    "panda_joint6",
+    "panda_joint7",
+];
+
+/// How many of MOCA's joints are the base's; they come first.
+pub const MOCA_BASE_JOINTS: usize = 3;
+
+/// The base at the world's origin and the arm at its maker's home \[m, rad\].
+pub const MOCA_HOME: [f64; 10] =
+    [0.0, 0.0, 0.0, 0.0, -FRAC_PI_4, 0.0, -3.0 * PI / 4.0, 0.0, FRAC_PI_2, FRAC_PI_4];
+
+/// Acceleration \[rad/s²\] and jerk \[rad/s³\] limits of the Panda's joints,
+/// from Franka Emika's interface specification.
+const ARM_MOTION: [(f64, f64); 7] = [
+    (15.0, 7500.0),
+    (7.5, 3750.0),
+    (10.0, 5000.0),
+    (12.5, 6250.0),
+    (15.0, 7500.0),
+    (20.0, 10000.0),
+    (20.0, 10000.0),
+];
+
+/// Acceleration limits of the base: x and y \[m/s²\], yaw \[rad/s²\], from the
+/// configuration of the SUMMIT-XL STEEL's own controller. It states no jerk.
+const BASE_ACCELERATION: [f64; 3] = [0.6, 0.6, 1.5];
+
+/// Speed of the rim of a SUMMIT-XL STEEL wheel at its motor's limit \[m/s\]:
+/// 27.27 rad/s on a radius of 0.127 m.
+pub const MOCA_WHEEL_SPEED: f64 = 27.27 * 0.127;
+
+/// How far from the base's centre a wheel acts when the base turns \[m\]: half
+/// the wheelbase plus half the track, 0.2225 + 0.2045.
+///
+/// With mecanum wheels the base can move at (vₓ, vᵧ, ω) in its own frame when
+/// |vₓ| + |vᵧ| + `MOCA_WHEEL_LEVER`·|ω| ≤ [`MOCA_WHEEL_SPEED`].
+pub const MOCA_WHEEL_LEVER: f64 = 0.2225 + 0.2045;
+
+/// Limits on the motion of an end effector, each on the norm of a vector.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CartesianLimits {
+    /// \[m/s\]
+    pub linear_velocity: f64,
+    /// \[m/s²\]
+    pub linear_acceleration: f64,
+    /// \[m/s³\]
+    pub linear_jerk: f64,
+    /// \[rad/s\]
+    pub angular_velocity: f64,
+    /// \[rad/s²\]
+    pub angular_acceleration: f64,
+    /// \[rad/s³\]
+    pub angular_jerk: f64,
+}
+
+/// Limits of the Panda's end effector against its base, from Franka Emika's
+/// interface specification.
+pub const PANDA_CARTESIAN_LIMITS: CartesianLimits = CartesianLimits {
+    linear_velocity: 1.7,
+    linear_acceleration: 13.0,
+    linear_jerk: 6500.0,
+    angular_velocity: 2.5,
+    angular_acceleration: 25.0,
+    angular_jerk: 12500.0,
+};
+
+impl RobotModel {
+    /// MOCA with its fingers closed, n = 10; the tool is the point between the
+    /// finger tips.
+    ///
+    /// # Errors
+    /// None with the URDF as it is.
+    pub fn moca() -> Result<Self, Error> {
+        Self::from_urdf(MOCA_URDF, &RobotDescription::moca())
+    }
+}
+
+impl RobotDescription {
+    /// How [`MOCA_URDF`] is read: the joints of [`MOCA_JOINTS`], with
+    /// acceleration and jerk limits from the makers' specifications, positions
+    /// and efforts of the base unlimited.
+    ///
+    /// ```
+    /// use moca_model::{MOCA_URDF, RobotDescription, RobotModel};
+    /// use nalgebra::Isometry3;
+    ///
+    /// // An arm mounted 10 cm further to the front:
+    /// let mount = Isometry3::translation(0.1, 0.0, 0.38212);
+    /// let description = RobotDescription::moca().with_arm_mount(mount);
+    /// let model = RobotModel::from_urdf(MOCA_URDF, &description)?;
+    /// # Ok::<(), moca_model::Error>(())
+    /// ```
+    pub fn moca() -> Self {
+        let base = BASE_ACCELERATION.map(|acceleration| LimitOverride {
+            position: Some((f64::NEG_INFINITY, f64::INFINITY)),
+            acceleration: Some(acceleration),
+            effort: Some(f64::INFINITY),
+            ..LimitOverride::default()
+        });
+        let arm = ARM_MOTION.map(|(acceleration, jerk)| LimitOverride {
+            acceleration: Some(acceleration),
+            jerk: Some(jerk),
+            ..LimitOverride::default()
+        });
+        let names = MOCA_JOINTS.map(str::to_owned);
+        Self {
+            joints: names.to_vec(),
+            limits: names.into_iter().zip(base.into_iter().chain(arm)).collect(),
+            ..Self::new("panda_tcp")
+        }
+    }
+
+    /// The same with MOCA's arm mounted elsewhere: the pose of `panda_link0` in
+    /// `base_link`, which is 0.12688 m above the floor \[m\]. MOCA's builders
+    /// have published none; the URDF's is of a like pair of robots.
+    #[must_use]
+    pub fn with_arm_mount(mut self, base_from_arm: Isometry3<f64>) -> Self {
+        self.origins.retain(|(joint, _)| joint != ARM_MOUNT);
+        self.origins.push((ARM_MOUNT.to_owned(), base_from_arm));
+        self
+    }
+}
+
+const ARM_MOUNT: &str = "arm_mount";

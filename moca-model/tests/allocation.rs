@@ -1,0 +1,80 @@
+//! Nothing on the control path allocates after construction.
+#![allow(unsafe_code, clippy::unwrap_used, clippy::expect_used, missing_docs)]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use moca_model::{
+    ImpedanceSettings, JointImpedance, JointState, MOCA_HOME, RobotData, RobotModel,
+    SimulatedRobot, forward_kinematics, gravity, jacobian, world_from_link,
+};
+
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: every call goes to `System` with the caller's own arguments, so its
+// contract is met as the caller met it; the counter neither allocates nor unwinds.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller's layout, as it came.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: `pointer` came from `System` with this layout.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// How often `action` allocates on this thread.
+fn allocations(action: impl FnOnce()) -> usize {
+    let before = ALLOCATIONS.get();
+    action();
+    ALLOCATIONS.get() - before
+}
+
+#[test]
+fn the_counter_counts() {
+    assert!(allocations(|| drop(std::hint::black_box(vec![1_u8]))) > 0);
+}
+
+#[test]
+fn kinematics_and_gravity_allocate_nothing() {
+    let model = RobotModel::moca().unwrap();
+    let mut data = RobotData::new(&model);
+    let link = model.link("panda_link5").unwrap();
+    let count = allocations(|| {
+        for _ in 0..10 {
+            forward_kinematics(&model, &mut data, &MOCA_HOME).unwrap();
+            jacobian(&model, &mut data).unwrap();
+            gravity(&model, &mut data).unwrap();
+            std::hint::black_box(world_from_link(&model, &data, link).unwrap());
+        }
+    });
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn impedance_and_simulation_allocate_nothing() {
+    let model = RobotModel::moca().unwrap();
+    let mut robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
+    let settings = ImpedanceSettings::default();
+    let mut impedance = JointImpedance::new(settings, &model.limits()[3..]).unwrap();
+    let count = allocations(|| {
+        for _ in 0..10 {
+            robot.step(&[0.1; 10], 0.001).unwrap();
+            let measured =
+                JointState { position: &robot.position()[3..], velocity: &robot.velocity()[3..] };
+            let desired = JointState { position: &MOCA_HOME[3..], velocity: &[0.0; 7] };
+            impedance.torque(desired, measured, &[1.0; 7], 0.001).unwrap();
+        }
+    });
+    assert_eq!(count, 0);
+}
