@@ -28,6 +28,8 @@ mod settings;
 mod solution;
 mod solver;
 mod table;
+#[cfg(feature = "testing")]
+pub mod testing;
 mod vector;
 
 pub use clik::{AugmentedClik, AugmentedState, integrate_pose, pose_error};

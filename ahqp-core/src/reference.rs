@@ -16,12 +16,15 @@ use nalgebra::{DMatrix, DVector};
 use crate::error::Error;
 use crate::hierarchy::{Hierarchy, Objective};
 use crate::rows::Rows;
+use crate::table::RowTable;
 use interior::{Optimum, QuadraticProblem};
 use polish::polish;
 use span::complement;
 
 /// What the bounds of a held row may be exceeded by, relative to their size \[-\].
 const FEASIBLE: f64 = 1e-7;
+/// How often a level is solved anew from its optimum for more digits.
+const ROUNDS: usize = 3;
 /// Rows with less room than this, relative to their size, are at their bound \[-\].
 const AT_BOUND: f64 = 1e-8;
 
@@ -42,9 +45,11 @@ const AT_BOUND: f64 = 1e-8;
 /// ```
 ///
 /// # Errors
-/// [`Error::Reference`] with the level and the reason: infeasible constraints, or Clarabel's
-/// status when it fails.
+/// The errors of [`Solver::solve`](crate::Solver::solve) for data that make no problem;
+/// [`Error::Reference`] with the level and the reason for constraints that cannot hold, and with
+/// Clarabel's status where it fails.
 pub fn solve_reference(hierarchy: &Hierarchy) -> Result<DVector<f64>, Error> {
+    RowTable::new(hierarchy).load(hierarchy)?;
     let n = hierarchy.variables();
     let mut cascade = Cascade::new(hierarchy);
     for (level, data) in hierarchy.levels().iter().enumerate() {
@@ -147,9 +152,21 @@ impl Cascade {
     }
 
     fn optimum(&self, rows: &Rows, linear: &DVector<f64>) -> Result<Optimum, Error> {
-        let problem = QuadraticProblem::new(self, rows, linear);
-        let rough = problem.solve(self.level)?;
-        Ok(polish(&problem, &rough).unwrap_or(rough))
+        let mut problem = QuadraticProblem::new(self, self.x.clone(), rows, linear);
+        let mut best = problem.solve(self.level)?;
+        for _ in 0..ROUNDS {
+            if let Some(optimum) = polish(&problem, &best) {
+                return Ok(optimum);
+            }
+            // Where little violation is left, its digits show only in its own unit.
+            if problem.violation(&best.x) > 0.3 * problem.violation(&problem.origin) {
+                break;
+            }
+            let finer = QuadraticProblem::new(self, best.x.clone(), rows, linear);
+            let Ok(better) = finer.solve(self.level) else { break };
+            (problem, best) = (finer, better);
+        }
+        Ok(best)
     }
 
     /// a x keeps its value from here on, for each a.

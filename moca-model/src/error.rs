@@ -221,6 +221,44 @@ pub enum Error {
         /// Links of the model.
         count: usize,
     },
+
+    /// A setting of the controller is out of its range.
+    #[error("setting {name} is {value}; it must be {expected}")]
+    Setting {
+        /// The setting.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range it must lie in.
+        expected: &'static str,
+    },
+
+    /// The robot has another number of joints than the part that is to control it.
+    #[error("{what} has {found} entries, but the robot has {expected} joints")]
+    JointCount {
+        /// The offending item.
+        what: &'static str,
+        /// How many entries it has.
+        found: usize,
+        /// The robot's joints.
+        expected: usize,
+    },
+
+    /// The hierarchy or a limit was refused.
+    #[error(transparent)]
+    Hierarchy(#[from] ahqp_core::Error),
+
+    /// The shared workspace was refused.
+    #[error(transparent)]
+    Workspace(#[from] hrsw::Error),
+
+    /// The ergonomics were refused.
+    #[error(transparent)]
+    Ergonomics(#[from] ergo_map::Error),
+
+    /// A percept or the tracker's settings were refused.
+    #[error(transparent)]
+    Perception(#[from] vision_models::Error),
 }
 
 /// An error unless `value` is finite; `what` is asked for only then.

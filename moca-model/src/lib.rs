@@ -14,17 +14,31 @@
 //! # Ok::<(), moca_model::Error>(())
 //! ```
 
+mod command;
+mod controller;
 mod error;
 mod impedance;
+mod intention;
+mod motion_limits;
 mod robot;
+mod settings;
+mod shared_space;
 mod simulation;
+mod stack;
 
+pub use command::{Command, Outcome};
+pub use controller::Controller;
 pub use error::Error;
 pub use impedance::{ImpedanceSettings, JointImpedance, JointState};
+pub use intention::{Intention, IntentionFilter, IntentionSettings};
+pub use motion_limits::MecanumBase;
 pub use robot::{
     CartesianLimits, Joint, JointKind, JointLimits, LimitOverride, LinkId, MOCA_BASE_JOINTS,
     MOCA_HOME, MOCA_JOINTS, MOCA_URDF, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, PANDA_CARTESIAN_LIMITS,
     RobotData, RobotDescription, RobotModel, forward_kinematics, gravity, jacobian,
     potential_energy, world_from_link,
 };
+pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings, StaleSettings};
+pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
+pub use stack::{GoalTerms, PostureTask, StackInput, TaskStack};

@@ -14,7 +14,12 @@ use crate::rows::Rows;
 /// A multiplier counts when it exceeds this fraction of the level's forces \[-\].
 const NEEDED: f64 = 1e-6;
 
+/// Tolerance and regularisation of Clarabel, tried one after the other where it fails.
+const ATTEMPTS: [(f64, f64); 5] =
+    [(1e-12, 1e-9), (1e-12, 1e-8), (1e-12, 1e-11), (1e-10, 1e-7), (1e-8, 1e-7)];
+
 /// An optimum of one level.
+#[derive(Clone)]
 pub(super) struct Optimum {
     pub(super) x: DVector<f64>,
     /// Which held inequalities have a multiplier: they are active at every optimum.
@@ -25,7 +30,7 @@ pub(super) struct Optimum {
 
 /// Minimise ½‖w‖² + linearᵀy with lower ≤ B y − w ≤ upper and G y ≤ h; x = origin + basis y.
 pub(super) struct QuadraticProblem<'a> {
-    pub(super) origin: &'a DVector<f64>,
+    pub(super) origin: DVector<f64>,
     pub(super) basis: &'a DMatrix<f64>,
     pub(super) b: DMatrix<f64>,
     pub(super) lower: DVector<f64>,
@@ -36,8 +41,13 @@ pub(super) struct QuadraticProblem<'a> {
 }
 
 impl<'a> QuadraticProblem<'a> {
-    pub(super) fn new(cascade: &'a Cascade, rows: &Rows, linear: &DVector<f64>) -> Self {
-        let (origin, basis) = (&cascade.x, &cascade.free);
+    pub(super) fn new(
+        cascade: &'a Cascade,
+        origin: DVector<f64>,
+        rows: &Rows,
+        linear: &DVector<f64>,
+    ) -> Self {
+        let basis = &cascade.free;
         let matrix = DMatrix::from_row_iterator(
             rows.len(),
             rows.columns(),
@@ -49,8 +59,8 @@ impl<'a> QuadraticProblem<'a> {
                 row.fill(0.0);
             }
         }
-        let values = matrix * origin;
-        let (g, h) = reduced_inequalities(cascade);
+        let values = matrix * &origin;
+        let (g, h) = reduced_inequalities(cascade, &origin);
         Self {
             lower: DVector::from_column_slice(rows.lower()) - &values,
             upper: DVector::from_column_slice(rows.upper()) - values,
@@ -63,43 +73,73 @@ impl<'a> QuadraticProblem<'a> {
         }
     }
 
+    /// B y minus the nearest point of its range, row by row.
+    pub(super) fn violations(&self, y: &DVector<f64>) -> DVector<f64> {
+        let mut values = &self.b * y;
+        for (i, value) in values.iter_mut().enumerate() {
+            *value -= value.clamp(self.lower[i], self.upper[i]);
+        }
+        values
+    }
+
+    pub(super) fn is_equality(&self, row: usize) -> bool {
+        self.lower[row] == self.upper[row]
+    }
+
+    pub(super) fn value(&self, y: &DVector<f64>) -> f64 {
+        0.5 * self.violations(y).norm_squared() + self.linear.dot(y)
+    }
+
+    /// ‖violation‖ at x.
+    pub(super) fn violation(&self, x: &DVector<f64>) -> f64 {
+        self.violations(&self.coordinates(x)).norm()
+    }
+
+    /// y of x.
+    pub(super) fn coordinates(&self, x: &DVector<f64>) -> DVector<f64> {
+        self.basis.tr_mul(&(x - &self.origin))
+    }
+
+    /// An optimum, to tolerances relative to the violation at the origin.
     pub(super) fn solve(&self, level: usize) -> Result<Optimum, Error> {
         let (k, m, held) = (self.basis.ncols(), self.b.nrows(), self.h.len());
-        if k == 0 {
+        let unit = self.violation(&self.origin);
+        if k == 0 || (unit == 0.0 && self.linear.norm() == 0.0) {
             let none = vec![false; held];
             return Ok(Optimum { x: self.origin.clone(), needed: none.clone(), active: none });
         }
-        // The same optimum, in the units of the level's largest row.
+        // The level's largest row gets norm one, and the violation at the origin size one.
         let scale = self.b.row_iter().map(|row| row.norm()).fold(0.0, f64::max);
         let scale = if scale > 0.0 { 1.0 / scale } else { 1.0 };
+        let unit = if unit > 0.0 { unit * scale } else { 1.0 };
         let mut quadratic = DMatrix::zeros(k + m, k + m);
         let mut linear = DVector::zeros(k + m);
-        linear.rows_mut(0, k).copy_from(&(&self.linear * (scale * scale)));
+        linear.rows_mut(0, k).copy_from(&(&self.linear * (scale * scale / unit)));
         let mut conditions = Conditions::default();
         for i in 0..m {
             quadratic[(k + i, k + i)] = 1.0;
             let mut row = DVector::zeros(k + m);
             row.rows_mut(0, k).copy_from(&(self.b.row(i).transpose() * scale));
             row[k + i] = -1.0;
-            conditions.range(&row, self.lower[i] * scale, self.upper[i] * scale);
+            conditions.range(&row, self.lower[i] * scale / unit, self.upper[i] * scale / unit);
         }
         let first = conditions.inequalities.len();
         for i in 0..held {
             let row = self.g.row(i).transpose().resize_vertically(k + m, 0.0);
-            conditions.inequalities.push((row, self.h[i]));
+            conditions.inequalities.push((row, self.h[i] / unit));
         }
         let solution = conditions.minimise(&quadratic, &linear, level)?;
         let values = DVector::from_column_slice(&solution.x);
-        let y = values.rows(0, k).into_owned();
-        let w = values.rows(k, m).into_owned();
+        let y = values.rows(0, k) * unit;
+        let w = values.rows(k, m);
         let forces = w.norm() + linear.norm();
         let least = NEEDED * (forces + 1e-2);
         let at = conditions.equalities.len() + first;
         let (z, s) = (&solution.z[at..], &solution.s[at..]);
         Ok(Optimum {
-            x: self.origin + self.basis * y,
+            x: &self.origin + self.basis * y,
             needed: (0..held).map(|i| z[i] > least && z[i] > s[i]).collect(),
-            active: (0..held).map(|i| z[i] > s[i] || s[i] < AT_BOUND).collect(),
+            active: (0..held).map(|i| z[i] > s[i] || s[i] * unit < AT_BOUND).collect(),
         })
     }
 }
@@ -109,7 +149,7 @@ impl<'a> QuadraticProblem<'a> {
 /// Among those at their bounds: maximise Σ tᵢ with gᵢ y + tᵢ ≤ 0 and −1 ≤ tᵢ ≤ 1. A row that
 /// can be slack reaches t = 1, since y may be scaled; of the others at least one does not.
 pub(super) fn never_slack(cascade: &Cascade) -> Result<Vec<usize>, Error> {
-    let (g, h) = reduced_inequalities(cascade);
+    let (g, h) = reduced_inequalities(cascade, &cascade.x);
     let k = cascade.free.ncols();
     let candidates: Vec<usize> = (0..h.len()).filter(|&i| h[i] < AT_BOUND).collect();
     let count = candidates.len();
@@ -134,7 +174,10 @@ pub(super) fn never_slack(cascade: &Cascade) -> Result<Vec<usize>, Error> {
 }
 
 /// G y ≤ h with rows of unit norm.
-fn reduced_inequalities(cascade: &Cascade) -> (DMatrix<f64>, DVector<f64>) {
+fn reduced_inequalities(
+    cascade: &Cascade,
+    origin: &DVector<f64>,
+) -> (DMatrix<f64>, DVector<f64>) {
     let count = cascade.inequalities.len();
     let mut g = DMatrix::zeros(count, cascade.free.ncols());
     let mut h = DVector::zeros(count);
@@ -142,7 +185,7 @@ fn reduced_inequalities(cascade: &Cascade) -> (DMatrix<f64>, DVector<f64>) {
         let row = cascade.free.tr_mul(&inequality.a);
         let norm = row.norm();
         g.row_mut(i).copy_from(&(row.transpose() / norm));
-        h[i] = (inequality.b - inequality.a.dot(&cascade.x)).max(0.0) / norm;
+        h[i] = (inequality.b - inequality.a.dot(origin)).max(0.0) / norm;
     }
     (g, h)
 }
@@ -180,12 +223,21 @@ impl Conditions {
         let bounds: Vec<f64> = rows.iter().map(|(_, b)| *b).collect();
         let cones = [ZeroConeT(self.equalities.len()), NonnegativeConeT(self.inequalities.len())];
         let mut status = String::new();
-        for tolerance in [1e-12, 1e-10, 1e-8] {
+        for (tolerance, regularisation) in ATTEMPTS {
             let settings = DefaultSettings {
                 verbose: false,
                 tol_gap_abs: tolerance,
                 tol_gap_rel: tolerance,
                 tol_feas: tolerance,
+                reduced_tol_gap_abs: tolerance,
+                reduced_tol_gap_rel: tolerance,
+                reduced_tol_feas: tolerance,
+                // Degenerate levels need the last digits of every step.
+                iterative_refinement_reltol: 1e-15,
+                iterative_refinement_abstol: 1e-16,
+                iterative_refinement_max_iter: 50,
+                iterative_refinement_stop_ratio: 1.5,
+                static_regularization_constant: regularisation,
                 max_iter: 200,
                 ..DefaultSettings::default()
             };

@@ -6,64 +6,72 @@ use nalgebra::{DMatrix, DVector};
 use super::interior::{Optimum, QuadraticProblem};
 use super::span::{complement, least_squares};
 
+/// What may count as zero in an interior-point solution, relative \[-\]: tried in this order.
+const GUESSES: [f64; 4] = [0.0, 1e-9, 1e-7, 1e-5];
 /// How near the polished violations must be to the rough ones, relative \[-\].
 const SAME: f64 = 1e-6;
-/// How well the held inequalities must hold at the polished point \[-\].
+/// How well the held inequalities must hold at the polished point, relative \[-\].
 const HOLDS: f64 = 1e-11;
 
-/// The optimum with more digits, or nothing if the active rows of `rough` do not give it.
+/// The optimum with more digits, or nothing if no guess of the active rows gives it.
 pub(super) fn polish(problem: &QuadraticProblem<'_>, rough: &Optimum) -> Option<Optimum> {
-    let k = problem.basis.ncols();
-    let start = problem.basis.tr_mul(&(&rough.x - problem.origin));
+    let start = problem.coordinates(&rough.x);
     let violations = problem.violations(&start);
     let size = 1.0 + violations.amax();
-    let pulled: Vec<usize> = (0..violations.len())
-        .filter(|&i| {
-            problem.lower[i] == problem.upper[i] || violations[i].abs() > 1e-8 * size
-        })
-        .collect();
-    let active: Vec<usize> = (0..rough.active.len()).filter(|&i| rough.active[i]).collect();
-
-    // Onto the active rows, then to the minimum inside them.
-    let held = problem.g.select_rows(&active);
-    let onto = least_squares(&held, &select(&problem.h, &active), &DVector::zeros(k))?;
-    let rows: Vec<_> = held.row_iter().map(|row| row.transpose()).collect();
-    let inside = complement(&DMatrix::identity(k, k), &rows);
-    let b = problem.b.select_rows(&pulled);
-    let target = DVector::from_iterator(
-        pulled.len(),
-        pulled.iter().map(|&i| {
-            if violations[i] < 0.0 { problem.lower[i] } else { problem.upper[i] }
-        }),
-    );
-    let step = least_squares(
-        &(&b * &inside),
-        &(target - &b * &onto),
-        &inside.tr_mul(&problem.linear),
-    )?;
-    let y = onto + inside * step;
-
-    let holds = (&problem.g * &y - &problem.h).max() <= HOLDS * (1.0 + y.amax());
-    let same = (problem.violations(&y) - violations).amax() <= SAME * size;
-    (holds || problem.h.is_empty()).then_some(()).filter(|()| same)?;
-    Some(Optimum {
-        x: problem.origin + problem.basis * y,
-        needed: rough.needed.clone(),
-        active: rough.active.clone(),
-    })
+    let value = problem.value(&start);
+    for zero in GUESSES {
+        for nearby in GUESSES {
+            let near = (&problem.h - &problem.g * &start).map(|room| room < nearby);
+            let active: Vec<usize> =
+                (0..near.len()).filter(|&i| rough.active[i] || near[i]).collect();
+            let pulled: Vec<usize> = (0..violations.len())
+                .filter(|&i| problem.is_equality(i) || violations[i].abs() > zero * size)
+                .collect();
+            let Some(y) = equality_constrained(problem, &start, &active, &pulled) else {
+                continue;
+            };
+            let excess = &problem.g * &y - &problem.h;
+            let holds = excess.iter().all(|&excess| excess <= HOLDS * (1.0 + y.amax()));
+            let change = (problem.violations(&y) - &violations).amax();
+            let same = change <= SAME * violations.amax() + HOLDS;
+            if holds && (same || problem.value(&y) < value) {
+                return Some(Optimum { x: &problem.origin + problem.basis * y, ..rough.clone() });
+            }
+        }
+    }
+    None
 }
 
-impl QuadraticProblem<'_> {
-    /// B y minus the nearest point of its range, row by row.
-    fn violations(&self, y: &DVector<f64>) -> DVector<f64> {
-        let mut values = &self.b * y;
-        for (i, value) in values.iter_mut().enumerate() {
-            *value -= value.clamp(self.lower[i], self.upper[i]);
-        }
-        values
-    }
+/// From `start` onto the active rows, then to the minimum of the pulled rows' violation inside
+/// them, by the shortest steps.
+fn equality_constrained(
+    problem: &QuadraticProblem<'_>,
+    start: &DVector<f64>,
+    active: &[usize],
+    pulled: &[usize],
+) -> Option<DVector<f64>> {
+    let k = problem.basis.ncols();
+    let held = problem.g.select_rows(active);
+    let gap = select(&problem.h, active) - &held * start;
+    let onto = start + least_squares(&held, &norms(&held), &gap, &DVector::zeros(k))?;
+    let rows: Vec<_> = held.row_iter().map(|row| row.transpose()).collect();
+    let inside = complement(&DMatrix::identity(k, k), &rows);
+    let b = problem.b.select_rows(pulled);
+    let values = &problem.b * start;
+    let bound = |&i: &usize| {
+        let (lower, upper) = (problem.lower[i], problem.upper[i]);
+        if values[i] < lower { lower } else { upper }
+    };
+    let target = DVector::from_iterator(pulled.len(), pulled.iter().map(bound));
+    let linear = inside.tr_mul(&problem.linear);
+    let step = least_squares(&(&b * &inside), &norms(&b), &(target - &b * &onto), &linear)?;
+    Some(onto + inside * step)
 }
 
 fn select(values: &DVector<f64>, indices: &[usize]) -> DVector<f64> {
     DVector::from_iterator(indices.len(), indices.iter().map(|&i| values[i]))
+}
+
+fn norms(matrix: &DMatrix<f64>) -> Vec<f64> {
+    matrix.row_iter().map(|row| row.norm()).collect()
 }

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 /// A vector depends on others when what they leave of it is below this fraction of it \[-\].
-pub(super) const DEPENDENT: f64 = 1e-9;
+pub(super) const DEPENDENT: f64 = 1e-10;
 
 /// An orthonormal basis of the vectors in the span of `free` that are normal to `rows`.
 pub(super) fn complement(free: &DMatrix<f64>, rows: &[DVector<f64>]) -> DMatrix<f64> {
@@ -30,13 +30,14 @@ pub(super) fn complement(free: &DMatrix<f64>, rows: &[DVector<f64>]) -> DMatrix<
 }
 
 /// The point of least norm among those that minimise ½‖B y − c‖² + dᵀy, for d in the range
-/// of Bᵀ.
+/// of Bᵀ. Whether a row of B depends on others is judged relative to its entry in `sizes`.
 pub(super) fn least_squares(
     b: &DMatrix<f64>,
+    sizes: &[f64],
     c: &DVector<f64>,
     d: &DVector<f64>,
 ) -> Option<DVector<f64>> {
-    let rows = b.row_iter().map(|row| (row.transpose(), row.norm())).collect();
+    let rows = b.row_iter().zip(sizes).map(|(row, &size)| (row.transpose(), size)).collect();
     let range = independent_directions(rows);
     if range.is_empty() {
         return Some(DVector::zeros(b.ncols()));

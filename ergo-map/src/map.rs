@@ -1,0 +1,175 @@
+//! The ergonomics of one person over the points that a hand can reach.
+
+mod build;
+mod file;
+mod fit;
+mod grid;
+mod measured;
+mod samples;
+
+use nalgebra::Vector3;
+
+use crate::error::{Error, Result};
+use crate::joints::JointAngles;
+use crate::reba::{Conditions, Mode, Reba, Worksheet};
+use crate::side::Side;
+pub use build::MapOptions;
+use grid::Grid;
+pub use measured::{MeasuredOptions, Validation};
+pub use samples::{MeasuredSample, read_samples};
+
+/// The score and its gradient at a hand position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapSample {
+    /// The paper's score `e_s`, 0 to 4.25.
+    pub score: f64,
+    /// Its derivative by the hand's position in the person's frame \[1/m\].
+    pub gradient: Vector3<f64>,
+}
+
+/// A node of the map: a hand position, the posture taken there and its score.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapNode {
+    /// Hand position in the person's frame \[m\].
+    pub position: Vector3<f64>,
+    /// The posture.
+    pub angles: JointAngles,
+    /// The paper's score `e_s`.
+    pub score: f64,
+}
+
+/// The map of one person: posture and score over the reachable volume.
+///
+/// Positions are the working hand's in the person's frame H: origin on the floor below the pelvis
+/// of the person standing upright, x forward, y left, z up, in metres. Inside, the map is in
+/// statures. Between nodes the score is trilinear; a point whose eight surrounding nodes are not
+/// all reachable is outside the domain.
+///
+/// ```
+/// use ergo_map::{Conditions, ErgonomicsMap, MapOptions, Person};
+/// use nalgebra::Vector3;
+/// let options = MapOptions { spacing: 0.08, ..Default::default() };
+/// let map = ErgonomicsMap::build(&Person::average(), &options, None)?;
+/// let hand = Vector3::new(0.35, -0.15, 1.05);
+/// let sample = map.sample(&hand)?;
+/// let reba = map.assess(&hand, &Conditions::default())?;
+/// assert!(sample.score < 0.5 && reba.reba <= 3);
+/// assert!(map.sample(&Vector3::new(2.0, 0.0, 1.0)).is_err());
+/// # Ok::<(), ergo_map::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErgonomicsMap {
+    stature: f64,
+    side: Side,
+    mode: Mode,
+    grid: Grid,
+    /// `e_s` of each node, NaN where the hand cannot be.
+    scores: Vec<f64>,
+    /// Joint angles of each node, zero where the hand cannot be.
+    angles: Vec<[f64; JointAngles::LEN]>,
+}
+
+impl ErgonomicsMap {
+    /// Stature of the person \[m\].
+    pub fn stature(&self) -> f64 {
+        self.stature
+    }
+
+    /// The working hand.
+    pub fn side(&self) -> Side {
+        self.side
+    }
+
+    /// How postures are scored.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// The same map for a person of the same proportions and another stature \[m\].
+    ///
+    /// # Errors
+    /// As [`crate::Person::new`].
+    pub fn for_stature(&self, stature: f64) -> Result<Self> {
+        crate::Person::new(stature)?;
+        Ok(Self { stature, ..self.clone() })
+    }
+
+    /// Number of nodes that the hand can reach.
+    pub fn len(&self) -> usize {
+        self.scores.iter().filter(|score| !score.is_nan()).count()
+    }
+
+    /// Whether the hand can reach no node.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The nodes that the hand can reach, x slowest, z fastest.
+    pub fn nodes(&self) -> impl Iterator<Item = MapNode> + '_ {
+        let all = self.scores.iter().zip(&self.angles).enumerate();
+        all.filter(|(_, (score, _))| !score.is_nan()).map(|(index, (&score, &angles))| MapNode {
+            position: self.grid.node(index) * self.stature,
+            angles: JointAngles::from_array(angles),
+            score,
+        })
+    }
+
+    /// Whether the map knows the score at this hand position.
+    pub fn contains(&self, hand: &Vector3<f64>) -> bool {
+        self.sample(hand).is_ok()
+    }
+
+    /// The score and its gradient. Allocates nothing and takes a fixed time.
+    ///
+    /// # Errors
+    /// [`Error::OutOfDomain`] outside the reachable volume, NaN included.
+    pub fn sample(&self, hand: &Vector3<f64>) -> Result<MapSample> {
+        let (cell, mut score, mut gradient) = (self.cell(hand)?, 0.0, Vector3::zeros());
+        for corner in 0..8 {
+            let value = self.scores.get(cell.corner(corner)).copied().unwrap_or(f64::NAN);
+            let (weight, slope) = cell.weight(corner);
+            score += weight * value;
+            gradient += slope * value;
+        }
+        if score.is_nan() {
+            return Err(out_of_domain(hand));
+        }
+        Ok(MapSample { score, gradient: gradient / self.stature })
+    }
+
+    /// The posture taken to put the hand there, trilinear between nodes. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::OutOfDomain`] outside the reachable volume, NaN included.
+    pub fn posture(&self, hand: &Vector3<f64>) -> Result<JointAngles> {
+        self.sample(hand)?;
+        let cell = self.cell(hand)?;
+        let mut angles = [0.0; JointAngles::LEN];
+        for corner in 0..8 {
+            let (weight, _) = cell.weight(corner);
+            if let Some(node) = self.angles.get(cell.corner(corner)) {
+                for (sum, angle) in angles.iter_mut().zip(node) {
+                    *sum += weight * angle;
+                }
+            }
+        }
+        Ok(JointAngles::from_array(angles))
+    }
+
+    /// The integer REBA of the posture taken to put the hand there. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::OutOfDomain`]; [`Error::OutOfRange`] for the load.
+    pub fn assess(&self, hand: &Vector3<f64>, conditions: &Conditions) -> Result<Reba> {
+        let posture = self.posture(hand)?.posture();
+        Worksheet::from_posture(&posture, *conditions).score()
+    }
+
+    fn cell(&self, hand: &Vector3<f64>) -> Result<grid::Cell> {
+        self.grid.cell(&(hand / self.stature)).ok_or_else(|| out_of_domain(hand))
+    }
+}
+
+fn out_of_domain(hand: &Vector3<f64>) -> Error {
+    Error::OutOfDomain { x: hand.x, y: hand.y, z: hand.z }
+}

@@ -1,0 +1,99 @@
+//! Building the map from predicted postures.
+
+use core::sync::atomic::{AtomicUsize, Ordering};
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use super::ErgonomicsMap;
+use super::grid::Grid;
+use crate::error::Result;
+use crate::joints::JointAngles;
+use crate::person::Person;
+use crate::predict::{EffortWeights, HandTarget, PosturePredictor};
+use crate::reba::{Conditions, Mode, ergonomics_score};
+use crate::region::Region;
+use crate::side::Side;
+
+/// How a map is built.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapOptions {
+    /// The working hand.
+    pub side: Side,
+    /// Distance between nodes, in statures.
+    pub spacing: f64,
+    /// Where to look, in the person's frame \[m\]; `None` is
+    /// [`Region::surroundings`].
+    pub region: Option<Region>,
+    /// How postures are scored.
+    pub mode: Mode,
+    /// What weighs how much when a posture is chosen.
+    pub weights: EffortWeights,
+}
+
+impl Default for MapOptions {
+    fn default() -> Self {
+        Self {
+            side: Side::Right,
+            spacing: 0.05,
+            region: None,
+            mode: Mode::Graded,
+            weights: EffortWeights::default(),
+        }
+    }
+}
+
+impl ErgonomicsMap {
+    /// Predicts and scores the posture at every node, in parallel on rayon's current thread pool.
+    /// The result does not depend on the number of threads.
+    ///
+    /// `progress` is called now and then, from any thread, with nodes done and nodes in all.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] and others for the options; a node out of reach is no error.
+    pub fn build(
+        person: &Person,
+        options: &MapOptions,
+        progress: Option<&(dyn Fn(usize, usize) + Sync)>,
+    ) -> Result<Self> {
+        let predictor = PosturePredictor::with_weights(person, options.side, &options.weights)?;
+        let stature = person.stature();
+        let region = match options.region {
+            Some(region) => region.scaled(1.0 / stature),
+            None => Region::surroundings(1.0, options.side),
+        };
+        let grid = Grid::covering(&region, options.spacing)?;
+        let (done, all) = (AtomicUsize::new(0), grid.len());
+        let nodes: Vec<_> = (0..all)
+            .into_par_iter()
+            .map(|index| {
+                let node = score_node(&predictor, &(grid.node(index) * stature), options.mode);
+                let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                if let Some(progress) = progress
+                    && (done.is_multiple_of(64) || done == all)
+                {
+                    progress(done, all);
+                }
+                node
+            })
+            .collect();
+        let (scores, angles) = nodes.into_iter().unzip();
+        Ok(Self { stature, side: options.side, mode: options.mode, grid, scores, angles })
+    }
+}
+
+/// Score and joint angles at a hand position; NaN where the hand cannot be.
+fn score_node(
+    predictor: &PosturePredictor,
+    position: &Vector3<f64>,
+    mode: Mode,
+) -> (f64, [f64; JointAngles::LEN]) {
+    match predictor.predict(&HandTarget::point(*position)) {
+        Ok(prediction) => {
+            let posture = prediction.angles.posture();
+            let score = ergonomics_score(&posture, &Conditions::default(), mode);
+            (score, prediction.angles.to_array())
+        }
+        Err(_) => (f64::NAN, [0.0; JointAngles::LEN]),
+    }
+}

@@ -1,0 +1,69 @@
+use nalgebra::{Matrix3, Vector3};
+
+use crate::error::{Result, finite};
+
+/// Where a person stands in the world: the floor below the pelvis and the heading.
+///
+/// ```
+/// use ergo_map::PersonPose;
+/// use nalgebra::Vector3;
+/// let person = PersonPose::new(Vector3::new(1.0, 2.0, 0.0), core::f64::consts::FRAC_PI_2)?;
+/// let hand = person.to_world(&Vector3::new(0.4, 0.0, 1.1));
+/// assert!((hand - Vector3::new(1.0, 2.4, 1.1)).norm() < 1e-12);
+/// # Ok::<(), ergo_map::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PersonPose {
+    position: Vector3<f64>,
+    heading: f64,
+}
+
+impl PersonPose {
+    /// The pose of a person whose frame H has its origin at `position` \[m\] (world, on the floor
+    /// below the pelvis) and whose x axis points along `heading` \[rad\] about the world's z axis.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFinite`] for a coordinate or the heading.
+    pub fn new(position: Vector3<f64>, heading: f64) -> Result<Self> {
+        for (name, value) in ["person x", "person y", "person z"].into_iter().zip(position.iter()) {
+            finite(name, *value)?;
+        }
+        Ok(Self { position, heading: finite("person heading", heading)? })
+    }
+
+    /// The pose of a person from the tracked pelvis \[m, world\], heading \[rad\] and the floor's
+    /// height \[m\]. Upright, the pelvis is above the origin of the person's frame; bent, it moves
+    /// back by some centimetres, which this does not correct.
+    ///
+    /// # Errors
+    /// As [`PersonPose::new`].
+    pub fn from_pelvis(pelvis: &Vector3<f64>, heading: f64, floor: f64) -> Result<Self> {
+        Self::new(Vector3::new(pelvis.x, pelvis.y, floor), heading)
+    }
+
+    /// Origin of the person's frame in the world \[m\].
+    pub fn position(&self) -> &Vector3<f64> {
+        &self.position
+    }
+
+    /// Heading \[rad\].
+    pub fn heading(&self) -> f64 {
+        self.heading
+    }
+
+    /// The rotation that takes directions of the person's frame to the world.
+    pub fn rotation(&self) -> Matrix3<f64> {
+        let (sin, cos) = self.heading.sin_cos();
+        Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
+    }
+
+    /// A point of the person's frame, in the world.
+    pub fn to_world(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.position + self.rotation() * point
+    }
+
+    /// A point of the world, in the person's frame.
+    pub fn to_person(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation().tr_mul(&(point - self.position))
+    }
+}

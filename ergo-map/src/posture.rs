@@ -1,0 +1,131 @@
+use crate::error::{Result, finite};
+
+/// A posture as an assessor sees it: the angles that REBA and RULA ask for \[rad\].
+///
+/// Zero everywhere is upright standing with hanging arms. Signs: flexion is positive and extension
+/// negative; side bends, twists and rotations count by magnitude. The trunk's flexion is its
+/// inclination from the vertical; the neck's and the upper arm's are relative to the trunk.
+///
+/// ```
+/// let leaning = ergo_map::Posture { trunk_flexion: 0.5, ..Default::default() };
+/// assert!(leaning.validate().is_ok());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Posture {
+    /// Inclination of the trunk from the vertical, forward positive.
+    pub trunk_flexion: f64,
+    /// Side bend of the trunk.
+    pub trunk_side: f64,
+    /// Twist of the trunk about its long axis.
+    pub trunk_twist: f64,
+    /// Flexion of the neck, forward positive.
+    pub neck_flexion: f64,
+    /// Side bend of the neck.
+    pub neck_side: f64,
+    /// Rotation of the head about the neck's long axis.
+    pub neck_twist: f64,
+    /// Flexion of the knees.
+    pub knee_flexion: f64,
+    /// Flexion of the upper arm in the sagittal plane of the trunk, forward positive.
+    pub upper_arm_flexion: f64,
+    /// Angle of the upper arm out of the sagittal plane of the trunk, outward positive.
+    pub upper_arm_abduction: f64,
+    /// Rotation of the upper arm about its long axis.
+    pub upper_arm_rotation: f64,
+    /// Flexion of the elbow.
+    pub elbow_flexion: f64,
+    /// Flexion of the wrist, extension negative.
+    pub wrist_flexion: f64,
+    /// Radial or ulnar deviation of the wrist.
+    pub wrist_deviation: f64,
+    /// Pronation or supination of the forearm from its middle.
+    pub wrist_twist: f64,
+}
+
+impl Posture {
+    /// Number of angles.
+    pub const LEN: usize = 14;
+
+    /// The angles in the order in which the fields are declared.
+    pub fn to_array(&self) -> [f64; Self::LEN] {
+        [
+            self.trunk_flexion,
+            self.trunk_side,
+            self.trunk_twist,
+            self.neck_flexion,
+            self.neck_side,
+            self.neck_twist,
+            self.knee_flexion,
+            self.upper_arm_flexion,
+            self.upper_arm_abduction,
+            self.upper_arm_rotation,
+            self.elbow_flexion,
+            self.wrist_flexion,
+            self.wrist_deviation,
+            self.wrist_twist,
+        ]
+    }
+
+    /// The inverse of [`Posture::to_array`].
+    pub fn from_array(angles: [f64; Self::LEN]) -> Self {
+        let [
+            trunk_flexion,
+            trunk_side,
+            trunk_twist,
+            neck_flexion,
+            neck_side,
+            neck_twist,
+            knee_flexion,
+            upper_arm_flexion,
+            upper_arm_abduction,
+            upper_arm_rotation,
+            elbow_flexion,
+            wrist_flexion,
+            wrist_deviation,
+            wrist_twist,
+        ] = angles;
+        Self {
+            trunk_flexion,
+            trunk_side,
+            trunk_twist,
+            neck_flexion,
+            neck_side,
+            neck_twist,
+            knee_flexion,
+            upper_arm_flexion,
+            upper_arm_abduction,
+            upper_arm_rotation,
+            elbow_flexion,
+            wrist_flexion,
+            wrist_deviation,
+            wrist_twist,
+        }
+    }
+
+    /// Checks that every angle is finite.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFinite`] names the first angle that is not.
+    pub fn validate(&self) -> Result<()> {
+        const NAMES: [&str; Posture::LEN] = [
+            "trunk_flexion",
+            "trunk_side",
+            "trunk_twist",
+            "neck_flexion",
+            "neck_side",
+            "neck_twist",
+            "knee_flexion",
+            "upper_arm_flexion",
+            "upper_arm_abduction",
+            "upper_arm_rotation",
+            "elbow_flexion",
+            "wrist_flexion",
+            "wrist_deviation",
+            "wrist_twist",
+        ];
+        for (name, angle) in NAMES.into_iter().zip(self.to_array()) {
+            finite(name, angle)?;
+        }
+        Ok(())
+    }
+}

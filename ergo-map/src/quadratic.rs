@@ -1,0 +1,146 @@
+//! A convex quadratic that stands for the score in a quadratic programme.
+
+mod admm;
+mod boxed;
+mod fit;
+mod report;
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::error::{Error, Result, finite, within};
+use crate::person_pose::PersonPose;
+pub(crate) use fit::{FitInput, fit_weighted};
+pub use fit::{FitOptions, ScoredPoint};
+pub use report::{FitReport, Regret};
+pub(crate) use report::{correlation, ranks};
+
+/// e(x) = ½ xᵀ H x + gᵀ x + c with H symmetric and positive semidefinite; x is a hand position \[m\]
+/// in the person's frame or, once [`placed`](ErgonomicsQuadratic::placed), in the world.
+///
+/// ```
+/// use ergo_map::{ErgonomicsMap, FitOptions, MapOptions, Person, PersonPose};
+/// use nalgebra::Vector3;
+/// let options = MapOptions { spacing: 0.08, ..Default::default() };
+/// let map = ErgonomicsMap::build(&Person::average(), &options, None)?;
+/// let (quadratic, report) = map.fit(&FitOptions::default())?;
+/// assert!(report.r_squared > 0.8);
+///
+/// let person = PersonPose::new(Vector3::new(2.0, 1.0, 0.0), core::f64::consts::PI)?;
+/// let terms = quadratic.placed(&person).task_terms(&Vector3::new(1.5, 1.0, 1.0), 0.2)?;
+/// assert!(terms.hessian.symmetric_eigenvalues().min() > 0.0);
+/// # Ok::<(), ergo_map::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErgonomicsQuadratic {
+    hessian: Matrix3<f64>,
+    gradient: Vector3<f64>,
+    constant: f64,
+}
+
+/// The score in terms of the desired hand velocity v \[m/s\] (the paper's `ẋ_d`):
+/// ½ vᵀ hessian v + gradientᵀ v plus a constant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TaskTerms {
+    /// τ² H.
+    pub hessian: Matrix3<f64>,
+    /// τ (H x + g), x being the desired position of the last tick.
+    pub gradient: Vector3<f64>,
+}
+
+impl ErgonomicsQuadratic {
+    /// The quadratic with these coefficients.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for a coefficient, [`Error::NotSymmetric`] and [`Error::NotConvex`]
+    /// for the Hessian (an eigenvalue below -1e-9 of the largest entry).
+    pub fn new(hessian: Matrix3<f64>, gradient: Vector3<f64>, constant: f64) -> Result<Self> {
+        hessian.iter().try_for_each(|h| finite("hessian", *h).map(drop))?;
+        gradient.iter().try_for_each(|g| finite("gradient", *g).map(drop))?;
+        finite("constant", constant)?;
+        let scale = hessian.amax();
+        let asymmetry = (hessian - hessian.transpose()).amax();
+        if asymmetry > 1e-9 * scale {
+            return Err(Error::NotSymmetric { asymmetry });
+        }
+        let hessian = (hessian + hessian.transpose()) * 0.5;
+        let smallest = hessian.symmetric_eigenvalues().min();
+        if smallest < -1e-9 * scale {
+            return Err(Error::NotConvex { eigenvalue: smallest });
+        }
+        Ok(Self { hessian, gradient, constant })
+    }
+
+    /// H \[1/m²\].
+    pub fn hessian(&self) -> &Matrix3<f64> {
+        &self.hessian
+    }
+
+    /// g \[1/m\].
+    pub fn gradient(&self) -> &Vector3<f64> {
+        &self.gradient
+    }
+
+    /// c.
+    pub fn constant(&self) -> f64 {
+        self.constant
+    }
+
+    /// e(x).
+    #[inline]
+    pub fn value(&self, x: &Vector3<f64>) -> f64 {
+        x.dot(&(self.hessian * x * 0.5 + self.gradient)) + self.constant
+    }
+
+    /// The derivative of e at x \[1/m\].
+    #[inline]
+    pub fn gradient_at(&self, x: &Vector3<f64>) -> Vector3<f64> {
+        self.hessian * x + self.gradient
+    }
+
+    /// Where e is smallest; `None` where H is singular.
+    pub fn minimiser(&self) -> Option<Vector3<f64>> {
+        self.hessian.cholesky().map(|factor| -factor.solve(&self.gradient))
+    }
+
+    /// The same quadratic as a function of world positions:
+    /// `H_w` = R H Rᵀ, `g_w` = R g - `H_w` p, with the person at p, turned by R.
+    #[must_use]
+    pub fn placed(&self, person: &PersonPose) -> Self {
+        let rotation = person.rotation();
+        let hessian = rotation * self.hessian * rotation.transpose();
+        let turned = rotation * self.gradient;
+        let p = person.position();
+        Self {
+            // Exactly symmetric in spite of rounding.
+            hessian: (hessian + hessian.transpose()) * 0.5,
+            gradient: turned - hessian * p,
+            constant: self.constant + 0.5 * p.dot(&(hessian * p)) - turned.dot(p),
+        }
+    }
+
+    /// (1 - share) of this quadratic plus share of another; convex for a share from 0 to 1.
+    pub(crate) fn blended(&self, other: &Self, share: f64) -> Self {
+        let keep = 1.0 - share;
+        Self {
+            hessian: self.hessian * keep + other.hessian * share,
+            gradient: self.gradient * keep + other.gradient * share,
+            constant: self.constant * keep + other.constant * share,
+        }
+    }
+
+    /// The quadratic at `x_previous` + τ v as a function of the velocity v: hessian τ² H, gradient
+    /// τ (H `x_previous` + g). The frame of the quadratic is the frame of `x_previous`.
+    ///
+    /// With τ = Δt this is the paper's form; a longer horizon makes the hand approach the optimum
+    /// with the time constant τ instead of within one tick.
+    ///
+    /// # Errors
+    /// The horizon τ \[s\] must be positive and at most 60 s.
+    pub fn task_terms(&self, x_previous: &Vector3<f64>, horizon: f64) -> Result<TaskTerms> {
+        let horizon = within("horizon", horizon, [1e-6, 60.0], "s")?;
+        Ok(TaskTerms {
+            hessian: self.hessian * (horizon * horizon),
+            gradient: self.gradient_at(x_previous) * horizon,
+        })
+    }
+}

@@ -1,0 +1,105 @@
+//! From scored points to a quadratic.
+
+use nalgebra::Vector3;
+
+use super::ErgonomicsQuadratic;
+use super::admm::convex_fit;
+use super::report::FitReport;
+use crate::error::{Error, Result, finite, within};
+use crate::region::Region;
+
+/// Fewest points for a fit: twice the number of coefficients.
+const FEWEST: usize = 20;
+
+/// A hand position \[m\] with the score there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScoredPoint {
+    /// Hand position.
+    pub position: Vector3<f64>,
+    /// The score, usually `e_s`.
+    pub score: f64,
+}
+
+/// How a quadratic is fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FitOptions {
+    /// The points that count, in the person's frame; `None` is [`Region::work_zone`] for a map and
+    /// every point for bare samples.
+    pub region: Option<Region>,
+    /// T in the weight exp(-(e - min e)/T): the smaller, the more good postures count. Infinity
+    /// weighs all alike.
+    pub temperature: f64,
+    /// ε \[1/m²\] in H ⪰ εI, positive.
+    pub min_curvature: f64,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self { region: None, temperature: 0.5, min_curvature: 1e-3 }
+    }
+}
+
+impl FitOptions {
+    /// Checks temperature and curvature.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the name of the option.
+    pub fn validate(&self) -> Result<()> {
+        if self.temperature != f64::INFINITY {
+            within("temperature", self.temperature, [1e-3, 1e9], "(score)")?;
+        }
+        within("min_curvature", self.min_curvature, [1e-12, 1e6], "1/m²").map(drop)
+    }
+}
+
+impl ErgonomicsQuadratic {
+    /// The convex quadratic that fits scored points best:
+    /// minimise Σ w (e(x) - score)² subject to H ⪰ εI, w = exp(-(score - min)/T).
+    ///
+    /// # Errors
+    /// [`Error::TooFewSamples`] below 20 points, [`Error::DegenerateSamples`] where they do not
+    /// determine a quadratic, [`Error::NotFinite`] for a point, [`Error::OutOfRange`] for an
+    /// option.
+    pub fn fit(points: &[ScoredPoint], options: &FitOptions) -> Result<(Self, FitReport)> {
+        let inside = |point: &&ScoredPoint| {
+            options.region.is_none_or(|region| region.contains(&point.position))
+        };
+        let points: Vec<ScoredPoint> = points.iter().filter(inside).copied().collect();
+        let weights = options.weights(&points);
+        fit_weighted(&FitInput { points, weights }, options)
+    }
+}
+
+impl FitOptions {
+    /// exp(-(e - min e)/T) of each point.
+    pub(crate) fn weights(&self, points: &[ScoredPoint]) -> Vec<f64> {
+        let lowest = points.iter().map(|p| p.score).fold(f64::INFINITY, f64::min);
+        points.iter().map(|p| (-(p.score - lowest) / self.temperature).exp()).collect()
+    }
+}
+
+/// Points with their weights, as many of one as of the other.
+pub(crate) struct FitInput {
+    pub(crate) points: Vec<ScoredPoint>,
+    pub(crate) weights: Vec<f64>,
+}
+
+/// The fit of weighted points, with its report.
+pub(crate) fn fit_weighted(
+    input: &FitInput,
+    options: &FitOptions,
+) -> Result<(ErgonomicsQuadratic, FitReport)> {
+    options.validate()?;
+    let FitInput { points, weights } = input;
+    if points.len() < FEWEST {
+        let (what, needed, found) = ("the fit of a quadratic", FEWEST, points.len());
+        return Err(Error::TooFewSamples { what, needed, found });
+    }
+    for point in points {
+        point.position.iter().try_for_each(|x| finite("position of a sample", *x).map(drop))?;
+        finite("score of a sample", point.score)?;
+    }
+    let fit = convex_fit(points, weights, options.min_curvature)?;
+    let report = FitReport::new(&fit.quadratic, fit.bound_active, points, weights);
+    Ok((fit.quadratic, report))
+}

@@ -1,0 +1,17 @@
+//! Rapid Entire Body Assessment: the integer score and two continuous ones from the same core.
+
+mod conditions;
+mod continuous;
+mod curve;
+mod score;
+mod smooth;
+mod table;
+mod tables;
+mod worksheet;
+
+pub use conditions::{Conditions, Coupling, LegSupport};
+pub use continuous::{
+    ContinuousReba, Contributions, Mode, ergonomics_score, ergonomics_score_gradient,
+};
+pub use score::{ActionLevel, Reba, RebaSubScores};
+pub use worksheet::Worksheet;

@@ -1,0 +1,278 @@
+use super::conditions::{Conditions, LegSupport};
+use super::curve::{self, Part};
+use super::smooth::{Dual, Smooth};
+use super::table::{interpolate_a, interpolate_b, interpolate_c};
+use super::worksheet::Worksheet;
+use crate::error::{Result, within};
+use crate::posture::Posture;
+
+/// How the printed classes become continuous.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Mode {
+    /// Piecewise linear, half-way between two classes at the threshold between them: rounding
+    /// gives the class back, and there is no plateau away from the neutral posture. Use it to
+    /// compare similar postures and to build maps.
+    #[default]
+    Graded,
+    /// A smooth step around each threshold and the printed class elsewhere: close to the integer
+    /// score, plateaus included. The steps are steep in their middle, so that rounding gives the
+    /// integer score on more than 99 % of postures at ±2°.
+    Faithful {
+        /// Half the width of each step \[rad\], positive.
+        half_width: f64,
+    },
+}
+
+impl Mode {
+    /// [`Mode::Faithful`] with steps over ±2°.
+    pub const FAITHFUL: Self = Self::Faithful { half_width: 2.0 * core::f64::consts::PI / 180.0 };
+
+    fn validate(self) -> Result<()> {
+        match self {
+            Self::Graded => Ok(()),
+            Self::Faithful { half_width } => {
+                within("half_width", half_width, [1e-6, 0.5], "rad").map(drop)
+            }
+        }
+    }
+}
+
+/// What each part of the body contributes to `e_s`, 0 being the best.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contributions {
+    /// Arms: table B less 1, 0 to 8.
+    pub arms: f64,
+    /// Trunk sub-score less 1, 0 to 4.
+    pub trunk: f64,
+    /// Legs sub-score less 1, 0 to 3.
+    pub legs: f64,
+    /// Neck sub-score less 1, 0 to 2.
+    pub neck: f64,
+}
+
+impl Contributions {
+    /// The paper's continuous score `e_s`: the mean of the four contributions, 0 to 4.25.
+    pub fn mean(&self) -> f64 {
+        0.25 * (self.arms + self.trunk + self.legs + self.neck)
+    }
+}
+
+/// The continuous counterpart of [`crate::Reba`]: the same parts, tables and additions.
+///
+/// ```
+/// use ergo_map::{Conditions, ContinuousReba, Mode, Posture};
+/// let posture = Posture { trunk_flexion: 0.3, neck_flexion: 0.17, ..Default::default() };
+/// let graded = ContinuousReba::of_posture(&posture, &Conditions::default(), Mode::Graded)?;
+/// assert!(graded.trunk > 2.0 && graded.trunk < 2.5);
+/// assert!(graded.contributions().mean() < 0.5);
+/// # Ok::<(), ergo_map::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContinuousReba {
+    /// Neck sub-score.
+    pub neck: f64,
+    /// Trunk sub-score.
+    pub trunk: f64,
+    /// Legs sub-score.
+    pub legs: f64,
+    /// Upper-arm sub-score.
+    pub upper_arm: f64,
+    /// Lower-arm sub-score.
+    pub lower_arm: f64,
+    /// Wrist sub-score.
+    pub wrist: f64,
+    /// Table A plus load and shock.
+    pub score_a: f64,
+    /// Table B, interpolated.
+    pub table_b: f64,
+    /// Table B plus coupling.
+    pub score_b: f64,
+    /// Table C at scores A and B.
+    pub score_c: f64,
+    /// The score: score C plus activity.
+    pub reba: f64,
+}
+
+impl ContinuousReba {
+    /// The continuous score of a posture. Adjustments that the sheet ticks (twisted, abducted, …)
+    /// grow with the angle as well.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFinite`] for an angle, [`crate::Error::OutOfRange`] for the load or the
+    /// mode's half width.
+    pub fn of_posture(posture: &Posture, conditions: &Conditions, mode: Mode) -> Result<Self> {
+        posture.validate()?;
+        conditions.validate()?;
+        mode.validate()?;
+        Ok(whole(sub_scores(posture.to_array(), conditions, mode), conditions))
+    }
+
+    /// The continuous score of a filled-in sheet: the angles count continuously, ticked boxes as
+    /// ticked.
+    ///
+    /// # Errors
+    /// As [`ContinuousReba::of_posture`].
+    pub fn of_worksheet(sheet: &Worksheet, mode: Mode) -> Result<Self> {
+        sheet.validate()?;
+        mode.validate()?;
+        let ticked = |flag: bool| f64::from(u8::from(flag));
+        let angles = Angles {
+            trunk_flexion: sheet.trunk_flexion,
+            trunk_bend: ticked(sheet.trunk_twisted_or_bent),
+            neck_flexion: sheet.neck_flexion,
+            neck_bend: ticked(sheet.neck_twisted_or_bent),
+            knee_flexion: sheet.knee_flexion,
+            upper_arm_flexion: sheet.upper_arm_flexion,
+            arm_turned: ticked(sheet.arm_abducted_or_rotated),
+            elbow_flexion: sheet.elbow_flexion,
+            wrist_flexion: sheet.wrist_flexion,
+            wrist_turned: ticked(sheet.wrist_deviated_or_twisted),
+        };
+        Ok(whole(angles.sub_scores(&sheet.conditions, mode), &sheet.conditions))
+    }
+
+    /// The paper's four contributions.
+    pub fn contributions(&self) -> Contributions {
+        Contributions {
+            arms: self.table_b - 1.0,
+            trunk: self.trunk.clamp(1.0, 5.0) - 1.0,
+            legs: self.legs.clamp(1.0, 4.0) - 1.0,
+            neck: self.neck.clamp(1.0, 3.0) - 1.0,
+        }
+    }
+}
+
+/// The paper's score `e_s` of a posture (Sec. III-B: arms, trunk, legs and neck taken separately and
+/// averaged), 0 to 4.25; see [`Contributions`]. Load, coupling and activity do not enter.
+///
+/// Angles must be finite: a NaN angle gives a NaN score.
+pub fn ergonomics_score(posture: &Posture, conditions: &Conditions, mode: Mode) -> f64 {
+    mean(sub_scores(posture.to_array(), conditions, mode))
+}
+
+/// `e_s` with its gradient by the posture's angles \[1/rad\], where it exists: at a knot of a graded
+/// curve a value between the two one-sided derivatives is given.
+pub fn ergonomics_score_gradient(
+    posture: &Posture,
+    conditions: &Conditions,
+    mode: Mode,
+) -> (f64, Posture) {
+    let score = mean(sub_scores(Dual::angles(posture), conditions, mode));
+    (score.value, Posture::from_array(score.gradient))
+}
+
+/// The sub-scores in the order neck, trunk, legs, upper arm, lower arm, wrist.
+type SubScores<S> = [S; 6];
+
+/// What the curves read: angles \[rad\], and adjustments from 0 to 1.
+struct Angles<S> {
+    trunk_flexion: S,
+    trunk_bend: S,
+    neck_flexion: S,
+    neck_bend: S,
+    knee_flexion: S,
+    upper_arm_flexion: S,
+    arm_turned: S,
+    elbow_flexion: S,
+    wrist_flexion: S,
+    wrist_turned: S,
+}
+
+impl<S: Smooth> Angles<S> {
+    fn sub_scores(self, conditions: &Conditions, mode: Mode) -> SubScores<S> {
+        let class = |part: &Part, angle: S| apply(part, angle, mode);
+        let legs = match conditions.support {
+            LegSupport::Bilateral => class(&curve::KNEE, self.knee_flexion).shifted(1.0),
+            LegSupport::Unilateral => class(&curve::KNEE, self.knee_flexion).shifted(2.0),
+            LegSupport::Sitting => self.knee_flexion.chain(1.0, 0.0),
+        };
+        [
+            class(&curve::NECK, self.neck_flexion).plus(self.neck_bend),
+            class(&curve::TRUNK, self.trunk_flexion).plus(self.trunk_bend),
+            legs,
+            class(&curve::UPPER_ARM, self.upper_arm_flexion)
+                .plus(self.arm_turned)
+                .shifted(f64::from(conditions.arm_adjustment()))
+                .clamped(1.0, f64::INFINITY),
+            class(&curve::LOWER_ARM, self.elbow_flexion),
+            class(&curve::WRIST, self.wrist_flexion).plus(self.wrist_turned),
+        ]
+    }
+}
+
+fn apply<S: Smooth>(part: &Part, angle: S, mode: Mode) -> S {
+    let (value, slope) = part.curve(angle.value(), mode);
+    angle.chain(value, slope)
+}
+
+fn sub_scores<S: Smooth>(
+    posture: [S; Posture::LEN],
+    conditions: &Conditions,
+    mode: Mode,
+) -> SubScores<S> {
+    let [
+        trunk_flexion,
+        trunk_side,
+        trunk_twist,
+        neck_flexion,
+        neck_side,
+        neck_twist,
+        knee_flexion,
+        upper_arm_flexion,
+        abduction,
+        rotation,
+        elbow_flexion,
+        wrist_flexion,
+        deviation,
+        wrist_twist,
+    ] = posture;
+    let magnitude = |angle: S| angle.chain(angle.value().abs(), angle.value().signum());
+    let turned = |part: &Part, angle: S| apply(part, magnitude(angle), mode);
+    // One +1 for either, not two.
+    let either = |a: &Part, x: S, b: &Part, y: S| turned(a, x).larger(turned(b, y));
+    Angles {
+        trunk_flexion,
+        trunk_bend: either(&curve::TRUNK_BEND, trunk_side, &curve::TRUNK_BEND, trunk_twist),
+        neck_flexion,
+        neck_bend: either(&curve::NECK_BEND, neck_side, &curve::NECK_BEND, neck_twist),
+        knee_flexion,
+        upper_arm_flexion,
+        arm_turned: either(&curve::ABDUCTION, abduction, &curve::ARM_ROTATION, rotation),
+        elbow_flexion,
+        wrist_flexion,
+        wrist_turned: either(&curve::DEVIATION, deviation, &curve::WRIST_TWIST, wrist_twist),
+    }
+    .sub_scores(conditions, mode)
+}
+
+fn mean<S: Smooth>([neck, trunk, legs, upper_arm, lower_arm, wrist]: SubScores<S>) -> S {
+    let arms = interpolate_b([upper_arm, lower_arm, wrist]);
+    let sum = arms
+        .plus(trunk.clamped(1.0, 5.0))
+        .plus(legs.clamped(1.0, 4.0))
+        .plus(neck.clamped(1.0, 3.0))
+        .shifted(-4.0);
+    sum.chain(0.25 * sum.value(), 0.25)
+}
+
+fn whole(scores: SubScores<f64>, conditions: &Conditions) -> ContinuousReba {
+    let [neck, trunk, legs, upper_arm, lower_arm, wrist] = scores;
+    let score_a = interpolate_a([neck, trunk, legs]) + f64::from(conditions.load_score());
+    let table_b = interpolate_b([upper_arm, lower_arm, wrist]);
+    let score_b = table_b + f64::from(conditions.coupling.score());
+    let score_c = interpolate_c([score_a, score_b]);
+    let reba = score_c + f64::from(conditions.activity_score());
+    ContinuousReba {
+        neck,
+        trunk,
+        legs,
+        upper_arm,
+        lower_arm,
+        wrist,
+        score_a,
+        table_b,
+        score_b,
+        score_c,
+        reba,
+    }
+}

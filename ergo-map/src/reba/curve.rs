@@ -1,0 +1,114 @@
+//! Angle to score, part by part: the printed classes as steps, and the same classes as curves.
+
+use super::Mode;
+use crate::steps::Steps;
+
+/// One body part: its printed classes, and the knots (degrees, value) of the graded curve, which
+/// passes half-way between two classes at the threshold between them.
+pub(super) struct Part {
+    steps: Steps,
+    knots: &'static [(f64, f64)],
+}
+
+/// Trunk: upright (within 5°) 1; to 20° 2; 20-60° flexion or more than 20° extension 3; more 4.
+pub(super) const TRUNK: Part = Part {
+    steps: Steps::new(3.0, &[(-20.0, -1.0), (-5.0, -1.0), (5.0, 1.0), (20.0, 1.0), (60.0, 1.0)]),
+    knots: &[
+        (-30.0, 2.9),
+        (-20.0, 2.5),
+        (-5.0, 1.5),
+        (0.0, 1.0),
+        (5.0, 1.5),
+        (20.0, 2.5),
+        (60.0, 3.5),
+        (100.0, 4.49),
+    ],
+};
+/// Neck: 0-20° flexion 1; more, or extension, 2.
+pub(super) const NECK: Part = Part {
+    steps: Steps::new(2.0, &[(0.0, -1.0), (20.0, 1.0)]),
+    knots: &[(-45.0, 2.4), (0.0, 1.5), (10.0, 1.0), (20.0, 1.5), (45.0, 2.4)],
+};
+/// Knees, added to the legs: 30-60° 1; more 2.
+pub(super) const KNEE: Part = Part {
+    steps: Steps::new(0.0, &[(30.0, 1.0), (60.0, 1.0)]),
+    knots: &[(0.0, 0.0), (30.0, 0.5), (60.0, 1.5), (130.0, 2.4)],
+};
+/// Upper arm: within 20° 1; 20-45° flexion or more than 20° extension 2; 45-90° 3; more 4.
+pub(super) const UPPER_ARM: Part = Part {
+    steps: Steps::new(2.0, &[(-20.0, -1.0), (20.0, 1.0), (45.0, 1.0), (90.0, 1.0)]),
+    knots: &[
+        (-60.0, 2.4),
+        (-20.0, 1.5),
+        (0.0, 1.0),
+        (20.0, 1.5),
+        (45.0, 2.5),
+        (90.0, 3.5),
+        (180.0, 4.49),
+    ],
+};
+/// Lower arm: elbow flexion 60-100° 1, else 2.
+pub(super) const LOWER_ARM: Part = Part {
+    steps: Steps::new(2.0, &[(60.0, -1.0), (100.0, 1.0)]),
+    knots: &[(0.0, 2.4), (60.0, 1.5), (80.0, 1.0), (100.0, 1.5), (145.0, 2.4)],
+};
+/// Wrist: within 15° 1, else 2.
+pub(super) const WRIST: Part = Part {
+    steps: Steps::new(2.0, &[(-15.0, -1.0), (15.0, 1.0)]),
+    knots: &[(-75.0, 2.4), (-15.0, 1.5), (0.0, 1.0), (15.0, 1.5), (75.0, 2.4)],
+};
+
+/// The +1 adjustments that follow from an angle's magnitude. The printed sheets only say
+/// "twisted", "abducted" and so on; the threshold is the middle of the ramp.
+pub(super) const TRUNK_BEND: Part =
+    Part { steps: Steps::new(0.0, &[(10.0, 1.0)]), knots: &[(5.0, 0.0), (15.0, 1.0)] };
+/// Neck twisted or side-flexed.
+pub(super) const NECK_BEND: Part =
+    Part { steps: Steps::new(0.0, &[(20.0, 1.0)]), knots: &[(10.0, 0.0), (30.0, 1.0)] };
+/// Upper arm abducted.
+pub(super) const ABDUCTION: Part =
+    Part { steps: Steps::new(0.0, &[(32.5, 1.0)]), knots: &[(20.0, 0.0), (45.0, 1.0)] };
+/// Upper arm rotated.
+pub(super) const ARM_ROTATION: Part =
+    Part { steps: Steps::new(0.0, &[(45.0, 1.0)]), knots: &[(30.0, 0.0), (60.0, 1.0)] };
+/// Wrist deviated.
+pub(super) const DEVIATION: Part =
+    Part { steps: Steps::new(0.0, &[(10.0, 1.0)]), knots: &[(5.0, 0.0), (15.0, 1.0)] };
+/// Forearm twisted.
+pub(super) const WRIST_TWIST: Part =
+    Part { steps: Steps::new(0.0, &[(45.0, 1.0)]), knots: &[(30.0, 0.0), (60.0, 1.0)] };
+
+impl Part {
+    /// The printed class.
+    pub(super) fn class(&self, angle: f64) -> u8 {
+        self.steps.class(angle)
+    }
+
+    /// The continuous value and its derivative \[1/rad\].
+    pub(super) fn curve(&self, angle: f64, mode: Mode) -> (f64, f64) {
+        match mode {
+            Mode::Graded => piecewise_linear(self.knots, angle),
+            Mode::Faithful { half_width } => self.steps.softened(angle, half_width),
+        }
+    }
+}
+
+/// Linear between knots (degrees, value), constant beyond the first and the last. At a knot the
+/// derivative is the one to its right.
+fn piecewise_linear(knots: &[(f64, f64)], angle: f64) -> (f64, f64) {
+    let degrees = angle.to_degrees();
+    let mut left: Option<(f64, f64)> = None;
+    for &(x, y) in knots {
+        if degrees < x {
+            return match left {
+                None => (y, 0.0),
+                Some((x0, y0)) => {
+                    let slope = (y - y0) / (x - x0);
+                    (y0 + slope * (degrees - x0), slope.to_degrees())
+                }
+            };
+        }
+        left = Some((x, y));
+    }
+    (left.map_or(0.0, |(_, y)| y), 0.0)
+}

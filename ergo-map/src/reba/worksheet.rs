@@ -1,0 +1,114 @@
+use super::conditions::{Conditions, LegSupport};
+use super::curve::{self, Part};
+use super::score::{Reba, RebaSubScores};
+use crate::error::{Result, finite};
+use crate::posture::Posture;
+
+/// A filled-in REBA sheet: the angles that are measured and the boxes that are ticked.
+///
+/// Angles in radians, flexion positive.
+///
+/// ```
+/// use ergo_map::{Conditions, Worksheet};
+/// let sheet = Worksheet {
+///     trunk_flexion: 70_f64.to_radians(),
+///     conditions: Conditions { load: 12.0, ..Default::default() },
+///     ..Default::default()
+/// };
+/// let reba = sheet.score()?;
+/// assert_eq!((reba.sub_scores.trunk, reba.table_a, reba.score_a), (4, 3, 5));
+/// # Ok::<(), ergo_map::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[allow(clippy::struct_excessive_bools)] // the tick boxes of the printed sheet
+pub struct Worksheet {
+    /// Inclination of the trunk from the vertical.
+    pub trunk_flexion: f64,
+    /// The trunk is twisted or bent sideways.
+    pub trunk_twisted_or_bent: bool,
+    /// Flexion of the neck.
+    pub neck_flexion: f64,
+    /// The neck is twisted or bent sideways.
+    pub neck_twisted_or_bent: bool,
+    /// Flexion of the knees.
+    pub knee_flexion: f64,
+    /// Flexion of the upper arm.
+    pub upper_arm_flexion: f64,
+    /// The upper arm is abducted or rotated.
+    pub arm_abducted_or_rotated: bool,
+    /// Flexion of the elbow.
+    pub elbow_flexion: f64,
+    /// Flexion of the wrist.
+    pub wrist_flexion: f64,
+    /// The wrist is deviated or twisted.
+    pub wrist_deviated_or_twisted: bool,
+    /// Everything else on the sheet.
+    pub conditions: Conditions,
+}
+
+impl Worksheet {
+    /// Fills the sheet from a posture. Boxes are ticked above these magnitudes, a choice of this
+    /// crate where the sheet names no angle: trunk 10°, neck 20°, abduction 32.5°, rotation of the
+    /// arm 45°, deviation of the wrist 10°, twist of the forearm 45°.
+    pub fn from_posture(posture: &Posture, conditions: Conditions) -> Self {
+        let ticked = |part: &Part, angle: f64| part.class(angle.abs()) > 0;
+        Self {
+            trunk_flexion: posture.trunk_flexion,
+            trunk_twisted_or_bent: ticked(&curve::TRUNK_BEND, posture.trunk_side)
+                || ticked(&curve::TRUNK_BEND, posture.trunk_twist),
+            neck_flexion: posture.neck_flexion,
+            neck_twisted_or_bent: ticked(&curve::NECK_BEND, posture.neck_side)
+                || ticked(&curve::NECK_BEND, posture.neck_twist),
+            knee_flexion: posture.knee_flexion,
+            upper_arm_flexion: posture.upper_arm_flexion,
+            arm_abducted_or_rotated: ticked(&curve::ABDUCTION, posture.upper_arm_abduction)
+                || ticked(&curve::ARM_ROTATION, posture.upper_arm_rotation),
+            elbow_flexion: posture.elbow_flexion,
+            wrist_flexion: posture.wrist_flexion,
+            wrist_deviated_or_twisted: ticked(&curve::DEVIATION, posture.wrist_deviation)
+                || ticked(&curve::WRIST_TWIST, posture.wrist_twist),
+            conditions,
+        }
+    }
+
+    /// The integer score with every sub-score.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFinite`] for an angle, [`crate::Error::OutOfRange`] for the load.
+    pub fn score(&self) -> Result<Reba> {
+        self.validate()?;
+        Ok(Reba::new(self.sub_scores(), &self.conditions))
+    }
+
+    /// Checks that the angles are finite and the load sensible.
+    ///
+    /// # Errors
+    /// See [`Worksheet::score`].
+    pub fn validate(&self) -> Result<()> {
+        finite("trunk_flexion", self.trunk_flexion)?;
+        finite("neck_flexion", self.neck_flexion)?;
+        finite("knee_flexion", self.knee_flexion)?;
+        finite("upper_arm_flexion", self.upper_arm_flexion)?;
+        finite("elbow_flexion", self.elbow_flexion)?;
+        finite("wrist_flexion", self.wrist_flexion)?;
+        self.conditions.validate()
+    }
+
+    fn sub_scores(&self) -> RebaSubScores {
+        let knees = match self.conditions.support {
+            LegSupport::Sitting => 0,
+            _ => curve::KNEE.class(self.knee_flexion),
+        };
+        let upper_arm =
+            curve::UPPER_ARM.class(self.upper_arm_flexion) + u8::from(self.arm_abducted_or_rotated);
+        RebaSubScores {
+            neck: curve::NECK.class(self.neck_flexion) + u8::from(self.neck_twisted_or_bent),
+            trunk: curve::TRUNK.class(self.trunk_flexion) + u8::from(self.trunk_twisted_or_bent),
+            legs: 1 + u8::from(self.conditions.support == LegSupport::Unilateral) + knees,
+            upper_arm: upper_arm.saturating_add_signed(self.conditions.arm_adjustment()).max(1),
+            lower_arm: curve::LOWER_ARM.class(self.elbow_flexion),
+            wrist: curve::WRIST.class(self.wrist_flexion)
+                + u8::from(self.wrist_deviated_or_twisted),
+        }
+    }
+}

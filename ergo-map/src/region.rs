@@ -1,0 +1,85 @@
+use nalgebra::Vector3;
+
+use crate::error::{Error, Result, finite};
+use crate::side::Side;
+
+/// A box of hand positions in the person's frame \[m\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Region {
+    min: Vector3<f64>,
+    max: Vector3<f64>,
+}
+
+impl Region {
+    /// The box between two corners.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for a corner, [`Error::EmptyRegion`] with the axis that is empty.
+    pub fn new(min: Vector3<f64>, max: Vector3<f64>) -> Result<Self> {
+        for (axis, (min, max)) in ['x', 'y', 'z'].into_iter().zip(min.iter().zip(max.iter())) {
+            let (min, max) = (finite("region min", *min)?, finite("region max", *max)?);
+            if min >= max {
+                return Err(Error::EmptyRegion { name: "region", axis, min, max });
+            }
+        }
+        Ok(Self { min, max })
+    }
+
+    /// Where hands work: 0.20 to 0.75 m ahead of the pelvis, 0.5 m outward to 0.2 m across for a
+    /// person of 1.75 m, in proportion for others; from .40 to .95 of stature above the floor.
+    pub fn work_zone(stature: f64, side: Side) -> Self {
+        let per_metre = stature / 1.75;
+        let (out, across) = (0.5 * side.sign() * per_metre, -0.2 * side.sign() * per_metre);
+        Self {
+            min: Vector3::new(0.2 * per_metre, out.min(across), 0.40 * stature),
+            max: Vector3::new(0.75 * per_metre, out.max(across), 0.95 * stature),
+        }
+    }
+
+    /// The corner with the smallest coordinates.
+    pub fn min(&self) -> &Vector3<f64> {
+        &self.min
+    }
+
+    /// The corner with the largest coordinates.
+    pub fn max(&self) -> &Vector3<f64> {
+        &self.max
+    }
+
+    /// Lengths of the edges.
+    pub fn size(&self) -> Vector3<f64> {
+        self.max - self.min
+    }
+
+    /// Whether the point lies in the box or on its faces.
+    pub fn contains(&self, point: &Vector3<f64>) -> bool {
+        (0..3).all(|i| point[i] >= self.min[i] && point[i] <= self.max[i])
+    }
+
+    /// Everything within reach of a standing person: from .25 of stature behind to .60 ahead, .60
+    /// outward to .45 across, .05 to 1.30 above the floor.
+    pub fn surroundings(stature: f64, side: Side) -> Self {
+        let (out, across) = (0.60 * side.sign(), -0.45 * side.sign());
+        Self {
+            min: Vector3::new(-0.25, out.min(across), 0.05) * stature,
+            max: Vector3::new(0.60, out.max(across), 1.30) * stature,
+        }
+    }
+
+    /// The smallest box around points (empty for none: all zero).
+    pub(crate) fn around(points: impl Iterator<Item = Vector3<f64>>) -> Self {
+        let bounds = points.map(|point| (point, point));
+        let (min, max) = bounds.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1))).unwrap_or_default();
+        Self { min, max }
+    }
+
+    /// The box with every face moved outward.
+    pub(crate) fn grown(&self, by: f64) -> Self {
+        Self { min: self.min.map(|x| x - by), max: self.max.map(|x| x + by) }
+    }
+
+    /// The same box in other units.
+    pub(crate) fn scaled(&self, by: f64) -> Self {
+        Self { min: self.min * by, max: self.max * by }
+    }
+}

@@ -1,0 +1,243 @@
+//! One run of the loop.
+
+use std::time::Instant;
+
+use anyhow::{Context, ensure};
+use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, Person, PersonPose};
+use hrsw::Workspace;
+use moca_model::{
+    Command, Controller, ControllerSettings, Goal, MOCA_HOME, RobotModel, SimulatedRobot,
+    SpaceSettings,
+};
+use nalgebra::Vector3;
+use vision_models::Percept;
+
+use super::limits::LimitMonitor;
+use super::scoring::Scorer;
+use super::summary::Summary;
+use crate::report::TickRow;
+
+/// A margin below which x_d counts as within the workspace \[m or rad\].
+const INSIDE: f64 = 1e-3;
+
+/// What both runs share.
+#[derive(Debug)]
+pub struct Scenario {
+    /// Camera frames in the order of their times.
+    pub percepts: Vec<Percept>,
+    /// The person's map, which scores the postures.
+    pub map: ErgonomicsMap,
+    /// What the controller minimises.
+    pub comfort: ErgonomicsQuadratic,
+    /// The robot.
+    pub model: RobotModel,
+    /// Where it starts.
+    pub start: Vec<f64>,
+    /// The controller, but for its goal.
+    pub settings: ControllerSettings,
+}
+
+/// One controller against the simulated robot.
+#[derive(Debug)]
+pub struct Run<'a> {
+    scenario: &'a Scenario,
+    scorer: Scorer<'a>,
+    controller: Controller,
+    robot: SimulatedRobot,
+    monitor: LimitMonitor,
+    period: f64,
+    engaged: bool,
+    tally: Tally,
+    ticks_us: Vec<f64>,
+}
+
+/// Sums over ticks.
+#[derive(Debug, Default)]
+struct Tally {
+    ticks: u64,
+    together: u64,
+    score: f64,
+    score_max: f64,
+    reba: f64,
+    reba_max: u8,
+    error_squared: f64,
+    outside: u64,
+    out_of_reach: u64,
+    failures: u64,
+}
+
+impl Scenario {
+    /// MOCA at its home configuration with these percepts and this map.
+    ///
+    /// # Errors
+    /// A map that cannot be fitted, or no percepts.
+    pub fn new(
+        percepts: Vec<Percept>,
+        person: &Person,
+        map: ErgonomicsMap,
+    ) -> anyhow::Result<Self> {
+        ensure!(!percepts.is_empty(), "the recording holds no camera frame");
+        let (comfort, _) =
+            map.fit(&ergo_map::FitOptions::default()).context("fitting the person's ergonomics")?;
+        let model = RobotModel::moca()?;
+        let space = SpaceSettings::default().for_person(person, map.side());
+        let settings = ControllerSettings { space, ..ControllerSettings::default() };
+        Ok(Self { percepts, map, comfort, model, start: MOCA_HOME.to_vec(), settings })
+    }
+
+    /// How long it lasts \[s\].
+    pub fn duration(&self) -> f64 {
+        match (self.percepts.first(), self.percepts.last()) {
+            (Some(first), Some(last)) => last.time - first.time,
+            _ => 0.0,
+        }
+    }
+}
+
+impl<'a> Run<'a> {
+    /// A run from the beginning.
+    ///
+    /// # Errors
+    /// Settings that the controller refuses.
+    pub fn new(scenario: &'a Scenario, goal: Goal) -> anyhow::Result<Self> {
+        let settings = ControllerSettings { goal, ..scenario.settings.clone() };
+        let (period, desired) = (settings.period, settings.desired);
+        let start = &scenario.start;
+        let middle = scenario.comfort.minimiser().unwrap_or(Vector3::new(0.35, 0.0, 1.0));
+        Ok(Self {
+            scorer: Scorer::new(&scenario.map, middle),
+            controller: Controller::new(scenario.model.clone(), scenario.comfort, settings, start)?,
+            robot: SimulatedRobot::new(&scenario.model, start)?,
+            monitor: LimitMonitor::new(&scenario.model, desired, period, start),
+            period,
+            engaged: false,
+            tally: Tally::default(),
+            ticks_us: Vec::new(),
+            scenario,
+        })
+    }
+
+    /// Plays the scenario to its end; `each` sees every tick.
+    ///
+    /// # Errors
+    /// Percepts out of order, and whatever `each` fails with.
+    pub fn play(
+        mut self,
+        mut each: impl FnMut(&TickRow) -> anyhow::Result<()>,
+    ) -> anyhow::Result<Summary> {
+        let begin = self.scenario.percepts.first().map_or(0.0, |percept| percept.time);
+        let duration = self.scenario.duration();
+        let mut percepts = self.scenario.percepts.iter().peekable();
+        let started = Instant::now();
+        let mut elapsed = 0.0;
+        while elapsed <= duration {
+            while let Some(percept) = percepts.next_if(|p| p.time <= begin + elapsed) {
+                self.controller.observe(percept)?;
+            }
+            let row = self.tick(begin + elapsed)?;
+            each(&row)?;
+            #[expect(clippy::cast_precision_loss, reason = "ticks count far below 2^52")]
+            let time = self.tally.ticks as f64 * self.period;
+            elapsed = time;
+        }
+        let wall = started.elapsed().as_secs_f64();
+        Ok(self.summary(duration, wall))
+    }
+
+    fn tick(&mut self, now: f64) -> anyhow::Result<TickRow> {
+        let started = Instant::now();
+        self.controller.step(now, self.robot.position())?;
+        let tick_us = started.elapsed().as_secs_f64() * 1e6;
+        let actual = self.controller.actual().translation.vector;
+        self.robot.step(&self.controller.command().joint_velocity, self.period)?;
+        self.monitor.check(self.controller.command(), self.robot.position());
+
+        let space = self.controller.space();
+        let command = self.controller.command();
+        let violation = space.workspace().violation(&command.desired);
+        let inside = violation.amax() <= INSIDE;
+        // Working together begins when the tool first arrives in the shared workspace.
+        self.engaged = space.is_shared() && (self.engaged || inside);
+        let mut row = row(command, now, tick_us, &actual);
+        row.q.copy_from_slice(self.robot.position());
+        (row.workspace_min, row.workspace_max) = extent(space.workspace());
+        row.collaborating = self.engaged;
+        let hand = space.person().and_then(|person| {
+            let floor = Vector3::new(person.floor.x, person.floor.y, 0.0);
+            let pose = PersonPose::new(floor, person.heading).ok()?;
+            self.scorer.score(&pose, &actual)
+        });
+        if let Some(hand) = hand {
+            row.score = hand.score;
+            row.reba = hand.reba;
+        }
+        let tally = &mut self.tally;
+        tally.ticks += 1;
+        tally.failures += u64::from(!command.outcome.is_optimal());
+        tally.error_squared += (command.desired.translation.vector - actual).norm_squared();
+        if let (true, Some(hand)) = (self.engaged, hand) {
+            tally.together += 1;
+            tally.score += hand.score;
+            tally.score_max = tally.score_max.max(hand.score);
+            tally.reba += f64::from(hand.reba);
+            tally.reba_max = tally.reba_max.max(hand.reba);
+            tally.outside += u64::from(!inside);
+            tally.out_of_reach += u64::from(!hand.reached);
+        }
+        self.ticks_us.push(tick_us);
+        Ok(row)
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "ticks count far below 2^52")]
+    fn summary(mut self, duration: f64, wall: f64) -> Summary {
+        let tally = &self.tally;
+        let share = |sum: f64, ticks: u64| if ticks == 0 { 0.0 } else { sum / ticks as f64 };
+        let time = |ticks: u64| ticks as f64 * self.period;
+        self.ticks_us.sort_by(f64::total_cmp);
+        let quantile = |percent: usize| {
+            let index = (self.ticks_us.len() * percent / 100).min(self.ticks_us.len().max(1) - 1);
+            self.ticks_us.get(index).copied().unwrap_or_default()
+        };
+        Summary {
+            duration,
+            together: time(tally.together),
+            score_mean: share(tally.score, tally.together),
+            score_max: tally.score_max,
+            reba_mean: share(tally.reba, tally.together),
+            reba_max: tally.reba_max,
+            tracking_error_rms_mm: 1e3 * share(tally.error_squared, tally.ticks).sqrt(),
+            outside: time(tally.outside),
+            out_of_reach: time(tally.out_of_reach),
+            margins: self.monitor.margins,
+            limit_violations: self.monitor.violations,
+            solver_failures: tally.failures,
+            tick_us: [quantile(50), quantile(99), quantile(100)],
+            wall,
+        }
+    }
+}
+
+/// The parts of a row that the command holds.
+fn row(command: &Command, now: f64, tick_us: f64, actual: &Vector3<f64>) -> TickRow {
+    let mut row = TickRow {
+        time: now,
+        desired: command.desired.translation.vector.into(),
+        actual: (*actual).into(),
+        slack: command.slack.into(),
+        solve_time_us: tick_us,
+        ..TickRow::default()
+    };
+    row.qdot.copy_from_slice(&command.joint_velocity);
+    row
+}
+
+/// The box along world axes around the workspace.
+fn extent(workspace: &Workspace) -> ([f64; 3], [f64; 3]) {
+    let bounds = workspace.position();
+    let centre = (bounds.min() + bounds.max()) * 0.5;
+    let half = (bounds.max() - bounds.min()) * 0.5;
+    let frame = workspace.world_from_workspace();
+    let middle = frame.transform_point(&centre.into()).coords;
+    let reach = frame.rotation.to_rotation_matrix().matrix().abs() * half;
+    ((middle - reach).into(), (middle + reach).into())
+}

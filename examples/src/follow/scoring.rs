@@ -1,0 +1,48 @@
+//! The person's score with their hand at the tool.
+
+use ergo_map::{Conditions, ErgonomicsMap, PersonPose};
+use nalgebra::Vector3;
+
+/// Steps from the tool towards the middle of the reach in which the nearest reachable point is
+/// sought.
+const STEPS: u8 = 40;
+
+/// A score, and whether the hand reached the tool.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HandScore {
+    /// e_s, the continuous score of the posture, 0 (good) to 4.25.
+    pub score: f64,
+    /// The integer REBA score of the same posture, 1 (good) to 15.
+    pub reba: u8,
+    /// Whether the hand can be at the tool at all; if not, the score is that of the posture with
+    /// the hand as far towards the tool as it reaches.
+    pub reached: bool,
+}
+
+/// Scores hand positions by the person's map (the true one, not the quadratic that the
+/// controller minimises).
+#[derive(Debug)]
+pub struct Scorer<'a> {
+    map: &'a ErgonomicsMap,
+    middle: Vector3<f64>,
+}
+
+impl<'a> Scorer<'a> {
+    /// `middle` is a point in the person's frame that they reach with ease \[m\].
+    pub fn new(map: &'a ErgonomicsMap, middle: Vector3<f64>) -> Self {
+        Self { map, middle }
+    }
+
+    /// The score of `person` with the hand at `tool` \[m, world\]; none if not even the way
+    /// there is in the map.
+    pub fn score(&self, person: &PersonPose, tool: &Vector3<f64>) -> Option<HandScore> {
+        let hand = person.to_person(tool);
+        (0..STEPS).find_map(|step| {
+            let back = f64::from(step) / f64::from(STEPS);
+            let point = hand + (self.middle - hand) * back;
+            let sample = self.map.sample(&point).ok()?;
+            let reba = self.map.assess(&point, &Conditions::default()).ok()?;
+            Some(HandScore { score: sample.score, reba: reba.reba, reached: step == 0 })
+        })
+    }
+}

@@ -1,0 +1,65 @@
+//! What must hold of every line: the reader refuses what breaks it and the writer does not write
+//! it.
+
+use nalgebra::Point3;
+use vision_models::{Body25, Confidence};
+
+use super::{RecordingError, format::Header};
+
+/// Nothing in a room is further away (m): keypoints in millimetres are.
+const FARTHEST: f64 = 100.0;
+
+/// The longest pause between two frames (s): time stamps in milliseconds have longer ones.
+const LONGEST_GAP: f64 = 10.0;
+
+pub(super) fn header(line: usize, header: Header) -> Result<Header, RecordingError> {
+    let problem = if !(header.rate > 0.0 && header.rate <= 1000.0) {
+        format!("the rate is {}: give a positive number of frames a second", header.rate)
+    } else if let Some(stature) = header.stature.filter(|stature| !(0.5..=2.5).contains(stature)) {
+        format!("the stature is {stature}: give metres, 0.5 to 2.5, or null")
+    } else {
+        return Ok(header);
+    };
+    Err(RecordingError::Header { line, problem })
+}
+
+/// A time stamp and the one before, if any.
+pub(super) fn time(line: usize, time: f64, previous: Option<f64>) -> Result<f64, RecordingError> {
+    if !time.is_finite() {
+        return Err(RecordingError::Time { line, time });
+    }
+    match previous {
+        Some(previous) if time <= previous => {
+            Err(RecordingError::TimeOrder { line, time, previous })
+        }
+        Some(previous) if time - previous > LONGEST_GAP => {
+            Err(RecordingError::TimeGap { line, time, gap: time - previous, limit: LONGEST_GAP })
+        }
+        _ => Ok(time),
+    }
+}
+
+pub(super) fn position(
+    line: usize,
+    joint: Body25,
+    position: Point3<f64>,
+) -> Result<Point3<f64>, RecordingError> {
+    match position.iter().find(|value| !(-FARTHEST..=FARTHEST).contains(*value)) {
+        None => Ok(position),
+        Some(&value) => Err(RecordingError::Coordinate {
+            line,
+            index: joint.index(),
+            joint: joint.name(),
+            value,
+            limit: FARTHEST,
+        }),
+    }
+}
+
+pub(super) fn confidence(
+    line: usize,
+    of: impl FnOnce() -> String,
+    value: f64,
+) -> Result<Confidence, RecordingError> {
+    Confidence::new(value).map_err(|_| RecordingError::Confidence { line, of: of(), value })
+}

@@ -1,0 +1,82 @@
+//! The lines of a recording as JSON has them. Names and confidences are plain here: the reader
+//! checks them, to say where they are wrong.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+pub(super) const FORMAT: &str = "moca-recording";
+pub(super) const VERSION: u32 = 1;
+
+/// What holds for a whole recording.
+///
+/// ```
+/// use examples::recording::{Frame, Header};
+///
+/// let header = Header { stature: Some(1.8), ..Header::default() };
+/// assert_eq!((header.frame, header.rate), (Frame::World, 20.0));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Header {
+    /// The frame that keypoints are in.
+    pub frame: Frame,
+    /// Of the camera (Hz). Informative: the time stamps count.
+    pub rate: f64,
+    /// The person's stature (m), where it is known.
+    pub stature: Option<f64>,
+}
+
+impl Default for Header {
+    fn default() -> Self {
+        Self { frame: Frame::World, rate: 20.0, stature: None }
+    }
+}
+
+/// The frame that keypoints are in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum Frame {
+    /// x and y on the floor, z up; the robot's base starts at the origin and looks along x.
+    World,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct HeaderLine {
+    pub(super) format: String,
+    pub(super) version: u32,
+    pub(super) frame: Frame,
+    pub(super) rate: f64,
+    pub(super) stature: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FrameLine {
+    pub(super) time: f64,
+    pub(super) keypoints: Vec<Value>,
+    pub(super) action: Option<Label>,
+    pub(super) surface: Option<Label>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Label {
+    pub(super) name: String,
+    pub(super) confidence: f64,
+}
+
+/// [`FrameLine`] as it is written.
+#[derive(Serialize)]
+pub(super) struct FrameLineOut {
+    pub(super) time: f64,
+    pub(super) keypoints: [Option<[f64; 4]>; 25],
+    pub(super) action: Option<LabelOut>,
+    pub(super) surface: Option<LabelOut>,
+}
+
+#[derive(Serialize)]
+pub(super) struct LabelOut {
+    pub(super) name: &'static str,
+    pub(super) confidence: f64,
+}

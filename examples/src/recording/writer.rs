@@ -1,0 +1,98 @@
+//! Writing a recording, line by line.
+
+use std::io::Write;
+
+use serde::Serialize;
+use vision_models::{Body, Body25, Confidence, Percept};
+
+use super::{
+    RecordingError, check,
+    format::{FORMAT, FrameLineOut, Header, HeaderLine, LabelOut, VERSION},
+};
+
+/// Writes a recording: times to the microsecond, positions to a tenth of a millimetre, confidences
+/// to a thousandth. It writes nothing that [`Reader`](super::Reader) would refuse.
+///
+/// ```
+/// use examples::recording::{Header, RecordingError, Writer};
+/// use vision_models::Percept;
+///
+/// let mut writer = Writer::new(Vec::new(), &Header::default())?;
+/// let percept = Percept { time: 1.0, body: None, action: None, surface: None };
+/// writer.write(&percept)?;
+/// // The same frame again: time stands still.
+/// assert!(matches!(writer.write(&percept), Err(RecordingError::TimeOrder { line: 3, .. })));
+/// # Ok::<(), RecordingError>(())
+/// ```
+#[derive(Debug)]
+pub struct Writer<W> {
+    output: W,
+    line: usize,
+    previous: Option<f64>,
+}
+
+impl<W: Write> Writer<W> {
+    /// Writes the header.
+    ///
+    /// # Errors
+    /// [`RecordingError::Header`] or [`RecordingError::Io`].
+    pub fn new(output: W, header: &Header) -> Result<Self, RecordingError> {
+        let Header { frame, rate, stature } = check::header(1, *header)?;
+        let mut writer = Self { output, line: 0, previous: None };
+        let (format, version) = (FORMAT.to_owned(), VERSION);
+        writer.write_line(&HeaderLine { format, version, frame, rate, stature })?;
+        Ok(writer)
+    }
+
+    /// Writes a percept.
+    ///
+    /// # Errors
+    /// The [`RecordingError`] that reading it would give, or [`RecordingError::Io`]; the line is
+    /// then not written.
+    pub fn write(&mut self, percept: &Percept) -> Result<(), RecordingError> {
+        let line = self.line + 1;
+        let time = check::time(line, rounded(percept.time, 1e6), self.previous)?;
+        let mut keypoints = [None; Body25::COUNT];
+        for (joint, keypoint) in percept.body.iter().flat_map(Body::iter) {
+            let position = check::position(line, joint, keypoint.position)?;
+            let [x, y, z] = position.coords.map(|value| rounded(value, 1e4)).into();
+            keypoints[joint.index()] = Some([x, y, z, plain(keypoint.confidence)]);
+        }
+        let label = |name, confidence| LabelOut { name, confidence: plain(confidence) };
+        self.write_line(&FrameLineOut {
+            time,
+            keypoints,
+            action: percept.action.map(|seen| label(seen.action.name(), seen.confidence)),
+            surface: percept.surface.map(|seen| label(seen.surface.name(), seen.confidence)),
+        })?;
+        self.previous = Some(time);
+        Ok(())
+    }
+
+    /// Flushes and gives the output back.
+    ///
+    /// # Errors
+    /// [`RecordingError::Io`].
+    pub fn finish(mut self) -> Result<W, RecordingError> {
+        let line = self.line;
+        self.output.flush().map_err(|source| RecordingError::Io { line, source })?;
+        Ok(self.output)
+    }
+
+    fn write_line(&mut self, content: &impl Serialize) -> Result<(), RecordingError> {
+        self.line += 1;
+        let fail = |source| RecordingError::Io { line: self.line, source };
+        let mut text = serde_json::to_vec(content).map_err(|error| fail(error.into()))?;
+        text.push(b'\n');
+        self.output.write_all(&text).map_err(fail)
+    }
+}
+
+/// Rounded to `1 / scale`, and never a negative zero.
+fn rounded(value: f64, scale: f64) -> f64 {
+    (value * scale).round() / scale + 0.0
+}
+
+fn plain(confidence: Confidence) -> f64 {
+    rounded(confidence.value(), 1e3)
+}

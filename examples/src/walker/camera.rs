@@ -1,0 +1,129 @@
+//! What a depth camera makes of the joints.
+
+use nalgebra::{Point3, Rotation2, Vector2, Vector3};
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use vision_models::{Body, Body25, Confidence, Keypoint};
+
+use super::WalkerSettings;
+
+/// Where the camera stands, in the world (m): at the height of HRI30's, looking at the workplace.
+const EYE: Point3<f64> = Point3::new(0.3, 1.8, 2.3);
+
+/// Standard deviation of the depth at 1 m (m); it grows with the square of the distance:
+/// s / (f B) with s = .08 px, f = 385 px and B = 50 mm (RealSense D435i, 640 × 480).
+const DEPTH_SIGMA: f64 = 0.08 / (385.0 * 0.05);
+
+/// Standard deviation across the ray at 1 m (m); it grows with the distance: 1.5 px of the
+/// detector at a focal length of 615 px.
+const ACROSS_SIGMA: f64 = 1.5 / 615.0;
+
+/// How far a jump is (m).
+const JUMP: f64 = 2.0;
+
+/// How well the camera sees.
+///
+/// ```
+/// use examples::walker::CameraSettings;
+///
+/// let perfect = CameraSettings { noise: 0.0, drop: 0.0, jumps: 0, vanishings: 0 };
+/// assert_ne!(perfect, CameraSettings::default());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraSettings {
+    /// Factor on the noise of a `RealSense` D435i, whose depth has the standard deviation
+    /// 4 mm · (z / 1 m)². Default 1.
+    pub noise: f64,
+    /// Probability that a joint is missing in a frame. A quarter of it is the probability that the
+    /// person is missed for one to six frames, a tenth that a frame is lost, and that a joint is
+    /// put in the wrong place with little confidence. Default 0.02.
+    pub drop: f64,
+    /// How many times the person seems to be two metres away, for up to 2 s. Default 0.
+    pub jumps: u32,
+    /// How many times the person is not seen, for up to 3 s. Default 0.
+    pub vanishings: u32,
+}
+
+impl Default for CameraSettings {
+    fn default() -> Self {
+        Self { noise: 1.0, drop: 0.02, jumps: 0, vanishings: 0 }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Camera {
+    settings: CameraSettings,
+    draw: ChaCha8Rng,
+    /// Begin, end (s) and displacement (m).
+    jumps: Vec<(f64, f64, Vector2<f64>)>,
+    /// Begin and end (s).
+    vanishings: Vec<(f64, f64)>,
+    /// For how many more frames the person is missed.
+    missed: u32,
+}
+
+impl Camera {
+    pub(super) fn new(settings: &WalkerSettings, mut draw: ChaCha8Rng) -> Self {
+        let duration = settings.duration;
+        let mut interval = |longest: f64| {
+            let begin = draw.random_range(0.2..0.8) * duration;
+            (begin, begin + draw.random_range(0.3..longest))
+        };
+        let vanishings = (0..settings.camera.vanishings).map(|_| interval(3.0)).collect();
+        let jumps: Vec<_> = (0..settings.camera.jumps).map(|_| interval(2.0)).collect();
+        let jumps = jumps
+            .into_iter()
+            .map(|(begin, end)| {
+                let direction = Rotation2::new(draw.random_range(-3.0..3.0));
+                (begin, end, direction * Vector2::new(JUMP, 0.0))
+            })
+            .collect();
+        Self { settings: settings.camera, draw, jumps, vanishings, missed: 0 }
+    }
+
+    /// Whether this frame never arrives.
+    pub(super) fn loses_frame(&mut self) -> bool {
+        self.draw.random_bool(self.settings.drop / 10.0)
+    }
+
+    /// The joints (in the world, m) as they are seen at a time (s); `None` if the person is missed.
+    pub(super) fn see(&mut self, time: f64, joints: &[Point3<f64>; Body25::COUNT]) -> Option<Body> {
+        let within = |begin: f64, end: f64| begin <= time && time < end;
+        if self.missed == 0 && self.draw.random_bool(self.settings.drop / 4.0) {
+            self.missed = self.draw.random_range(1..=6);
+        }
+        let jump: Vector2<f64> = self
+            .jumps
+            .iter()
+            .filter(|(begin, end, _)| within(*begin, *end))
+            .map(|(.., displacement)| displacement)
+            .sum();
+        // Drawn in any case, so that what follows does not depend on who is seen.
+        let seen = joints.map(|joint| self.joint(joint + jump.push(0.0)));
+        let vanished = self.vanishings.iter().any(|&(begin, end)| within(begin, end));
+        let missed = self.missed > 0;
+        self.missed = self.missed.saturating_sub(1);
+        (!vanished && !missed).then(|| Body::new(seen))
+    }
+
+    fn joint(&mut self, joint: Point3<f64>) -> Option<Keypoint> {
+        let ray = joint - EYE;
+        let distance = ray.norm();
+        let across = self.settings.noise * ACROSS_SIGMA * distance;
+        let along = self.settings.noise * DEPTH_SIGMA * distance * distance;
+        let mut normal = || -> f64 { StandardNormal.sample(&mut self.draw) };
+        let sideways = Vector3::new(normal(), normal(), normal()) * across;
+        let (depth, quality) = (normal() * along, normal());
+        let drop = self.settings.drop;
+        let (missing, misplaced) =
+            (self.draw.random_bool(drop), self.draw.random_bool(drop / 10.0));
+        let (error, confidence) = if misplaced {
+            (Vector3::from_fn(|_, _| self.draw.random_range(-0.4..0.4)), 0.35 + 0.1 * quality)
+        } else {
+            (sideways + ray * (depth / distance), 0.82 + 0.06 * quality)
+        };
+        let confidence = Confidence::new(confidence.clamp(0.05, 0.98)).ok()?;
+        (!missing).then(|| Keypoint { position: joint + error, confidence })
+    }
+}

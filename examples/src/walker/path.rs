@@ -1,0 +1,174 @@
+//! Where the person leads the robot.
+
+use std::{f64::consts::TAU, fs, path::Path, str::FromStr};
+
+use nalgebra::{Point2, Vector2};
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+
+use super::{WalkerError, script::TOWARDS_ROBOT};
+
+/// Where the person receives the robot and works first, in the world (m).
+pub(super) const WORKPLACE: Point2<f64> = Point2::new(1.4, 0.0);
+
+/// How long the person works at a waypoint of a list (s).
+const DWELL: f64 = 3.0;
+
+/// Further from the origin nobody leads the robot (m).
+const FARTHEST: f64 = 50.0;
+
+/// A path along which the person leads the robot while working.
+///
+/// ```
+/// use examples::walker::WalkingPath;
+/// use nalgebra::Point2;
+///
+/// assert_eq!("figure-eight".parse::<WalkingPath>()?, WalkingPath::FigureEight);
+/// let list: WalkingPath = "1.4,0 2.4,-1".parse()?;
+/// assert_eq!(list, WalkingPath::Points(vec![Point2::new(1.4, 0.0), Point2::new(2.4, -1.0)]));
+/// # Ok::<(), examples::walker::WalkerError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub enum WalkingPath {
+    /// From one station to the next: backwards, left, diagonally backwards left, and after a turn
+    /// diagonally backwards right.
+    Stations,
+    /// Backwards and forwards.
+    Straight,
+    /// Round a square with a stop at each corner.
+    Square,
+    /// Round a circle without a stop.
+    Circle,
+    /// Along an eight without a stop.
+    FigureEight,
+    /// To random places, turning at random.
+    Random,
+    /// To these points on the floor, in the world (m), with a stop at each.
+    Points(Vec<Point2<f64>>),
+}
+
+/// One place on the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Waypoint {
+    /// On the floor, in the world (m).
+    pub floor: Point2<f64>,
+    /// Which way the person faces there (rad).
+    pub heading: f64,
+    /// How long the person stays and works (s); zero passes by without a stop.
+    pub dwell: f64,
+}
+
+impl WalkingPath {
+    /// A path from the command line: a name, a list of points, or a file with one point a line.
+    ///
+    /// # Errors
+    /// [`WalkerError::Path`] or [`WalkerError::PathFile`].
+    pub fn from_argument(argument: &str) -> Result<Self, WalkerError> {
+        let file = Path::new(argument);
+        if !file.is_file() {
+            return argument.parse();
+        }
+        let text = fs::read_to_string(file)
+            .map_err(|source| WalkerError::PathFile { path: file.to_owned(), source })?;
+        let path = Self::Points(points(text.lines().filter(|line| !line.trim().is_empty()))?);
+        path.validate().map(|()| path)
+    }
+
+    /// Checks that a list has points and that they are in reach.
+    pub(super) fn validate(&self) -> Result<(), WalkerError> {
+        match self {
+            Self::Points(points) if points.is_empty() => {
+                Err(WalkerError::Path { text: String::new() })
+            }
+            Self::Points(points) => {
+                let outside = |value: &&f64| !(-FARTHEST..=FARTHEST).contains(*value);
+                match points.iter().flat_map(|point| point.iter()).find(outside) {
+                    Some(&value) => Err(WalkerError::Setting {
+                        name: "path",
+                        value,
+                        expected: "points within 50 m of the origin",
+                    }),
+                    None => Ok(()),
+                }
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The places on the way, in order.
+    pub(super) fn waypoints(&self, draw: &mut ChaCha8Rng) -> Vec<Waypoint> {
+        let place = |x, y, turn, dwell| Waypoint {
+            floor: WORKPLACE + Vector2::new(x, y),
+            heading: TOWARDS_ROBOT + turn,
+            dwell,
+        };
+        // A closed curve that begins and ends at the workplace, as a function of its angle.
+        let curve = |at: fn(f64) -> (f64, f64)| {
+            (1..=24).map(move |k| {
+                let (x, y) = at(TAU * f64::from(k) / 24.0);
+                place(x, y, 0.0, 0.0)
+            })
+        };
+        match self {
+            Self::Stations => vec![
+                place(1.2, 0.0, 0.0, 3.0),
+                place(1.2, -1.2, 0.0, 3.0),
+                place(1.5, -1.5, 0.0, 3.0),
+                place(1.5, -1.5, 0.4, 4.0),
+                place(1.8, -0.8, 0.4, 14.0),
+            ],
+            Self::Straight => vec![place(1.5, 0.0, 0.0, DWELL), place(0.0, 0.0, 0.0, DWELL)],
+            Self::Square => vec![
+                place(1.0, 0.0, 0.0, DWELL),
+                place(1.0, -1.0, 0.0, DWELL),
+                place(0.0, -1.0, 0.0, DWELL),
+                place(0.0, 0.0, 0.0, DWELL),
+            ],
+            Self::Circle => curve(|t| (0.6 - 0.6 * t.cos(), -0.6 * t.sin())).collect(),
+            Self::FigureEight => curve(|t| (0.6 - 0.6 * t.cos(), -0.5 * (2.0 * t).sin())).collect(),
+            Self::Random => {
+                let mut random = || {
+                    let dwell =
+                        if draw.random_bool(0.5) { draw.random_range(0.5..2.0) } else { 0.0 };
+                    let turn = draw.random_range(-0.6..0.6);
+                    place(draw.random_range(-0.1..1.5), draw.random_range(-1.0..1.0), turn, dwell)
+                };
+                (0..32).map(|_| random()).collect()
+            }
+            Self::Points(points) => points
+                .iter()
+                .map(|&floor| Waypoint { floor, heading: TOWARDS_ROBOT, dwell: DWELL })
+                .collect(),
+        }
+    }
+}
+
+impl FromStr for WalkingPath {
+    type Err = WalkerError;
+
+    fn from_str(text: &str) -> Result<Self, WalkerError> {
+        let path = match text {
+            "stations" => Self::Stations,
+            "straight" => Self::Straight,
+            "square" => Self::Square,
+            "circle" => Self::Circle,
+            "figure-eight" => Self::FigureEight,
+            "random" => Self::Random,
+            list => Self::Points(
+                points(list.split_whitespace())
+                    .map_err(|_| WalkerError::Path { text: text.to_owned() })?,
+            ),
+        };
+        path.validate().map(|()| path)
+    }
+}
+
+fn points<'text>(texts: impl Iterator<Item = &'text str>) -> Result<Vec<Point2<f64>>, WalkerError> {
+    let point = |text: &str| {
+        let (x, y) = text.split_once(',')?;
+        Some(Point2::new(x.trim().parse().ok()?, y.trim().parse().ok()?))
+    };
+    texts
+        .map(|text| point(text).ok_or_else(|| WalkerError::Path { text: text.to_owned() }))
+        .collect()
+}

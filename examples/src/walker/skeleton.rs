@@ -1,0 +1,214 @@
+//! The joints of the moving person.
+//!
+//! Heights and lengths are fractions of stature from Drillis & Contini (1966); the half widths at
+//! shoulders and hips are those of the joints' centres.
+
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use vision_models::Body25;
+
+use super::motion::Motion;
+
+const ANKLE_HEIGHT: f64 = 0.039;
+const SHANK: f64 = 0.285 - 0.039;
+const THIGH: f64 = 0.530 - 0.285;
+const TRUNK: f64 = 0.818 - 0.530;
+const UPPER_ARM: f64 = 0.186;
+const FOREARM: f64 = 0.146;
+const SHOULDER: f64 = 0.118;
+const HIP: f64 = 0.055;
+/// Feet stand a little wider than hips.
+const FOOT: f64 = 0.07;
+/// A straight leg is not locked.
+const LEG: f64 = 0.99 * (THIGH + SHANK);
+
+/// The twenty-five joints of a person of this stature (m), in the world, in `BODY_25`'s order.
+pub(super) fn body(stature: f64, motion: &Motion) -> [Point3<f64>; Body25::COUNT] {
+    let mut joints = [Point3::origin(); Body25::COUNT];
+    let mut set = |joint: Body25, place: Vector3<f64>| joints[joint.index()] = place.into();
+
+    let feet = [(true, 1.0), (false, -1.0)].map(|(left, side)| {
+        let foot = motion.foot(left) / stature;
+        foot + Vector3::new(0.0, side * FOOT, ANKLE_HEIGHT)
+    });
+    // As high as the leg that is stretched further allows.
+    let pelvis_height = [1.0, -1.0]
+        .into_iter()
+        .zip(feet)
+        .map(|(side, foot)| {
+            let aside = (foot - Vector3::y() * (side * HIP)).xy().norm();
+            foot.z + (LEG * LEG - aside * aside).max(0.0).sqrt()
+        })
+        .fold(f64::INFINITY, f64::min);
+    let pelvis = Vector3::new(0.0, 0.0, pelvis_height);
+    let (sin, cos) = motion.lean().sin_cos();
+    let neck = pelvis + Vector3::new(sin, 0.0, cos) * TRUNK;
+    set(Body25::MidHip, pelvis);
+    set(Body25::Neck, neck);
+    set(Body25::Nose, neck + Vector3::new(0.06, 0.0, 0.092));
+
+    for (joints, side, foot, hand) in
+        [(&LEFT, 1.0, feet[0], motion.hand(true)), (&RIGHT, -1.0, feet[1], motion.hand(false))]
+    {
+        let lateral = Vector3::y() * side;
+        let hip = pelvis + lateral * HIP;
+        set(joints.hip, hip);
+        set(joints.knee, bend(hip, foot, THIGH, SHANK, Vector3::x()));
+        set(joints.ankle, foot);
+        set(joints.heel, foot + Vector3::new(-0.035, 0.0, -0.03));
+        set(joints.big_toe, foot + Vector3::new(0.11, -side * 0.01, -0.03));
+        set(joints.small_toe, foot + Vector3::new(0.09, side * 0.03, -0.03));
+
+        let shoulder = neck + lateral * SHOULDER;
+        // No further than the arm reaches.
+        let hand = shoulder + (hand - shoulder).cap_magnitude(0.99 * (UPPER_ARM + FOREARM));
+        let elbow_side = Vector3::new(-0.3, 0.4 * side, -1.0);
+        set(joints.shoulder, shoulder);
+        set(joints.elbow, bend(shoulder, hand, UPPER_ARM, FOREARM, elbow_side));
+        set(joints.wrist, hand);
+        set(joints.eye, neck + Vector3::new(0.05, side * 0.018, 0.118));
+        set(joints.ear, neck + Vector3::new(0.0, side * 0.043, 0.11));
+    }
+
+    let world_from_person = Isometry3::from_parts(
+        Translation3::new(motion.floor.x, motion.floor.y, 0.0),
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), motion.heading),
+    );
+    joints.map(|joint| world_from_person * (joint * stature))
+}
+
+/// The joints of one side.
+struct Side {
+    hip: Body25,
+    knee: Body25,
+    ankle: Body25,
+    heel: Body25,
+    big_toe: Body25,
+    small_toe: Body25,
+    shoulder: Body25,
+    elbow: Body25,
+    wrist: Body25,
+    eye: Body25,
+    ear: Body25,
+}
+
+const LEFT: Side = Side {
+    hip: Body25::LeftHip,
+    knee: Body25::LeftKnee,
+    ankle: Body25::LeftAnkle,
+    heel: Body25::LeftHeel,
+    big_toe: Body25::LeftBigToe,
+    small_toe: Body25::LeftSmallToe,
+    shoulder: Body25::LeftShoulder,
+    elbow: Body25::LeftElbow,
+    wrist: Body25::LeftWrist,
+    eye: Body25::LeftEye,
+    ear: Body25::LeftEar,
+};
+
+const RIGHT: Side = Side {
+    hip: Body25::RightHip,
+    knee: Body25::RightKnee,
+    ankle: Body25::RightAnkle,
+    heel: Body25::RightHeel,
+    big_toe: Body25::RightBigToe,
+    small_toe: Body25::RightSmallToe,
+    shoulder: Body25::RightShoulder,
+    elbow: Body25::RightElbow,
+    wrist: Body25::RightWrist,
+    eye: Body25::RightEye,
+    ear: Body25::RightEar,
+};
+
+/// The middle joint of two segments between `root` and `tip`, on the side of `towards`.
+fn bend(
+    root: Vector3<f64>,
+    tip: Vector3<f64>,
+    first: f64,
+    second: f64,
+    towards: Vector3<f64>,
+) -> Vector3<f64> {
+    let span = tip - root;
+    let length = span.norm().clamp(1e-6, first + second);
+    let axis = span / span.norm().max(1e-6);
+    let along = (length * length + first * first - second * second) / (2.0 * length);
+    let out = (first * first - along * along).max(0.0).sqrt();
+    let normal = (towards - axis * axis.dot(&towards)).try_normalize(1e-9).unwrap_or_default();
+    root + axis * along + normal * out
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Point2, vector};
+
+    use super::*;
+    use crate::walker::motion::{Goal, Hands};
+
+    /// Frames of a walk over 2 m with the hands in each place.
+    fn walk() -> impl Iterator<Item = (f64, Motion)> {
+        [Hands::Swinging, Hands::Working, Hands::AtTable, Hands::Reaching].into_iter().flat_map(
+            |hands| {
+                let mut motion = Motion::starting_at(Point2::new(3.0, 0.0), 3.0);
+                let goal =
+                    Goal { floor: Point2::new(1.0, 0.0), heading: 4.0, speed: 0.9, stop: true };
+                (0..100).map(move |frame| {
+                    motion.advance(&goal, hands, 0.05);
+                    (1.5 + 0.005 * f64::from(frame), motion.clone())
+                })
+            },
+        )
+    }
+
+    #[test]
+    fn segments_keep_their_lengths() {
+        use Body25::{
+            LeftAnkle, LeftElbow, LeftHip, LeftKnee, LeftShoulder, LeftWrist, RightAnkle,
+            RightElbow, RightHip, RightKnee, RightShoulder, RightWrist,
+        };
+        for (stature, motion) in walk() {
+            let joints = body(stature, &motion);
+            let at = |joint: Body25| joints[joint.index()];
+            for (from, to, fraction) in [
+                (LeftHip, LeftKnee, THIGH),
+                (RightHip, RightKnee, THIGH),
+                (LeftKnee, LeftAnkle, SHANK),
+                (RightKnee, RightAnkle, SHANK),
+                (LeftShoulder, LeftElbow, UPPER_ARM),
+                (RightShoulder, RightElbow, UPPER_ARM),
+                (LeftElbow, LeftWrist, FOREARM),
+                (RightElbow, RightWrist, FOREARM),
+            ] {
+                let length = (at(to) - at(from)).norm() / stature;
+                assert!((length - fraction).abs() < 1e-9, "{from:?} to {to:?}: {length}");
+            }
+        }
+    }
+
+    #[test]
+    fn feet_are_on_the_floor_and_the_head_is_up() {
+        for (stature, motion) in walk() {
+            let joints = body(stature, &motion);
+            let lowest = joints.iter().map(|joint| joint.z).fold(f64::INFINITY, f64::min);
+            assert!(lowest >= 0.0 && lowest < 0.02 * stature, "a foot stands: {lowest} m");
+            let eyes = joints[Body25::LeftEye.index()].z / stature;
+            assert!((0.89..0.95).contains(&eyes), "eyes at {eyes} of stature");
+        }
+    }
+
+    #[test]
+    fn a_standing_foot_stays_where_it_is() {
+        let mut motion = Motion::starting_at(Point2::new(0.0, 0.0), 0.0);
+        let goal = Goal { floor: Point2::new(50.0, 0.0), heading: 0.0, speed: 0.8, stop: false };
+        motion.advance(&goal, Hands::Swinging, 3.0);
+        let mut before: Option<(Vector3<f64>, f64)> = None;
+        for _ in 0..200 {
+            motion.advance(&goal, Hands::Swinging, 0.01);
+            let foot = motion.foot(true);
+            let place = motion.floor.x + foot.x;
+            if let Some((last, last_place)) = before.filter(|(last, _)| last.z.max(foot.z) == 0.0) {
+                assert!((place - last_place).abs() < 1e-9, "slid from {last:?} to {foot:?}");
+            }
+            before = Some((foot, place));
+        }
+        assert!((motion.velocity - vector![0.8, 0.0]).norm() < 1e-9);
+    }
+}

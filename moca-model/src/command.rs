@@ -1,0 +1,64 @@
+//! What the controller sends each tick.
+
+use ahqp_core::Status;
+use nalgebra::{Isometry3, Vector6};
+
+use crate::intention::Intention;
+
+/// How a tick went.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Outcome {
+    /// The hierarchy was solved.
+    Solved(Status),
+    /// The hierarchy was not solved; the robot brakes within its limits.
+    Braking,
+}
+
+impl Outcome {
+    /// Whether every level is at its optimum.
+    pub fn is_optimal(self) -> bool {
+        self == Self::Solved(Status::Solved)
+    }
+}
+
+/// The command of one tick (the paper's eq. 13), and what led to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Command {
+    /// q̇* of all joints \[m/s or rad/s\].
+    pub joint_velocity: Vec<f64>,
+    /// q* of all joints, the integral of q̇* \[m or rad\]; the arm's part goes to the joint
+    /// impedance.
+    pub joint_position: Vec<f64>,
+    /// The base's velocity in its own frame, (ẋ, ẏ, θ̇) \[m/s, rad/s\]; zero for a robot
+    /// without a base.
+    pub base_twist: [f64; 3],
+    /// x_d.
+    pub desired: Isometry3<f64>,
+    /// ẋ_d: linear then angular, world axes \[m/s, rad/s\].
+    pub desired_twist: Vector6<f64>,
+    /// The slack of the workspace's coordinates \[m, rad\].
+    pub slack: Vector6<f64>,
+    /// What the person wants.
+    pub intention: Intention,
+    /// The share of ergonomics in the third level, 0 to 1.
+    pub activation: f64,
+    /// How the tick went.
+    pub outcome: Outcome,
+}
+
+impl Command {
+    pub(crate) fn at_rest(configuration: &[f64], desired: Isometry3<f64>) -> Self {
+        Self {
+            joint_velocity: vec![0.0; configuration.len()],
+            joint_position: configuration.to_vec(),
+            base_twist: [0.0; 3],
+            desired,
+            desired_twist: Vector6::zeros(),
+            slack: Vector6::zeros(),
+            intention: Intention::Apart,
+            activation: 0.0,
+            outcome: Outcome::Solved(Status::Solved),
+        }
+    }
+}

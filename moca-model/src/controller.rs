@@ -1,0 +1,234 @@
+//! The control loop: percepts in at camera rate, commands out once a millisecond.
+
+use ahqp_core::{Limits, VelocityInterval, integrate_pose, pose_error};
+use ergo_map::ErgonomicsQuadratic;
+use nalgebra::{Isometry3, Vector6};
+use vision_models::Percept;
+
+use crate::command::{Command, Outcome};
+use crate::error::{Error, check_size};
+use crate::motion_limits::{joint_limits, nearest_to_rest, write_intervals};
+use crate::robot::{RobotData, RobotModel, forward_kinematics, jacobian};
+use crate::settings::{ControllerSettings, DesiredMotion, Goal};
+use crate::shared_space::SharedSpace;
+use crate::stack::{GoalTerms, StackInput, TaskStack};
+
+/// Ergonomic collaboration with a person: AHQP over the robot, the shared workspace and the
+/// person's ergonomics.
+///
+/// ```
+/// use ergo_map::ErgonomicsQuadratic;
+/// use moca_model::{Controller, ControllerSettings, MOCA_HOME, RobotModel};
+/// use nalgebra::{Matrix3, Vector3};
+///
+/// // Usually fitted to the person's map: ErgonomicsMap::build, then fit.
+/// let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::new(-0.4, 0.1, -1.1), 0.8)?;
+/// let settings = ControllerSettings::default();
+/// let mut controller = Controller::new(RobotModel::moca()?, comfort, settings, &MOCA_HOME)?;
+/// // In the loop: controller.observe(&percept) at each camera frame, and each millisecond
+/// let command = controller.step(0.001, &MOCA_HOME)?;
+/// assert!(command.outcome.is_optimal());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Controller {
+    model: RobotModel,
+    data: RobotData,
+    settings: ControllerSettings,
+    comfort: ErgonomicsQuadratic,
+    space: SharedSpace,
+    stack: TaskStack,
+    joint_limits: Vec<Limits>,
+    desired_limits: [Limits; 6],
+    /// Of the joints, then of ẋ_d.
+    intervals: Vec<VelocityInterval>,
+    command: Command,
+    speed: f64,
+}
+
+impl Controller {
+    /// With the person's ergonomics in their own frame and the robot's configuration.
+    ///
+    /// # Errors
+    /// Settings out of range, or a configuration that does not fit the robot.
+    pub fn new(
+        model: RobotModel,
+        comfort: ErgonomicsQuadratic,
+        settings: ControllerSettings,
+        configuration: &[f64],
+    ) -> Result<Self, Error> {
+        settings.validate()?;
+        let n = model.joint_count();
+        let stack = TaskStack::new(
+            n,
+            settings.gain,
+            settings.period,
+            settings.horizon,
+            settings.base,
+            settings.posture.clone(),
+        )?;
+        let mut data = RobotData::new(&model);
+        forward_kinematics(&model, &mut data, configuration)?;
+        let tool = *data.world_from_tool();
+        Ok(Self {
+            space: SharedSpace::new(&settings, &tool)?,
+            joint_limits: joint_limits(&model)?,
+            desired_limits: desired_limits(&settings.desired)?,
+            intervals: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n + 6],
+            command: Command::at_rest(configuration, tool),
+            speed: 1.0,
+            model,
+            data,
+            settings,
+            comfort,
+            stack,
+        })
+    }
+
+    /// Takes a camera frame.
+    ///
+    /// # Errors
+    /// [`Error::Perception`] for a frame that is older than the one before; it is ignored.
+    pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
+        self.space.observe(percept)
+    }
+
+    /// Replaces the person's ergonomics, for another person.
+    pub fn set_comfort(&mut self, comfort: ErgonomicsQuadratic) {
+        self.comfort = comfort;
+    }
+
+    /// The command for the period that begins at `now` \[s\], with the robot at the
+    /// `configuration` measured \[m or rad\]. Allocates nothing.
+    ///
+    /// A hierarchy that cannot be solved brakes the robot within its limits and says so in
+    /// [`Command::outcome`].
+    ///
+    /// # Errors
+    /// A configuration of the wrong size or with values that are not finite; the robot must
+    /// then be stopped by other means.
+    pub fn step(&mut self, now: f64, configuration: &[f64]) -> Result<&Command, Error> {
+        check_size("configuration", configuration, self.model.joint_count())?;
+        let period = self.settings.period;
+        forward_kinematics(&self.model, &mut self.data, configuration)?;
+        jacobian(&self.model, &mut self.data)?;
+        self.space.advance(now, period, &self.command.desired)?;
+        self.advance_speed();
+        self.advance_activation();
+        self.write_intervals(configuration);
+        if self.solve(configuration).is_err() {
+            self.brake();
+        }
+        self.integrate(configuration);
+        Ok(&self.command)
+    }
+
+    /// Rest when nothing has been seen for too long, by way of a shrinking velocity limit.
+    fn advance_speed(&mut self) {
+        let stale = &self.settings.stale;
+        let step = self.settings.period / stale.ramp;
+        let seen = !self.space.is_shared() || self.space.age() <= stale.rest_after;
+        self.speed = (self.speed + if seen { step } else { -step }).clamp(0.0, 1.0);
+    }
+
+    /// Ergonomics come in when working together begins, and go when it ends.
+    fn advance_activation(&mut self) {
+        let wanted = self.settings.goal == Goal::Ergonomics && self.space.is_shared();
+        let step = self.settings.period / self.settings.activation_time;
+        let activation = self.command.activation + if wanted { step } else { -step };
+        self.command.activation = activation.clamp(0.0, 1.0);
+    }
+
+    fn write_intervals(&mut self, configuration: &[f64]) {
+        let period = self.settings.period;
+        let (joints, desired) = self.intervals.split_at_mut(configuration.len());
+        let velocity = &self.command.joint_velocity;
+        write_intervals(&self.joint_limits, configuration, velocity, self.speed, period, joints);
+        let twist = self.command.desired_twist.as_slice();
+        write_intervals(&self.desired_limits, &[0.0; 6], twist, self.speed, period, desired);
+    }
+
+    fn solve(&mut self, configuration: &[f64]) -> Result<(), Error> {
+        let error = pose_error(&self.command.desired, self.data.world_from_tool());
+        let comfort = self.comfort.placed(&self.space.person_frame()?);
+        let ergonomics = self.space.person().map(|_| &comfort);
+        let solution = self.stack.solve(&StackInput {
+            jacobian: self.data.jacobian(),
+            error: &error,
+            desired: &self.command.desired,
+            configuration,
+            workspace: self.space.workspace(),
+            goal: GoalTerms { ergonomics, activation: self.command.activation },
+            intervals: &self.intervals,
+        })?;
+        self.command.outcome = Outcome::Solved(solution.status());
+        let (joints, rest) = solution.x().split_at(configuration.len());
+        let (desired, slack) = rest.split_at(6);
+        self.command.joint_velocity.copy_from_slice(joints);
+        self.command.desired_twist.copy_from_slice(desired);
+        self.command.slack.copy_from_slice(slack);
+        Ok(())
+    }
+
+    /// Every joint, and the desired pose, as near to rest as its limits allow.
+    fn brake(&mut self) {
+        let (joints, desired) = self.intervals.split_at(self.command.joint_velocity.len());
+        for (velocity, interval) in self.command.joint_velocity.iter_mut().zip(joints) {
+            *velocity = nearest_to_rest(interval);
+        }
+        for (velocity, interval) in self.command.desired_twist.iter_mut().zip(desired) {
+            *velocity = nearest_to_rest(interval);
+        }
+        self.command.slack = Vector6::zeros();
+        self.command.outcome = Outcome::Braking;
+    }
+
+    fn integrate(&mut self, configuration: &[f64]) {
+        let period = self.settings.period;
+        let command = &mut self.command;
+        command.intention = self.space.intention();
+        command.desired = integrate_pose(&command.desired, &command.desired_twist, period);
+        for (position, velocity) in command.joint_position.iter_mut().zip(&command.joint_velocity) {
+            *position += velocity * period;
+        }
+        if let ([x, y, turn, ..], [_, _, yaw, ..]) = (&command.joint_velocity[..], configuration)
+            && self.settings.base.is_some()
+        {
+            let (sine, cosine) = yaw.sin_cos();
+            command.base_twist = [cosine * x + sine * y, cosine * y - sine * x, *turn];
+        }
+    }
+
+    /// The last command; at rest before the first step.
+    pub fn command(&self) -> &Command {
+        &self.command
+    }
+
+    /// The robot's kinematics at the last configuration: tool pose and Jacobian.
+    pub fn data(&self) -> &RobotData {
+        &self.data
+    }
+
+    /// The shared workspace and the tracked person.
+    pub fn space(&self) -> &SharedSpace {
+        &self.space
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &ControllerSettings {
+        &self.settings
+    }
+
+    /// x_a, the tool's pose at the last configuration.
+    pub fn actual(&self) -> &Isometry3<f64> {
+        self.data.world_from_tool()
+    }
+}
+
+fn desired_limits(desired: &DesiredMotion) -> Result<[Limits; 6], Error> {
+    let free = (f64::NEG_INFINITY, f64::INFINITY);
+    let linear = Limits::new(free.0, free.1, desired.velocity, desired.acceleration)?;
+    let angular =
+        Limits::new(free.0, free.1, desired.angular_velocity, desired.angular_acceleration)?;
+    Ok([linear, linear, linear, angular, angular, angular])
+}

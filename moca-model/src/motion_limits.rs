@@ -1,0 +1,149 @@
+//! What the joints and the desired pose may do in the next tick.
+
+use ahqp_core::{AugmentedState, Limits, MotionState, Rows, VelocityInterval};
+
+use crate::error::Error;
+use crate::robot::{MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, RobotModel};
+
+/// A mecanum base whose wheels limit |v_x| + |v_y| + lever |ω| in its own frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MecanumBase {
+    /// Largest sum \[m/s\].
+    pub speed: f64,
+    /// The lever of the yaw rate \[m\].
+    pub lever: f64,
+}
+
+impl Default for MecanumBase {
+    /// The SUMMIT-XL STEEL's.
+    fn default() -> Self {
+        Self { speed: MOCA_WHEEL_SPEED, lever: MOCA_WHEEL_LEVER }
+    }
+}
+
+/// Signs of v_x, v_y and ω in the eight rows of the wheel limit.
+const WHEEL_SIGNS: [[f64; 3]; 8] = [
+    [1.0, 1.0, 1.0],
+    [1.0, 1.0, -1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, -1.0, -1.0],
+    [-1.0, 1.0, 1.0],
+    [-1.0, 1.0, -1.0],
+    [-1.0, -1.0, 1.0],
+    [-1.0, -1.0, -1.0],
+];
+
+impl MecanumBase {
+    /// Rows for [`write`](Self::write).
+    pub fn rows(&self, state: AugmentedState) -> Rows {
+        Rows::zeros(WHEEL_SIGNS.len(), state.len())
+    }
+
+    /// Writes ±v_x ± v_y ± lever ω ≤ speed for base velocities in world axes (the first three
+    /// joints) at the given yaw \[rad\].
+    ///
+    /// The velocity nearest to rest that the `intervals` of the three joints allow is always
+    /// admitted, so that turning while driving at the limit cannot make the problem infeasible.
+    pub fn write(&self, yaw: f64, intervals: &[VelocityInterval], rows: &mut Rows) {
+        let (sine, cosine) = yaw.sin_cos();
+        for (index, [x, y, turn]) in WHEEL_SIGNS.into_iter().enumerate() {
+            // v_body = R(yaw)ᵀ v_world.
+            let coefficients = [x * cosine - y * sine, x * sine + y * cosine, turn * self.lever];
+            let braked: f64 = coefficients
+                .iter()
+                .zip(intervals)
+                .map(|(coefficient, interval)| coefficient * nearest_to_rest(interval))
+                .sum();
+            if let Some(row) = rows.row_mut(index) {
+                for (entry, coefficient) in row.iter_mut().zip(coefficients) {
+                    *entry = coefficient;
+                }
+            }
+            if let Some(lower) = rows.lower_mut().get_mut(index) {
+                *lower = f64::NEG_INFINITY;
+            }
+            if let Some(upper) = rows.upper_mut().get_mut(index) {
+                *upper = self.speed.max(braked);
+            }
+        }
+    }
+}
+
+/// The velocity of the interval with the least magnitude.
+pub(crate) fn nearest_to_rest(interval: &VelocityInterval) -> f64 {
+    0.0_f64.max(interval.lower).min(interval.upper)
+}
+
+/// The limits of all joints as [`Limits`].
+///
+/// # Errors
+/// [`Error::Hierarchy`] for limits that are not positive or empty.
+pub(crate) fn joint_limits(model: &RobotModel) -> Result<Vec<Limits>, Error> {
+    model
+        .limits()
+        .iter()
+        .map(|l| Ok(Limits::new(l.lower, l.upper, l.velocity, l.acceleration)?))
+        .collect()
+}
+
+/// The velocities that each coordinate may take next.
+pub(crate) fn write_intervals(
+    limits: &[Limits],
+    position: &[f64],
+    velocity: &[f64],
+    scale: f64,
+    period: f64,
+    intervals: &mut [VelocityInterval],
+) {
+    for (((interval, limits), &position), &velocity) in
+        intervals.iter_mut().zip(limits).zip(position).zip(velocity)
+    {
+        let state = MotionState { position, velocity };
+        *interval = limits.slowed(scale).velocity_interval(state, period);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_rows_are_the_wheel_limit_in_the_base_frame(
+            yaw in -4.0..4.0_f64, v in prop::array::uniform3(-3.0..3.0_f64),
+        ) {
+            let state = AugmentedState { joints: 10, task: 6, slack: 6 };
+            let base = MecanumBase::default();
+            let mut rows = base.rows(state);
+            let rest = [VelocityInterval { lower: -1.0, upper: 1.0 }; 3];
+            base.write(yaw, &rest, &mut rows);
+            let largest = rows
+                .iter()
+                .map(|(row, _, _)| row.iter().zip(v).map(|(a, b)| a * b).sum::<f64>())
+                .fold(f64::MIN, f64::max);
+            let (sine, cosine) = yaw.sin_cos();
+            let (x, y) = (cosine * v[0] + sine * v[1], cosine * v[1] - sine * v[0]);
+            let expected = x.abs() + y.abs() + base.lever * v[2].abs();
+            prop_assert!((largest - expected).abs() < 1e-12);
+            prop_assert!(rows.upper().iter().all(|&upper| upper == base.speed));
+        }
+
+        #[test]
+        fn the_braking_velocity_is_always_admitted(
+            yaw in -4.0..4.0_f64,
+            ends in prop::array::uniform3((-9.0..9.0_f64, 0.0..0.1_f64)),
+        ) {
+            let state = AugmentedState { joints: 10, task: 6, slack: 6 };
+            let intervals =
+                ends.map(|(lower, width)| VelocityInterval { lower, upper: lower + width });
+            let mut rows = MecanumBase::default().rows(state);
+            MecanumBase::default().write(yaw, &intervals, &mut rows);
+            let braked = intervals.map(|interval| nearest_to_rest(&interval));
+            for (row, _, upper) in rows.iter() {
+                let value: f64 = row.iter().zip(braked).map(|(a, b)| a * b).sum();
+                prop_assert!(value <= upper + 1e-12);
+            }
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! Every threshold and gain of the controller, with its default.
+
+use ergo_map::{Person, Region, Side};
+use hrsw::FollowerSettings;
+use nalgebra::{UnitQuaternion, Vector3, Vector6};
+use vision_models::TrackerSettings;
+
+use crate::error::Error;
+use crate::intention::IntentionSettings;
+use crate::motion_limits::MecanumBase;
+use crate::robot::{MOCA_BASE_JOINTS, MOCA_HOME};
+use crate::stack::PostureTask;
+
+/// What the third level of the stack minimises while person and robot work together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Goal {
+    /// The person's ergonomics, e_s (the paper's eq. 7).
+    #[default]
+    Ergonomics,
+    /// ‖ẋ_d‖², the benchmark of the paper's Experiments 3 and 4.
+    LeastMotion,
+}
+
+/// The shared workspace in the person's frame H (origin on the floor below the pelvis, x
+/// forward, y left, z up).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpaceSettings {
+    /// Least position of the hand \[m\]. Default: that of the work zone of the right hand of a
+    /// person of 1.75 m, (0.2, −0.5, 0.7).
+    pub min: Vector3<f64>,
+    /// Greatest position of the hand \[m\]. Default (0.75, 0.2, 1.6625).
+    pub max: Vector3<f64>,
+    /// The tool's preferred orientation in the person's frame. Default: its x axis towards the
+    /// person, its z axis down.
+    pub tool: UnitQuaternion<f64>,
+    /// Half the range of each rotation coordinate about it \[rad\]. Default 0.35.
+    pub turn: Vector3<f64>,
+    /// How far the workspace leads the person in the direction in which they walk \[m\].
+    /// Default 0.08.
+    pub lead: f64,
+    /// How fast that lead builds up \[m/s\]. Default 0.2.
+    pub lead_rate: f64,
+}
+
+impl SpaceSettings {
+    /// The same settings with the work zone of a person who works with the hand of this side.
+    #[must_use]
+    pub fn for_person(self, person: &Person, side: Side) -> Self {
+        let zone = Region::work_zone(person.stature(), side);
+        Self { min: *zone.min(), max: *zone.max(), ..self }
+    }
+}
+
+impl Default for SpaceSettings {
+    fn default() -> Self {
+        let half_turn = std::f64::consts::PI;
+        Self {
+            min: Vector3::new(0.2, -0.5, 0.7),
+            max: Vector3::new(0.75, 0.2, 1.6625),
+            tool: UnitQuaternion::from_axis_angle(&Vector3::y_axis(), half_turn),
+            turn: Vector3::repeat(0.35),
+            lead: 0.08,
+            lead_rate: 0.2,
+        }
+    }
+}
+
+/// What happens when nothing is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StaleSettings {
+    /// Age of the newest body from which on the robot comes to rest \[s\]. Until then, once the
+    /// tracker has lost the person, the workspace is frozen. Default 1.5.
+    pub rest_after: f64,
+    /// How long slowing down, and speeding up again, take \[s\]. Default 0.5.
+    pub ramp: f64,
+}
+
+impl Default for StaleSettings {
+    fn default() -> Self {
+        Self { rest_after: 1.5, ramp: 0.5 }
+    }
+}
+
+/// Limits of the desired pose's motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DesiredMotion {
+    /// Speed along each axis \[m/s\]. Default 0.5.
+    pub velocity: f64,
+    /// Acceleration along each axis \[m/s²\]. Default 2.5.
+    pub acceleration: f64,
+    /// Angular speed about each axis \[rad/s\]. Default 1.0.
+    pub angular_velocity: f64,
+    /// Angular acceleration about each axis \[rad/s²\]. Default 5.0.
+    pub angular_acceleration: f64,
+}
+
+impl Default for DesiredMotion {
+    fn default() -> Self {
+        Self { velocity: 0.5, acceleration: 2.5, angular_velocity: 1.0, angular_acceleration: 5.0 }
+    }
+}
+
+/// The controller's settings.
+///
+/// ```
+/// use moca_model::{ControllerSettings, Goal};
+///
+/// let benchmark = ControllerSettings { goal: Goal::LeastMotion, ..ControllerSettings::default() };
+/// assert!(benchmark.validate().is_ok());
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ControllerSettings {
+    /// The control period Δt \[s\]. Default 0.001.
+    pub period: f64,
+    /// The diagonal of K_p \[1/s\]. Default 30.
+    pub gain: Vector6<f64>,
+    /// The horizon τ of workspace and ergonomics \[s\]; at least the velocity limit over the
+    /// acceleration limit of the desired pose. Default 0.25.
+    pub horizon: f64,
+    /// The third level.
+    pub goal: Goal,
+    /// How long the goal takes to come in and to go \[s\]. Default 0.5.
+    pub activation_time: f64,
+    /// Limits of ẋ_d and ẍ_d.
+    pub desired: DesiredMotion,
+    /// The shared workspace.
+    pub space: SpaceSettings,
+    /// The wheel limit, for robots whose first three joints are a mecanum base. Default MOCA's.
+    pub base: Option<MecanumBase>,
+    /// The posture of the fourth level.
+    pub posture: PostureTask,
+    /// When actions become intentions.
+    pub intention: IntentionSettings,
+    /// The body tracker.
+    pub tracker: TrackerSettings,
+    /// How the person's frame follows the tracked body.
+    pub follower: FollowerSettings,
+    /// What happens when nothing is seen.
+    pub stale: StaleSettings,
+}
+
+impl Default for ControllerSettings {
+    fn default() -> Self {
+        let base = |base: f64, arm: f64| -> Vec<f64> {
+            (0..MOCA_HOME.len()).map(|i| if i < MOCA_BASE_JOINTS { base } else { arm }).collect()
+        };
+        Self {
+            period: 1e-3,
+            gain: Vector6::repeat(30.0),
+            horizon: 0.25,
+            goal: Goal::default(),
+            activation_time: 0.5,
+            desired: DesiredMotion::default(),
+            space: SpaceSettings::default(),
+            base: Some(MecanumBase::default()),
+            posture: PostureTask {
+                configuration: MOCA_HOME.to_vec(),
+                gain: base(0.0, 1.0),
+                weight: base(0.5, 1.0),
+            },
+            intention: IntentionSettings::default(),
+            tracker: TrackerSettings::default(),
+            follower: FollowerSettings::default(),
+            stale: StaleSettings::default(),
+        }
+    }
+}
+
+impl ControllerSettings {
+    /// Checks the ranges that no part checks at construction.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] names the first that is out of its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        let desired = &self.desired;
+        for (name, value) in [
+            ("period", self.period),
+            ("horizon", self.horizon),
+            ("activation_time", self.activation_time),
+            ("desired.velocity", desired.velocity),
+            ("desired.acceleration", desired.acceleration),
+            ("desired.angular_velocity", desired.angular_velocity),
+            ("desired.angular_acceleration", desired.angular_acceleration),
+            ("space.lead_rate", self.space.lead_rate),
+            ("stale.rest_after", self.stale.rest_after),
+            ("stale.ramp", self.stale.ramp),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::Setting { name, value, expected: "positive and finite" });
+            }
+        }
+        if !(self.space.lead >= 0.0 && self.space.lead.is_finite()) {
+            let value = self.space.lead;
+            let expected = "finite and not negative";
+            return Err(Error::Setting { name: "space.lead", value, expected });
+        }
+        let brake = (desired.velocity / desired.acceleration)
+            .max(desired.angular_velocity / desired.angular_acceleration);
+        if self.horizon > self.period && self.horizon < brake {
+            return Err(Error::Setting {
+                name: "horizon",
+                value: self.horizon,
+                expected: "the period (the paper's form), or at least velocity over acceleration \
+                           of the desired pose, to leave room to brake",
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,219 @@
+//! The stack of tasks of the paper's Sec. III-E: inverse kinematics, workspace, then ergonomics
+//! or its benchmark, and a posture for what is left.
+
+use ahqp_core::{
+    AugmentedClik, AugmentedState, Hierarchy, Level, Rows, Settings, Solution, Solver,
+    VelocityInterval,
+};
+use ergo_map::ErgonomicsQuadratic;
+use hrsw::{SoftWorkspace, Workspace};
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Vector3, Vector6};
+
+use crate::error::Error;
+use crate::motion_limits::MecanumBase;
+
+/// The levels, by priority.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Priority {
+    Kinematics = 0,
+    Workspace = 1,
+    Goal = 2,
+    Posture = 3,
+}
+
+/// What the third level minimises.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GoalTerms<'a> {
+    /// The person's ergonomics in the world, τ seconds ahead.
+    pub ergonomics: Option<&'a ErgonomicsQuadratic>,
+    /// From 0, the benchmark min ‖ẋ_d‖², to 1, ergonomics alone; between, both so weighted.
+    pub activation: f64,
+}
+
+/// How the joints spread what no other level decides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PostureTask {
+    /// Preferred configuration \[m or rad\]; joints without a gain ignore it.
+    pub configuration: Vec<f64>,
+    /// Rate at which a joint returns to it \[1/s\]; zero for joints that should just rest.
+    pub gain: Vec<f64>,
+    /// Weight of a joint against the others \[-\].
+    pub weight: Vec<f64>,
+}
+
+/// The hierarchy of the four levels and its solver; sized once, rewritten each tick.
+#[derive(Debug, Clone)]
+pub struct TaskStack {
+    state: AugmentedState,
+    hierarchy: Hierarchy,
+    solver: Solver,
+    clik: AugmentedClik,
+    soft: SoftWorkspace,
+    base: Option<MecanumBase>,
+    posture: PostureTask,
+    horizon: f64,
+}
+
+/// What a tick asks of the stack.
+#[derive(Debug, Clone, Copy)]
+pub struct StackInput<'a> {
+    /// J, 6 × n.
+    pub jacobian: &'a DMatrix<f64>,
+    /// x_d(t−1) − x_a \[m, rad\].
+    pub error: &'a Vector6<f64>,
+    /// x_d(t−1).
+    pub desired: &'a Isometry3<f64>,
+    /// q \[m or rad\].
+    pub configuration: &'a [f64],
+    /// The shared workspace.
+    pub workspace: &'a Workspace,
+    /// The third level.
+    pub goal: GoalTerms<'a>,
+    /// Velocities that the joints may take, then those of ẋ_d.
+    pub intervals: &'a [VelocityInterval],
+}
+
+impl TaskStack {
+    /// For n = `joints`, with the gain K_p and period Δt of the inverse kinematics and the
+    /// horizon τ of workspace and goal.
+    ///
+    /// # Errors
+    /// Parameters out of range, or a posture of another size.
+    pub fn new(
+        joints: usize,
+        gain: Vector6<f64>,
+        period: f64,
+        horizon: f64,
+        base: Option<MecanumBase>,
+        posture: PostureTask,
+    ) -> Result<Self, Error> {
+        let state = AugmentedState { joints, task: 6, slack: 6 };
+        let clik = AugmentedClik::new(state, gain, period)?;
+        let soft = SoftWorkspace::new(state, horizon)?;
+        posture.check(joints)?;
+        let mut hierarchy = Hierarchy::new(state.len())?;
+        let wheels = base.map_or(Rows::zeros(0, state.len()), |base| base.rows(state));
+        hierarchy.push(Level::least_squares(clik.rows()).with_constraints(wheels))?;
+        hierarchy.push(soft.level()?)?;
+        let zero = (DMatrix::zeros(state.len(), state.len()), DVector::zeros(state.len()));
+        hierarchy.push(Level::quadratic(zero.0, zero.1)?)?;
+        hierarchy.push(Level::least_squares(posture.rows(state)?))?;
+        let solver = Solver::new(&hierarchy, Settings::default())?;
+        Ok(Self { state, hierarchy, solver, clik, soft, base, posture, horizon })
+    }
+
+    /// The layout of χ.
+    pub fn state(&self) -> AugmentedState {
+        self.state
+    }
+
+    /// Writes the tick's data and solves.
+    ///
+    /// # Errors
+    /// Data that are not finite or do not fit; the problem itself is always feasible.
+    pub fn solve(&mut self, input: &StackInput<'_>) -> Result<&Solution, Error> {
+        self.write_bounds(input.intervals);
+        self.write_kinematics(input)?;
+        let level = self.hierarchy.level_mut(Priority::Workspace as usize)?;
+        self.soft.write(input.workspace, input.desired, level)?;
+        self.write_goal(&input.goal, input.desired)?;
+        self.write_posture(input.configuration)?;
+        Ok(self.solver.solve(&self.hierarchy)?)
+    }
+
+    fn write_bounds(&mut self, intervals: &[VelocityInterval]) {
+        let (lower, upper) = self.hierarchy.bounds_mut();
+        for ((lower, upper), interval) in lower.iter_mut().zip(upper).zip(intervals) {
+            *lower = interval.lower;
+            *upper = interval.upper;
+        }
+    }
+
+    fn write_kinematics(&mut self, input: &StackInput<'_>) -> Result<(), Error> {
+        let level = self.hierarchy.level_mut(Priority::Kinematics as usize)?;
+        if let Some(rows) = level.least_squares_mut() {
+            self.clik.write(input.jacobian, input.error, rows)?;
+        }
+        if let (Some(base), Some(&yaw)) = (&self.base, input.configuration.get(2)) {
+            base.write(yaw, input.intervals, level.constraints_mut());
+        }
+        Ok(())
+    }
+
+    /// activation · e_s(x_d + τ ẋ_d) + (1 − activation) ‖ẋ_d‖², over ẋ_d.
+    fn write_goal(&mut self, goal: &GoalTerms<'_>, desired: &Isometry3<f64>) -> Result<(), Error> {
+        let ergonomics = match goal.ergonomics {
+            Some(quadratic) if goal.activation > 0.0 => {
+                Some(quadratic.task_terms(&desired.translation.vector, self.horizon)?)
+            }
+            _ => None,
+        };
+        let share = if ergonomics.is_some() { goal.activation.min(1.0) } else { 0.0 };
+        let (curvature, slope) = ergonomics
+            .map_or((Matrix3::zeros(), Vector3::zeros()), |terms| (terms.hessian, terms.gradient));
+        let velocity = self.state.desired_velocity().start;
+        let level = self.hierarchy.level_mut(Priority::Goal as usize)?;
+        if let Some((hessian, gradient)) = level.quadratic_mut() {
+            for i in 0..6 {
+                let at = velocity + i;
+                hessian[(at, at)] = 2.0 * (1.0 - share);
+                gradient[at] = if i < 3 { share * slope[i] } else { 0.0 };
+            }
+            for i in 0..3 {
+                for j in 0..3 {
+                    let benchmark = if i == j { 2.0 * (1.0 - share) } else { 0.0 };
+                    hessian[(velocity + i, velocity + j)] = share * curvature[(i, j)] + benchmark;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn write_posture(&mut self, configuration: &[f64]) -> Result<(), Error> {
+        let level = self.hierarchy.level_mut(Priority::Posture as usize)?;
+        let Some(rows) = level.least_squares_mut() else { return Ok(()) };
+        let task = &self.posture;
+        let rates = task
+            .configuration
+            .iter()
+            .zip(configuration)
+            .zip(task.gain.iter().zip(&task.weight))
+            .map(|((goal, now), (gain, weight))| weight * gain * (goal - now));
+        for (i, rate) in rates.enumerate() {
+            rows.lower_mut()[i] = rate;
+            rows.upper_mut()[i] = rate;
+        }
+        Ok(())
+    }
+}
+
+impl PostureTask {
+    fn check(&self, joints: usize) -> Result<(), Error> {
+        for (what, values) in [
+            ("posture.configuration", &self.configuration),
+            ("posture.gain", &self.gain),
+            ("posture.weight", &self.weight),
+        ] {
+            if values.len() != joints {
+                return Err(Error::JointCount { what, found: values.len(), expected: joints });
+            }
+            if let Some(&value) = values.iter().find(|value| !value.is_finite()) {
+                return Err(Error::Setting { name: what, value, expected: "finite" });
+            }
+        }
+        for (name, values) in [("posture.gain", &self.gain), ("posture.weight", &self.weight)] {
+            if let Some(&value) = values.iter().find(|&&value| value < 0.0) {
+                return Err(Error::Setting { name, value, expected: "not negative" });
+            }
+        }
+        Ok(())
+    }
+
+    fn rows(&self, state: AugmentedState) -> Result<Rows, Error> {
+        let n = state.joints;
+        let matrix = DMatrix::from_fn(n, state.len(), |i, j| {
+            if i == j { self.weight.get(i).copied().unwrap_or_default() } else { 0.0 }
+        });
+        Ok(Rows::equalities(&matrix, &DVector::zeros(n))?)
+    }
+}

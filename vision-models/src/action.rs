@@ -1,0 +1,188 @@
+//! The actions that the recogniser tells apart.
+
+mod direction;
+mod tool;
+
+use std::{fmt, str::FromStr};
+
+use serde::{Deserialize, Serialize};
+
+pub use direction::WalkingDirection;
+pub use tool::Tool;
+
+use crate::Error;
+
+/// One of the thirty classes of the HRI30 data set (Iodice, De Momi, Ajoudani, ICPR 2022).
+///
+/// ```
+/// use vision_models::{Action, Tool, WalkingDirection};
+///
+/// let action = Action::from_name("Move Backwards While Drilling")?;
+/// assert_eq!(action.walking_direction(), Some(WalkingDirection::Backwards));
+/// assert_eq!(action.tool(), Some(Tool::Drill));
+/// assert!(action.is_collaborative());
+/// assert_eq!(Action::ALL.len(), 30);
+/// # Ok::<(), vision_models::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "&'static str")]
+pub enum Action {
+    /// Hands the object over to the robot.
+    DeliverObject,
+    /// Walks while working on the object: this is how the robot is led.
+    MoveWhileUsing(WalkingDirection, Tool),
+    /// Has a tool in the hand and does not work with the robot.
+    NoCollaborative(Tool),
+    /// Takes a tool from the table.
+    PickUp(Tool),
+    /// Takes the object from the table.
+    PickUpObject,
+    /// Lays a tool down.
+    PutDown(Tool),
+    /// Stands and works on the object that the robot holds.
+    Using(Tool),
+    /// Walks with empty hands.
+    Walking,
+    /// Walks with a tool in the hand.
+    WalkingWith(Tool),
+    /// Walks with the object in the hands.
+    WalkingWithObject,
+}
+
+impl Action {
+    /// The thirty classes, in the alphabetical order of their names. A network's label file may
+    /// have another order.
+    pub const ALL: [Self; 30] = {
+        use Tool::{Drill, Polisher};
+        use WalkingDirection::{
+            Backwards, BackwardsLeft, BackwardsRight, Forwards, ForwardsLeft, ForwardsRight, Left,
+            Right,
+        };
+        [
+            Self::DeliverObject,
+            Self::MoveWhileUsing(Backwards, Drill),
+            Self::MoveWhileUsing(Backwards, Polisher),
+            Self::MoveWhileUsing(BackwardsLeft, Drill),
+            Self::MoveWhileUsing(BackwardsLeft, Polisher),
+            Self::MoveWhileUsing(BackwardsRight, Drill),
+            Self::MoveWhileUsing(BackwardsRight, Polisher),
+            Self::MoveWhileUsing(ForwardsLeft, Drill),
+            Self::MoveWhileUsing(ForwardsLeft, Polisher),
+            Self::MoveWhileUsing(ForwardsRight, Drill),
+            Self::MoveWhileUsing(ForwardsRight, Polisher),
+            Self::MoveWhileUsing(Forwards, Drill),
+            Self::MoveWhileUsing(Forwards, Polisher),
+            Self::MoveWhileUsing(Left, Drill),
+            Self::MoveWhileUsing(Left, Polisher),
+            Self::MoveWhileUsing(Right, Drill),
+            Self::MoveWhileUsing(Right, Polisher),
+            Self::NoCollaborative(Drill),
+            Self::NoCollaborative(Polisher),
+            Self::PickUp(Drill),
+            Self::PickUp(Polisher),
+            Self::PickUpObject,
+            Self::PutDown(Drill),
+            Self::PutDown(Polisher),
+            Self::Using(Drill),
+            Self::Using(Polisher),
+            Self::Walking,
+            Self::WalkingWith(Drill),
+            Self::WalkingWithObject,
+            Self::WalkingWith(Polisher),
+        ]
+    };
+
+    /// The class's name in HRI30.
+    pub fn name(self) -> &'static str {
+        use Tool::{Drill, Polisher};
+        match self {
+            Self::DeliverObject => "Deliver Object",
+            Self::MoveWhileUsing(direction, Drill) => direction.name_while_drilling(),
+            Self::MoveWhileUsing(direction, Polisher) => direction.name_while_polishing(),
+            Self::NoCollaborative(Drill) => "No Collaborative With Drill",
+            Self::NoCollaborative(Polisher) => "No Collaborative With Polisher",
+            Self::PickUp(Drill) => "Pick Up Drill",
+            Self::PickUp(Polisher) => "Pick Up Polisher",
+            Self::PickUpObject => "Pick Up The Object",
+            Self::PutDown(Drill) => "Put Down Drill",
+            Self::PutDown(Polisher) => "Put Down Polisher",
+            Self::Using(Drill) => "Using The Drill",
+            Self::Using(Polisher) => "Using The Polisher",
+            Self::Walking => "Walking",
+            Self::WalkingWith(Drill) => "Walking With Drill",
+            Self::WalkingWith(Polisher) => "Walking With Polisher",
+            Self::WalkingWithObject => "Walking With Object",
+        }
+    }
+
+    /// The class of this name.
+    ///
+    /// # Errors
+    /// [`Error::UnknownAction`] if no class has exactly this name.
+    pub fn from_name(name: &str) -> Result<Self, Error> {
+        Self::ALL
+            .into_iter()
+            .find(|action| action.name() == name)
+            .ok_or_else(|| Error::UnknownAction { name: name.into() })
+    }
+
+    /// Where the person walks while working, in the person's frame. `None` for every other action:
+    /// plain walking is not tied to a direction in HRI30 and does not lead the robot.
+    pub fn walking_direction(self) -> Option<WalkingDirection> {
+        match self {
+            Self::MoveWhileUsing(direction, _) => Some(direction),
+            _ => None,
+        }
+    }
+
+    /// The tool that the action is about.
+    pub fn tool(self) -> Option<Tool> {
+        match self {
+            Self::MoveWhileUsing(_, tool)
+            | Self::NoCollaborative(tool)
+            | Self::PickUp(tool)
+            | Self::PutDown(tool)
+            | Self::Using(tool)
+            | Self::WalkingWith(tool) => Some(tool),
+            Self::DeliverObject | Self::PickUpObject | Self::Walking | Self::WalkingWithObject => {
+                None
+            }
+        }
+    }
+
+    /// Whether the person works with the robot: delivers the object to it, or uses a tool on the
+    /// object, standing or walking. Paper, Experiment 3: the person becomes collaborative by
+    /// straightening the arm towards the robot, so that merely carrying a tool, taking it or laying
+    /// it down, does not count.
+    pub fn is_collaborative(self) -> bool {
+        matches!(self, Self::DeliverObject | Self::Using(_) | Self::MoveWhileUsing(..))
+    }
+}
+
+impl fmt::Display for Action {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
+    }
+}
+
+impl FromStr for Action {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        Self::from_name(name)
+    }
+}
+
+impl TryFrom<String> for Action {
+    type Error = Error;
+
+    fn try_from(name: String) -> Result<Self, Error> {
+        Self::from_name(&name)
+    }
+}
+
+impl From<Action> for &'static str {
+    fn from(action: Action) -> Self {
+        action.name()
+    }
+}

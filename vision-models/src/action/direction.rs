@@ -1,0 +1,110 @@
+//! The eight directions of walking.
+
+use std::f64::consts::FRAC_PI_4;
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+/// A direction on the floor in the person's frame: x forwards, y to the left.
+///
+/// ```
+/// use nalgebra::Vector2;
+/// use vision_models::WalkingDirection;
+///
+/// let direction = WalkingDirection::nearest(Vector2::new(-0.3, 0.28));
+/// assert_eq!(direction, Some(WalkingDirection::BackwardsLeft));
+/// assert!((WalkingDirection::Left.unit() - Vector2::y()).norm() < 1e-15);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WalkingDirection {
+    /// Along x.
+    Forwards,
+    /// Half way from forwards to left.
+    ForwardsLeft,
+    /// Along y.
+    Left,
+    /// Half way from backwards to left.
+    BackwardsLeft,
+    /// Against x.
+    Backwards,
+    /// Half way from backwards to right.
+    BackwardsRight,
+    /// Against y.
+    Right,
+    /// Half way from forwards to right.
+    ForwardsRight,
+}
+
+impl WalkingDirection {
+    /// The eight directions, counter-clockwise from forwards in steps of 45°.
+    pub const ALL: [Self; 8] = [
+        Self::Forwards,
+        Self::ForwardsLeft,
+        Self::Left,
+        Self::BackwardsLeft,
+        Self::Backwards,
+        Self::BackwardsRight,
+        Self::Right,
+        Self::ForwardsRight,
+    ];
+
+    /// The angle from forwards, counter-clockwise, in (-π, π] (rad).
+    pub fn yaw(self) -> f64 {
+        let eighths = match self {
+            Self::Forwards => 0.0,
+            Self::ForwardsLeft => 1.0,
+            Self::Left => 2.0,
+            Self::BackwardsLeft => 3.0,
+            Self::Backwards => 4.0,
+            Self::BackwardsRight => -3.0,
+            Self::Right => -2.0,
+            Self::ForwardsRight => -1.0,
+        };
+        eighths * FRAC_PI_4
+    }
+
+    /// The unit vector in the person's frame.
+    pub fn unit(self) -> Vector2<f64> {
+        let (sin, cos) = self.yaw().sin_cos();
+        Vector2::new(cos, sin)
+    }
+
+    /// The direction nearest to a vector in the person's frame; `None` for the zero vector and for
+    /// one that is not finite.
+    pub fn nearest(vector: Vector2<f64>) -> Option<Self> {
+        let vector = vector.try_normalize(0.0)?;
+        Self::ALL
+            .into_iter()
+            .map(|direction| (direction, direction.unit().dot(&vector)))
+            .filter(|(_, cosine)| cosine.is_finite())
+            .max_by(|(_, one), (_, other)| one.total_cmp(other))
+            .map(|(direction, _)| direction)
+    }
+
+    pub(super) fn name_while_drilling(self) -> &'static str {
+        match self {
+            Self::Forwards => "Move Forwards While Drilling",
+            Self::ForwardsLeft => "Move Diagonally Forwards Left With Drill",
+            Self::Left => "Move Left While Drilling",
+            Self::BackwardsLeft => "Move Diagonally Backwards Left With Drill",
+            Self::Backwards => "Move Backwards While Drilling",
+            Self::BackwardsRight => "Move Diagonally Backwards Right With Drill",
+            Self::Right => "Move Right While Drilling",
+            Self::ForwardsRight => "Move Diagonally Forwards Right With Drill",
+        }
+    }
+
+    pub(super) fn name_while_polishing(self) -> &'static str {
+        match self {
+            Self::Forwards => "Move Forwards While Polishing",
+            Self::ForwardsLeft => "Move Diagonally Forwards Left With Polisher",
+            Self::Left => "Move Left While Polishing",
+            Self::BackwardsLeft => "Move Diagonally Backwards Left With Polisher",
+            Self::Backwards => "Move Backwards While Polishing",
+            Self::BackwardsRight => "Move Diagonally Backwards Right With Polisher",
+            Self::Right => "Move Right While Polishing",
+            Self::ForwardsRight => "Move Diagonally Forwards Right With Polisher",
+        }
+    }
+}

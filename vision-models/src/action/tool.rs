@@ -1,0 +1,32 @@
+//! The tools of HRI30.
+
+use serde::{Deserialize, Serialize};
+
+use crate::Surface;
+
+/// A tool that the person works with.
+///
+/// ```
+/// use vision_models::{Surface, Tool};
+///
+/// assert_eq!(Tool::Polisher.surface(), Surface::Smooth);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Tool {
+    /// For the drilled surface.
+    Drill,
+    /// For the smooth surface.
+    Polisher,
+}
+
+impl Tool {
+    /// The surface that this tool works on, which therefore has to face the person (paper,
+    /// Experiment 3).
+    pub fn surface(self) -> Surface {
+        match self {
+            Self::Drill => Surface::Drilled,
+            Self::Polisher => Surface::Smooth,
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! The person's body: its keypoints in one frame, and its track over time.
+
+mod filter;
+mod heading;
+mod keypoints;
+mod pose;
+mod settings;
+mod stature;
+mod tracker;
+
+pub use keypoints::{Body, Body25, Keypoint};
+pub use pose::{PersonPose, TrackStatus};
+pub use settings::TrackerSettings;
+pub use stature::StatureEstimate;
+pub use tracker::BodyTracker;

@@ -1,0 +1,196 @@
+//! The twenty-five keypoints of `OpenPose`'s `BODY_25` model.
+
+use nalgebra::{Isometry3, Point3};
+
+use crate::Confidence;
+
+/// The joints of `BODY_25`; the discriminant is the index in `OpenPose`'s output.
+///
+/// ```
+/// use vision_models::Body25;
+///
+/// assert_eq!(Body25::MidHip.index(), 8);
+/// assert_eq!(Body25::from_index(7), Some(Body25::LeftWrist));
+/// assert_eq!(Body25::from_index(25), None);
+/// assert_eq!(Body25::LeftWrist.name(), "left wrist");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // The names say it all.
+pub enum Body25 {
+    Nose,
+    Neck,
+    RightShoulder,
+    RightElbow,
+    RightWrist,
+    LeftShoulder,
+    LeftElbow,
+    LeftWrist,
+    MidHip,
+    RightHip,
+    RightKnee,
+    RightAnkle,
+    LeftHip,
+    LeftKnee,
+    LeftAnkle,
+    RightEye,
+    LeftEye,
+    RightEar,
+    LeftEar,
+    LeftBigToe,
+    LeftSmallToe,
+    LeftHeel,
+    RightBigToe,
+    RightSmallToe,
+    RightHeel,
+}
+
+impl Body25 {
+    /// The number of joints.
+    pub const COUNT: usize = 25;
+
+    /// All joints in the order of their index.
+    pub const ALL: [Self; Self::COUNT] = [
+        Self::Nose,
+        Self::Neck,
+        Self::RightShoulder,
+        Self::RightElbow,
+        Self::RightWrist,
+        Self::LeftShoulder,
+        Self::LeftElbow,
+        Self::LeftWrist,
+        Self::MidHip,
+        Self::RightHip,
+        Self::RightKnee,
+        Self::RightAnkle,
+        Self::LeftHip,
+        Self::LeftKnee,
+        Self::LeftAnkle,
+        Self::RightEye,
+        Self::LeftEye,
+        Self::RightEar,
+        Self::LeftEar,
+        Self::LeftBigToe,
+        Self::LeftSmallToe,
+        Self::LeftHeel,
+        Self::RightBigToe,
+        Self::RightSmallToe,
+        Self::RightHeel,
+    ];
+
+    /// The index in `OpenPose`'s output, 0 to 24.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
+    /// The joint of this index.
+    pub fn from_index(index: usize) -> Option<Self> {
+        Self::ALL.get(index).copied()
+    }
+
+    /// The joint's name in words, such as `"left wrist"`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nose => "nose",
+            Self::Neck => "neck",
+            Self::RightShoulder => "right shoulder",
+            Self::RightElbow => "right elbow",
+            Self::RightWrist => "right wrist",
+            Self::LeftShoulder => "left shoulder",
+            Self::LeftElbow => "left elbow",
+            Self::LeftWrist => "left wrist",
+            Self::MidHip => "mid hip",
+            Self::RightHip => "right hip",
+            Self::RightKnee => "right knee",
+            Self::RightAnkle => "right ankle",
+            Self::LeftHip => "left hip",
+            Self::LeftKnee => "left knee",
+            Self::LeftAnkle => "left ankle",
+            Self::RightEye => "right eye",
+            Self::LeftEye => "left eye",
+            Self::RightEar => "right ear",
+            Self::LeftEar => "left ear",
+            Self::LeftBigToe => "left big toe",
+            Self::LeftSmallToe => "left small toe",
+            Self::LeftHeel => "left heel",
+            Self::RightBigToe => "right big toe",
+            Self::RightSmallToe => "right small toe",
+            Self::RightHeel => "right heel",
+        }
+    }
+}
+
+/// One joint as the camera saw it.
+///
+/// ```
+/// use nalgebra::Point3;
+/// use vision_models::{Confidence, Keypoint};
+///
+/// let wrist = Keypoint { position: Point3::new(1.2, 0.1, 1.0), confidence: Confidence::new(0.8)? };
+/// assert_eq!(wrist.position.z, 1.0);
+/// # Ok::<(), vision_models::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Keypoint {
+    /// In the world frame (m).
+    pub position: Point3<f64>,
+    /// The detector's confidence.
+    pub confidence: Confidence,
+}
+
+/// A person in one camera frame: each of the twenty-five joints where it was seen, in the world
+/// frame. The default has none.
+///
+/// ```
+/// use nalgebra::Point3;
+/// use vision_models::{Body, Body25, Confidence, Keypoint};
+///
+/// let mut body = Body::default();
+/// let nose = Keypoint { position: Point3::new(2.0, 0.0, 1.6), confidence: Confidence::ONE };
+/// body.set(Body25::Nose, Some(nose));
+/// assert_eq!(body.get(Body25::Nose), Some(nose));
+/// assert_eq!(body.get(Body25::Neck), None);
+/// assert_eq!(body.iter().count(), 1);
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Body {
+    keypoints: [Option<Keypoint>; Body25::COUNT],
+}
+
+impl Body {
+    /// A body from its keypoints in the order of [`Body25::ALL`].
+    pub fn new(keypoints: [Option<Keypoint>; Body25::COUNT]) -> Self {
+        Self { keypoints }
+    }
+
+    /// The joint, if it was seen.
+    pub fn get(&self, joint: Body25) -> Option<Keypoint> {
+        self.keypoints[joint.index()]
+    }
+
+    /// Sets a joint, or removes it.
+    pub fn set(&mut self, joint: Body25, keypoint: Option<Keypoint>) {
+        self.keypoints[joint.index()] = keypoint;
+    }
+
+    /// The keypoints in the order of [`Body25::ALL`].
+    pub fn keypoints(&self) -> &[Option<Keypoint>; Body25::COUNT] {
+        &self.keypoints
+    }
+
+    /// The joints that were seen.
+    pub fn iter(&self) -> impl Iterator<Item = (Body25, Keypoint)> + '_ {
+        Body25::ALL
+            .into_iter()
+            .zip(&self.keypoints)
+            .filter_map(|(joint, keypoint)| keypoint.map(|keypoint| (joint, keypoint)))
+    }
+
+    /// The body moved by a rigid motion: with `world_from_camera`, keypoints that are in the
+    /// camera's frame come into the world's.
+    #[must_use]
+    pub fn transformed(&self, motion: &Isometry3<f64>) -> Self {
+        Self::new(self.keypoints.map(|keypoint| {
+            keypoint.map(|keypoint| Keypoint { position: motion * keypoint.position, ..keypoint })
+        }))
+    }
+}

@@ -1,0 +1,83 @@
+//! Where the person is.
+
+use nalgebra::{Isometry3, Point2, Translation3, UnitQuaternion, Vector2, Vector3};
+
+/// How well the person's pose is known.
+///
+/// ```
+/// use vision_models::TrackStatus;
+///
+/// assert!(TrackStatus::Coasting.is_usable());
+/// assert!(!TrackStatus::Lost.is_usable());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TrackStatus {
+    /// Measured in the last frames.
+    Tracked,
+    /// Not measured for a moment: moved on at the last velocity.
+    Coasting,
+    /// Stale: not measured for longer than the coasting limit. The pose is where coasting ended.
+    Lost,
+}
+
+impl TrackStatus {
+    /// Whether the control side may act on the pose.
+    pub fn is_usable(self) -> bool {
+        self != Self::Lost
+    }
+}
+
+/// The person's pose on the floor, in the world frame.
+///
+/// ```
+/// use nalgebra::{Point2, Point3, Vector2};
+/// use vision_models::{PersonPose, TrackStatus};
+///
+/// let person = PersonPose {
+///     floor: Point2::new(2.0, 0.0),
+///     heading: std::f64::consts::PI,
+///     velocity: Vector2::new(-0.5, 0.0),
+///     heading_rate: 0.0,
+///     age: 0.02,
+///     heading_age: 0.02,
+///     status: TrackStatus::Tracked,
+/// };
+/// // Half a metre in front of the person is half a metre closer to the origin.
+/// let hand = person.world_from_person() * Point3::new(0.5, 0.0, 1.0);
+/// assert!((hand - Point3::new(1.5, 0.0, 1.0)).norm() < 1e-12);
+/// // The person walks forwards.
+/// assert!((person.velocity_in_person() - Vector2::new(0.5, 0.0)).norm() < 1e-12);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PersonPose {
+    /// The floor below the pelvis (m).
+    pub floor: Point2<f64>,
+    /// The yaw of the person's forward direction, unwrapped: it goes on past ±π (rad).
+    pub heading: f64,
+    /// Of the pelvis over the floor; zero once lost (m/s).
+    pub velocity: Vector2<f64>,
+    /// Zero once the heading is held (rad/s).
+    pub heading_rate: f64,
+    /// Time since the position was last measured (s).
+    pub age: f64,
+    /// Time since the heading was last measured (s).
+    pub heading_age: f64,
+    /// Follows from `age`.
+    pub status: TrackStatus,
+}
+
+impl PersonPose {
+    /// The pose of the person's frame: origin on the floor below the pelvis, x forwards, y to the
+    /// left, z up.
+    pub fn world_from_person(&self) -> Isometry3<f64> {
+        Isometry3::from_parts(
+            Translation3::new(self.floor.x, self.floor.y, 0.0),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), self.heading),
+        )
+    }
+
+    /// The velocity in the person's own frame: x forwards, y to the left (m/s).
+    pub fn velocity_in_person(&self) -> Vector2<f64> {
+        nalgebra::Rotation2::new(-self.heading) * self.velocity
+    }
+}
