@@ -4,10 +4,13 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use ergo_map::ErgonomicsQuadratic;
 use moca_model::{
-    ImpedanceSettings, JointImpedance, JointState, MOCA_HOME, RobotData, RobotModel,
-    SimulatedRobot, forward_kinematics, gravity, jacobian, world_from_link,
+    Controller, ControllerSettings, ImpedanceSettings, JointImpedance, JointState, MOCA_HOME,
+    RobotData, RobotModel, SimulatedRobot, forward_kinematics, gravity, jacobian, world_from_link,
 };
+use nalgebra::{Matrix3, Point3, Vector3};
+use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
 
 struct Counting;
 
@@ -77,4 +80,41 @@ fn impedance_and_simulation_allocate_nothing() {
         }
     });
     assert_eq!(count, 0);
+}
+
+#[test]
+fn a_tick_of_the_controller_allocates_nothing() {
+    let hessian = Matrix3::identity() * 8.0;
+    let best = Vector3::new(0.35, -0.1, 1.1);
+    let comfort = ErgonomicsQuadratic::new(hessian, -(hessian * best), 1.0).unwrap();
+    let model = RobotModel::moca().unwrap();
+    let settings = ControllerSettings::default();
+    let mut robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
+    let mut controller = Controller::new(model, comfort, settings, &MOCA_HOME).unwrap();
+    let mut body = Body::default();
+    for (joint, y, z) in [
+        (Body25::RightShoulder, 0.2, 1.43),
+        (Body25::LeftShoulder, -0.2, 1.43),
+        (Body25::RightHip, 0.12, 0.93),
+        (Body25::LeftHip, -0.12, 0.93),
+        (Body25::MidHip, 0.0, 0.93),
+    ] {
+        let position = Point3::new(1.4, y, z);
+        body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
+    }
+    let action = RecognisedAction { action: Action::DeliverObject, confidence: Confidence::ONE };
+    let mut percept = Percept { time: 0.0, body: Some(body), action: Some(action), surface: None };
+    let count = allocations(|| {
+        for tick in 0..3000_u32 {
+            let now = f64::from(tick) * 1e-3;
+            if tick.is_multiple_of(50) {
+                percept.time = now;
+                controller.observe(&percept).unwrap();
+            }
+            controller.step(now, robot.position()).unwrap();
+            robot.step(&controller.command().joint_velocity, 1e-3).unwrap();
+        }
+    });
+    assert_eq!(count, 0);
+    assert!(controller.command().joint_velocity.iter().any(|v| v.abs() > 1e-3), "it moves");
 }
