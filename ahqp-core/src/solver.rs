@@ -53,7 +53,8 @@ impl Solver {
                 iterations: 0,
                 violations: vec![0.0; levels],
             },
-            guesses: vec![Vec::with_capacity(count); levels + 1],
+            // Not `vec![…; levels + 1]`: clones of an empty vector have no capacity.
+            guesses: (0..=levels).map(|_| Vec::with_capacity(count + n)).collect(),
             warm: false,
             conflict: Vec::with_capacity(count),
             set: ActiveSet::new(table, settings),
