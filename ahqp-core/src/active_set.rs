@@ -1,12 +1,9 @@
-//! The active-set search of one level.
+//! The problem of one level and the set of rows that are active in it.
 //!
 //! Minimise the violation of the level's rows, ½‖w‖² with lower ≤ A x − w ≤ upper, plus a
 //! linear term, subject to the hard rows in play and inside the directions that higher levels
-//! left free. A primal method: the working set holds hard rows at their bounds, violated rows
-//! of the objective are pulled towards theirs, and each iteration either moves to the minimum
-//! of the resulting equality problem, stops at the first row in the way, or lets go of a row
-//! whose multiplier has the wrong sign (Nocedal & Wright, Numerical Optimization, algorithm
-//! 16.3, with w as variables that are never formed).
+//! left free. The working set holds hard rows at their bounds; rows of the objective that are
+//! violated are pulled towards theirs.
 
 use std::ops::Range;
 
@@ -34,8 +31,17 @@ pub(crate) enum RowState {
 }
 
 impl RowState {
-    fn is_active(self) -> bool {
+    pub(crate) fn is_active(self) -> bool {
         matches!(self, Self::Lower | Self::Upper | Self::Equal)
+    }
+
+    /// Whether a row in this state should be let go, given its multiplier times its norm.
+    pub(crate) fn is_wrong(self, force: f64, threshold: f64) -> bool {
+        match self {
+            Self::Upper => -force > threshold,
+            Self::Lower => force > threshold,
+            _ => false,
+        }
     }
 }
 
@@ -50,7 +56,7 @@ pub(crate) enum Goal {
 
 impl Goal {
     /// Whether row `id` of the table is one whose violation is minimised.
-    fn has_row(&self, id: usize) -> bool {
+    pub(crate) fn has_row(&self, id: usize) -> bool {
         matches!(self, Self::Rows { rows, .. } if rows.contains(&id))
     }
 }
@@ -61,13 +67,6 @@ pub(crate) enum End {
     Optimal,
     Unbounded,
     OutOfIterations,
-}
-
-/// A row of the working set, or of the objective, that should be let go.
-#[derive(Debug, Clone, Copy)]
-enum Release {
-    Hard(usize),
-    Soft(usize),
 }
 
 #[derive(Debug, Clone)]
@@ -82,15 +81,13 @@ pub(crate) struct ActiveSet {
     /// aᵢx for the rows in play.
     pub(crate) value: Vec<f64>,
     /// w of rows of the objective that are inside, on its way to zero.
-    residual: Vec<f64>,
+    pub(crate) residual: Vec<f64>,
     pub(crate) multipliers: Vec<f64>,
     pub(crate) iterations: usize,
-    slope: Vec<f64>,
-    direction: Vec<f64>,
-    gradient: Vec<f64>,
-    saved: Vec<f64>,
-    kept: Vec<(usize, RowState)>,
-    settings: Settings,
+    pub(crate) slope: Vec<f64>,
+    pub(crate) direction: Vec<f64>,
+    pub(crate) gradient: Vec<f64>,
+    pub(crate) settings: Settings,
 }
 
 impl ActiveSet {
@@ -111,8 +108,6 @@ impl ActiveSet {
             slope: vec![0.0; count],
             direction: vec![0.0; n],
             gradient: vec![0.0; n],
-            saved: vec![0.0; n],
-            kept: Vec::with_capacity(n),
             table,
             settings,
         }
@@ -187,66 +182,19 @@ impl ActiveSet {
 
     /// The working set accepts rows that a rank decision would already refuse, since a row that
     /// stands in the way must be taken; far below, rounding is all there is.
-    fn dependence_tolerance(&self) -> f64 {
+    pub(crate) fn dependence_tolerance(&self) -> f64 {
         self.settings.rank_tolerance * 1e-2
     }
 
-    fn bound(&self, id: usize) -> f64 {
+    pub(crate) fn bound(&self, id: usize) -> f64 {
         match self.state[id] {
             RowState::Lower => self.table.lower[id],
             _ => self.table.upper[id],
         }
     }
 
-    /// Searches from x, or from the minimum of the present equality problem if x is there.
-    pub(crate) fn search(&mut self, goal: &Goal, mut at_minimum: bool) -> End {
-        let mut stalled = 0;
-        loop {
-            if self.iterations >= self.settings.max_iterations {
-                return End::OutOfIterations;
-            }
-            self.iterations += 1;
-            // Least index first cannot cycle (Bland), but is slow: only after a stall.
-            let careful = stalled > self.table.n;
-            if !at_minimum {
-                let minimum = self.equality_step(goal);
-                let (length, blocking) = self.first_in_the_way(goal, minimum, careful);
-                self.advance(goal, length);
-                stalled = if length * norm(&self.direction) > 1e-14 * (1.0 + norm(&self.x)) {
-                    0
-                } else {
-                    stalled + 1
-                };
-                if let Some((id, state)) = blocking {
-                    if goal.has_row(id) {
-                        self.state[id] = state;
-                    } else {
-                        self.activate(id, state);
-                    }
-                    continue;
-                }
-                if minimum == Minimum::Ray {
-                    return End::Unbounded;
-                }
-            }
-            at_minimum = false;
-            match self.wrong_sign(goal, careful) {
-                None => return End::Optimal,
-                Some(Release::Hard(position)) => {
-                    let id = self.basis.active()[position];
-                    self.basis.remove_active(position);
-                    self.state[id] = RowState::Inside;
-                }
-                Some(Release::Soft(id)) => {
-                    self.residual[id] = self.value[id] - self.bound(id);
-                    self.state[id] = RowState::Inside;
-                }
-            }
-        }
-    }
-
     /// The step to the minimum with the working set held, into `direction`.
-    fn equality_step(&mut self, goal: &Goal) -> Minimum {
+    pub(crate) fn equality_step(&mut self, goal: &Goal) -> Minimum {
         self.direction.fill(0.0);
         let k = self.basis.free_count();
         let minimum = match goal {
@@ -285,112 +233,9 @@ impl ActiveSet {
         }
     }
 
-    /// How far along `direction` x may go, and the row that stops it.
-    fn first_in_the_way(
-        &mut self,
-        goal: &Goal,
-        minimum: Minimum,
-        careful: bool,
-    ) -> (f64, Option<(usize, RowState)>) {
-        let size = norm(&self.direction);
-        let x_norm = norm(&self.x);
-        let full = if minimum == Minimum::Ray { f64::INFINITY } else { 1.0 };
-        for index in 0..self.hard.len() {
-            let id = self.hard[index];
-            let inside = self.state[id] == RowState::Inside;
-            self.slope[id] = if inside { self.table.row(id).dot(&self.direction) } else { 0.0 };
-        }
-        if let Goal::Rows { rows, .. } = goal {
-            for id in rows.clone() {
-                self.slope[id] = self.table.row(id).dot(&self.direction);
-            }
-        }
-        // Two passes: the bound relaxed by the tolerance finds how far x may go, and among the
-        // rows met by then the one most across the direction is taken.
-        let mut reach = full;
-        self.for_each_in_the_way(goal, size, |room, slope, id| {
-            let slack = if careful { 0.0 } else { self.tolerance(id, x_norm) };
-            reach = reach.min((room + slack) / slope);
-        });
-        if reach >= full {
-            return (full, None);
-        }
-        let mut best: Option<(f64, f64, usize, RowState)> = None;
-        self.for_each_in_the_way_with_state(goal, size, |room, slope, id, state| {
-            let ratio = room / slope;
-            let pivot = slope / self.table.row(id).norm().max(f64::MIN_POSITIVE);
-            let better = best.is_none_or(
-                |(_, largest, least, _)| {
-                    if careful { id < least } else { pivot > largest }
-                },
-            );
-            if ratio <= reach && better {
-                best = Some((ratio, pivot, id, state));
-            }
-        });
-        match best {
-            Some((ratio, _, id, state)) => (ratio.min(full), Some((id, state))),
-            None => (reach, None),
-        }
-    }
-
-    fn for_each_in_the_way(&self, goal: &Goal, size: f64, mut visit: impl FnMut(f64, f64, usize)) {
-        self.for_each_in_the_way_with_state(goal, size, |room, slope, id, _| {
-            visit(room, slope, id);
-        });
-    }
-
-    /// Visits rows that the direction approaches: the room left (not negative), the speed of
-    /// approach (positive), the row, and the side.
-    fn for_each_in_the_way_with_state(
-        &self,
-        goal: &Goal,
-        size: f64,
-        mut visit: impl FnMut(f64, f64, usize, RowState),
-    ) {
-        let mut consider = |id: usize, value: f64, slope: f64| {
-            let least = self.dependence_tolerance() * self.table.row(id).norm() * size;
-            if slope > least && self.table.upper[id].is_finite() {
-                visit((self.table.upper[id] - value).max(0.0), slope, id, RowState::Upper);
-            } else if slope < -least && self.table.lower[id].is_finite() {
-                visit((value - self.table.lower[id]).max(0.0), -slope, id, RowState::Lower);
-            }
-        };
-        for &id in &self.hard {
-            if self.state[id] == RowState::Inside {
-                consider(id, self.value[id], self.slope[id]);
-            }
-        }
-        if let Goal::Rows { rows, .. } = goal {
-            for id in rows.clone() {
-                if self.state[id] == RowState::Inside {
-                    let residual = self.residual[id];
-                    consider(id, self.value[id] - residual, self.slope[id] + residual);
-                }
-            }
-        }
-    }
-
-    /// x ← x + length · direction.
-    fn advance(&mut self, goal: &Goal, length: f64) {
-        if !length.is_finite() {
-            return;
-        }
-        add_scaled(&mut self.x, length, &self.direction);
-        for &id in &self.hard {
-            self.value[id] += length * self.slope[id];
-        }
-        if let Goal::Rows { rows, .. } = goal {
-            for id in rows.clone() {
-                self.value[id] += length * self.slope[id];
-                self.residual[id] *= 1.0 - length.min(1.0);
-            }
-        }
-    }
-
     /// Gradient of the goal at x, and below which size a multiplier (times its row's norm) is
     /// rounding.
-    fn set_gradient(&mut self, goal: &Goal) -> f64 {
+    pub(crate) fn set_gradient(&mut self, goal: &Goal) -> f64 {
         let x_norm = norm(&self.x);
         let (size, noise) = match goal {
             Goal::Norm => {
@@ -416,39 +261,6 @@ impl ActiveSet {
             }
         };
         self.settings.optimality_tolerance * size + 1e-13 * noise
-    }
-
-    /// The row to let go: the one that is most wrong, or the first of the wrong ones.
-    fn wrong_sign(&mut self, goal: &Goal, careful: bool) -> Option<Release> {
-        let threshold = self.set_gradient(goal);
-        self.basis.multipliers(&self.gradient, &mut self.multipliers);
-        let mut worst: Option<(f64, usize, Release)> = None;
-        let mut consider = |wrongness: f64, id: usize, release: Release| {
-            let better = worst
-                .is_none_or(|(most, least, _)| if careful { id < least } else { wrongness > most });
-            if wrongness > threshold && better {
-                worst = Some((wrongness, id, release));
-            }
-        };
-        for (position, &id) in self.basis.active().iter().enumerate() {
-            let force = self.multipliers[position] * self.table.row(id).norm();
-            match self.state[id] {
-                RowState::Upper => consider(-force, id, Release::Hard(position)),
-                RowState::Lower => consider(force, id, Release::Hard(position)),
-                _ => {}
-            }
-        }
-        if let Goal::Rows { rows, .. } = goal {
-            for id in rows.clone() {
-                let force = (self.value[id] - self.bound(id)) * self.table.row(id).norm();
-                match self.state[id] {
-                    RowState::Upper => consider(-force, id, Release::Soft(id)),
-                    RowState::Lower => consider(force, id, Release::Soft(id)),
-                    _ => {}
-                }
-            }
-        }
-        worst.map(|(_, _, release)| release)
     }
 
     /// Whether row `position` of the working set is needed to hold the optimum: its multiplier
@@ -495,118 +307,5 @@ impl ActiveSet {
         self.least_squares.factorise(self.settings.rank_tolerance);
         let (reflectors, stride, tau) = self.least_squares.reflectors();
         self.basis.fix_reflected(reflectors, stride, tau);
-    }
-
-    /// Jumps to the minimum of the equality problem of a guessed working set, and keeps it if
-    /// every row in play holds there.
-    pub(crate) fn try_guess(
-        &mut self,
-        guess: &[(usize, RowState)],
-        goal: Option<&Goal>,
-        fresh: Range<usize>,
-    ) -> bool {
-        self.saved.copy_from_slice(&self.x);
-        self.kept.clear();
-        for &id in self.basis.active() {
-            self.kept.push((id, self.state[id]));
-            self.state[id] = RowState::Inside;
-        }
-        self.basis.clear_active();
-        for id in fresh.clone() {
-            self.state[id] = RowState::Inside;
-            self.hard.push(id);
-            if self.table.is_equality(id) {
-                self.activate(id, RowState::Equal);
-            }
-        }
-        self.take_guess(guess, goal);
-        self.jump(goal);
-        if self.all_hold(goal) {
-            return true;
-        }
-        self.x.copy_from_slice(&self.saved);
-        for position in 0..self.basis.active().len() {
-            self.state[self.basis.active()[position]] = RowState::Inside;
-        }
-        self.basis.clear_active();
-        self.hard.truncate(self.hard.len() - fresh.len());
-        for id in fresh {
-            self.state[id] = RowState::Absent;
-        }
-        self.refresh_values();
-        for index in 0..self.kept.len() {
-            let (id, state) = self.kept[index];
-            self.activate(id, state);
-        }
-        false
-    }
-
-    fn take_guess(&mut self, guess: &[(usize, RowState)], goal: Option<&Goal>) {
-        if let Some(Goal::Rows { rows, .. }) = goal {
-            for id in rows.clone() {
-                self.residual[id] = 0.0;
-                self.state[id] =
-                    if self.table.is_equality(id) { RowState::Equal } else { RowState::Inside };
-            }
-        }
-        for &(id, state) in guess {
-            let bounded = match state {
-                RowState::Lower => self.table.lower[id].is_finite(),
-                RowState::Upper => self.table.upper[id].is_finite(),
-                _ => false,
-            };
-            if !bounded || self.state[id] != RowState::Inside {
-                continue;
-            }
-            if goal.is_some_and(|goal| goal.has_row(id)) {
-                self.state[id] = state;
-            } else {
-                self.activate(id, state);
-            }
-        }
-    }
-
-    /// To the minimum of the equality problem, rows of the working set brought to their bounds.
-    fn jump(&mut self, goal: Option<&Goal>) {
-        for position in 0..self.basis.active().len() {
-            let id = self.basis.active()[position];
-            self.gradient[position] = self.bound(id) - self.table.row(id).dot(&self.x);
-        }
-        let count = self.basis.active().len();
-        self.basis.reach_targets(&self.gradient[..count], &mut self.x);
-        let Some(goal) = goal else { return };
-        if let Goal::Rows { rows, .. } = goal {
-            for id in rows.clone() {
-                self.value[id] = self.table.row(id).dot(&self.x);
-            }
-        }
-        if self.equality_step(goal) == Minimum::Point {
-            add_scaled(&mut self.x, 1.0, &self.direction);
-        }
-        if let Goal::Rows { rows, .. } = goal {
-            for id in rows.clone() {
-                self.value[id] = self.table.row(id).dot(&self.x);
-            }
-        }
-    }
-
-    fn refresh_values(&mut self) {
-        for &id in &self.hard {
-            self.value[id] = self.table.row(id).dot(&self.x);
-        }
-    }
-
-    /// Whether hard rows, and rows of the objective that count as inside, hold at x.
-    fn all_hold(&mut self, goal: Option<&Goal>) -> bool {
-        self.refresh_values();
-        let x_norm = norm(&self.x);
-        let holds = |id: usize| self.violation(id).abs() <= self.tolerance(id, x_norm);
-        self.hard.iter().all(|&id| holds(id))
-            && match goal {
-                Some(Goal::Rows { rows, .. }) => {
-                    rows.clone().all(|id| self.state[id] != RowState::Inside || holds(id))
-                }
-                _ => true,
-            }
     }
 }

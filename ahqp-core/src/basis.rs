@@ -160,18 +160,6 @@ impl Basis {
         self.fixed += tau.len();
     }
 
-    /// Moves x along the active directions so that each active row reaches its target.
-    pub(crate) fn reach_targets(&mut self, gaps: &[f64], x: &mut [f64]) {
-        let n = self.n;
-        for (i, &gap) in gaps.iter().enumerate().take(self.active.len()) {
-            let row = &self.triangular[i * n..(i + 1) * n];
-            let known = dot(&row[..i], &self.coordinates[..i]);
-            self.coordinates[i] = (gap - known) / row[i];
-            let start = (self.fixed + i) * n;
-            add_scaled(x, self.coordinates[i], &self.vectors[start..start + n]);
-        }
-    }
-
     /// Multipliers λ with Σ λᵢ aᵢ = −gradient along the active directions.
     pub(crate) fn multipliers(&self, gradient: &[f64], out: &mut [f64]) {
         let (n, count) = (self.n, self.active.len());

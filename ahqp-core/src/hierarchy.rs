@@ -110,16 +110,16 @@ impl Level {
     }
 
     fn expect_columns(&self, variables: usize) -> Result<(), Error> {
-        expect_size("a row of the constraints", self.constraints.columns(), variables)?;
         match &self.objective {
-            Objective::None => Ok(()),
+            Objective::None => {}
             Objective::LeastSquares(rows) => {
-                expect_size("a row of the objective", rows.columns(), variables)
+                expect_size("a row of the objective", rows.columns(), variables)?;
             }
             Objective::Quadratic { gradient, .. } => {
-                expect_size("the gradient", gradient.len(), variables)
+                expect_size("the gradient", gradient.len(), variables)?;
             }
         }
+        expect_size("a row of the constraints", self.constraints.columns(), variables)
     }
 }
 

@@ -16,6 +16,7 @@ mod active_set;
 mod basis;
 mod clik;
 mod error;
+mod factorisation;
 mod hierarchy;
 mod least_squares;
 mod limits;
@@ -24,6 +25,7 @@ mod quadratic;
 mod reference;
 mod rotation;
 mod rows;
+mod search;
 mod settings;
 mod solution;
 mod solver;
@@ -31,6 +33,7 @@ mod table;
 #[cfg(feature = "testing")]
 pub mod testing;
 mod vector;
+mod verification;
 
 pub use clik::{AugmentedClik, AugmentedState, integrate_pose, pose_error};
 pub use error::Error;

@@ -153,18 +153,19 @@ impl Cascade {
 
     fn optimum(&self, rows: &Rows, linear: &DVector<f64>) -> Result<Optimum, Error> {
         let mut problem = QuadraticProblem::new(self, self.x.clone(), rows, linear);
-        let mut best = problem.solve(self.level)?;
+        let (mut best, mut proved) = polish(&problem, problem.solve(self.level)?);
         for _ in 0..ROUNDS {
-            if let Some(optimum) = polish(&problem, &best) {
-                return Ok(optimum);
-            }
             // Where little violation is left, its digits show only in its own unit.
-            if problem.violation(&best.x) > 0.3 * problem.violation(&problem.origin) {
+            if proved || problem.violation(&best.x) > 0.3 * problem.violation(&problem.origin) {
                 break;
             }
-            let finer = QuadraticProblem::new(self, best.x.clone(), rows, linear);
-            let Ok(better) = finer.solve(self.level) else { break };
-            (problem, best) = (finer, better);
+            problem = QuadraticProblem::new(self, best.x.clone(), rows, linear);
+            let Ok(rough) = problem.solve(self.level) else { break };
+            let (finer, surely) = polish(&problem, rough);
+            if problem.violation(&finer.x) > problem.violation(&best.x) {
+                break;
+            }
+            (best, proved) = (finer, surely);
         }
         Ok(best)
     }
@@ -209,26 +210,33 @@ impl Cascade {
     }
 }
 
-/// ½xᵀHx + gᵀx = ½‖Rx − b‖² + linearᵀx + constant, by the eigenvectors of H.
+/// ½xᵀHx + gᵀx = ½‖Rx − b‖² + linearᵀx + constant, with H = RᵀR by pivoted Cholesky
+/// factorisation and Rᵀb the part of −g in its range.
 fn as_least_squares(
     hessian: &DMatrix<f64>,
     gradient: &DVector<f64>,
 ) -> Result<(Rows, DVector<f64>), Error> {
-    let eigen = hessian.clone().symmetric_eigen();
-    let least = 1e-12 * eigen.eigenvalues.amax();
-    let mut linear = gradient.clone();
-    let (mut roots, mut targets) = (Vec::new(), Vec::new());
-    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        if *value > least {
-            let along = vector.dot(gradient);
-            linear.axpy(-along, &vector, 1.0);
-            roots.push(vector.transpose() * value.sqrt());
-            targets.push(-along / value.sqrt());
+    let n = gradient.len();
+    let least = 1e-12 * hessian.amax();
+    let mut rest = hessian.clone();
+    let mut roots = Vec::new();
+    while roots.len() < n {
+        let pivot = rest.diagonal().imax();
+        let size = rest[(pivot, pivot)];
+        if size <= least {
+            break;
         }
+        let row = rest.row(pivot) / size.sqrt();
+        rest -= row.tr_mul(&row);
+        roots.push(row);
     }
+    let r = DMatrix::from_fn(roots.len(), n, |i, j| roots[i][j]);
+    let sizes: Vec<f64> = hessian.diagonal().iter().map(|d| d.abs().sqrt()).collect();
+    let none = DVector::zeros(roots.len());
+    let b = span::least_squares(&r.transpose(), &sizes, &-gradient, &none).unwrap_or(none);
+    let mut linear = gradient + r.tr_mul(&b);
     if linear.norm() <= 1e-9 * gradient.norm() {
         linear.fill(0.0);
     }
-    let matrix = DMatrix::from_fn(roots.len(), gradient.len(), |i, j| roots[i][j]);
-    Ok((Rows::equalities(&matrix, &DVector::from_vec(targets))?, linear))
+    Ok((Rows::equalities(&r, &b)?, linear))
 }

@@ -1,5 +1,7 @@
 //! The loop over the levels.
 
+use std::ops::Range;
+
 use crate::active_set::{ActiveSet, End, Goal, RowState};
 use crate::error::Error;
 use crate::hierarchy::{ConstraintSource, Hierarchy};
@@ -7,9 +9,13 @@ use crate::settings::{Settings, WarmStart};
 use crate::solution::{Solution, Status};
 use crate::table::RowTable;
 use crate::vector::norm;
+use crate::verification::Verifier;
 
 /// A multiplier this many times above the noise marks its row as active at every optimum.
 const STRONGLY_ACTIVE: f64 = 1e3;
+
+/// Rounds of mending the previous active set after which the search starts from nothing.
+const ROUNDS: usize = 6;
 
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
@@ -22,10 +28,11 @@ const STRONGLY_ACTIVE: f64 = 1e3;
 #[derive(Debug, Clone)]
 pub struct Solver {
     set: ActiveSet,
+    verifier: Verifier,
     settings: Settings,
     solution: Solution,
-    /// The working set at the end of each level, and of the final choice of least norm.
-    guesses: Vec<Vec<(usize, RowState)>>,
+    /// Rows of the working set that the level at hand leaves to the next.
+    left: Vec<(usize, RowState)>,
     warm: bool,
     conflict: Vec<ConstraintSource>,
 }
@@ -53,8 +60,8 @@ impl Solver {
                 iterations: 0,
                 violations: vec![0.0; levels],
             },
-            // Not `vec![…; levels + 1]`: clones of an empty vector have no capacity.
-            guesses: (0..=levels).map(|_| Vec::with_capacity(count + n)).collect(),
+            verifier: Verifier::new(&table, settings),
+            left: Vec::with_capacity(n),
             warm: false,
             conflict: Vec::with_capacity(count),
             set: ActiveSet::new(table, settings),
@@ -84,26 +91,37 @@ impl Solver {
         self.warm = false;
         self.conflict.clear();
         self.set.table.load(hierarchy)?;
-        self.set.reset();
-        let levels = hierarchy.levels().len();
-        let mut status = Status::Solved;
-        for level in 0..levels {
-            if let LevelEnd::OutOfIterations = self.solve_level(level, warm)? {
-                status = Status::IterationLimit { level };
-                break;
-            }
+        // A gradient outside the range of its Hessian is balanced by rows alone, which the check
+        // of an active set does not know.
+        let warm = warm && !self.set.table.levels.iter().any(|level| level.has_linear);
+        if warm && let Some(rounds) = self.verifier.solve(&self.set.table, ROUNDS) {
+            self.set.x.copy_from_slice(&self.verifier.factorisation.x);
+            self.warm = true;
+            self.read_out(Status::Solved, rounds);
+            return Ok(&self.solution);
         }
-        if status == Status::Solved
-            && let LevelEnd::OutOfIterations = self.choose_least_norm(levels, warm)
-        {
-            status = Status::IterationLimit { level: levels };
-        }
+        let status = self.search_levels(hierarchy.levels().len())?;
         self.warm = status == Status::Solved;
-        self.read_out(status);
+        self.read_out(status, self.set.iterations);
         Ok(&self.solution)
     }
 
-    fn solve_level(&mut self, level: usize, warm: bool) -> Result<LevelEnd, Error> {
+    /// The cascade: level by level, from nothing.
+    fn search_levels(&mut self, levels: usize) -> Result<Status, Error> {
+        self.set.reset();
+        self.verifier.activity.fill(RowState::Inside);
+        for level in 0..levels {
+            if let LevelEnd::OutOfIterations = self.solve_level(level)? {
+                return Ok(Status::IterationLimit { level });
+            }
+        }
+        match self.choose_least_norm() {
+            LevelEnd::Solved => Ok(Status::Solved),
+            LevelEnd::OutOfIterations => Ok(Status::IterationLimit { level: levels }),
+        }
+    }
+
+    fn solve_level(&mut self, level: usize) -> Result<LevelEnd, Error> {
         let entry = &self.set.table.levels[level];
         let (constraints, objective) = (entry.constraints.clone(), entry.used_objective());
         let has_linear = entry.has_linear;
@@ -111,31 +129,23 @@ impl Solver {
             rows: objective.clone(),
             linear_of: has_linear.then_some(level),
         });
-        let guessed = warm && self.set.try_guess(&self.guesses[level], goal.as_ref(), constraints);
-        if !guessed {
-            if let LevelEnd::OutOfIterations = self.make_feasible(level)? {
-                return Ok(LevelEnd::OutOfIterations);
-            }
-            self.set.place_soft(objective);
+        if let LevelEnd::OutOfIterations = self.make_feasible(level, constraints)? {
+            return Ok(LevelEnd::OutOfIterations);
         }
-        let end = match &goal {
-            Some(goal) => self.set.search(goal, guessed),
-            None => End::Optimal,
-        };
+        self.set.place_soft(objective.clone());
+        let end = goal.as_ref().map_or(End::Optimal, |goal| self.set.search(goal));
         match end {
             End::Unbounded => return Err(Error::Unbounded { level }),
             End::OutOfIterations => return Ok(LevelEnd::OutOfIterations),
             End::Optimal => {}
         }
-        self.remember(level, goal.as_ref());
-        self.settle(level, goal.as_ref());
+        self.settle(goal.as_ref());
         Ok(LevelEnd::Solved)
     }
 
     /// Brings x to where the new hard constraints of `level` hold, at no cost to the levels
     /// above, by minimising their violation.
-    fn make_feasible(&mut self, level: usize) -> Result<LevelEnd, Error> {
-        let rows = self.set.table.levels[level].constraints.clone();
+    fn make_feasible(&mut self, level: usize, rows: Range<usize>) -> Result<LevelEnd, Error> {
         self.set.place_soft(rows.clone());
         let x_norm = norm(&self.set.x);
         let holds =
@@ -143,7 +153,7 @@ impl Solver {
         if !holds {
             self.solution.x.copy_from_slice(&self.set.x);
             let goal = Goal::Rows { rows: rows.clone(), linear_of: None };
-            match self.set.search(&goal, false) {
+            match self.set.search(&goal) {
                 End::OutOfIterations => {
                     self.set.x.copy_from_slice(&self.solution.x);
                     return Ok(LevelEnd::OutOfIterations);
@@ -189,74 +199,72 @@ impl Solver {
     }
 
     /// Among the optima of all levels, the one of least norm.
-    fn choose_least_norm(&mut self, levels: usize, warm: bool) -> LevelEnd {
-        if self.set.basis.free_count() + self.set.basis.active().len() == 0 {
-            self.guesses[levels].clear();
-            return LevelEnd::Solved;
-        }
-        let guessed = warm && self.set.try_guess(&self.guesses[levels], Some(&Goal::Norm), 0..0);
-        if self.set.search(&Goal::Norm, guessed) == End::OutOfIterations {
+    fn choose_least_norm(&mut self) -> LevelEnd {
+        let idle = self.set.basis.free_count() + self.set.basis.active().len() == 0;
+        if !idle && self.set.search(&Goal::Norm) == End::OutOfIterations {
             return LevelEnd::OutOfIterations;
         }
-        self.remember(levels, None);
+        self.remember_active();
         LevelEnd::Solved
     }
 
-    /// Keeps the working set for the next solve.
-    fn remember(&mut self, level: usize, goal: Option<&Goal>) {
-        let guess = &mut self.guesses[level];
-        guess.clear();
-        guess.extend(self.set.basis.active().iter().map(|&id| (id, self.set.state[id])));
-        if let Some(Goal::Rows { rows, .. }) = goal {
-            let pulled =
-                |id: &usize| matches!(self.set.state[*id], RowState::Lower | RowState::Upper);
-            guess.extend(rows.clone().filter(pulled).map(|id| (id, self.set.state[id])));
+    /// The working set belongs to the active set of the whole.
+    fn remember_active(&mut self) {
+        for &id in self.set.basis.active() {
+            self.verifier.activity[id] = self.set.state[id];
         }
     }
 
     /// Fixes what the level decided: rows of its objective keep their values (those within
     /// their ranges stay within), and hard rows with a multiplier stay at their bounds.
-    fn settle(&mut self, level: usize, goal: Option<&Goal>) {
+    fn settle(&mut self, goal: Option<&Goal>) {
         let set = &mut self.set;
         let threshold = match goal {
             Some(goal) => STRONGLY_ACTIVE * set.refresh_multipliers(goal),
             None => f64::INFINITY,
         };
-        let count = set.basis.active().len();
-        let mut weak = 0;
-        // Strongly active rows first, the others behind them, in place.
-        let guess = &mut self.guesses[level];
-        let pulled = guess.len() - count;
-        for position in 0..count {
+        self.left.clear();
+        for position in 0..set.basis.active().len() {
             let id = set.basis.active()[position];
+            self.left.push((id, set.state[id]));
             if set.is_strongly_active(position, threshold) {
+                self.verifier.activity[id] = set.state[id];
                 set.state[id] = RowState::Fixed;
-            } else {
-                guess.push((id, set.state[id]));
-                weak += 1;
             }
         }
         set.basis.clear_active();
-        for &(id, _) in &guess[..count] {
+        for &(id, _) in &self.left {
             if set.state[id] == RowState::Fixed {
                 set.basis.fix(set.table.row(id), self.settings.rank_tolerance);
             }
         }
         set.hard.retain(|&id| set.state[id] != RowState::Fixed);
         if let Some(Goal::Rows { rows, linear_of }) = goal {
+            for id in rows.clone() {
+                if set.state[id].is_active() {
+                    self.verifier.activity[id] = set.state[id];
+                }
+            }
             set.fix_objective(rows.clone(), *linear_of);
+            for id in rows.clone() {
+                if set.state[id] == RowState::Inside {
+                    self.verifier.activity[id] = RowState::Inside;
+                }
+            }
         }
-        for &(id, state) in &guess[count + pulled..] {
-            set.state[id] = RowState::Inside;
-            set.activate(id, state);
+        for index in 0..self.left.len() {
+            let (id, state) = self.left[index];
+            if set.state[id] != RowState::Fixed {
+                set.state[id] = RowState::Inside;
+                set.activate(id, state);
+            }
         }
-        guess.truncate(guess.len() - weak);
     }
 
-    fn read_out(&mut self, status: Status) {
+    fn read_out(&mut self, status: Status, iterations: usize) {
         let table = &self.set.table;
         self.solution.status = status;
-        self.solution.iterations = self.set.iterations;
+        self.solution.iterations = iterations;
         for (i, (to, &from)) in self.solution.x.iter_mut().zip(&self.set.x).enumerate() {
             *to = from.clamp(table.lower[i], table.upper[i]);
         }

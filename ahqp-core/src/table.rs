@@ -137,6 +137,12 @@ impl RowTable {
         }
     }
 
+    /// The coefficients of row `id`, which is no bound.
+    pub(crate) fn coefficients(&self, id: usize) -> &[f64] {
+        let start = (id - self.n) * self.n;
+        &self.coefficients[start..start + self.n]
+    }
+
     pub(crate) fn is_equality(&self, id: usize) -> bool {
         self.lower[id] == self.upper[id]
     }

@@ -17,6 +17,8 @@
 //! });
 //! ```
 //!
+pub mod problems;
+
 mod build;
 mod random;
 
@@ -60,12 +62,13 @@ pub fn hierarchy_sequences(sizes: Sizes, length: u64) -> impl Strategy<Value = V
 /// Hierarchies of least-squares equalities alone, without bounds or constraints.
 pub fn equality_hierarchies(sizes: Sizes) -> impl Strategy<Value = Hierarchy> {
     plans(sizes, |rows| {
-        level_plans(rows)
-            .prop_map(|plan| LevelPlan { kind: Kind::Equalities, constraints: 0, ..plan })
+        level_plans(rows).prop_map(|plan| LevelPlan {
+            kind: Kind::Equalities,
+            constraints: 0,
+            ..plan
+        })
     })
-    .prop_filter_map("sizes agree", |plan| {
-        HierarchyPlan { bounded: false, ..plan }.build(0).ok()
-    })
+    .prop_filter_map("sizes agree", |plan| HierarchyPlan { bounded: false, ..plan }.build(0).ok())
 }
 
 fn plans<S: Strategy<Value = LevelPlan>>(

@@ -14,6 +14,8 @@ use crate::rows::Rows;
 /// A multiplier counts when it exceeds this fraction of the level's forces \[-\].
 const NEEDED: f64 = 1e-6;
 
+/// The least violation that tolerances are relative to, in units of its rounding \[-\].
+const SMALLEST_UNIT: f64 = 1e6;
 /// Tolerance and regularisation of Clarabel, tried one after the other where it fails.
 const ATTEMPTS: [(f64, f64); 5] =
     [(1e-12, 1e-9), (1e-12, 1e-8), (1e-12, 1e-11), (1e-10, 1e-7), (1e-8, 1e-7)];
@@ -38,6 +40,8 @@ pub(super) struct QuadraticProblem<'a> {
     pub(super) linear: DVector<f64>,
     pub(super) g: DMatrix<f64>,
     pub(super) h: DVector<f64>,
+    /// Violations of this size are rounding.
+    pub(super) rounding: f64,
 }
 
 impl<'a> QuadraticProblem<'a> {
@@ -59,12 +63,16 @@ impl<'a> QuadraticProblem<'a> {
                 row.fill(0.0);
             }
         }
+        let finite = |bound: &&f64| bound.is_finite();
+        let bounds = rows.lower().iter().chain(rows.upper()).filter(finite);
+        let largest = bounds.fold(matrix.amax() * origin.amax(), |l, b| f64::max(l, b.abs()));
         let values = matrix * &origin;
         let (g, h) = reduced_inequalities(cascade, &origin);
         Self {
             lower: DVector::from_column_slice(rows.lower()) - &values,
             upper: DVector::from_column_slice(rows.upper()) - values,
             linear: basis.tr_mul(linear),
+            rounding: 1e-13 * largest,
             origin,
             basis,
             b,
@@ -100,18 +108,24 @@ impl<'a> QuadraticProblem<'a> {
         self.basis.tr_mul(&(x - &self.origin))
     }
 
+    /// x of y.
+    pub(super) fn point(&self, y: &DVector<f64>) -> DVector<f64> {
+        &self.origin + self.basis * y
+    }
+
     /// An optimum, to tolerances relative to the violation at the origin.
     pub(super) fn solve(&self, level: usize) -> Result<Optimum, Error> {
         let (k, m, held) = (self.basis.ncols(), self.b.nrows(), self.h.len());
         let unit = self.violation(&self.origin);
-        if k == 0 || (unit == 0.0 && self.linear.norm() == 0.0) {
+        if k == 0 || (unit <= self.rounding && self.linear.norm() == 0.0) {
             let none = vec![false; held];
             return Ok(Optimum { x: self.origin.clone(), needed: none.clone(), active: none });
         }
         // The level's largest row gets norm one, and the violation at the origin size one.
         let scale = self.b.row_iter().map(|row| row.norm()).fold(0.0, f64::max);
         let scale = if scale > 0.0 { 1.0 / scale } else { 1.0 };
-        let unit = if unit > 0.0 { unit * scale } else { 1.0 };
+        let unit = unit.max(SMALLEST_UNIT * self.rounding) * scale;
+        let unit = if unit > 0.0 { unit } else { 1.0 };
         let mut quadratic = DMatrix::zeros(k + m, k + m);
         let mut linear = DVector::zeros(k + m);
         linear.rows_mut(0, k).copy_from(&(&self.linear * (scale * scale / unit)));
@@ -128,6 +142,7 @@ impl<'a> QuadraticProblem<'a> {
             let row = self.g.row(i).transpose().resize_vertically(k + m, 0.0);
             conditions.inequalities.push((row, self.h[i] / unit));
         }
+
         let solution = conditions.minimise(&quadratic, &linear, level)?;
         let values = DVector::from_column_slice(&solution.x);
         let y = values.rows(0, k) * unit;
@@ -137,7 +152,7 @@ impl<'a> QuadraticProblem<'a> {
         let at = conditions.equalities.len() + first;
         let (z, s) = (&solution.z[at..], &solution.s[at..]);
         Ok(Optimum {
-            x: &self.origin + self.basis * y,
+            x: self.point(&y),
             needed: (0..held).map(|i| z[i] > least && z[i] > s[i]).collect(),
             active: (0..held).map(|i| z[i] > s[i] || s[i] * unit < AT_BOUND).collect(),
         })
@@ -174,10 +189,7 @@ pub(super) fn never_slack(cascade: &Cascade) -> Result<Vec<usize>, Error> {
 }
 
 /// G y ≤ h with rows of unit norm.
-fn reduced_inequalities(
-    cascade: &Cascade,
-    origin: &DVector<f64>,
-) -> (DMatrix<f64>, DVector<f64>) {
+fn reduced_inequalities(cascade: &Cascade, origin: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
     let count = cascade.inequalities.len();
     let mut g = DMatrix::zeros(count, cascade.free.ncols());
     let mut h = DVector::zeros(count);
@@ -241,18 +253,13 @@ impl Conditions {
                 max_iter: 200,
                 ..DefaultSettings::default()
             };
-            let mut solver = DefaultSolver::new(
-                &sparse(p),
-                q.as_slice(),
-                &matrix,
-                &bounds,
-                &cones,
-                settings,
-            )
-            .map_err(|error| Error::Reference { level, status: error.to_string() })?;
+            let mut solver =
+                DefaultSolver::new(&sparse(p), q.as_slice(), &matrix, &bounds, &cones, settings)
+                    .map_err(|error| Error::Reference { level, status: error.to_string() })?;
             solver.solve();
             let solution = solver.solution;
-            let close = solution.r_prim < 1e-8 && solution.r_dual < 1e-8;
+            let gap = (solution.obj_val - solution.obj_val_dual).abs();
+            let close = solution.r_prim.max(solution.r_dual).max(gap) < 1e-8;
             match solution.status {
                 SolverStatus::Solved | SolverStatus::AlmostSolved => return Ok(solution),
                 SolverStatus::InsufficientProgress | SolverStatus::NumericalError if close => {

@@ -8,17 +8,18 @@ use super::span::{complement, least_squares};
 
 /// What may count as zero in an interior-point solution, relative \[-\]: tried in this order.
 const GUESSES: [f64; 4] = [0.0, 1e-9, 1e-7, 1e-5];
-/// How near the polished violations must be to the rough ones, relative \[-\].
-const SAME: f64 = 1e-6;
 /// How well the held inequalities must hold at the polished point, relative \[-\].
 const HOLDS: f64 = 1e-11;
+/// What may be left of the gradient, and of a multiplier's wrong sign, at an optimum, relative to
+/// the level's forces \[-\].
+const BALANCED: f64 = 1e-9;
 
-/// The optimum with more digits, or nothing if no guess of the active rows gives it.
-pub(super) fn polish(problem: &QuadraticProblem<'_>, rough: &Optimum) -> Option<Optimum> {
+/// The optimum with more digits, and whether it is proved to be one.
+pub(super) fn polish(problem: &QuadraticProblem<'_>, rough: Optimum) -> (Optimum, bool) {
     let start = problem.coordinates(&rough.x);
     let violations = problem.violations(&start);
     let size = 1.0 + violations.amax();
-    let value = problem.value(&start);
+    let (mut best, mut least) = (start.clone(), problem.value(&start));
     for zero in GUESSES {
         for nearby in GUESSES {
             let near = (&problem.h - &problem.g * &start).map(|room| room < nearby);
@@ -31,15 +32,35 @@ pub(super) fn polish(problem: &QuadraticProblem<'_>, rough: &Optimum) -> Option<
                 continue;
             };
             let excess = &problem.g * &y - &problem.h;
-            let holds = excess.iter().all(|&excess| excess <= HOLDS * (1.0 + y.amax()));
-            let change = (problem.violations(&y) - &violations).amax();
-            let same = change <= SAME * violations.amax() + HOLDS;
-            if holds && (same || problem.value(&y) < value) {
-                return Some(Optimum { x: &problem.origin + problem.basis * y, ..rough.clone() });
+            if excess.iter().any(|&excess| excess > HOLDS * (1.0 + y.amax())) {
+                continue;
+            }
+            if is_optimal(problem, &y, &active) {
+                return (Optimum { x: problem.point(&y), ..rough }, true);
+            }
+            if problem.value(&y) < least {
+                least = problem.value(&y);
+                best = y;
             }
         }
     }
-    None
+    (Optimum { x: problem.point(&best), ..rough }, false)
+}
+
+/// Whether multipliers of the right sign on the active rows balance the gradient at y.
+fn is_optimal(problem: &QuadraticProblem<'_>, y: &DVector<f64>, active: &[usize]) -> bool {
+    let violations = problem.violations(y);
+    let gradient = problem.b.tr_mul(&violations) + &problem.linear;
+    let forces = norms(&problem.b).iter().zip(&violations).map(|(a, w)| a * w.abs()).sum::<f64>();
+    let least = BALANCED * (forces + problem.linear.norm()) + problem.rounding * problem.b.norm();
+    let transposed = problem.g.select_rows(active).transpose();
+    let none = DVector::zeros(active.len());
+    least_squares(&transposed, &vec![1.0; transposed.nrows()], &-&gradient, &none).is_some_and(
+        |multipliers| {
+            multipliers.iter().all(|&multiplier| multiplier >= -least)
+                && (transposed * multipliers + gradient).norm() <= least
+        },
+    )
 }
 
 /// From `start` onto the active rows, then to the minimum of the pulled rows' violation inside

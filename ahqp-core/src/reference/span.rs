@@ -56,8 +56,8 @@ fn independent_directions(mut vectors: Vec<(DVector<f64>, f64)>) -> Vec<DVector<
         let share = |(rest, size): &(DVector<f64>, f64)| {
             if *size > 0.0 { rest.norm() / size } else { 0.0 }
         };
-        let best = (0..vectors.len())
-            .max_by(|&i, &j| share(&vectors[i]).total_cmp(&share(&vectors[j])));
+        let best =
+            (0..vectors.len()).max_by(|&i, &j| share(&vectors[i]).total_cmp(&share(&vectors[j])));
         let Some(best) = best.filter(|&i| share(&vectors[i]) > DEPENDENT) else { return basis };
         let direction = without(&vectors[best].0.normalize(), &basis).normalize();
         for (rest, _) in &mut vectors {

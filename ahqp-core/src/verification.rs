@@ -1,0 +1,237 @@
+//! Whether a point is the lexicographic optimum, seen from its active set alone.
+//!
+//! A level's Lagrangian has the gradient Aᵀr of its residuals r, balanced by multipliers of all
+//! rows above it: hard rows, rows of higher objectives (held, of either sign) and bounds. x is
+//! optimal when every row that is not active holds and, for every active inequality, the first
+//! level at which its multiplier differs from zero gives it the right sign (Dimitrov, Sherikov,
+//! Wieber; Escande, Mansard, Wieber, IJRR 33, 2014).
+
+use crate::active_set::RowState;
+use crate::factorisation::{Factorisation, Purpose, bound};
+use crate::settings::Settings;
+use crate::table::RowTable;
+use crate::vector::norm;
+
+/// Multipliers above this fraction of the numbers that they are made of are no rounding.
+const NOISE: f64 = 1e-13;
+
+/// An active set of the whole hierarchy, its factorisation, and the check; sized once.
+#[derive(Debug, Clone)]
+pub(crate) struct Verifier {
+    pub(crate) factorisation: Factorisation,
+    /// Of every row of the table: inside, or active at a bound.
+    pub(crate) activity: Vec<RowState>,
+    /// aᵢx.
+    value: Vec<f64>,
+    /// Active inequalities whose sign is known to be right.
+    settled: Vec<bool>,
+    multipliers: Vec<f64>,
+    gradient: Vec<f64>,
+    settings: Settings,
+}
+
+/// What a check found, and mended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Repairs {
+    /// Rows that were violated and are active now.
+    pub(crate) taken: usize,
+    /// Rows with a multiplier of the wrong sign, inside now.
+    pub(crate) released: usize,
+}
+
+impl Verifier {
+    pub(crate) fn new(table: &RowTable, settings: Settings) -> Self {
+        Self {
+            factorisation: Factorisation::new(table),
+            activity: vec![RowState::Inside; table.len()],
+            value: vec![0.0; table.len()],
+            settled: vec![false; table.len()],
+            multipliers: vec![0.0; table.n],
+            gradient: vec![0.0; table.n],
+            settings,
+        }
+    }
+
+    /// Solves from the present active set, mending it for up to `rounds` rounds; how many it
+    /// took, or none if it did not come to an end.
+    pub(crate) fn solve(&mut self, table: &RowTable, rounds: usize) -> Option<usize> {
+        self.fit(table);
+        for round in 1..=rounds {
+            self.factorisation.factorise(table, &self.activity, self.settings.rank_tolerance);
+            let repairs = self.repair(table)?;
+            if repairs == (Repairs { taken: 0, released: 0 }) {
+                return Some(round);
+            }
+        }
+        None
+    }
+
+    /// Makes the active set fit the data: equalities are active, sides without a bound are not.
+    fn fit(&mut self, table: &RowTable) {
+        for (id, state) in self.activity.iter_mut().enumerate() {
+            let fits = match *state {
+                RowState::Lower => table.lower[id].is_finite(),
+                RowState::Upper => table.upper[id].is_finite(),
+                _ => false,
+            };
+            if table.is_equality(id) {
+                *state = RowState::Equal;
+            } else if !fits {
+                *state = RowState::Inside;
+            }
+        }
+    }
+
+    /// Checks x, and mends the active set where it is wrong; none where that cannot help.
+    fn repair(&mut self, table: &RowTable) -> Option<Repairs> {
+        let x_norm = norm(&self.factorisation.x);
+        if !x_norm.is_finite() {
+            return None;
+        }
+        self.settled.fill(false);
+        let taken = self.take_violated(table, x_norm)?;
+        for group in 0..self.factorisation.groups.len() {
+            if self.factorisation.groups[group].purpose == Purpose::Minimised {
+                let released = self.check_level(table, group, x_norm);
+                // Signs below a level that is not at its optimum yet mean nothing.
+                if released > 0 {
+                    return Some(Repairs { taken, released });
+                }
+            }
+        }
+        let released = self.check_least_norm(table, x_norm);
+        Some(Repairs { taken, released })
+    }
+
+    fn tolerance(&self, table: &RowTable, id: usize, x_norm: f64) -> f64 {
+        self.settings.feasibility_tolerance * table.magnitude(id, x_norm)
+    }
+
+    /// Every row that is violated becomes active; none if a row that should hold does not.
+    fn take_violated(&mut self, table: &RowTable, x_norm: f64) -> Option<usize> {
+        let mut taken = 0;
+        for id in 0..table.n {
+            taken += usize::from(self.take_if_violated(table, id, x_norm));
+        }
+        for level in &table.levels {
+            for id in level.constraints.clone() {
+                if self.activity[id] == RowState::Inside {
+                    taken += usize::from(self.take_if_violated(table, id, x_norm));
+                } else {
+                    let value = table.row(id).dot(&self.factorisation.x);
+                    let gap = value - bound(table, &self.activity, id);
+                    if gap.abs() > self.tolerance(table, id, x_norm) {
+                        return None;
+                    }
+                }
+            }
+            for id in level.used_objective() {
+                taken += usize::from(self.take_if_violated(table, id, x_norm));
+            }
+        }
+        Some(taken)
+    }
+
+    fn take_if_violated(&mut self, table: &RowTable, id: usize, x_norm: f64) -> bool {
+        let value = table.row(id).dot(&self.factorisation.x);
+        self.value[id] = value;
+        if self.activity[id] != RowState::Inside {
+            return false;
+        }
+        let tolerance = self.tolerance(table, id, x_norm);
+        if value > table.upper[id] + tolerance {
+            self.activity[id] = RowState::Upper;
+        } else if value < table.lower[id] - tolerance {
+            self.activity[id] = RowState::Lower;
+        } else {
+            return false;
+        }
+        // A row taken in this check has no multiplier yet.
+        self.settled[id] = true;
+        true
+    }
+
+    /// Checks the signs that the level of `group`, the rows of its objective, gives.
+    fn check_level(&mut self, table: &RowTable, group: usize, x_norm: f64) -> usize {
+        let factorisation = &self.factorisation;
+        let group = &factorisation.groups[group];
+        let coordinates = &mut self.multipliers[..group.first_pivot];
+        coordinates.fill(0.0);
+        self.gradient.fill(0.0);
+        let (mut size, mut noise) = (0.0, 0.0);
+        for at in group.start..group.end {
+            let id = factorisation.stacked[at];
+            let row = table.row(id);
+            let residual = self.value[id] - bound(table, &self.activity, id);
+            size += row.norm() * residual.abs();
+            noise += row.norm() * table.magnitude(id, x_norm);
+            factorisation.add_row(at, residual, coordinates);
+            row.add_to(&mut self.gradient, residual);
+        }
+        if size <= 10.0 * NOISE * noise {
+            return 0;
+        }
+        let threshold = self.settings.optimality_tolerance * size + NOISE * noise;
+        let mut released = 0;
+        for at in group.start..group.end {
+            let id = factorisation.stacked[at];
+            // Each row is asked before it may change.
+            let force = (self.value[id] - bound(table, &self.activity, id)) * table.row(id).norm();
+            released += check_sign(&mut self.activity, &mut self.settled, id, force, threshold);
+        }
+        let pivots = group.first_pivot;
+        released + self.check_multipliers(table, pivots, threshold)
+    }
+
+    /// Checks the signs that the final choice of least norm gives.
+    fn check_least_norm(&mut self, table: &RowTable, x_norm: f64) -> usize {
+        let decided = self.factorisation.decided();
+        self.multipliers[..decided.len()].copy_from_slice(decided);
+        self.gradient.copy_from_slice(&self.factorisation.x);
+        let threshold = self.settings.optimality_tolerance * x_norm;
+        let pivots = decided.len();
+        self.check_multipliers(table, pivots, threshold)
+    }
+
+    /// Balances `gradient`, whose coordinates stand in `multipliers`, by the first `pivots`
+    /// pivots and the bounds, and checks the signs of those that are inequalities.
+    fn check_multipliers(&mut self, table: &RowTable, pivots: usize, threshold: f64) -> usize {
+        let factorisation = &self.factorisation;
+        let coordinates = &mut self.multipliers[..pivots];
+        factorisation.balance(coordinates);
+        let mut released = 0;
+        for (pivot, &multiplier) in coordinates.iter().enumerate() {
+            let id = factorisation.stacked[factorisation.pivots[pivot]];
+            let row = table.row(id);
+            row.add_to(&mut self.gradient, multiplier);
+            let force = multiplier * row.norm();
+            released += check_sign(&mut self.activity, &mut self.settled, id, force, threshold);
+        }
+        for &variable in &factorisation.bounded {
+            let force = -self.gradient[variable];
+            released +=
+                check_sign(&mut self.activity, &mut self.settled, variable, force, threshold);
+        }
+        released
+    }
+}
+
+/// The first multiplier that differs from zero decides: right, and the row is settled; wrong,
+/// and it is let go. How many were let go.
+fn check_sign(
+    activity: &mut [RowState],
+    settled: &mut [bool],
+    id: usize,
+    force: f64,
+    threshold: f64,
+) -> usize {
+    if settled[id] || force.abs() <= threshold {
+        return 0;
+    }
+    settled[id] = true;
+    if activity[id].is_wrong(force, threshold) {
+        activity[id] = RowState::Inside;
+        return 1;
+    }
+    0
+}
