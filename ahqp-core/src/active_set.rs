@@ -8,6 +8,7 @@
 use std::ops::Range;
 
 use crate::basis::Basis;
+use crate::kernels::RowsMut;
 use crate::least_squares::{LeastSquares, Minimum};
 use crate::settings::Settings;
 use crate::table::RowTable;
@@ -84,6 +85,10 @@ pub(crate) struct ActiveSet {
     pub(crate) residual: Vec<f64>,
     pub(crate) multipliers: Vec<f64>,
     pub(crate) iterations: usize,
+    /// Coordinates of the rows that are minimised along the basis, kept up to date while they
+    /// are: `reduced_rows` of them, valid where the row is active and along free directions.
+    reduced: Vec<f64>,
+    reduced_rows: Range<usize>,
     pub(crate) slope: Vec<f64>,
     pub(crate) direction: Vec<f64>,
     pub(crate) gradient: Vec<f64>,
@@ -105,6 +110,8 @@ impl ActiveSet {
             residual: vec![0.0; count],
             multipliers: vec![0.0; n],
             iterations: 0,
+            reduced: vec![0.0; most.unwrap_or(0) * n],
+            reduced_rows: 0..0,
             slope: vec![0.0; count],
             direction: vec![0.0; n],
             gradient: vec![0.0; n],
@@ -171,11 +178,59 @@ impl ActiveSet {
         }
     }
 
+    /// Begins to keep the coordinates of the rows of `goal`.
+    pub(crate) fn begin_reduced(&mut self, goal: &Goal) {
+        self.reduced_rows = 0..0;
+        if let Goal::Rows { rows, .. } = goal {
+            self.reduced_rows = rows.clone();
+            for id in rows.clone() {
+                if self.state[id].is_active() {
+                    self.reduce(id);
+                }
+            }
+        }
+    }
+
+    /// No longer keeps coordinates.
+    pub(crate) fn end_reduced(&mut self) {
+        self.reduced_rows = 0..0;
+    }
+
+    fn reduce(&mut self, id: usize) {
+        let (n, start) = (self.table.n, self.basis.free_start());
+        let at = (id - self.reduced_rows.start) * n;
+        let out = &mut self.reduced[at + start..at + n];
+        self.basis.free_coordinates(self.table.row(id), out);
+    }
+
+    /// Pulls a row of the objective that has come to a bound.
+    pub(crate) fn pull(&mut self, id: usize, state: RowState) {
+        self.state[id] = state;
+        self.reduce(id);
+    }
+
+    /// Lets go of a row of the working set; its direction is free again.
+    pub(crate) fn release(&mut self, position: usize) {
+        let id = self.basis.active()[position];
+        self.basis.remove_active(position);
+        self.state[id] = RowState::Inside;
+        let (n, start) = (self.table.n, self.basis.free_start());
+        let direction = self.basis.vector(start);
+        for (index, id) in self.reduced_rows.clone().enumerate() {
+            if self.state[id].is_active() {
+                self.reduced[index * n + start] = self.table.row(id).dot(direction);
+            }
+        }
+    }
+
     /// Adds a hard row to the working set; false if it depends on the rows there.
     pub(crate) fn activate(&mut self, id: usize, state: RowState) -> bool {
         let added = self.basis.push_active(id, self.table.row(id), self.dependence_tolerance());
         if added {
             self.state[id] = state;
+            let n = self.table.n;
+            let data = &mut self.reduced[..self.reduced_rows.len() * n];
+            self.basis.repeat_reflection(&mut RowsMut { data, stride: n });
         }
         added
     }
@@ -218,13 +273,15 @@ impl ActiveSet {
     }
 
     fn fill_least_squares(&mut self, rows: &Range<usize>, linear_of: Option<usize>, k: usize) {
+        let n = self.table.n;
         self.least_squares.start(k);
         for id in rows.clone() {
-            let row = self.table.row(id);
-            if self.state[id].is_active() && row.norm() > 0.0 {
+            let norm = self.table.row(id).norm();
+            if self.state[id].is_active() && norm > 0.0 {
                 let target = self.bound(id) - self.value[id];
-                self.least_squares
-                    .push(target, row.norm(), |out| self.basis.free_coordinates(row, out));
+                let at = (id - rows.start) * n;
+                let reduced = &self.reduced[at + n - k..at + n];
+                self.least_squares.push(target, norm, |out| out.copy_from_slice(reduced));
             }
         }
         if let Some(level) = linear_of {

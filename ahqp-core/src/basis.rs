@@ -4,6 +4,7 @@
 //! the working set, whose rows are lower triangular in them; free ones span what may still
 //! move. Dimensions shrink from level to level because fixed directions are not touched again.
 
+use crate::kernels::{RowsMut, mix_rows, reflect_rows};
 use crate::table::RowView;
 use crate::vector::{add_scaled, dot, norm, reflector};
 
@@ -20,6 +21,8 @@ pub(crate) struct Basis {
     triangular: Vec<f64>,
     coordinates: Vec<f64>,
     image: Vec<f64>,
+    /// Where the last reflection began, and its τ; its vector stands in `coordinates`.
+    last: (usize, f64),
 }
 
 impl Basis {
@@ -32,6 +35,7 @@ impl Basis {
             triangular: vec![0.0; n * n],
             coordinates: vec![0.0; n],
             image: vec![0.0; n],
+            last: (n, 0.0),
         };
         basis.reset();
         basis
@@ -51,8 +55,15 @@ impl Basis {
         &self.active
     }
 
+    /// Brings coordinates in the directions before the last row was added to the directions
+    /// after; one row of `rows` is one vector, with a coordinate for each direction.
+    pub(crate) fn repeat_reflection(&self, rows: &mut RowsMut<'_>) {
+        let (start, tau) = self.last;
+        reflect_rows(rows, start, &self.coordinates[..self.n - start], tau);
+    }
+
     /// The first free direction.
-    fn free_start(&self) -> usize {
+    pub(crate) fn free_start(&self) -> usize {
         self.fixed + self.active.len()
     }
 
@@ -61,7 +72,8 @@ impl Basis {
         self.n - self.free_start()
     }
 
-    fn vector(&self, j: usize) -> &[f64] {
+    /// Direction j.
+    pub(crate) fn vector(&self, j: usize) -> &[f64] {
         &self.vectors[j * self.n..(j + 1) * self.n]
     }
 
@@ -184,6 +196,7 @@ impl Basis {
         if independent {
             let (tau, _) = reflector(part);
             self.reflect(start, part, tau);
+            self.last = (start, tau);
         }
         self.coordinates = v;
         independent.then_some(())
@@ -191,20 +204,8 @@ impl Basis {
 
     /// Applies I − τvvᵀ to the directions from `start` on.
     fn reflect(&mut self, start: usize, v: &[f64], tau: f64) {
-        let n = self.n;
-        self.image.fill(0.0);
-        for (j, &weight) in v.iter().enumerate() {
-            if weight != 0.0 {
-                let at = (start + j) * n;
-                add_scaled(&mut self.image, weight, &self.vectors[at..at + n]);
-            }
-        }
-        for (j, &weight) in v.iter().enumerate() {
-            if weight != 0.0 {
-                let at = (start + j) * n;
-                add_scaled(&mut self.vectors[at..at + n], -tau * weight, &self.image);
-            }
-        }
+        let data = &mut self.vectors[start * self.n..];
+        mix_rows(&mut RowsMut { data, stride: self.n }, v, tau, &mut self.image);
     }
 }
 

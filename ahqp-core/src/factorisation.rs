@@ -7,6 +7,7 @@
 //! that no level decides stay zero: the least norm.
 
 use crate::active_set::RowState;
+use crate::kernels::{RowsMut, reflect_rows};
 use crate::table::RowTable;
 use crate::vector::{add_scaled, dot, norm, reflector};
 
@@ -156,11 +157,8 @@ impl Factorisation {
             let (tau, image) = reflector(v);
             row[0] = image;
             self.tau[step] = tau;
-            for other in below.chunks_exact_mut(n).take(self.stacked.len() - at - 1) {
-                let part = &mut other[step..k];
-                let weight = tau * dot(part, v);
-                add_scaled(part, -weight, v);
-            }
+            let data = &mut below[..(self.stacked.len() - at - 1) * n];
+            reflect_rows(&mut RowsMut { data, stride: n }, step, v, tau);
             self.pivots.push(at);
             self.groups[group].rank += 1;
         }

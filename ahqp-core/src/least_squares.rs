@@ -6,6 +6,7 @@
 //! directions that the level decides. Only where rows depend on each other is L, tall then,
 //! factored once more from the left.
 
+use crate::kernels::{RowsMut, reflect_rows};
 use crate::vector::{add_scaled, dot, norm, reflector};
 
 /// The problem and its factors; sized once for m and k up to given limits.
@@ -105,11 +106,8 @@ impl LeastSquares {
             let (tau, image) = reflector(&mut v[step..]);
             row[step..].fill(0.0);
             row[step] = image;
-            for other in below.chunks_exact_mut(stride).take(self.m - step - 1) {
-                let part = &mut other[step..self.k];
-                let weight = tau * dot(part, &v[step..]);
-                add_scaled(part, -weight, &v[step..]);
-            }
+            let data = &mut below[..(self.m - step - 1) * stride];
+            reflect_rows(&mut RowsMut { data, stride }, step, &v[step..], tau);
             self.tau[step] = tau;
             self.rank += 1;
         }

@@ -18,6 +18,7 @@ mod clik;
 mod error;
 mod factorisation;
 mod hierarchy;
+mod kernels;
 mod least_squares;
 mod limits;
 mod quadratic;

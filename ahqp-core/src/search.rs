@@ -20,6 +20,13 @@ enum Release {
 impl ActiveSet {
     /// Searches from x.
     pub(crate) fn search(&mut self, goal: &Goal) -> End {
+        self.begin_reduced(goal);
+        let end = self.search_on(goal);
+        self.end_reduced();
+        end
+    }
+
+    fn search_on(&mut self, goal: &Goal) -> End {
         let mut stalled = 0;
         loop {
             if self.iterations >= self.settings.max_iterations {
@@ -38,7 +45,7 @@ impl ActiveSet {
             };
             if let Some((id, state)) = blocking {
                 if goal.has_row(id) {
-                    self.state[id] = state;
+                    self.pull(id, state);
                 } else {
                     self.activate(id, state);
                 }
@@ -50,9 +57,7 @@ impl ActiveSet {
             match self.wrong_sign(goal, careful) {
                 None => return End::Optimal,
                 Some(Release::Hard(position)) => {
-                    let id = self.basis.active()[position];
-                    self.basis.remove_active(position);
-                    self.state[id] = RowState::Inside;
+                    self.release(position);
                 }
                 Some(Release::Soft(id)) => {
                     self.residual[id] = self.value[id] - self.bound(id);
