@@ -95,15 +95,6 @@ pub enum Error {
         levels: usize,
     },
 
-    /// The level holds another kind of objective.
-    #[error("level {level} does not hold a {expected} objective; add a level of that kind instead")]
-    ObjectiveKind {
-        /// The level.
-        level: usize,
-        /// The kind that the call needs.
-        expected: &'static str,
-    },
-
     /// The hard constraints of a level contradict each other or those above.
     ///
     /// [`Solver::conflict`](crate::Solver::conflict) lists a subset that cannot hold together.

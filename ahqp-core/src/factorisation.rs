@@ -30,6 +30,8 @@ pub(crate) struct Group {
     pub(crate) rank: usize,
     /// Coordinates decided before this group.
     pub(crate) first_pivot: usize,
+    /// The level whose linear term belongs to the group, if it has one.
+    pub(crate) linear_of: Option<usize>,
 }
 
 /// The factors and the point that they give; sized once.
@@ -54,6 +56,8 @@ pub(crate) struct Factorisation {
     turned: Vec<f64>,
     tall: Vec<f64>,
     tall_target: Vec<f64>,
+    /// Linear terms in the coordinates y, a level in `n` entries.
+    linear: Vec<f64>,
     pub(crate) x: Vec<f64>,
 }
 
@@ -75,20 +79,30 @@ impl Factorisation {
             turned: vec![0.0; n],
             tall: vec![0.0; count * n],
             tall_target: vec![0.0; count],
+            linear: vec![0.0; table.levels.len() * n],
             x: vec![0.0; n],
         }
     }
 
-    /// Factors the rows that are active in `state` and computes x.
-    pub(crate) fn factorise(&mut self, table: &RowTable, state: &[RowState], tolerance: f64) {
+    /// Factors the rows that are active in `state` and computes x; false if a linear term falls
+    /// for ever along what they leave open.
+    pub(crate) fn factorise(
+        &mut self,
+        table: &RowTable,
+        state: &[RowState],
+        tolerance: f64,
+    ) -> bool {
         self.take_bounds(table, state);
         self.stack(table, state);
         self.pivots.clear();
         for group in 0..self.groups.len() {
             self.eliminate(table, group, tolerance);
-            self.decide(group);
+            if !self.decide(table, group, tolerance) {
+                return false;
+            }
         }
         self.turn_back();
+        true
     }
 
     fn take_bounds(&mut self, table: &RowTable, state: &[RowState]) {
@@ -109,18 +123,20 @@ impl Factorisation {
     fn stack(&mut self, table: &RowTable, state: &[RowState]) {
         self.stacked.clear();
         self.groups.clear();
-        for rows in &table.levels {
-            for (purpose, ids) in [
-                (Purpose::Held, rows.constraints.clone()),
-                (Purpose::Minimised, rows.used_objective()),
+        for (level, rows) in table.levels.iter().enumerate() {
+            let linear_of = rows.has_linear.then_some(level);
+            for (purpose, ids, linear_of) in [
+                (Purpose::Held, rows.constraints.clone(), None),
+                (Purpose::Minimised, rows.used_objective(), linear_of),
             ] {
                 let start = self.stacked.len();
                 for id in ids.filter(|&id| state[id].is_active() && table.row(id).norm() > 0.0) {
                     self.push(table, state, id);
                 }
                 let end = self.stacked.len();
-                if end > start {
-                    self.groups.push(Group { purpose, start, end, rank: 0, first_pivot: 0 });
+                if end > start || linear_of.is_some() {
+                    let (rank, first_pivot) = (0, 0);
+                    self.groups.push(Group { purpose, start, end, rank, first_pivot, linear_of });
                 }
             }
         }
@@ -195,11 +211,20 @@ impl Factorisation {
         }
     }
 
-    /// The coordinates that the group decides.
-    fn decide(&mut self, group: usize) {
+    /// The coordinates that the group decides; false if its linear term has no minimum.
+    fn decide(&mut self, table: &RowTable, group: usize, tolerance: f64) -> bool {
         let n = self.n;
-        let Group { purpose, start, end, rank, first_pivot, .. } = self.groups[group];
-        if purpose == Purpose::Held || rank == end - start {
+        let Group { purpose, start, end, rank, first_pivot, linear_of } = self.groups[group];
+        if let Some(level) = linear_of {
+            let decided = first_pivot + rank;
+            let size = self.turn_linear(table, level);
+            if norm(&self.linear[level * n + decided..level * n + self.free.len()])
+                > tolerance * size
+            {
+                return false;
+            }
+            self.decide_tall(start, end, rank, first_pivot, linear_of);
+        } else if purpose == Purpose::Held || rank == end - start {
             for (offset, at) in (start..start + rank).enumerate() {
                 let pivot = first_pivot + offset;
                 let row = &self.rows[at * n..(at + 1) * n];
@@ -207,12 +232,38 @@ impl Factorisation {
                 self.y[pivot] = (self.target[at] - known) / row[pivot];
             }
         } else if rank > 0 {
-            self.decide_tall(start, end, rank, first_pivot);
+            self.decide_tall(start, end, rank, first_pivot, None);
         }
+        true
     }
 
-    /// min ‖L t − c‖ over the group's own coordinates t, L tall, by reflections from the left.
-    fn decide_tall(&mut self, start: usize, end: usize, rank: usize, first: usize) {
+    /// Takes a level's linear term into the coordinates y; its size.
+    fn turn_linear(&mut self, table: &RowTable, level: usize) -> f64 {
+        let (n, k) = (self.n, self.free.len());
+        let source = &table.levels[level].linear;
+        let linear = &mut self.linear[level * n..level * n + k];
+        for (entry, &variable) in linear.iter_mut().zip(&self.free) {
+            *entry = source[variable];
+        }
+        for step in 0..self.pivots.len() {
+            let v = &self.reflectors[step * n + step..step * n + k];
+            let part = &mut linear[step..];
+            let weight = self.tau[step] * dot(part, v);
+            add_scaled(part, -weight, v);
+        }
+        norm(source)
+    }
+
+    /// min ½‖L t − c‖² + d₁ᵀt over the group's own coordinates t, L tall, by R of L = Q'R:
+    /// Rᵀ(R t − Q'ᵀc) = −d₁.
+    fn decide_tall(
+        &mut self,
+        start: usize,
+        end: usize,
+        rank: usize,
+        first: usize,
+        linear_of: Option<usize>,
+    ) {
         let (n, m) = (self.n, end - start);
         for (i, at) in (start..end).enumerate() {
             let row = &self.rows[at * n..at * n + first + rank];
@@ -234,6 +285,14 @@ impl Factorisation {
             let weight = tau * dot(part, v);
             add_scaled(part, -weight, v);
             v[0] = image;
+        }
+        if let Some(level) = linear_of {
+            let linear = &self.linear[level * n + first..level * n + first + rank];
+            for (i, &entry) in linear.iter().enumerate() {
+                let known: f64 = (0..i).map(|j| self.tall[i * m + j] * self.turned[j]).sum();
+                self.turned[i] = (entry - known) / self.tall[i * m + i];
+                self.tall_target[i] -= self.turned[i];
+            }
         }
         for i in (0..rank).rev() {
             let known: f64 = (i + 1..rank).map(|j| self.tall[j * m + i] * self.y[first + j]).sum();
@@ -278,6 +337,12 @@ impl Factorisation {
     pub(crate) fn add_row(&self, at: usize, weight: f64, coordinates: &mut [f64]) {
         let row = &self.rows[at * self.n..at * self.n + coordinates.len()];
         add_scaled(coordinates, weight, row);
+    }
+
+    /// Adds the first coordinates of a level's linear term.
+    pub(crate) fn add_linear(&self, level: usize, coordinates: &mut [f64]) {
+        let linear = &self.linear[level * self.n..level * self.n + coordinates.len()];
+        add_scaled(coordinates, 1.0, linear);
     }
 
     /// y, the coordinates decided.

@@ -16,7 +16,7 @@ pub enum Objective {
     /// ½ Σ (distance of a row of `A x` to its range)²; with equal bounds ½‖A x − b‖²
     /// (the paper's eq. 1).
     LeastSquares(Rows),
-    /// ½ xᵀHx + gᵀx with H symmetric positive semidefinite (the paper's eq. 7).
+    /// ½ xᵀHx + gᵀx with H symmetric positive semidefinite (the form of the paper's Sec. III-B).
     Quadratic {
         /// H, n × n.
         hessian: DMatrix<f64>,

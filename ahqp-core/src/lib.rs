@@ -8,7 +8,8 @@
 //! let mut hierarchy = Hierarchy::new(2)?;
 //! hierarchy.push(Level::least_squares(Rows::equalities(&dmatrix![1.0, 1.0], &dvector![2.0])?))?;
 //! let mut solver = Solver::new(&hierarchy, Settings::default())?;
-//! assert_eq!(solver.solve(&hierarchy)?.x(), [1.0, 1.0]);
+//! let x = solver.solve(&hierarchy)?.x();
+//! assert!((x[0] - 1.0).abs() < 1e-12 && (x[1] - 1.0).abs() < 1e-12);
 //! # Ok::<(), ahqp_core::Error>(())
 //! ```
 
@@ -47,3 +48,8 @@ pub use rows::Rows;
 pub use settings::{Settings, WarmStart};
 pub use solution::{Solution, Status};
 pub use solver::Solver;
+
+/// The example of the repository's front page.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct FrontPage;

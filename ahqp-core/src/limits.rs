@@ -120,8 +120,8 @@ impl Limits {
 
     /// The velocities for the next `period` seconds.
     ///
-    /// Acceleration and velocity limits always hold, position limits are met whenever they can
-    /// be. From an admitted state every velocity of the interval leads to an admitted state.
+    /// The acceleration limit always holds; the velocity limit holds, or is returned to at full
+    /// acceleration; position limits are met whenever they can be. From an admitted state every velocity of the interval leads to an admitted state.
     /// From outside, the interval leads back as fast as velocity and acceleration allow. It is
     /// never empty.
     pub fn velocity_interval(&self, state: MotionState, period: f64) -> VelocityInterval {

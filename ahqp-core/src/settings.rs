@@ -24,7 +24,7 @@ pub struct Settings {
     /// A multiplier has the wrong sign when it exceeds this, relative to the level's gradient
     /// \[-\]. Default 1e-10.
     pub optimality_tolerance: f64,
-    /// Whether a solve starts from the active set of the one before. Default true.
+    /// Where a solve starts. Default: from the active set of the one before.
     pub warm_start: WarmStart,
 }
 

@@ -91,9 +91,6 @@ impl Solver {
         self.warm = false;
         self.conflict.clear();
         self.set.table.load(hierarchy)?;
-        // A gradient outside the range of its Hessian is balanced by rows alone, which the check
-        // of an active set does not know.
-        let warm = warm && !self.set.table.levels.iter().any(|level| level.has_linear);
         if warm && let Some(rounds) = self.verifier.solve(&self.set.table, ROUNDS) {
             self.set.x.copy_from_slice(&self.verifier.factorisation.x);
             self.warm = true;

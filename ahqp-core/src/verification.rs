@@ -10,7 +10,7 @@ use crate::active_set::RowState;
 use crate::factorisation::{Factorisation, Purpose, bound};
 use crate::settings::Settings;
 use crate::table::RowTable;
-use crate::vector::norm;
+use crate::vector::{add_scaled, norm};
 
 /// Multipliers above this fraction of the numbers that they are made of are no rounding.
 const NOISE: f64 = 1e-13;
@@ -57,7 +57,10 @@ impl Verifier {
     pub(crate) fn solve(&mut self, table: &RowTable, rounds: usize) -> Option<usize> {
         self.fit(table);
         for round in 1..=rounds {
-            self.factorisation.factorise(table, &self.activity, self.settings.rank_tolerance);
+            let tolerance = self.settings.rank_tolerance;
+            if !self.factorisation.factorise(table, &self.activity, tolerance) {
+                return None;
+            }
             let repairs = self.repair(table)?;
             if repairs == (Repairs { taken: 0, released: 0 }) {
                 return Some(round);
@@ -167,6 +170,12 @@ impl Verifier {
             noise += row.norm() * table.magnitude(id, x_norm);
             factorisation.add_row(at, residual, coordinates);
             row.add_to(&mut self.gradient, residual);
+        }
+        if let Some(level) = group.linear_of {
+            let linear = &table.levels[level].linear;
+            factorisation.add_linear(level, coordinates);
+            add_scaled(&mut self.gradient, 1.0, linear);
+            size += norm(linear);
         }
         if size <= 10.0 * NOISE * noise {
             return 0;

@@ -187,10 +187,10 @@ pub enum Unreachable {
         /// Angle left between the hand's orientation and the wanted one \[rad\].
         angle: f64,
     },
-    /// The person would fall: the centre of mass leaves the feet.
-    #[error("the centre of mass would be {distance:.3} m outside the feet")]
+    /// The person would fall: with the centre of mass at heel or toe, the hand is not there yet.
+    #[error("the closest posture in balance leaves it {distance:.4} m away")]
     Balance {
-        /// Distance from the centre of mass to the support area \[m\].
+        /// Distance left between hand and target \[m\].
         distance: f64,
     },
     /// The point lies inside the person's own trunk.
@@ -204,6 +204,12 @@ pub(crate) type Result<T> = core::result::Result<T, Error>;
 /// The value itself if it is finite.
 pub(crate) fn finite(name: &'static str, value: f64) -> Result<f64> {
     if value.is_finite() { Ok(value) } else { Err(Error::NotFinite { name, value }) }
+}
+
+/// The value itself if it is an angle of at most a full turn: more is degrees by mistake.
+pub(crate) fn angle(name: &'static str, value: f64) -> Result<f64> {
+    use core::f64::consts::TAU;
+    within(name, value, [-TAU, TAU], "rad")
 }
 
 /// The value itself if it is finite and within the interval.

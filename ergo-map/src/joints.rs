@@ -1,4 +1,4 @@
-use crate::error::{Error, Result, finite};
+use crate::error::{Error, Result, angle};
 use crate::posture::Posture;
 
 /// Number of joints of the model.
@@ -130,12 +130,12 @@ impl JointAngles {
         }
     }
 
-    /// Checks that every angle is finite.
+    /// Checks that every angle is finite and at most a full turn.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] names the first joint that is not.
+    /// [`Error::NotFinite`] or [`Error::OutOfRange`] names the first joint that is not.
     pub fn validate(&self) -> Result<()> {
-        NAMES.into_iter().zip(self.to_array()).try_for_each(|(n, q)| finite(n, q).map(drop))
+        NAMES.into_iter().zip(self.to_array()).try_for_each(|(n, q)| angle(n, q).map(drop))
     }
 
     /// The same posture seen in a mirror: left and right change places.

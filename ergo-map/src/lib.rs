@@ -1,4 +1,47 @@
-//! Ergonomics of a person (draft docs).
+//! Ergonomics of one person: from stature to a convex quadratic that a robot's controller can
+//! minimise.
+//!
+//! ```text
+//! Person ─▶ PosturePredictor ─▶ posture ─▶ REBA, e_s ─▶ ErgonomicsMap ─▶ ErgonomicsQuadratic ─▶ Placement
+//! ```
+//!
+//! - [`Worksheet`], [`Reba`]: the integer REBA score, whole, with every sub-score; [`RulaWorksheet`]
+//!   beside it.
+//! - [`ContinuousReba`], [`ergonomics_score`]: two continuous versions from the same core, and the
+//!   paper's score `e_s`: arms, trunk, legs and neck taken separately and averaged.
+//! - [`Person`], [`Skeleton`], [`PosturePredictor`]: the posture of least effort that puts a hand
+//!   somewhere.
+//! - [`ErgonomicsMap`]: postures and scores over the reachable volume, from predictions or from
+//!   recordings.
+//! - [`ErgonomicsQuadratic`]: the convex fit with its [`FitReport`]; [`Placement`]: its terms in the
+//!   world, with bounded rates of change.
+//!
+//! Units are SI, angles radians. The person's frame H has its origin on the floor below the pelvis
+//! of the person standing upright, x forward, y left, z up.
+//!
+//! The tables and the mathematics are tested against independent implementations. Postures,
+//! weights and scores have **not** been validated on people; [`ErgonomicsMap::validate`] compares a
+//! map with recordings of yours.
+//!
+//! ```
+//! use ergo_map::{ErgonomicsMap, FitOptions, MapOptions, Person, PersonPose, Placement, PlacementLimits};
+//! use nalgebra::Vector3;
+//!
+//! // Once per person.
+//! let person = Person::new(1.68)?;
+//! let options = MapOptions { spacing: 0.08, ..MapOptions::default() };
+//! let map = ErgonomicsMap::build(&person, &options, None)?;
+//! let (quadratic, report) = map.fit(&FitOptions::default())?;
+//! assert!(report.eigenvalues.min() > 0.0);
+//!
+//! // A thousand times a second.
+//! let standing = PersonPose::new(Vector3::new(1.2, 0.4, 0.0), 3.0)?;
+//! let mut placement = Placement::new(quadratic, standing, PlacementLimits::default())?;
+//! let hand = standing.to_world(&Vector3::new(0.5, -0.2, 1.3));
+//! let terms = placement.advance(0.001)?.task_terms(&hand, 0.2)?;
+//! assert!(terms.gradient.norm() > 0.0);
+//! # Ok::<(), ergo_map::Error>(())
+//! ```
 
 mod body_segment;
 mod error;

@@ -1,6 +1,6 @@
 use nalgebra::{Matrix3, Vector3};
 
-use crate::error::{Result, finite};
+use crate::error::{Result, within};
 
 /// Where a person stands in the world: the floor below the pelvis and the heading.
 ///
@@ -23,12 +23,12 @@ impl PersonPose {
     /// below the pelvis) and whose x axis points along `heading` \[rad\] about the world's z axis.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] for a coordinate or the heading.
+    /// [`crate::Error::NotFinite`] or [`crate::Error::OutOfRange`] for a coordinate or the heading.
     pub fn new(position: Vector3<f64>, heading: f64) -> Result<Self> {
         for (name, value) in ["person x", "person y", "person z"].into_iter().zip(position.iter()) {
-            finite(name, *value)?;
+            within(name, *value, [-1e7, 1e7], "m")?;
         }
-        Ok(Self { position, heading: finite("person heading", heading)? })
+        Ok(Self { position, heading: within("person heading", heading, [-1e6, 1e6], "rad")? })
     }
 
     /// The pose of a person from the tracked pelvis \[m, world\], heading \[rad\] and the floor's

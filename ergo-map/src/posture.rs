@@ -1,4 +1,4 @@
-use crate::error::{Result, finite};
+use crate::error::{Result, angle};
 
 /// A posture as an assessor sees it: the angles that REBA and RULA ask for \[rad\].
 ///
@@ -102,10 +102,10 @@ impl Posture {
         }
     }
 
-    /// Checks that every angle is finite.
+    /// Checks that every angle is finite and at most a full turn.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] names the first angle that is not.
+    /// [`crate::Error::NotFinite`] or [`crate::Error::OutOfRange`] names the first that is not.
     pub fn validate(&self) -> Result<()> {
         const NAMES: [&str; Posture::LEN] = [
             "trunk_flexion",
@@ -123,9 +123,6 @@ impl Posture {
             "wrist_deviation",
             "wrist_twist",
         ];
-        for (name, angle) in NAMES.into_iter().zip(self.to_array()) {
-            finite(name, angle)?;
-        }
-        Ok(())
+        NAMES.into_iter().zip(self.to_array()).try_for_each(|(name, q)| angle(name, q).map(drop))
     }
 }

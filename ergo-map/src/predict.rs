@@ -8,7 +8,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use crate::error::{Error, Result, Unreachable, finite, within};
 use crate::joints::{JointAngles, POINT_DOF};
-use crate::kinematics::{Body, Pose};
+use crate::kinematics::Pose;
 use crate::person::Person;
 use crate::side::Side;
 use crate::skeleton::mirror_rotation;
@@ -19,8 +19,6 @@ use solve::{Goal, Outcome, Solver};
 const REACHED: f64 = 3e-5;
 /// Orientation error at which a target counts as reached \[rad\].
 const ORIENTED: f64 = 1e-3;
-/// Distance the centre of mass may be outside the feet, in statures (the barrier is soft).
-const BALANCED: f64 = 5e-3;
 /// Radius of the trunk, in statures.
 const TRUNK_RADIUS: f64 = 0.06;
 
@@ -57,7 +55,8 @@ pub struct EffortWeights {
     /// Distance of the centre of mass from its place in quiet standing relative to half a foot's
     /// length, squared.
     pub balance: f64,
-    /// Sine of half the angle between the gaze at rest (15° down) and the hand, squared.
+    /// Distance between the direction of the gaze at rest (15° down) and the direction to the hand,
+    /// as unit vectors, squared.
     pub gaze: f64,
     /// Mass in the hand \[kg\].
     pub load: f64,
@@ -85,7 +84,7 @@ impl Default for EffortWeights {
             },
             neutral: JointAngles::default(),
             gravity: 0.5,
-            balance: 0.6,
+            balance: 0.5,
             gaze: 0.5,
             load: 0.0,
         }
@@ -180,7 +179,8 @@ impl PosturePredictor {
     /// The posture of least effort for this target.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for the target; [`Error::Unreachable`] with the reason.
+    /// [`Error::NotFinite`] or [`Error::OutOfRange`] (beyond a kilometre) for the target;
+    /// [`Error::Unreachable`] with the reason.
     pub fn predict(&self, target: &HandTarget) -> Result<Prediction> {
         self.predict_from(target, &JointAngles::default())
     }
@@ -192,7 +192,7 @@ impl PosturePredictor {
     /// As [`PosturePredictor::predict`]; [`Error::NotFinite`] for the start as well.
     pub fn predict_from(&self, target: &HandTarget, start: &JointAngles) -> Result<Prediction> {
         for (name, value) in ["x", "y", "z"].into_iter().zip(target.position.iter()) {
-            finite(name, *value)?;
+            within(name, *value, [-1e3, 1e3], "m")?;
         }
         if let Some(rotation) = target.orientation {
             for value in rotation.matrix() {
@@ -219,22 +219,21 @@ impl PosturePredictor {
     }
 
     fn check(&self, target: &HandTarget, goal: &Goal, outcome: &Outcome) -> Result<()> {
-        let stature = self.person.stature();
+        let pose = Pose::new(self.effort.body(), &outcome.q);
+        let distance = outcome.distance * self.person.stature();
         let reason = if outcome.distance > REACHED {
-            Some(Unreachable::TooFar { distance: outcome.distance * stature })
+            let balance = self.effort.on_edge(&pose);
+            Some(if balance {
+                Unreachable::Balance { distance }
+            } else {
+                Unreachable::TooFar { distance }
+            })
         } else if outcome.angle > ORIENTED {
             Some(Unreachable::Orientation { angle: outcome.angle })
+        } else if inside_trunk(&pose, &goal.position) {
+            Some(Unreachable::InsideBody)
         } else {
-            let body = self.effort.body();
-            let pose = Pose::new(body, &outcome.q);
-            let outside = outside_feet(body, &pose);
-            if outside > BALANCED {
-                Some(Unreachable::Balance { distance: outside * stature })
-            } else if inside_trunk(&pose, &goal.position) {
-                Some(Unreachable::InsideBody)
-            } else {
-                None
-            }
+            None
         };
         let [x, y, z]: [f64; 3] = target.position.into();
         reason.map_or(Ok(()), |reason| Err(Error::Unreachable { x, y, z, reason }))
@@ -248,14 +247,6 @@ fn mirrored(target: &HandTarget) -> HandTarget {
         position: Vector3::new(p.x, -p.y, p.z),
         orientation: target.orientation.map(|r| mirror_rotation(&r)),
     }
-}
-
-/// Distance of the centre of mass from the feet, seen from above; zero over them.
-fn outside_feet(body: &Body, pose: &Pose) -> f64 {
-    let (mass, moment) = pose.total;
-    let x = moment.x / mass;
-    let [heel, toe] = effort::support(body);
-    (heel - x).max(x - toe).max(0.0)
 }
 
 /// Whether a point lies within the trunk, a capsule from hip to neck.

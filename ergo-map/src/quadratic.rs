@@ -7,7 +7,7 @@ mod report;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::error::{Error, Result, finite, within};
+use crate::error::{Error, Result, within};
 use crate::person_pose::PersonPose;
 pub(crate) use fit::{FitInput, fit_weighted};
 pub use fit::{FitOptions, ScoredPoint};
@@ -54,9 +54,11 @@ impl ErgonomicsQuadratic {
     /// [`Error::NotFinite`] for a coefficient, [`Error::NotSymmetric`] and [`Error::NotConvex`]
     /// for the Hessian (an eigenvalue below -1e-9 of the largest entry).
     pub fn new(hessian: Matrix3<f64>, gradient: Vector3<f64>, constant: f64) -> Result<Self> {
-        hessian.iter().try_for_each(|h| finite("hessian", *h).map(drop))?;
-        gradient.iter().try_for_each(|g| finite("gradient", *g).map(drop))?;
-        finite("constant", constant)?;
+        // Far beyond any score, and squares stay finite.
+        let most = [-1e100, 1e100];
+        hessian.iter().try_for_each(|h| within("hessian", *h, most, "1/m²").map(drop))?;
+        gradient.iter().try_for_each(|g| within("gradient", *g, most, "1/m").map(drop))?;
+        within("constant", constant, most, "(score)")?;
         let scale = hessian.amax();
         let asymmetry = (hessian - hessian.transpose()).amax();
         if asymmetry > 1e-9 * scale {

@@ -1,5 +1,6 @@
 //! The continuous scores against the integer one.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // scores are small
 
 mod support;
 
@@ -21,7 +22,7 @@ fn rounded(value: f64) -> i64 {
 /// those that the posture predictor takes within reach.
 fn kinds() -> [(&'static str, Vec<Posture>); 3] {
     let mut random = Random(2000);
-    let options = MapOptions { spacing: 0.04, ..MapOptions::default() };
+    let options = MapOptions { spacing: 0.06, ..MapOptions::default() };
     let map = ErgonomicsMap::build(&Person::average(), &options, None).unwrap();
     let nodes: Vec<Posture> = map.nodes().map(|node| node.angles.posture()).collect();
     [
@@ -61,8 +62,8 @@ fn faithful_rounds_to_the_integer_score() {
 fn graded_ranks_postures_as_the_scores_do() {
     let conditions = Conditions::default();
     // Independent uniform angles crowd at high scores, where arms and table C saturate and e_s
-    // does not: less agrees there. The middle one spans the scores as work does.
-    let floors = [[0.93, 0.84], [0.96, 0.88], [0.94, 0.85]];
+    // does not: less agrees there. The other two span the scores as work does.
+    let floors = [[0.93, 0.84], [0.96, 0.88], [0.96, 0.88]];
     for ((kind, postures), [total_floor, integer_floor]) in kinds().into_iter().zip(floors) {
         let (mut e_s, mut total, mut integer) = (Vec::new(), Vec::new(), Vec::new());
         for posture in &postures {
@@ -89,9 +90,8 @@ fn the_scores_range_from_zero_to_four_and_a_quarter() {
         Posture { neck_flexion: 10_f64.to_radians(), elbow_flexion: 1.4, ..Posture::default() };
     let best = ergonomics_score(&easy, &Conditions::default(), Mode::Graded);
     assert!(best.abs() < 1e-12, "{best}");
-    let worst = Posture::from_array([
-        1.9, 1.0, 1.0, 1.5, 1.0, 1.5, 2.4, 3.14, 1.5, 1.5, 0.0, 1.4, 1.0, 1.5,
-    ]);
+    let worst =
+        Posture::from_array([1.9, 1.0, 1.0, 1.5, 1.0, 1.5, 2.4, 3.1, 1.5, 1.5, 0.0, 1.4, 1.0, 1.5]);
     let conditions = Conditions {
         support: LegSupport::Unilateral,
         shoulder_raised: true,

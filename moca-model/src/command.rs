@@ -22,7 +22,7 @@ impl Outcome {
     }
 }
 
-/// The command of one tick (the paper's eq. 13), and what led to it.
+/// The command of one tick (χ* of the paper's Sec. III-E), and what led to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Command {
     /// q̇* of all joints \[m/s or rad/s\].

@@ -158,7 +158,11 @@ impl Controller {
             desired: &self.command.desired,
             configuration,
             workspace: self.space.workspace(),
-            goal: GoalTerms { ergonomics, activation: self.command.activation },
+            goal: GoalTerms {
+                ergonomics,
+                drift: self.space.person_velocity_at(&self.command.desired.translation.vector),
+                activation: self.command.activation,
+            },
             intervals: &self.intervals,
         })?;
         self.command.outcome = Outcome::Solved(solution.status());

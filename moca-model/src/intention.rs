@@ -137,10 +137,11 @@ impl IntentionFilter {
         if confidence < self.settings.enter {
             return;
         }
-        // A change of walking direction does not undo the evidence for a change of engagement.
-        let same_side = seen.is_together() == self.candidate.is_together();
+        // A change of walking direction does not undo the evidence that work has begun.
+        let begins = seen.is_together() && !self.present.is_together();
         let since = match self.since {
-            Some(since) if seen == self.candidate || (same_side && !seen.is_together()) => since,
+            Some(since) if seen == self.candidate => since,
+            Some(since) if begins && self.candidate.is_together() => since,
             _ => time,
         };
         self.candidate = seen;
@@ -196,6 +197,19 @@ mod tests {
                 }
             }
             prop_assert_eq!(filter.intention(), Intention::of(&action(Action::ALL[index], 0.8)));
+        }
+
+        #[test]
+        fn work_begins_whatever_the_walking_directions(
+            shown in prop::collection::vec(0_usize..30, 12),
+        ) {
+            let mut filter = filter();
+            let together: Vec<_> = Action::ALL.into_iter().filter(|a| a.is_collaborative()).collect();
+            for (frame, index) in (0_u32..).zip(shown) {
+                let seen = action(together[index % together.len()], 0.9);
+                filter.update(0.05 * f64::from(frame), Some(&seen));
+            }
+            prop_assert!(filter.intention().is_together());
         }
 
         #[test]

@@ -33,10 +33,10 @@ pub use impedance::{ImpedanceSettings, JointImpedance, JointState};
 pub use intention::{Intention, IntentionFilter, IntentionSettings};
 pub use motion_limits::MecanumBase;
 pub use robot::{
-    CartesianLimits, Joint, JointKind, JointLimits, LimitOverride, LinkId, MOCA_BASE_JOINTS,
-    MOCA_HOME, MOCA_JOINTS, MOCA_URDF, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, PANDA_CARTESIAN_LIMITS,
-    RobotData, RobotDescription, RobotModel, forward_kinematics, gravity, jacobian,
-    potential_energy, world_from_link,
+    CartesianLimits, Joint, JointKind, JointLimits, LimitOverride, LinkId, MOCA_AXIS_SPEED,
+    MOCA_BASE_JOINTS, MOCA_HOME, MOCA_JOINTS, MOCA_URDF, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED,
+    PANDA_CARTESIAN_LIMITS, RobotData, RobotDescription, RobotModel, forward_kinematics, gravity,
+    jacobian, potential_energy, world_from_link,
 };
 pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings, StaleSettings};
 pub use shared_space::SharedSpace;

@@ -3,21 +3,24 @@
 use ahqp_core::{AugmentedState, Limits, MotionState, Rows, VelocityInterval};
 
 use crate::error::Error;
-use crate::robot::{MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, RobotModel};
+use crate::robot::{MOCA_AXIS_SPEED, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, RobotModel};
 
-/// A mecanum base whose wheels limit |v_x| + |v_y| + lever |ω| in its own frame.
+/// A mecanum base whose wheels limit |v_x| + |v_y| + lever |ω| in its own frame, and whose
+/// controller limits |v_x| and |v_y|.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MecanumBase {
     /// Largest sum \[m/s\].
     pub speed: f64,
     /// The lever of the yaw rate \[m\].
     pub lever: f64,
+    /// Largest speed along each of its own axes \[m/s\].
+    pub axis_speed: f64,
 }
 
 impl Default for MecanumBase {
     /// The SUMMIT-XL STEEL's.
     fn default() -> Self {
-        Self { speed: MOCA_WHEEL_SPEED, lever: MOCA_WHEEL_LEVER }
+        Self { speed: MOCA_WHEEL_SPEED, lever: MOCA_WHEEL_LEVER, axis_speed: MOCA_AXIS_SPEED }
     }
 }
 
@@ -33,20 +36,26 @@ const WHEEL_SIGNS: [[f64; 3]; 8] = [
     [-1.0, -1.0, -1.0],
 ];
 
+/// Signs of v_x and v_y in the four rows of the axes' limit.
+const AXIS_SIGNS: [[f64; 3]; 4] =
+    [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
+
 impl MecanumBase {
     /// Rows for [`write`](Self::write).
     pub fn rows(&self, state: AugmentedState) -> Rows {
-        Rows::zeros(WHEEL_SIGNS.len(), state.len())
+        Rows::zeros(WHEEL_SIGNS.len() + AXIS_SIGNS.len(), state.len())
     }
 
-    /// Writes ±v_x ± v_y ± lever ω ≤ speed for base velocities in world axes (the first three
+    /// Writes ±v_x ± v_y ± lever ω ≤ speed and ±v_x, ±v_y ≤ axis speed for base velocities in world axes (the first three
     /// joints) at the given yaw \[rad\].
     ///
     /// The velocity nearest to rest that the `intervals` of the three joints allow is always
     /// admitted, so that turning while driving at the limit cannot make the problem infeasible.
     pub fn write(&self, yaw: f64, intervals: &[VelocityInterval], rows: &mut Rows) {
         let (sine, cosine) = yaw.sin_cos();
-        for (index, [x, y, turn]) in WHEEL_SIGNS.into_iter().enumerate() {
+        let wheels = WHEEL_SIGNS.into_iter().map(|signs| (signs, self.speed));
+        let axes = AXIS_SIGNS.into_iter().map(|signs| (signs, self.axis_speed));
+        for (index, ([x, y, turn], limit)) in wheels.chain(axes).enumerate() {
             // v_body = R(yaw)ᵀ v_world.
             let coefficients = [x * cosine - y * sine, x * sine + y * cosine, turn * self.lever];
             let braked: f64 = coefficients
@@ -63,7 +72,7 @@ impl MecanumBase {
                 *lower = f64::NEG_INFINITY;
             }
             if let Some(upper) = rows.upper_mut().get_mut(index) {
-                *upper = self.speed.max(braked);
+                *upper = limit.max(braked);
             }
         }
     }
@@ -118,15 +127,18 @@ mod tests {
             let mut rows = base.rows(state);
             let rest = [VelocityInterval { lower: -1.0, upper: 1.0 }; 3];
             base.write(yaw, &rest, &mut rows);
-            let largest = rows
+            let values: Vec<f64> = rows
                 .iter()
-                .map(|(row, _, _)| row.iter().zip(v).map(|(a, b)| a * b).sum::<f64>())
-                .fold(f64::MIN, f64::max);
+                .map(|(row, _, _)| row.iter().zip(v).map(|(a, b)| a * b).sum())
+                .collect();
+            let largest = |values: &[f64]| values.iter().copied().fold(f64::MIN, f64::max);
             let (sine, cosine) = yaw.sin_cos();
             let (x, y) = (cosine * v[0] + sine * v[1], cosine * v[1] - sine * v[0]);
-            let expected = x.abs() + y.abs() + base.lever * v[2].abs();
-            prop_assert!((largest - expected).abs() < 1e-12);
-            prop_assert!(rows.upper().iter().all(|&upper| upper == base.speed));
+            let wheels = x.abs() + y.abs() + base.lever * v[2].abs();
+            prop_assert!((largest(&values[..8]) - wheels).abs() < 1e-12);
+            prop_assert!((largest(&values[8..]) - x.abs().max(y.abs())).abs() < 1e-12);
+            prop_assert!(rows.upper()[..8].iter().all(|&upper| upper == base.speed));
+            prop_assert!(rows.upper()[8..].iter().all(|&upper| upper == base.axis_speed));
         }
 
         #[test]

@@ -17,7 +17,7 @@ pub use dynamics::{gravity, potential_energy};
 pub use kinematics::{forward_kinematics, jacobian, world_from_link};
 pub use limits::{JointLimits, LimitOverride};
 pub use moca::{
-    CartesianLimits, MOCA_BASE_JOINTS, MOCA_HOME, MOCA_JOINTS, MOCA_URDF, MOCA_WHEEL_LEVER,
-    MOCA_WHEEL_SPEED, PANDA_CARTESIAN_LIMITS,
+    CartesianLimits, MOCA_AXIS_SPEED, MOCA_BASE_JOINTS, MOCA_HOME, MOCA_JOINTS, MOCA_URDF,
+    MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, PANDA_CARTESIAN_LIMITS,
 };
 pub use model::{Joint, JointKind, LinkId, RobotModel};

@@ -14,7 +14,7 @@ use crate::stack::PostureTask;
 /// What the third level of the stack minimises while person and robot work together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Goal {
-    /// The person's ergonomics, e_s (the paper's eq. 7).
+    /// The person's ergonomics, e_s (the paper's Sec. III-B).
     #[default]
     Ergonomics,
     /// ‖ẋ_d‖², the benchmark of the paper's Experiments 3 and 4.
@@ -196,7 +196,7 @@ impl ControllerSettings {
         }
         let brake = (desired.velocity / desired.acceleration)
             .max(desired.angular_velocity / desired.angular_acceleration);
-        if self.horizon > self.period && self.horizon < brake {
+        if self.horizon != self.period && (self.horizon < self.period || self.horizon < brake) {
             return Err(Error::Setting {
                 name: "horizon",
                 value: self.horizon,

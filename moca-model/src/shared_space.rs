@@ -150,6 +150,13 @@ impl SharedSpace {
         self.person.map_or(f64::INFINITY, |person| person.age)
     }
 
+    /// The velocity of the person's frame at `point`, world axes \[m, m/s\].
+    pub fn person_velocity_at(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        let twist = self.frame.twist();
+        let arm = point - self.frame.pose().translation.vector;
+        twist.fixed_rows::<3>(0) + twist.fixed_rows::<3>(3).into_owned().cross(&arm)
+    }
+
     /// The person's frame as the controller sees it: smooth in time.
     ///
     /// # Errors

@@ -26,6 +26,9 @@ enum Priority {
 pub struct GoalTerms<'a> {
     /// The person's ergonomics in the world, τ seconds ahead.
     pub ergonomics: Option<&'a ErgonomicsQuadratic>,
+    /// The velocity of the person's frame at x_d, world axes \[m/s\]: fed forward, so that the
+    /// optimum does not lag behind a walking person.
+    pub drift: Vector3<f64>,
     /// From 0, the benchmark min ‖ẋ_d‖², to 1, ergonomics alone; between, both so weighted.
     pub activation: f64,
 }
@@ -140,11 +143,12 @@ impl TaskStack {
         Ok(())
     }
 
-    /// activation · e_s(x_d + τ ẋ_d) + (1 − activation) ‖ẋ_d‖², over ẋ_d.
+    /// activation · e_s(x_d + τ (ẋ_d − drift)) + (1 − activation) ‖ẋ_d‖², over ẋ_d.
     fn write_goal(&mut self, goal: &GoalTerms<'_>, desired: &Isometry3<f64>) -> Result<(), Error> {
         let ergonomics = match goal.ergonomics {
             Some(quadratic) if goal.activation > 0.0 => {
-                Some(quadratic.task_terms(&desired.translation.vector, self.horizon)?)
+                let ahead = desired.translation.vector - goal.drift * self.horizon;
+                Some(quadratic.task_terms(&ahead, self.horizon)?)
             }
             _ => None,
         };

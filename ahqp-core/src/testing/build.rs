@@ -39,11 +39,13 @@ pub(super) struct HierarchyPlan {
     pub(super) seed: u64,
 }
 
-/// How likely a range is an equality, and, if not, that its lower side is free.
+/// How likely a range is an equality, and, if not, that its lower side is free; and whether the
+/// ends of the range may be the value itself.
 #[derive(Clone, Copy)]
 struct Shares {
     equal: f64,
     one_sided: f64,
+    exact: bool,
 }
 
 impl HierarchyPlan {
@@ -56,7 +58,8 @@ impl HierarchyPlan {
         let slack = self.slack_level();
         let closed = self.bounded && slack.is_none() && self.seed.is_multiple_of(2);
         if self.bounded {
-            let shares = Shares { equal: 0.05, one_sided: if closed { 0.0 } else { 0.2 } };
+            let shares =
+                Shares { equal: 0.05, one_sided: if closed { 0.0 } else { 0.2 }, exact: true };
             let (lower, upper) = hierarchy.bounds_mut();
             for (i, &value) in point.iter().enumerate() {
                 (lower[i], upper[i]) = range_around(value, shares, &mut random);
@@ -81,7 +84,10 @@ impl HierarchyPlan {
             let level = plan.objective(&objective, n, consistent, closed, &mut targets)?;
             hierarchy.push(if k <= self.consistent {
                 let around = |row: &[f64], _: &mut Random| dot(row, &point);
-                level.with_constraints(rows(&constraints, n, CONSTRAINT, &mut targets, around))
+                // The optimum of ½xᵀHx + gᵀx is known to cond(H) only: leave it some room.
+                let above = &self.levels[..k];
+                let shares = Shares { exact: above.iter().all(LevelPlan::is_exact), ..CONSTRAINT };
+                level.with_constraints(rows(&constraints, n, shares, &mut targets, around))
             } else if slack == Some(k) {
                 let mut rows = rows(&constraints, n, CONSTRAINT, &mut targets, |_, _| 0.0);
                 rows.lower_mut().fill(f64::NEG_INFINITY);
@@ -102,9 +108,13 @@ impl HierarchyPlan {
     }
 }
 
-const CONSTRAINT: Shares = Shares { equal: 0.1, one_sided: 0.6 };
+const CONSTRAINT: Shares = Shares { equal: 0.1, one_sided: 0.6, exact: true };
 
 impl LevelPlan {
+    fn is_exact(&self) -> bool {
+        self.kind != Kind::Quadratic
+    }
+
     /// Rows of dyadic fractions, dependent ones among them as planned.
     fn matrix(
         &self,
@@ -144,7 +154,7 @@ impl LevelPlan {
         random: &mut Random,
     ) -> Result<Level, Error> {
         let equal = if self.kind == Kind::Ranges { 0.5 } else { 1.0 };
-        let shares = Shares { equal, one_sided: 0.4 };
+        let shares = Shares { equal, one_sided: 0.4, exact: true };
         let target = |row: &[f64], random: &mut Random| {
             consistent.map_or_else(|| 4.0 * random.dyadic(), |x| dot(row, x))
         };
@@ -185,10 +195,14 @@ fn rows(
 
 /// A range that holds `value`, now and then just.
 fn range_around(value: f64, shares: Shares, random: &mut Random) -> (f64, f64) {
-    if random.chance(shares.equal) {
+    if shares.exact && random.chance(shares.equal) {
         return (value, value);
     }
-    let mut margin = || if random.chance(0.2) { 0.0 } else { random.dyadic().abs() };
+    let mut margin = || match (shares.exact, random.chance(0.2)) {
+        (true, true) => 0.0,
+        (true, false) => random.dyadic().abs(),
+        (false, _) => random.dyadic().abs() + 0.0625,
+    };
     let (below, above) = (margin(), margin());
     let lower = if random.chance(shares.one_sided) { f64::NEG_INFINITY } else { value - below };
     (lower, value + above)

@@ -38,7 +38,7 @@ pub(super) struct Effort {
 }
 
 /// Heel and toe, ahead of the ankle.
-pub(super) fn support(body: &Body) -> [f64; 2] {
+fn support(body: &Body) -> [f64; 2] {
     [-0.25 * body.foot, 0.75 * body.foot]
 }
 
@@ -138,6 +138,12 @@ impl Effort {
         });
         normal.add_axes(&[0, 1, 2], &gaze, &columns, 1.0);
         normal
+    }
+
+    /// Whether balance is at stake: the centre of mass is close to heel or toe.
+    pub(super) fn on_edge(&self, pose: &Pose) -> bool {
+        let [_, _, (edge, _)] = self.balance(pose, GUARD_STIFFNESS);
+        edge.abs() > 0.0
     }
 
     /// Residuals of the centre of mass with their derivatives by its position: its distance from

@@ -7,18 +7,26 @@ use crate::joints::DOF;
 /// A row's derivatives by the joints.
 pub(super) type Row = [f64; DOF];
 
-/// ½ Σ r² with its gradient Σ r ∂r and its Gauss–Newton matrix Σ ∂r ∂rᵀ.
+/// ½ Σ r² with its gradient Σ r ∂r, its Gauss–Newton matrix Σ ∂r ∂rᵀ and, where known, the
+/// curvature Σ r ∂²r that Gauss–Newton leaves out.
 #[derive(Debug, Clone)]
 pub(super) struct Normal {
     pub(super) cost: f64,
     pub(super) gradient: SVector<f64, DOF>,
     /// Only the lower triangle is filled.
     pub(super) matrix: SMatrix<f64, DOF, DOF>,
+    /// Only the lower triangle is filled.
+    pub(super) curvature: SMatrix<f64, DOF, DOF>,
 }
 
 impl Normal {
     pub(super) fn new() -> Self {
-        Self { cost: 0.0, gradient: SVector::zeros(), matrix: SMatrix::zeros() }
+        Self {
+            cost: 0.0,
+            gradient: SVector::zeros(),
+            matrix: SMatrix::zeros(),
+            curvature: SMatrix::zeros(),
+        }
     }
 
     /// Adds a residual with its derivatives.

@@ -19,6 +19,9 @@ const OUTER: usize = 12;
 const INNER: usize = 40;
 /// A pass ends when no joint moved more \[rad\]: early passes, last passes.
 const STEP: [f64; 2] = [1e-2, 1e-7];
+/// Pull on the hand (penalty × error) at which it is given up: to hold it there, the effort would
+/// have to grow by this much per stature. Giving up loses the outermost half per cent of reach.
+const OUT_OF_REACH: f64 = 400.0;
 /// The error at which the hand has arrived, in statures and radians.
 const ARRIVED: f64 = 1e-7;
 
@@ -74,12 +77,17 @@ impl<'a> Solver<'a> {
         let neutral = self.effort.neutral();
         let start = core::array::from_fn(|i| if i < self.active { start[i] } else { neutral[i] });
         let mut q = self.projected(&start);
+        let mut passes = OUTER;
         for penalty in self.penalties {
             self.penalty = *penalty;
-            self.minimise(&mut q, STEP[0]);
+            let pose = self.minimise(&mut q, STEP[0]);
+            if penalty * self.error(&pose).0.norm() > OUT_OF_REACH {
+                passes = 0;
+                break;
+            }
         }
         let mut last = f64::INFINITY;
-        for _ in 0..OUTER {
+        for _ in 0..passes {
             let pose = self.minimise(&mut q, STEP[1]);
             let (position, angle) = self.error(&pose);
             let norm = position.norm().max(angle.norm());
@@ -131,10 +139,10 @@ impl<'a> Solver<'a> {
         pose
     }
 
-    /// The damped Gauss–Newton step of the joints that are free to move.
+    /// The damped Newton step of the joints that are free to move.
     fn step(&self, q: &[f64; DOF], normal: &Normal, damping: f64) -> Option<SVector<f64, DOF>> {
         let (min, max) = self.effort.limits();
-        let mut matrix: SMatrix<f64, DOF, DOF> = normal.matrix;
+        let mut matrix: SMatrix<f64, DOF, DOF> = normal.matrix + normal.curvature;
         let mut gradient = normal.gradient;
         for i in 0..DOF {
             let held = i >= self.active
@@ -146,7 +154,7 @@ impl<'a> Solver<'a> {
                 matrix[(i, i)] = 1.0;
                 gradient[i] = 0.0;
             } else {
-                matrix[(i, i)] *= 1.0 + damping;
+                matrix[(i, i)] += damping * normal.matrix[(i, i)];
             }
         }
         Some(-matrix.cholesky()?.solve(&gradient))
@@ -193,6 +201,14 @@ impl<'a> Solver<'a> {
             }
         });
         normal.add_axes(&[0, 1, 2], &(position + self.shift.0), &columns, scale);
+        // A joint turns the velocities of all joints beyond it.
+        let pull = (position + self.shift.0) * self.penalty;
+        for i in (0..self.active).filter(|&i| moves_hand(i)) {
+            let turned = pull.cross(&pose.axis[i]);
+            for j in (i..self.active).filter(|&j| moves_hand(j)) {
+                normal.curvature[(j, i)] = turned.dot(&columns[j]);
+            }
+        }
         if self.goal.orientation.is_some() {
             let jacobian = inverse_right_jacobian(&-angle);
             let columns = core::array::from_fn(|i| {

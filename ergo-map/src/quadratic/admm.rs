@@ -126,7 +126,7 @@ impl Scaling {
     /// Back to metres, with the bound kept against rounding.
     fn undo(&self, coefficients: &Coefficients, min_curvature: f64) -> ErgonomicsQuadratic {
         let inverse = Matrix3::from_diagonal(&self.sigma.map(f64::recip));
-        let scaled = inverse * hessian(coefficients) * inverse;
+        let scaled = symmetric(inverse * hessian(coefficients) * inverse);
         let margin = 1e-12 * scaled.amax();
         let hessian = if scaled.symmetric_eigenvalues().min() < min_curvature + margin {
             above(scaled, min_curvature + 2.0 * margin)
@@ -173,8 +173,12 @@ fn coefficients_of(h: &Matrix3<f64>) -> Coefficients {
 
 /// The nearest symmetric matrix (Frobenius) with no eigenvalue below `floor`.
 fn above(matrix: Matrix3<f64>, floor: f64) -> Matrix3<f64> {
-    let mut eigen = SymmetricEigen::new((matrix + matrix.transpose()) * 0.5);
+    let mut eigen = SymmetricEigen::new(symmetric(matrix));
     eigen.eigenvalues.apply(|value| *value = value.max(floor));
-    let clipped = eigen.recompose();
-    (clipped + clipped.transpose()) * 0.5
+    symmetric(eigen.recompose())
+}
+
+/// The matrix without what rounding left of asymmetry.
+fn symmetric(matrix: Matrix3<f64>) -> Matrix3<f64> {
+    (matrix + matrix.transpose()) * 0.5
 }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::ErgonomicsQuadratic;
 use super::admm::convex_fit;
 use super::report::FitReport;
-use crate::error::{Error, Result, finite, within};
+use crate::error::{Error, Result, within};
 use crate::region::Region;
 
 /// Fewest points for a fit: twice the number of coefficients.
@@ -58,7 +58,7 @@ impl ErgonomicsQuadratic {
     ///
     /// # Errors
     /// [`Error::TooFewSamples`] below 20 points, [`Error::DegenerateSamples`] where they do not
-    /// determine a quadratic, [`Error::NotFinite`] for a point, [`Error::OutOfRange`] for an
+    /// determine a quadratic, [`Error::NotFinite`] or [`Error::OutOfRange`] for a point or an
     /// option.
     pub fn fit(points: &[ScoredPoint], options: &FitOptions) -> Result<(Self, FitReport)> {
         let inside = |point: &&ScoredPoint| {
@@ -96,8 +96,11 @@ pub(crate) fn fit_weighted(
         return Err(Error::TooFewSamples { what, needed, found });
     }
     for point in points {
-        point.position.iter().try_for_each(|x| finite("position of a sample", *x).map(drop))?;
-        finite("score of a sample", point.score)?;
+        let coordinates = point.position.iter();
+        coordinates
+            .copied()
+            .try_for_each(|x| within("position of a sample", x, [-1e3, 1e3], "m").map(drop))?;
+        within("score of a sample", point.score, [-1e6, 1e6], "(score)")?;
     }
     let fit = convex_fit(points, weights, options.min_curvature)?;
     let report = FitReport::new(&fit.quadratic, fit.bound_active, points, weights);

@@ -1,7 +1,7 @@
 use super::conditions::{Conditions, LegSupport};
 use super::curve::{self, Part};
 use super::score::{Reba, RebaSubScores};
-use crate::error::{Result, finite};
+use crate::error::{Result, angle};
 use crate::posture::Posture;
 
 /// A filled-in REBA sheet: the angles that are measured and the boxes that are ticked.
@@ -74,23 +74,23 @@ impl Worksheet {
     /// The integer score with every sub-score.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] for an angle, [`crate::Error::OutOfRange`] for the load.
+    /// [`crate::Error::NotFinite`] or [`crate::Error::OutOfRange`] for an angle or the load.
     pub fn score(&self) -> Result<Reba> {
         self.validate()?;
         Ok(Reba::new(self.sub_scores(), &self.conditions))
     }
 
-    /// Checks that the angles are finite and the load sensible.
+    /// Checks that the angles are finite and at most a full turn, and that the load is sensible.
     ///
     /// # Errors
     /// See [`Worksheet::score`].
     pub fn validate(&self) -> Result<()> {
-        finite("trunk_flexion", self.trunk_flexion)?;
-        finite("neck_flexion", self.neck_flexion)?;
-        finite("knee_flexion", self.knee_flexion)?;
-        finite("upper_arm_flexion", self.upper_arm_flexion)?;
-        finite("elbow_flexion", self.elbow_flexion)?;
-        finite("wrist_flexion", self.wrist_flexion)?;
+        angle("trunk_flexion", self.trunk_flexion)?;
+        angle("neck_flexion", self.neck_flexion)?;
+        angle("knee_flexion", self.knee_flexion)?;
+        angle("upper_arm_flexion", self.upper_arm_flexion)?;
+        angle("elbow_flexion", self.elbow_flexion)?;
+        angle("wrist_flexion", self.wrist_flexion)?;
         self.conditions.validate()
     }
 

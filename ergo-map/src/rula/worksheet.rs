@@ -1,5 +1,5 @@
 use super::score::{Rula, RulaSubScores};
-use crate::error::{Result, finite, within};
+use crate::error::{Result, angle, within};
 use crate::posture::Posture;
 use crate::steps::Steps;
 
@@ -115,13 +115,13 @@ impl RulaWorksheet {
     /// The score with every sub-score.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] for an angle, [`crate::Error::OutOfRange`] for the load.
+    /// [`crate::Error::NotFinite`] or [`crate::Error::OutOfRange`] for an angle or the load.
     pub fn score(&self) -> Result<Rula> {
-        finite("upper_arm_flexion", self.upper_arm_flexion)?;
-        finite("elbow_flexion", self.elbow_flexion)?;
-        finite("wrist_flexion", self.wrist_flexion)?;
-        finite("neck_flexion", self.neck_flexion)?;
-        finite("trunk_flexion", self.trunk_flexion)?;
+        angle("upper_arm_flexion", self.upper_arm_flexion)?;
+        angle("elbow_flexion", self.elbow_flexion)?;
+        angle("wrist_flexion", self.wrist_flexion)?;
+        angle("neck_flexion", self.neck_flexion)?;
+        angle("trunk_flexion", self.trunk_flexion)?;
         within("load", self.load, [0.0, 1000.0], "kg")?;
         Ok(Rula::new(self.sub_scores(), u8::from(self.muscle_use), self.load_score()))
     }

@@ -3,8 +3,8 @@
 
 The tables are typed as the printed sheets arrange them (REBA: Hignett & McAtamney, Applied
 Ergonomics 31, 2000; RULA: McAtamney & Corlett, Applied Ergonomics 24, 1993). Run in this folder:
-python3 make.py. Writes reba_combinations.csv, reba_sheets.csv, rula_arm.csv, rula_body.csv and
-rula_sheets.csv.
+python3 make.py. Writes reba_combinations.csv, reba_sheets.csv, rula_arm.csv, rula_body.csv,
+rula_grand.csv and rula_sheets.csv.
 """
 import csv
 import itertools
@@ -221,6 +221,19 @@ def main():
           [(*p, rula_a(*p)) for p in arm])
     body = itertools.product(*(range(1, k + 1) for k in (6, 6, 2)))
     write("rula_body.csv", ("neck", "trunk", "legs", "b"), [(*p, rula_b(*p)) for p in body])
+    # One combination of sub-scores for every cell of table C.
+    cells = {}
+    sizes = (6, 3, 4, 2, 6, 6, 2)
+    draw = random.Random(1992)
+    while len(cells) < 56:
+        # Powers of a uniform number: easy combinations are rare otherwise.
+        ease = draw.choice((1, 3, 6))
+        p = tuple(1 + int(draw.random() ** ease * k) for k in sizes)
+        extra = draw.randrange(5)
+        a, b = rula_a(*p[:4]) + extra, rula_b(*p[4:]) + extra
+        cells.setdefault((min(a, 8), min(b, 7)), (*p, extra, rula_c(a, b)))
+    header = ("upper_arm", "lower_arm", "wrist", "wrist_twist", "neck", "trunk", "legs", "extra", "rula")
+    write("rula_grand.csv", header, sorted(cells.values()))
     draw = random.Random(1993)
     sheets = [rula_row(draw) for _ in range(1500)]
     write(

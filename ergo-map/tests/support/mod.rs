@@ -73,14 +73,14 @@ impl Random {
 /// Spearman's rank correlation; tied values share their mean rank.
 pub(crate) fn spearman(a: &[f64], b: &[f64]) -> f64 {
     let rank = |values: &[f64]| -> Vec<f64> {
-        values
-            .iter()
-            .map(|v| {
-                let below = values.iter().filter(|o| *o < v).count();
-                let same = values.iter().filter(|o| *o == v).count();
-                below as f64 + (same as f64 - 1.0) / 2.0
-            })
-            .collect()
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let shared = |v: &f64| {
+            let below = sorted.partition_point(|o| o < v);
+            let up_to = sorted.partition_point(|o| o <= v);
+            (below + up_to - 1) as f64 / 2.0
+        };
+        values.iter().map(shared).collect()
     };
     let (a, b) = (rank(a), rank(b));
     let n = a.len() as f64;

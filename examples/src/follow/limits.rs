@@ -1,8 +1,8 @@
 //! Whether every command keeps every limit, checked apart from the controller.
 
 use moca_model::{
-    Command, DesiredMotion, JointLimits, MOCA_BASE_JOINTS, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED,
-    RobotModel,
+    Command, DesiredMotion, JointLimits, MOCA_AXIS_SPEED, MOCA_BASE_JOINTS, MOCA_WHEEL_LEVER,
+    MOCA_WHEEL_SPEED, RobotModel,
 };
 
 /// What rounding may add, relative to a limit; positions \[m, rad\].
@@ -107,7 +107,9 @@ impl LimitMonitor {
         if self.joints.len() > MOCA_BASE_JOINTS {
             let [x, y, turn] = command.base_twist;
             let wheels = x.abs() + y.abs() + MOCA_WHEEL_LEVER * turn.abs();
+            let axis = x.abs().max(y.abs());
             margins.velocity = margins.velocity.min(1.0 - wheels / MOCA_WHEEL_SPEED);
+            margins.velocity = margins.velocity.min(1.0 - axis / MOCA_AXIS_SPEED);
         }
         let rounding = [-ROUNDING, -ROUNDING, -ROUNDING / self.period];
         let kept = margins.position >= rounding[0]

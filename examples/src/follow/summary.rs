@@ -100,7 +100,9 @@ impl fmt::Display for Comparison {
         let mut row = |name: &str, a: String, b: String| writeln!(f, "{name:<42}{a:>12}{b:>12}");
         row("ergonomics", "on".into(), "off".into())?;
         let mut number = |name: &str, digits: usize, a: f64, b: f64| {
-            row(name, format!("{a:.digits$}"), format!("{b:.digits$}"))
+            // Adding zero drops the sign of a zero that rounding has left.
+            let round = |value: f64| (value * 1e9).round() / 1e9 + 0.0;
+            row(name, format!("{:.digits$}", round(a)), format!("{:.digits$}", round(b)))
         };
         number("e_s mean (0 good, 4.25 bad)", 2, on.score_mean, off.score_mean)?;
         number("e_s maximum", 2, on.score_max, off.score_max)?;

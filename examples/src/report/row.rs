@@ -32,6 +32,6 @@ pub struct TickRow {
     pub qdot: [f64; 10],
     /// How far the workspace is softened, position (m) then orientation (rad).
     pub slack: [f64; 6],
-    /// Of the whole stack (µs).
+    /// Of the controller's whole step, kinematics and tracking included (µs).
     pub solve_time_us: f64,
 }

@@ -60,6 +60,10 @@ pub const MOCA_WHEEL_SPEED: f64 = 27.27 * 0.127;
 /// |vₓ| + |vᵧ| + `MOCA_WHEEL_LEVER`·|ω| ≤ [`MOCA_WHEEL_SPEED`].
 pub const MOCA_WHEEL_LEVER: f64 = 0.2225 + 0.2045;
 
+/// Largest speed of the base along each of its own axes \[m/s\], as its real controller is
+/// configured.
+pub const MOCA_AXIS_SPEED: f64 = 1.5;
+
 /// Limits on the motion of an end effector, each on the norm of a vector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CartesianLimits {
