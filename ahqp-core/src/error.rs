@@ -121,6 +121,10 @@ pub enum Error {
         level: usize,
     },
 
+    /// A certificate was asked for, but there is no optimum to certify.
+    #[error("the last solve did not end at the optimum; certify after a solve with Status::Solved")]
+    NotSolved,
+
     /// A setting is out of its range.
     #[error("setting {name} is {value}; it must be {expected}")]
     Setting {

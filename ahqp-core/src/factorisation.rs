@@ -23,6 +23,7 @@ pub(crate) enum Purpose {
 /// A run of stacked rows.
 #[derive(Debug, Clone)]
 pub(crate) struct Group {
+    pub(crate) level: usize,
     pub(crate) purpose: Purpose,
     /// Stacked rows `start..end`, and of them the pivots `start..start + rank`.
     pub(crate) start: usize,
@@ -136,7 +137,15 @@ impl Factorisation {
                 let end = self.stacked.len();
                 if end > start || linear_of.is_some() {
                     let (rank, first_pivot) = (0, 0);
-                    self.groups.push(Group { purpose, start, end, rank, first_pivot, linear_of });
+                    self.groups.push(Group {
+                        level,
+                        purpose,
+                        start,
+                        end,
+                        rank,
+                        first_pivot,
+                        linear_of,
+                    });
                 }
             }
         }
@@ -214,7 +223,7 @@ impl Factorisation {
     /// The coordinates that the group decides; false if its linear term has no minimum.
     fn decide(&mut self, table: &RowTable, group: usize, tolerance: f64) -> bool {
         let n = self.n;
-        let Group { purpose, start, end, rank, first_pivot, linear_of } = self.groups[group];
+        let Group { purpose, start, end, rank, first_pivot, linear_of, .. } = self.groups[group];
         if let Some(level) = linear_of {
             let decided = first_pivot + rank;
             let size = self.turn_linear(table, level);

@@ -15,6 +15,7 @@
 
 mod active_set;
 mod basis;
+mod certificate;
 mod clik;
 mod error;
 mod factorisation;
@@ -22,6 +23,7 @@ mod hierarchy;
 mod kernels;
 mod least_squares;
 mod limits;
+mod proof;
 mod quadratic;
 #[cfg(feature = "reference")]
 mod reference;
@@ -37,6 +39,7 @@ pub mod testing;
 mod vector;
 mod verification;
 
+pub use certificate::{Certificate, CertificateResiduals};
 pub use clik::{AugmentedClik, AugmentedState, integrate_pose, pose_error};
 pub use error::Error;
 pub use hierarchy::{ConstraintSource, Hierarchy, Level, Objective};

@@ -60,6 +60,19 @@ impl QuadraticFactor {
         any
     }
 
+    /// Multipliers of rows of R as multipliers of rows of H: `(row of H, multiplier)`.
+    pub(crate) fn to_hessian_rows(&self, multipliers: &[f64]) -> Vec<(usize, f64)> {
+        let n = self.n;
+        let mut z = multipliers.to_vec();
+        // H at the pivots is (R at the pivots)ᵀ R, so μᵀR = (R at the pivots)⁻¹μ times it.
+        for i in (0..self.rank.min(z.len())).rev() {
+            let known: f64 =
+                (i + 1..self.rank).map(|j| self.factor[i * n + self.pivots[j]] * z[j]).sum();
+            z[i] = (z[i] - known) / self.factor[i * n + self.pivots[i]];
+        }
+        self.pivots.iter().copied().zip(z).collect()
+    }
+
     /// Factors H (n × n) and splits g.
     pub(crate) fn factorise(
         &mut self,

@@ -3,8 +3,10 @@
 use std::ops::Range;
 
 use crate::active_set::{ActiveSet, End, Goal, RowState};
+use crate::certificate::Certificate;
 use crate::error::Error;
 use crate::hierarchy::{ConstraintSource, Hierarchy};
+use crate::proof::Proof;
 use crate::settings::{Settings, WarmStart};
 use crate::solution::{Solution, Status};
 use crate::table::RowTable;
@@ -12,7 +14,7 @@ use crate::vector::norm;
 use crate::verification::Verifier;
 
 /// A multiplier this many times above the noise marks its row as active at every optimum.
-const STRONGLY_ACTIVE: f64 = 1e3;
+const STRONGLY_ACTIVE: f64 = 10.0;
 
 /// Rounds of mending the previous active set after which the search starts from nothing.
 const ROUNDS: usize = 6;
@@ -78,6 +80,36 @@ impl Solver {
     /// [`Error::Infeasible`]; empty otherwise.
     pub fn conflict(&self) -> &[ConstraintSource] {
         &self.conflict
+    }
+
+    /// The multipliers that prove the last solution optimal; [`Certificate::residuals`] checks
+    /// them. Allocates: for debugging and tests, not for the control loop.
+    ///
+    /// # Errors
+    /// Those of [`solve`](Self::solve) for data that make no problem; [`Error::NotSolved`] when
+    /// the last solve did not end at the optimum.
+    pub fn certificate(&mut self, hierarchy: &Hierarchy) -> Result<Certificate, Error> {
+        if !self.warm {
+            return Err(Error::NotSolved);
+        }
+        self.set.table.load(hierarchy)?;
+        let table = &mut self.set.table;
+        self.verifier.fit(table);
+        self.verifier.factorisation.factorise(
+            table,
+            &self.verifier.activity,
+            self.settings.rank_tolerance,
+        );
+        let found = Proof::new(table, &mut self.verifier, &self.solution.x).levels()?;
+        let levels = found
+            .iter()
+            .map(|multipliers| named(hierarchy, table, multipliers))
+            .collect::<Result<_, _>>()?;
+        let active = (0..table.len())
+            .filter(|&id| self.verifier.activity[id].is_active())
+            .map(|id| table.sources[id])
+            .collect();
+        Ok(Certificate { levels, active })
     }
 
     /// Solves `hierarchy`, of the shape given at construction.
@@ -280,4 +312,36 @@ impl Solver {
             }
         }
     }
+}
+
+/// Multipliers with the sources of their rows; those of a quadratic's factor become those of its
+/// Hessian.
+fn named(
+    hierarchy: &Hierarchy,
+    table: &mut RowTable,
+    found: &[(usize, f64)],
+) -> Result<Vec<(ConstraintSource, f64)>, Error> {
+    let mut all: Vec<_> = Vec::with_capacity(found.len());
+    for (level, data) in hierarchy.levels().iter().enumerate() {
+        let rows = table.levels[level].clone();
+        let of_level = found.iter().filter(|(id, _)| rows.objective.contains(id));
+        if rows.quadratic {
+            let mut multipliers = vec![0.0; rows.used];
+            for &(id, multiplier) in of_level {
+                multipliers[id - rows.objective.start] = multiplier;
+            }
+            if multipliers.iter().any(|&multiplier| multiplier != 0.0) {
+                let on_hessian =
+                    table.hessian_multipliers(level, data.objective(), &multipliers)?;
+                all.extend(on_hessian.into_iter().map(|(row, multiplier)| {
+                    (ConstraintSource::Objective { level, row }, multiplier)
+                }));
+            }
+        } else {
+            all.extend(of_level.map(|&(id, multiplier)| (table.sources[id], multiplier)));
+        }
+    }
+    let plain = |id: usize| !matches!(table.sources[id], ConstraintSource::Objective { .. });
+    all.extend(found.iter().filter(|(id, _)| plain(*id)).map(|&(id, m)| (table.sources[id], m)));
+    Ok(all)
 }

@@ -179,6 +179,18 @@ impl RowTable {
         Ok(())
     }
 
+    /// Multipliers of a quadratic level's rows in the table as multipliers of its Hessian's rows.
+    pub(crate) fn hessian_multipliers(
+        &mut self,
+        level: usize,
+        objective: &Objective,
+        multipliers: &[f64],
+    ) -> Result<Vec<(usize, f64)>, Error> {
+        let Objective::Quadratic { hessian, gradient } = objective else { return Ok(Vec::new()) };
+        self.factor.factorise(level, hessian, gradient)?;
+        Ok(self.factor.to_hessian_rows(multipliers))
+    }
+
     fn check_shape(&self, hierarchy: &Hierarchy) -> Result<(), Error> {
         let levels = hierarchy.levels();
         if hierarchy.variables() != self.n || levels.len() != self.levels.len() {

@@ -69,8 +69,52 @@ impl Verifier {
         None
     }
 
+    /// The multipliers that are not rounding of one level, or of the least norm behind the last,
+    /// at the point that the present active set gives; `x` is that point.
+    pub(crate) fn multipliers_of(
+        &mut self,
+        table: &RowTable,
+        level: Option<usize>,
+        x: &[f64],
+    ) -> Vec<(usize, f64)> {
+        for id in 0..table.len() {
+            self.value[id] = table.row(id).dot(x);
+        }
+        let (pivots, threshold) = match level {
+            None => {
+                self.load_norm(x);
+                (self.factorisation.decided().len(), 0.0)
+            }
+            Some(level) => {
+                let group =
+                    self.factorisation.groups.iter().position(|group| {
+                        group.level == level && group.purpose == Purpose::Minimised
+                    });
+                let Some(group) = group else { return Vec::new() };
+                let Some(threshold) = self.load_level(table, group, norm(x)) else {
+                    return Vec::new();
+                };
+                (self.factorisation.groups[group].first_pivot, threshold)
+            }
+        };
+        let factorisation = &self.factorisation;
+        let coordinates = &mut self.multipliers[..pivots];
+        factorisation.balance(coordinates);
+        let mut all = Vec::new();
+        for (pivot, &multiplier) in coordinates.iter().enumerate() {
+            let id = factorisation.stacked[factorisation.pivots[pivot]];
+            table.row(id).add_to(&mut self.gradient, multiplier);
+            all.push((id, multiplier));
+        }
+        all.extend(factorisation.bounded.iter().map(|&id| (id, -self.gradient[id])));
+        all.retain(|&(id, multiplier)| {
+            (multiplier * table.row(id).norm()).abs() > 1e-3 * threshold
+        });
+        all
+    }
+
     /// Makes the active set fit the data: equalities are active, sides without a bound are not.
-    fn fit(&mut self, table: &RowTable) {
+    pub(crate) fn fit(&mut self, table: &RowTable) {
         for (id, state) in self.activity.iter_mut().enumerate() {
             let fits = match *state {
                 RowState::Lower => table.lower[id].is_finite(),
@@ -156,6 +200,23 @@ impl Verifier {
 
     /// Checks the signs that the level of `group`, the rows of its objective, gives.
     fn check_level(&mut self, table: &RowTable, group: usize, x_norm: f64) -> usize {
+        let Some(threshold) = self.load_level(table, group, x_norm) else { return 0 };
+        let factorisation = &self.factorisation;
+        let group = &factorisation.groups[group];
+        let mut released = 0;
+        for at in group.start..group.end {
+            let id = factorisation.stacked[at];
+            // Each row is asked before it may change.
+            let force = (self.value[id] - bound(table, &self.activity, id)) * table.row(id).norm();
+            released += check_sign(&mut self.activity, &mut self.settled, id, force, threshold);
+        }
+        let pivots = group.first_pivot;
+        released + self.check_multipliers(table, pivots, threshold)
+    }
+
+    /// Loads a level's gradient; the size above which a multiplier times its row's norm counts,
+    /// or none if the gradient itself is rounding.
+    fn load_level(&mut self, table: &RowTable, group: usize, x_norm: f64) -> Option<f64> {
         let factorisation = &self.factorisation;
         let group = &factorisation.groups[group];
         let coordinates = &mut self.multipliers[..group.first_pivot];
@@ -177,29 +238,24 @@ impl Verifier {
             add_scaled(&mut self.gradient, 1.0, linear);
             size += norm(linear);
         }
-        if size <= 10.0 * NOISE * noise {
-            return 0;
-        }
-        let threshold = self.settings.optimality_tolerance * size + NOISE * noise;
-        let mut released = 0;
-        for at in group.start..group.end {
-            let id = factorisation.stacked[at];
-            // Each row is asked before it may change.
-            let force = (self.value[id] - bound(table, &self.activity, id)) * table.row(id).norm();
-            released += check_sign(&mut self.activity, &mut self.settled, id, force, threshold);
-        }
-        let pivots = group.first_pivot;
-        released + self.check_multipliers(table, pivots, threshold)
+        let matters = size > 10.0 * NOISE * noise;
+        matters.then_some(self.settings.optimality_tolerance * size + NOISE * noise)
+    }
+
+    /// Loads the gradient of the least norm, x itself.
+    fn load_norm(&mut self, x: &[f64]) {
+        let decided = self.factorisation.decided();
+        self.multipliers[..decided.len()].copy_from_slice(decided);
+        self.gradient.copy_from_slice(x);
     }
 
     /// Checks the signs that the final choice of least norm gives.
     fn check_least_norm(&mut self, table: &RowTable, x_norm: f64) -> usize {
-        let decided = self.factorisation.decided();
-        self.multipliers[..decided.len()].copy_from_slice(decided);
-        self.gradient.copy_from_slice(&self.factorisation.x);
-        let threshold = self.settings.optimality_tolerance * x_norm;
-        let pivots = decided.len();
-        self.check_multipliers(table, pivots, threshold)
+        let pivots = self.factorisation.decided().len();
+        let x = std::mem::take(&mut self.factorisation.x);
+        self.load_norm(&x);
+        self.factorisation.x = x;
+        self.check_multipliers(table, pivots, self.settings.optimality_tolerance * x_norm)
     }
 
     /// Balances `gradient`, whose coordinates stand in `multipliers`, by the first `pivots`

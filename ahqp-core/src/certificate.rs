@@ -1,0 +1,256 @@
+//! Proof of lexicographic optimality, checked from the problem's data alone.
+//!
+//! At level k the gradient of the objective must be balanced by the rows above it: bounds, hard
+//! rows of levels up to k, and rows of the objectives above k, which are held. Inequalities may
+//! only push the way they point: for each, the first level at which its multiplier is not zero
+//! decides (Escande, Mansard, Wieber, IJRR 33, 2014, Sec. 3).
+
+use std::collections::BTreeSet;
+
+use nalgebra::DVector;
+
+use crate::error::Error;
+use crate::hierarchy::{ConstraintSource, Hierarchy, Objective};
+use crate::rows::Rows;
+use crate::vector::{add_scaled, dot, norm, norm_max};
+
+/// Below this, relative to the numbers around it, a violation counts as zero.
+const ZERO: f64 = 1e-9;
+/// Below this, relative to its level's gradient, a multiplier is rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// Multipliers of every level, and of the choice of least norm behind the last.
+///
+/// ```
+/// use ahqp_core::{Hierarchy, Level, Rows, Settings, Solver};
+/// use nalgebra::{dmatrix, dvector};
+///
+/// let mut hierarchy = Hierarchy::new(1)?;
+/// hierarchy.set_bounds(&dvector![-1.0], &dvector![1.0])?;
+/// hierarchy.push(Level::least_squares(Rows::equalities(&dmatrix![2.0], &dvector![6.0])?))?;
+/// let mut solver = Solver::new(&hierarchy, Settings::default())?;
+/// let x = solver.solve(&hierarchy)?.x().to_vec();
+/// let certificate = solver.certificate(&hierarchy)?;
+/// assert!(certificate.residuals(&hierarchy, &x)?.worst() < 1e-9);
+/// // 2 (2·1 − 6) + λ = 0 at the upper bound.
+/// assert!((certificate.multipliers(0)[0].1 - 8.0).abs() < 1e-9);
+/// # Ok::<(), ahqp_core::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certificate {
+    pub(crate) levels: Vec<Vec<(ConstraintSource, f64)>>,
+    pub(crate) active: Vec<ConstraintSource>,
+}
+
+/// How far a point and its multipliers are from proving optimality, each the worst of all levels
+/// and relative to the numbers at hand.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CertificateResiduals {
+    /// What the multipliers leave of a level's gradient.
+    pub stationarity: f64,
+    /// Violation of a bound or hard constraint.
+    pub feasibility: f64,
+    /// Distance of an inequality from its bound, where its multiplier is not zero.
+    pub complementarity: f64,
+    /// Size of a multiplier that pushes the wrong way.
+    pub sign: f64,
+}
+
+impl CertificateResiduals {
+    /// The largest of the four.
+    pub fn worst(&self) -> f64 {
+        self.stationarity.max(self.feasibility).max(self.complementarity).max(self.sign)
+    }
+}
+
+impl Certificate {
+    /// The multipliers that are not zero of a level (from 0; the number of levels stands for the
+    /// choice of least norm): positive at an upper bound. Rows of a quadratic objective are the
+    /// rows of its Hessian.
+    pub fn multipliers(&self, level: usize) -> &[(ConstraintSource, f64)] {
+        self.levels.get(level).map_or(&[], Vec::as_slice)
+    }
+
+    /// The active set: rows and bounds that are held at a bound, and violated rows of objectives.
+    pub fn active(&self) -> &[ConstraintSource] {
+        &self.active
+    }
+
+    /// Checks that x is optimal, from the data of the hierarchy and the multipliers alone.
+    ///
+    /// # Errors
+    /// [`Error::Size`] when x or the certificate does not fit the hierarchy.
+    pub fn residuals(
+        &self,
+        hierarchy: &Hierarchy,
+        x: &[f64],
+    ) -> Result<CertificateResiduals, Error> {
+        let levels = hierarchy.levels().len();
+        crate::rows::expect_size("x", x.len(), hierarchy.variables())?;
+        crate::rows::expect_size("the levels of the certificate", self.levels.len(), levels + 1)?;
+        let mut check = Check { hierarchy, x, residuals: CertificateResiduals::default() };
+        check.feasibility();
+        let mut settled = BTreeSet::new();
+        for (level, multipliers) in self.levels.iter().enumerate() {
+            check.level(level, multipliers, &mut settled)?;
+        }
+        Ok(check.residuals)
+    }
+}
+
+struct Check<'a> {
+    hierarchy: &'a Hierarchy,
+    x: &'a [f64],
+    residuals: CertificateResiduals,
+}
+
+/// A row of the problem at x.
+struct RowAt {
+    coefficients: Vec<f64>,
+    /// a x, and how far it is from its range: positive above, negative below.
+    value: f64,
+    violation: f64,
+    lower: f64,
+    upper: f64,
+    /// What rounding in a x is relative to.
+    magnitude: f64,
+    norm: f64,
+}
+
+impl Check<'_> {
+    fn feasibility(&mut self) {
+        let mut worst = 0.0_f64;
+        for variable in 0..self.x.len() {
+            let row = self.bound(variable);
+            worst = worst.max(row.violation.abs() / row.magnitude.max(f64::MIN_POSITIVE));
+        }
+        for level in self.hierarchy.levels() {
+            for index in 0..level.constraints().len() {
+                if let Some(row) = self.row(level.constraints(), index) {
+                    worst = worst.max(row.violation.abs() / row.magnitude.max(f64::MIN_POSITIVE));
+                }
+            }
+        }
+        self.residuals.feasibility = worst;
+    }
+
+    /// Stationarity, complementarity and sign of one level.
+    fn level(
+        &mut self,
+        level: usize,
+        multipliers: &[(ConstraintSource, f64)],
+        settled: &mut BTreeSet<ConstraintSource>,
+    ) -> Result<(), Error> {
+        let (mut balance, mut size) = self.gradient(level, settled);
+        for &(source, multiplier) in multipliers {
+            let row = self.source(source, level)?;
+            add_scaled(&mut balance, multiplier, &row.coefficients);
+            size += multiplier.abs() * row.norm;
+        }
+        let size = size.max(f64::MIN_POSITIVE);
+        self.residuals.stationarity = self.residuals.stationarity.max(norm_max(&balance) / size);
+        for &(source, multiplier) in multipliers {
+            let row = self.source(source, level)?;
+            let share = multiplier.abs() * row.norm / size;
+            let is_free = row.lower == row.upper || settled.contains(&source);
+            if share <= ROUNDING || is_free {
+                continue;
+            }
+            settled.insert(source);
+            let magnitude = row.magnitude.max(f64::MIN_POSITIVE);
+            let bound = if multiplier > 0.0 { row.upper } else { row.lower };
+            if bound.is_infinite() {
+                self.residuals.sign = self.residuals.sign.max(share);
+                continue;
+            }
+            let gap = (row.value - bound).abs() / magnitude;
+            let other = if multiplier > 0.0 { row.lower } else { row.upper };
+            if (row.value - other).abs() / magnitude < gap {
+                // It stands at its other bound and pushes the wrong way.
+                self.residuals.sign = self.residuals.sign.max(share);
+            } else {
+                let gap = gap.min(share);
+                self.residuals.complementarity = self.residuals.complementarity.max(gap);
+            }
+        }
+        Ok(())
+    }
+
+    /// The gradient of a level's objective, and the size of the numbers it is made of. Rows that
+    /// are violated are held from here on, and may push either way.
+    fn gradient(&self, level: usize, settled: &mut BTreeSet<ConstraintSource>) -> (Vec<f64>, f64) {
+        let n = self.x.len();
+        let mut gradient = vec![0.0; n];
+        let mut size = 0.0;
+        match self.hierarchy.levels().get(level).map(crate::Level::objective) {
+            None => {
+                gradient.copy_from_slice(self.x);
+                size = norm(self.x);
+            }
+            Some(Objective::None) => {}
+            Some(Objective::LeastSquares(rows)) => {
+                for index in 0..rows.len() {
+                    let Some(row) = self.row(rows, index) else { continue };
+                    add_scaled(&mut gradient, row.violation, &row.coefficients);
+                    size += row.norm * (row.violation.abs() + row.magnitude);
+                    if row.violation.abs() > ZERO * row.magnitude {
+                        settled.insert(ConstraintSource::Objective { level, row: index });
+                    }
+                }
+            }
+            Some(Objective::Quadratic { hessian, gradient: linear }) => {
+                let x = DVector::from_column_slice(self.x);
+                gradient.copy_from_slice((hessian * &x + linear).as_slice());
+                size = hessian.norm() * x.norm() + linear.norm();
+            }
+        }
+        (gradient, size)
+    }
+
+    fn source(&self, source: ConstraintSource, level: usize) -> Result<RowAt, Error> {
+        let levels = self.hierarchy.levels();
+        let missing = || Error::NoSuchLevel { level, levels: levels.len() };
+        match source {
+            ConstraintSource::Bound { variable } if variable < self.x.len() => {
+                Ok(self.bound(variable))
+            }
+            ConstraintSource::Constraint { level: at, row } if at <= level => {
+                let rows = levels.get(at).map(crate::Level::constraints).ok_or_else(missing)?;
+                self.row(rows, row).ok_or_else(missing)
+            }
+            ConstraintSource::Objective { level: at, row } if at < level => {
+                match levels.get(at).map(crate::Level::objective) {
+                    Some(Objective::LeastSquares(rows)) => self.row(rows, row).ok_or_else(missing),
+                    Some(Objective::Quadratic { hessian, .. }) if row < hessian.nrows() => {
+                        let coefficients: Vec<f64> = hessian.row(row).iter().copied().collect();
+                        let value = dot(&coefficients, self.x);
+                        Ok(self.row_at(coefficients, value, value))
+                    }
+                    _ => Err(missing()),
+                }
+            }
+            _ => Err(missing()),
+        }
+    }
+
+    fn bound(&self, variable: usize) -> RowAt {
+        let mut coefficients = vec![0.0; self.x.len()];
+        coefficients[variable] = 1.0;
+        let (lower, upper) = (self.hierarchy.lower()[variable], self.hierarchy.upper()[variable]);
+        self.row_at(coefficients, lower, upper)
+    }
+
+    fn row(&self, rows: &Rows, index: usize) -> Option<RowAt> {
+        let coefficients = rows.row(index)?.to_vec();
+        Some(self.row_at(coefficients, *rows.lower().get(index)?, *rows.upper().get(index)?))
+    }
+
+    fn row_at(&self, coefficients: Vec<f64>, lower: f64, upper: f64) -> RowAt {
+        let value = dot(&coefficients, self.x);
+        let length = norm(&coefficients);
+        let finite = |bound: f64| if bound.is_finite() { bound.abs() } else { 0.0 };
+        let magnitude = finite(lower).max(finite(upper)) + length * norm(self.x);
+        let violation = (value - upper).max(0.0) + (value - lower).min(0.0);
+        RowAt { coefficients, value, violation, lower, upper, magnitude, norm: length }
+    }
+}

@@ -1,0 +1,151 @@
+//! Multipliers for a certificate: from the factorisation where they are unique, else by least
+//! squares with signs.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::active_set::RowState;
+use crate::error::Error;
+use crate::hierarchy::{Hierarchy, Level};
+use crate::rows::Rows;
+use crate::settings::Settings;
+use crate::solver::Solver;
+use crate::table::RowTable;
+use crate::vector::{add_scaled, norm};
+use crate::verification::Verifier;
+
+/// Rows nearer to a bound than this, relative to their size, may push.
+const AT_BOUND: f64 = 1e-9;
+
+/// Multipliers of a level: rows of the table, and what they push with.
+type Multipliers = Vec<(usize, f64)>;
+
+/// Goes down the levels, and remembers which inequalities may push either way from here on.
+pub(crate) struct Proof<'a> {
+    table: &'a RowTable,
+    verifier: &'a mut Verifier,
+    x: &'a [f64],
+    settled: Vec<bool>,
+}
+
+impl<'a> Proof<'a> {
+    /// At `x`, with the verifier's factorisation of the active set there.
+    pub(crate) fn new(table: &'a RowTable, verifier: &'a mut Verifier, x: &'a [f64]) -> Self {
+        let settled = (0..table.len()).map(|id| table.is_equality(id)).collect();
+        Self { table, verifier, x, settled }
+    }
+
+    /// The multipliers of every level, and of the least norm behind the last.
+    pub(crate) fn levels(mut self) -> Result<Vec<Multipliers>, Error> {
+        let count = self.table.levels.len();
+        (0..count).map(Some).chain([None]).map(|level| self.level(level)).collect()
+    }
+
+    fn level(&mut self, level: Option<usize>) -> Result<Multipliers, Error> {
+        if let Some(level) = level {
+            for id in self.table.levels[level].used_objective() {
+                let (violation, magnitude) = self.violation(id);
+                self.settled[id] |= violation.abs() > AT_BOUND * magnitude;
+            }
+        }
+        let mut multipliers = self.verifier.multipliers_of(self.table, level, self.x);
+        if multipliers.iter().any(|&(id, multiplier)| !self.may_push(id, multiplier)) {
+            // Where active rows depend on each other, another choice may have the right signs.
+            multipliers = self.signed(level)?;
+        }
+        for &(id, _) in &multipliers {
+            self.settled[id] = true;
+        }
+        Ok(multipliers)
+    }
+
+    /// Whether an inequality that has not pushed yet may push with this sign.
+    fn may_push(&self, id: usize, multiplier: f64) -> bool {
+        let state = self.verifier.activity[id];
+        self.settled[id] || !state.is_wrong(multiplier, 0.0)
+    }
+
+    fn violation(&self, id: usize) -> (f64, f64) {
+        let value = self.table.row(id).dot(self.x);
+        let violation =
+            (value - self.table.upper[id]).max(0.0) + (value - self.table.lower[id]).min(0.0);
+        (violation, self.table.magnitude(id, norm(self.x)))
+    }
+
+    /// min ‖gradient + Σ λᵢ aᵢ‖ over the rows at their bounds, each λᵢ with the sign that its row
+    /// may have: a hierarchy of one level.
+    fn signed(&self, level: Option<usize>) -> Result<Multipliers, Error> {
+        let mut gradient = self.gradient(level);
+        let scale = norm(&gradient).max(f64::MIN_POSITIVE);
+        for entry in &mut gradient {
+            *entry /= -scale;
+        }
+        let candidates = self.candidates(level);
+        if candidates.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut columns = DMatrix::zeros(self.table.n, candidates.len());
+        let mut problem = Hierarchy::new(candidates.len())?;
+        let (lower, upper) = problem.bounds_mut();
+        for (index, &(id, state)) in candidates.iter().enumerate() {
+            let row = self.table.row(id);
+            let mut column = vec![0.0; self.table.n];
+            row.add_to(&mut column, 1.0 / row.norm());
+            columns.column_mut(index).copy_from_slice(&column);
+            match state {
+                RowState::Upper => lower[index] = 0.0,
+                RowState::Lower => upper[index] = 0.0,
+                _ => {}
+            }
+        }
+        let target = DVector::from_vec(gradient);
+        problem.push(Level::least_squares(Rows::equalities(&columns, &target)?))?;
+        let mut solver = Solver::new(&problem, Settings::default())?;
+        let found = solver.solve(&problem)?.x();
+        let multipliers = candidates.iter().zip(found).filter(|(_, value)| value.abs() > 1e-12);
+        Ok(multipliers
+            .map(|(&(id, _), value)| (id, value * scale / self.table.row(id).norm()))
+            .collect())
+    }
+
+    fn gradient(&self, level: Option<usize>) -> Vec<f64> {
+        let Some(level) = level else { return self.x.to_vec() };
+        let mut gradient = vec![0.0; self.table.n];
+        let rows = &self.table.levels[level];
+        for id in rows.used_objective() {
+            self.table.row(id).add_to(&mut gradient, self.violation(id).0);
+        }
+        if rows.has_linear {
+            add_scaled(&mut gradient, 1.0, &rows.linear);
+        }
+        gradient
+    }
+
+    /// Rows that may push at a level, with the side on which they may.
+    fn candidates(&self, level: Option<usize>) -> Vec<(usize, RowState)> {
+        let last = level.unwrap_or(self.table.levels.len().saturating_sub(1));
+        let mut ids: Vec<usize> = (0..self.table.n).collect();
+        for (index, rows) in self.table.levels.iter().enumerate().take(last + 1) {
+            ids.extend(rows.constraints.clone());
+            if level.is_none_or(|level| index < level) {
+                ids.extend(rows.used_objective());
+            }
+        }
+        let side = |id: usize| {
+            let value = self.table.row(id).dot(self.x);
+            let near = AT_BOUND * self.table.magnitude(id, norm(self.x));
+            if self.settled[id] {
+                Some(RowState::Equal)
+            } else if (value - self.table.upper[id]).abs() <= near {
+                Some(RowState::Upper)
+            } else if (value - self.table.lower[id]).abs() <= near {
+                Some(RowState::Lower)
+            } else {
+                None
+            }
+        };
+        ids.into_iter()
+            .filter(|&id| self.table.row(id).norm() > 0.0)
+            .filter_map(|id| side(id).map(|state| (id, state)))
+            .collect()
+    }
+}
