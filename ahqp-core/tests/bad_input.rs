@@ -11,9 +11,9 @@ fn solve(hierarchy: &Hierarchy) -> Result<Solution, Error> {
     Solver::new(hierarchy, Settings::default())?.solve(hierarchy).cloned()
 }
 
-/// One variable block `x + y = 1` over two variables, to spoil.
 type Setter = fn(&mut Settings, f64);
 
+/// One variable block `x + y = 1` over two variables, to spoil.
 fn sound() -> Hierarchy {
     let mut hierarchy = Hierarchy::new(2).unwrap();
     hierarchy.push(Level::least_squares(equality())).unwrap();
