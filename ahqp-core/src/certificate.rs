@@ -248,8 +248,8 @@ impl Check<'_> {
     fn row_at(&self, coefficients: Vec<f64>, lower: f64, upper: f64) -> RowAt {
         let value = dot(&coefficients, self.x);
         let length = norm(&coefficients);
-        let finite = |bound: f64| if bound.is_finite() { bound.abs() } else { 0.0 };
-        let magnitude = finite(lower).max(finite(upper)) + length * norm(self.x);
+        let nearer = lower.abs().min(upper.abs());
+        let magnitude = if nearer.is_finite() { nearer } else { 0.0 } + length * norm(self.x);
         let violation = (value - upper).max(0.0) + (value - lower).min(0.0);
         RowAt { coefficients, value, violation, lower, upper, magnitude, norm: length }
     }

@@ -36,6 +36,21 @@ pub enum Error {
         entry: usize,
     },
 
+    /// A number is so large that its square overflows.
+    #[error(
+        "{source_of_row} holds {value:e}, beyond 1e100, where double precision overflows; change units, or use an infinite bound"
+    )]
+    TooLarge {
+        /// Where it stands.
+        source_of_row: ConstraintSource,
+        /// The number.
+        value: f64,
+    },
+
+    /// The solution overflows: the data are sound one by one, but their quotients are not.
+    #[error("the solution overflows double precision; bring rows and bounds to comparable sizes")]
+    Overflow,
+
     /// A lower bound lies above its upper bound, or a bound is NaN.
     #[error(
         "{source_of_row}: lower bound {lower} and upper bound {upper} leave nothing between them; order them, or use an infinite bound for a side that is free"

@@ -8,6 +8,8 @@ use crate::vector::dot;
 
 /// Pivots below this fraction of the largest diagonal entry count as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
+/// Above this, products of the solver's numbers overflow.
+const MODERATE: f64 = 1e100;
 /// Asymmetry and negative curvature up to this fraction of the largest entry are rounding.
 const SHAPE_TOLERANCE: f64 = 1e-9;
 
@@ -86,6 +88,7 @@ impl QuadraticFactor {
         }
         check_finite(level, hessian, gradient)?;
         let scale = hessian.amax();
+        check_moderate(level, scale.max(gradient.amax()))?;
         check_symmetric(level, hessian, scale)?;
         self.rank = 0;
         self.pivots.clear();
@@ -184,6 +187,13 @@ fn check_finite(
         return Err(Error::NotFinite { what: "the gradient", source_of_row: source(entry), entry });
     }
     Ok(())
+}
+
+fn check_moderate(level: usize, value: f64) -> Result<(), Error> {
+    if value <= MODERATE {
+        return Ok(());
+    }
+    Err(Error::TooLarge { source_of_row: ConstraintSource::Objective { level, row: 0 }, value })
 }
 
 fn check_symmetric(level: usize, hessian: &DMatrix<f64>, scale: f64) -> Result<(), Error> {

@@ -130,6 +130,9 @@ impl Solver {
             return Ok(&self.solution);
         }
         let status = self.search_levels(hierarchy.levels().len())?;
+        if !norm(&self.set.x).is_finite() {
+            return Err(Error::Overflow);
+        }
         self.warm = status == Status::Solved;
         self.read_out(status, self.set.iterations);
         Ok(&self.solution)

@@ -6,7 +6,10 @@ use crate::error::Error;
 use crate::hierarchy::{ConstraintSource, Hierarchy, Objective};
 use crate::quadratic::QuadraticFactor;
 use crate::rows::Rows;
-use crate::vector::{dot, norm};
+use crate::vector::{dot, norm, norm_max};
+
+/// Above this, products of the solver's numbers overflow.
+const MODERATE: f64 = 1e100;
 
 /// A row seen by the algebra: a unit vector for a bound, coefficients otherwise.
 #[derive(Debug, Clone, Copy)]
@@ -149,10 +152,10 @@ impl RowTable {
 
     /// The size that numbers in row `id` have at x: what rounding is relative to.
     pub(crate) fn magnitude(&self, id: usize, x_norm: f64) -> f64 {
-        let finite = |bound: f64| if bound.is_finite() { bound.abs() } else { 0.0 };
-        let bounds = finite(self.lower[id]).max(finite(self.upper[id]));
+        // The nearer bound: a far one counts by way of x where x is near it.
+        let nearer = self.lower[id].abs().min(self.upper[id].abs());
         let norm = if id < self.n { 1.0 } else { self.norms[id] };
-        bounds + norm * x_norm
+        (if nearer.is_finite() { nearer } else { 0.0 }) + norm * x_norm
     }
 
     /// Copies and checks the data of a hierarchy of the same shape.
@@ -215,12 +218,9 @@ impl RowTable {
             self.coefficients[at..at + self.n].copy_from_slice(coefficients);
             let length = norm(coefficients);
             if !length.is_finite() {
-                return Err(Error::NotFinite {
-                    what: "the matrix",
-                    source_of_row: self.sources[id],
-                    entry: coefficients.iter().position(|v| !v.is_finite()).unwrap_or(0),
-                });
+                self.expect_finite(id, coefficients)?;
             }
+            self.expect_moderate(id, norm_max(coefficients))?;
             self.norms[id] = length;
             self.lower[id] = lower;
             self.upper[id] = upper;
@@ -229,11 +229,30 @@ impl RowTable {
         Ok(())
     }
 
+    fn expect_finite(&self, id: usize, coefficients: &[f64]) -> Result<(), Error> {
+        match coefficients.iter().position(|value| !value.is_finite()) {
+            Some(entry) => {
+                let source_of_row = self.sources[id];
+                Err(Error::NotFinite { what: "the matrix", source_of_row, entry })
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn expect_moderate(&self, id: usize, value: f64) -> Result<(), Error> {
+        if value.abs() <= MODERATE {
+            Ok(())
+        } else {
+            Err(Error::TooLarge { source_of_row: self.sources[id], value })
+        }
+    }
+
     fn check_range(&self, id: usize) -> Result<(), Error> {
         let (lower, upper) = (self.lower[id], self.upper[id]);
         // Written so that NaN fails; an infinite equality is no bound at all.
         if lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY {
-            Ok(())
+            // The bound nearer to zero; a far one only says that its side is free.
+            self.expect_moderate(id, if lower > 0.0 { lower } else { upper.min(0.0) })
         } else {
             Err(Error::EmptyRange { source_of_row: self.sources[id], lower, upper })
         }

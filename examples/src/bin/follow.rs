@@ -17,7 +17,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use moca_model::Goal;
 use vision_models::Percept;
 
-/// Stature where neither the recording nor the command line gives one [m].
+/// Stature where neither the recording nor the command line gives one (m).
 const DEFAULT_STATURE: f64 = 1.75;
 /// Ticks that travel to the report together.
 const BATCH: usize = 512;
