@@ -85,6 +85,8 @@ pub(crate) struct ActiveSet {
     pub(crate) residual: Vec<f64>,
     pub(crate) multipliers: Vec<f64>,
     pub(crate) iterations: usize,
+    /// Rows that may be active at the optimum, and where.
+    pub(crate) hint: Vec<RowState>,
     /// Coordinates of the rows that are minimised along the basis, kept up to date while they
     /// are: `reduced_rows` of them, valid where the row is active and along free directions.
     reduced: Vec<f64>,
@@ -110,6 +112,7 @@ impl ActiveSet {
             residual: vec![0.0; count],
             multipliers: vec![0.0; n],
             iterations: 0,
+            hint: vec![RowState::Inside; count],
             reduced: vec![0.0; most.unwrap_or(0) * n],
             reduced_rows: 0..0,
             slope: vec![0.0; count],
@@ -120,19 +123,29 @@ impl ActiveSet {
         }
     }
 
-    /// Starts a solve: x within its bounds, only those in play.
-    pub(crate) fn reset(&mut self) {
+    /// Starts a solve near `start`: x within its bounds, only those in play. Bounds that are
+    /// active in the hint are active from the start.
+    pub(crate) fn reset(&mut self, start: &[f64]) {
         self.basis.reset();
         self.hard.clear();
         self.state.fill(RowState::Absent);
         self.iterations = 0;
         for i in 0..self.table.n {
             let (lower, upper) = (self.table.lower[i], self.table.upper[i]);
-            self.x[i] = 0.0_f64.clamp(lower, upper);
+            self.x[i] = match self.hint[i] {
+                RowState::Lower => lower,
+                RowState::Upper => upper,
+                _ => start[i].clamp(lower, upper),
+            };
             if lower.is_finite() || upper.is_finite() {
                 self.hard.push(i);
                 self.state[i] = RowState::Inside;
                 self.value[i] = self.x[i];
+            }
+        }
+        for i in 0..self.table.n {
+            if matches!(self.hint[i], RowState::Lower | RowState::Upper) {
+                self.activate(i, self.hint[i]);
             }
         }
     }
@@ -174,8 +187,20 @@ impl ActiveSet {
             self.hard.push(id);
             if self.table.is_equality(id) {
                 self.activate(id, RowState::Equal);
+            } else if self.is_at_hint(id) {
+                self.activate(id, self.hint[id]);
             }
         }
+    }
+
+    /// Whether a row stands at the bound at which the hint has it.
+    fn is_at_hint(&self, id: usize) -> bool {
+        let bound = match self.hint[id] {
+            RowState::Lower => self.table.lower[id],
+            RowState::Upper => self.table.upper[id],
+            _ => return false,
+        };
+        (self.value[id] - bound).abs() <= self.tolerance(id, norm(&self.x))
     }
 
     /// Begins to keep the coordinates of the rows of `goal`.

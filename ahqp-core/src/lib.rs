@@ -56,3 +56,8 @@ pub use solver::Solver;
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 struct FrontPage;
+
+/// The examples of the book's page on this crate.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/src/ahqp-core.md")]
+struct BookPage;

@@ -17,7 +17,7 @@ use crate::verification::Verifier;
 const STRONGLY_ACTIVE: f64 = 10.0;
 
 /// Rounds of mending the previous active set after which the search starts from nothing.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 5;
 
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
@@ -123,6 +123,13 @@ impl Solver {
         self.warm = false;
         self.conflict.clear();
         self.set.table.load(hierarchy)?;
+        if warm {
+            self.verifier.fit(&self.set.table);
+            self.set.hint.copy_from_slice(&self.verifier.activity);
+        } else {
+            self.set.hint.fill(RowState::Inside);
+            self.solution.x.fill(0.0);
+        }
         if warm && let Some(rounds) = self.verifier.solve(&self.set.table, ROUNDS) {
             self.set.x.copy_from_slice(&self.verifier.factorisation.x);
             self.warm = true;
@@ -138,9 +145,9 @@ impl Solver {
         Ok(&self.solution)
     }
 
-    /// The cascade: level by level, from nothing.
+    /// The cascade: level by level, from near the last solution if the start is warm.
     fn search_levels(&mut self, levels: usize) -> Result<Status, Error> {
-        self.set.reset();
+        self.set.reset(&self.solution.x);
         self.verifier.activity.fill(RowState::Inside);
         for level in 0..levels {
             if let LevelEnd::OutOfIterations = self.solve_level(level)? {
