@@ -87,6 +87,8 @@ pub(crate) struct ActiveSet {
     pub(crate) iterations: usize,
     /// Rows that may be active at the optimum, and where.
     pub(crate) hint: Vec<RowState>,
+    /// The largest ‖x‖ of this solve.
+    pub(crate) farthest: f64,
     /// Coordinates of the rows that are minimised along the basis, kept up to date while they
     /// are: `reduced_rows` of them, valid where the row is active and along free directions.
     reduced: Vec<f64>,
@@ -113,6 +115,7 @@ impl ActiveSet {
             multipliers: vec![0.0; n],
             iterations: 0,
             hint: vec![RowState::Inside; count],
+            farthest: 0.0,
             reduced: vec![0.0; most.unwrap_or(0) * n],
             reduced_rows: 0..0,
             slope: vec![0.0; count],
@@ -130,12 +133,12 @@ impl ActiveSet {
         self.hard.clear();
         self.state.fill(RowState::Absent);
         self.iterations = 0;
-        for i in 0..self.table.n {
+        for (i, near) in start.iter().enumerate() {
             let (lower, upper) = (self.table.lower[i], self.table.upper[i]);
             self.x[i] = match self.hint[i] {
                 RowState::Lower => lower,
                 RowState::Upper => upper,
-                _ => start[i].clamp(lower, upper),
+                _ => near.clamp(lower, upper),
             };
             if lower.is_finite() || upper.is_finite() {
                 self.hard.push(i);
@@ -143,6 +146,7 @@ impl ActiveSet {
                 self.value[i] = self.x[i];
             }
         }
+        self.farthest = norm(&self.x);
         for i in 0..self.table.n {
             if matches!(self.hint[i], RowState::Lower | RowState::Upper) {
                 self.activate(i, self.hint[i]);
@@ -152,7 +156,9 @@ impl ActiveSet {
 
     /// By how much row `id` may be violated and still hold.
     pub(crate) fn tolerance(&self, id: usize, x_norm: f64) -> f64 {
-        self.settings.feasibility_tolerance * self.table.magnitude(id, x_norm)
+        // Steps through larger x leave rounding of their size behind.
+        let rounding = 1e-14 * self.table.row(id).norm() * self.farthest;
+        self.settings.feasibility_tolerance * self.table.magnitude(id, x_norm) + rounding
     }
 
     /// aᵢx − bound: positive above the upper bound, negative below the lower, else zero.

@@ -159,6 +159,7 @@ impl ActiveSet {
             return;
         }
         add_scaled(&mut self.x, length, &self.direction);
+        self.farthest = self.farthest.max(norm(&self.x));
         for &id in &self.hard {
             self.value[id] += length * self.slope[id];
         }

@@ -1,4 +1,6 @@
-//! What can be wrong with a workspace.
+//! What can be wrong with a workspace, a body or a safety setting.
+
+use nalgebra::Isometry3;
 
 /// Misuse of the crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -13,6 +15,15 @@ pub enum Error {
         value: f64,
     },
 
+    /// A quaternion is no rotation.
+    #[error("{what} has a quaternion of norm {norm}; normalise it")]
+    NotUnit {
+        /// The offending item.
+        what: &'static str,
+        /// The norm of its quaternion.
+        norm: f64,
+    },
+
     /// A lower bound lies above its upper bound.
     #[error("{what}, axis {axis}: the minimum {min} lies above the maximum {max}; swap them")]
     Empty {
@@ -24,6 +35,31 @@ pub enum Error {
         min: f64,
         /// The upper bound.
         max: f64,
+    },
+
+    /// Half-spaces or points that enclose no volume.
+    #[error("the {faces} half-spaces or points of the polytope enclose no volume; move them apart")]
+    NoVolume {
+        /// How many half-spaces or points were given.
+        faces: usize,
+    },
+
+    /// Half-spaces that leave a way to infinity.
+    #[error("the polytope reaches farther than {limit} m; close it with more half-spaces")]
+    Unbounded {
+        /// The largest coordinate that a polytope may have \[m\].
+        limit: f64,
+    },
+
+    /// More parts than there is room for.
+    #[error("{what}: {found} are needed, there is room for {limit}; simplify, or make more room")]
+    TooMany {
+        /// What there are too many of.
+        what: &'static str,
+        /// How many.
+        found: usize,
+        /// How many there may be.
+        limit: usize,
     },
 
     /// Orientation bounds reach rotations by half a turn, where rotation vectors jump.
@@ -59,6 +95,17 @@ pub enum Error {
         expected: usize,
     },
 
+    /// A matrix, vector or buffer does not fit.
+    #[error("{what} has size {found}, but {expected} was expected")]
+    Size {
+        /// The offending item.
+        what: &'static str,
+        /// Its size.
+        found: usize,
+        /// The size that fits.
+        expected: usize,
+    },
+
     /// The solver's crate refused the rows.
     #[error(transparent)]
     Hierarchy(#[from] ahqp_core::Error),
@@ -70,4 +117,40 @@ pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, Error> {
     } else {
         Err(Error::Parameter { name, value, expected: "positive and finite" })
     }
+}
+
+pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<f64, Error> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Error::Parameter { name, value, expected: "finite and not negative" })
+    }
+}
+
+pub(crate) fn check_size(what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
+    if found == expected { Ok(()) } else { Err(Error::Size { what, found, expected }) }
+}
+
+pub(crate) fn check_all<'a>(
+    what: &'static str,
+    mut values: impl Iterator<Item = &'a f64>,
+) -> Result<(), Error> {
+    match values.find(|value| !value.is_finite()) {
+        Some(&value) => Err(Error::NotFinite { what, value }),
+        None => Ok(()),
+    }
+}
+
+pub(crate) fn check_pose(pose: &Isometry3<f64>) -> Result<(), Error> {
+    check_all("the translation of a frame", pose.translation.vector.iter())?;
+    check_rotation("the rotation of a frame", &pose.rotation)
+}
+
+pub(crate) fn check_rotation(
+    what: &'static str,
+    rotation: &nalgebra::UnitQuaternion<f64>,
+) -> Result<(), Error> {
+    check_all(what, rotation.coords.iter())?;
+    let norm = rotation.coords.norm();
+    if (norm - 1.0).abs() < 1e-6 { Ok(()) } else { Err(Error::NotUnit { what, norm }) }
 }

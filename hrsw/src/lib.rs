@@ -1,4 +1,7 @@
-//! Human-robot shared workspaces: their bounds, softening and motion with the person.
+//! Human-robot shared workspaces: their shapes, softening and motion with the person, and rows
+//! that keep the robot's speed within its separation from people.
+//!
+//! Speed and separation monitoring follows ISO/TS 15066; this is not safety-rated software.
 //!
 //! ```
 //! use hrsw::{Bounds, FollowerSettings, FrameFollower, Workspace};
@@ -18,12 +21,40 @@
 //! # Ok::<(), hrsw::Error>(())
 //! ```
 
+mod anchor;
+mod approach;
+mod change;
+mod distance;
 mod error;
+mod intent;
 mod motion;
+mod moving;
+mod path;
+mod reorientation;
+mod rows;
+mod separation;
+mod shape;
 mod softening;
+mod speed_cap;
+mod supervisor;
+mod surroundings;
 mod workspace;
 
+pub use anchor::{Anchor, AnchorSettings};
+pub use approach::{ApproachRows, JointMotion, Nearest, PersonBody, RobotBody};
+pub use distance::{Proximity, proximity};
 pub use error::Error;
+pub use intent::{Heading, Intent, IntentSettings, IntentUpdate};
 pub use motion::{FollowerSettings, FrameFollower};
-pub use softening::SoftWorkspace;
-pub use workspace::{Bounds, Workspace};
+pub use moving::{Attachment, MovingSettings, MovingWorkspace};
+pub use path::Path;
+pub use rows::PoseRow;
+pub use separation::SeparationSettings;
+pub use shape::{
+    Bounds, Capsule, Cone, HalfSpace, Mesh, OrientationShape, OrientedBox, Polytope, PositionShape,
+};
+pub use softening::{Slack, SoftWorkspace, Softening};
+pub use speed_cap::SpeedCap;
+pub use supervisor::{Cause, Fault, Observation, SafetyState, Supervisor, SupervisorSettings};
+pub use surroundings::{ForbiddenRegion, Intersection, Reach, Surroundings};
+pub use workspace::Workspace;

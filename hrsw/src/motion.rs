@@ -3,8 +3,7 @@
 use ahqp_core::rotation_log;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 
-use crate::error::{Error, positive};
-use crate::workspace::{check_all, check_pose};
+use crate::error::{Error, check_all, check_pose, positive};
 
 /// How fast a frame may follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,14 +119,19 @@ impl FrameFollower {
 
     /// Lets the frame come to rest where it can stop.
     pub fn hold(&mut self) {
+        self.target = self.stopping_pose();
+        self.target_linear = Vector3::zeros();
+        self.target_angular = Vector3::zeros();
+    }
+
+    /// Where the frame stops when it brakes now.
+    pub fn stopping_pose(&self) -> Isometry3<f64> {
         let brake = |v: Vector3<f64>, limit: f64| v * (0.5 * v.norm() / limit);
-        self.target = moved(
+        moved(
             &self.pose,
             &brake(self.linear, self.settings.acceleration),
             &brake(self.angular, self.settings.angular_acceleration),
-        );
-        self.target_linear = Vector3::zeros();
-        self.target_angular = Vector3::zeros();
+        )
     }
 
     /// Jumps to `pose`, at rest: for the first sight of a target, not for one that moves.
@@ -139,8 +143,11 @@ impl FrameFollower {
         Ok(())
     }
 
-    /// One period of `period` seconds.
+    /// One period of `period` seconds; nothing for one that is not positive and finite.
     pub fn advance(&mut self, period: f64) {
+        if !is_period(period) {
+            return;
+        }
         let settings = &self.settings;
         self.target =
             moved(&self.target, &(self.target_linear * period), &(self.target_angular * period));
@@ -148,7 +155,8 @@ impl FrameFollower {
         let turn = rotation_log(&(self.target.rotation * self.pose.rotation.inverse()));
         let approach = |gap: &Vector3<f64>, speed: f64, acceleration: f64| {
             let distance = gap.norm();
-            if distance == 0.0 {
+            // A target beyond all numbers has no direction.
+            if distance == 0.0 || !distance.is_finite() {
                 return Vector3::zeros();
             }
             // Slow enough to stop in time: the gain near the target, the brake far from it.
@@ -166,12 +174,21 @@ impl FrameFollower {
     }
 }
 
+/// Whether time passes.
+pub(crate) fn is_period(period: f64) -> bool {
+    period > 0.0 && period.is_finite()
+}
+
 fn limited(v: &Vector3<f64>, limit: f64) -> Vector3<f64> {
     let size = v.norm();
     if size > limit { v * (limit / size) } else { *v }
 }
 
-fn moved(pose: &Isometry3<f64>, by: &Vector3<f64>, turn: &Vector3<f64>) -> Isometry3<f64> {
+pub(crate) fn moved(
+    pose: &Isometry3<f64>,
+    by: &Vector3<f64>,
+    turn: &Vector3<f64>,
+) -> Isometry3<f64> {
     let mut rotation = UnitQuaternion::from_scaled_axis(*turn) * pose.rotation;
     rotation.renormalize_fast();
     Isometry3::from_parts(Translation3::from(pose.translation.vector + by), rotation)

@@ -1,18 +1,62 @@
-//! Softening by the slack s, so that no motion of the workspace makes the problem infeasible.
+//! Softening by slack, so that no motion of the workspace makes the problem infeasible.
 
 use ahqp_core::{AugmentedState, Level, Rows};
-use nalgebra::{DMatrix, DVector, Isometry3};
+use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
 
-use crate::error::{Error, positive};
+use crate::error::{Error, check_pose, check_size, positive};
+use crate::rows::{PoseRow, stack};
+use crate::surroundings::Surroundings;
 use crate::workspace::Workspace;
 
-/// The level min ½‖s‖² subject to z_min − s ≤ z ≤ z_max + s (the paper's eqs. 9 and 10), one
-/// slack a coordinate, shared by its two sides.
+/// Who gives way when a pose cannot lie within.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Slack {
+    /// One slack a coordinate, shared by all rows that the coordinate moves (the paper's
+    /// eqs. 9 and 10): the shape grows by the box of half-widths s. Needs 6 slack variables.
+    #[default]
+    Shared,
+    /// One slack a row, without variables of its own: the squares of the excesses are minimised.
+    RowWise,
+}
+
+/// How a workspace gives way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Softening {
+    /// Shared by coordinate or one a row. Default shared.
+    pub slack: Slack,
+    /// What a slack costs, by coordinate of the workspace \[1/m², 1/rad²\]; a row between two
+    /// coordinates takes the mean of theirs, weighted by the squares of its parts. Default 1.
+    pub weights: Vector6<f64>,
+    /// Room for rows of the position; a change between two kinds of shape needs as many as
+    /// both together. Default 6, a box.
+    pub position_rows: usize,
+    /// Room for rows of the orientation. Default 6, a box.
+    pub orientation_rows: usize,
+    /// Room for rows of the [`Surroundings`](crate::Surroundings). Default 0.
+    pub surrounding_rows: usize,
+}
+
+impl Default for Softening {
+    fn default() -> Self {
+        Self {
+            slack: Slack::Shared,
+            weights: Vector6::repeat(1.0),
+            position_rows: 6,
+            orientation_rows: 6,
+            surrounding_rows: 0,
+        }
+    }
+}
+
+/// The level min ½ Σ wᵢsᵢ² subject to the rows of the workspace, each loosened by the slack:
+/// for boxes z_min − s ≤ z ≤ z_max + s (the paper's eqs. 9 and 10). Where in the hierarchy it
+/// stands is the caller's choice.
 ///
-/// z is taken τ seconds ahead, z(t) ≈ z(t−1) + τ M (ẋ_d − drift), with the velocity of the
-/// workspace fed forward. With τ = Δt this is the paper's form, which asks for the optimum
-/// within one tick; a larger horizon approaches the bounds with the time constant τ. To leave
-/// room to brake, τ must be at least the velocity limit over the acceleration limit of ẋ_d.
+/// The excess e of each row is taken τ seconds ahead, e + τ (gradient · ẋ_d + drift), with the
+/// velocity of the workspace fed forward by the drift. With τ = Δt this is the paper's form,
+/// which asks for the optimum within one tick; a larger horizon approaches the bounds with the
+/// time constant τ. To leave room to brake, τ must be at least the velocity limit over the
+/// acceleration limit of ẋ_d.
 ///
 /// ```
 /// use ahqp_core::AugmentedState;
@@ -35,73 +79,175 @@ use crate::workspace::Workspace;
 pub struct SoftWorkspace {
     state: AugmentedState,
     horizon: f64,
+    softening: Softening,
 }
 
 impl SoftWorkspace {
-    /// With the layout of χ and the horizon τ \[s\].
+    /// With the layout of χ and the horizon τ \[s\], softened as in the paper, for boxes.
     ///
     /// # Errors
     /// [`Error::State`] unless the task has 6 dimensions and 6 slacks; [`Error::Parameter`] for
     /// a horizon that is not positive.
     pub fn new(state: AugmentedState, horizon: f64) -> Result<Self, Error> {
-        for (what, found) in [("task dimensions", state.task), ("slack variables", state.slack)] {
-            if found != 6 {
+        Self::with_softening(state, horizon, Softening::default())
+    }
+
+    /// With the layout of χ, the horizon τ \[s\], and how the workspace gives way.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), the 6 slacks only where they are shared; [`Error::Parameter`] for
+    /// weights that are not positive.
+    pub fn with_softening(
+        state: AugmentedState,
+        horizon: f64,
+        softening: Softening,
+    ) -> Result<Self, Error> {
+        let shared = softening.slack == Slack::Shared;
+        for (what, found, needed) in
+            [("task dimensions", state.task, true), ("slack variables", state.slack, shared)]
+        {
+            if needed && found != 6 {
                 return Err(Error::State { what, found, expected: 6 });
             }
         }
-        Ok(Self { state, horizon: positive("the horizon", horizon)? })
+        for &weight in &softening.weights {
+            positive("a weight of the slack", weight)?;
+        }
+        Ok(Self { state, horizon: positive("the horizon", horizon)?, softening })
     }
 
-    /// The level, its constraints still to be written.
+    /// How many rows a level holds.
+    pub fn capacity(&self) -> usize {
+        let softening = &self.softening;
+        softening.position_rows + softening.orientation_rows + softening.surrounding_rows
+    }
+
+    /// The level, its rows still to be written.
     ///
     /// # Errors
     /// None for a state that [`new`](Self::new) accepts.
     pub fn level(&self) -> Result<Level, Error> {
-        let slack = self.state.slack();
-        let mut selection = DMatrix::zeros(slack.len(), self.state.len());
-        for (i, j) in slack.clone().enumerate() {
-            selection[(i, j)] = 1.0;
+        let rows = free_rows(self.capacity(), self.state.len());
+        match self.softening.slack {
+            Slack::RowWise => Ok(Level::least_squares(rows)),
+            Slack::Shared => {
+                let slack = self.state.slack();
+                let mut selection = DMatrix::zeros(slack.len(), self.state.len());
+                for ((i, j), weight) in slack.clone().enumerate().zip(&self.softening.weights) {
+                    selection[(i, j)] = weight.sqrt();
+                }
+                let objective = Rows::equalities(&selection, &DVector::zeros(slack.len()))?;
+                Ok(Level::least_squares(objective).with_constraints(rows))
+            }
         }
-        let objective = Rows::equalities(&selection, &DVector::zeros(slack.len()))?;
-        let constraints = Rows::zeros(2 * slack.len(), self.state.len());
-        Ok(Level::least_squares(objective).with_constraints(constraints))
     }
 
-    /// Writes the rows [0 τM −I] χ ≤ z_max − z + τM drift and [0 −τM −I] χ ≤ z − z_min − τM drift
-    /// for the desired pose x_d(t−1) into a level made by [`level`](Self::level).
+    /// Writes the rows τ gradient · ẋ_d − |axes| · s ≤ −excess − τ drift for the desired pose
+    /// x_d(t−1) into a level made by [`level`](Self::level); for boxes those of the paper's
+    /// eq. 10.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for a desired pose that is not finite.
+    /// [`Error::NotFinite`] or [`Error::NotUnit`] for the desired pose; [`Error::TooMany`] when
+    /// the workspace has more rows than there is room for; [`Error::Size`] for another level.
     pub fn write(
         &self,
         workspace: &Workspace,
         desired: &Isometry3<f64>,
         level: &mut Level,
     ) -> Result<(), Error> {
-        crate::workspace::check_pose(desired)?;
-        let z = workspace.coordinates(desired);
-        let (matrix, drift) = workspace.rates(desired);
-        let ahead = matrix * self.horizon;
-        let moved = ahead * drift;
-        let (min, max) = workspace.coordinate_bounds();
-        let (velocity, slack) = (self.state.desired_velocity().start, self.state.slack().start);
-        let rows = level.constraints_mut();
-        for side in 0..2 {
-            let sign = if side == 0 { 1.0 } else { -1.0 };
-            for i in 0..6 {
-                let index = 6 * side + i;
-                if let Some(row) = rows.row_mut(index) {
-                    row.fill(0.0);
-                    for j in 0..6 {
-                        row[velocity + j] = sign * ahead[(i, j)];
-                    }
-                    row[slack + i] = -1.0;
-                }
-                let bound = if side == 0 { max[i] } else { -min[i] };
-                rows.lower_mut()[index] = f64::NEG_INFINITY;
-                rows.upper_mut()[index] = bound - sign * (z[i] - moved[i]);
+        self.write_within(workspace, None, desired, level)
+    }
+
+    /// As [`write`](Self::write), with rows of reach and forbidden regions, softened alike.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn write_within(
+        &self,
+        workspace: &Workspace,
+        surroundings: Option<&Surroundings>,
+        desired: &Isometry3<f64>,
+        level: &mut Level,
+    ) -> Result<(), Error> {
+        check_pose(desired)?;
+        self.check_room(workspace, surroundings)?;
+        let rows = match self.softening.slack {
+            Slack::Shared => level.constraints_mut(),
+            Slack::RowWise => {
+                let none = Error::Size { what: "the level", found: 0, expected: self.capacity() };
+                level.least_squares_mut().ok_or(none)?
+            }
+        };
+        check_size("the level's rows", rows.len(), self.capacity())?;
+        check_size("the level's columns", rows.columns(), self.state.len())?;
+        rows.upper_mut().fill(f64::INFINITY);
+        for index in 0..rows.len() {
+            if let Some(row) = rows.row_mut(index) {
+                row.fill(0.0);
+            }
+        }
+        let to_axes = workspace.world_from_workspace().rotation.inverse();
+        let around = surroundings.into_iter().flat_map(|around| around.rows(desired));
+        let around = around.map(|row| {
+            let axes = to_axes * row.gradient.fixed_rows::<3>(0).into_owned();
+            PoseRow { axes: stack(&axes, &Vector3::zeros()), ..row }
+        });
+        for (index, row) in workspace.rows(desired).chain(around).enumerate() {
+            self.write_row(&row, rows, index);
+        }
+        Ok(())
+    }
+
+    fn check_room(
+        &self,
+        workspace: &Workspace,
+        surroundings: Option<&Surroundings>,
+    ) -> Result<(), Error> {
+        let (positions, orientations) = workspace.row_counts();
+        let around = surroundings.map_or(0, Surroundings::row_count);
+        let softening = &self.softening;
+        for (what, found, limit) in [
+            ("rows of the position", positions, softening.position_rows),
+            ("rows of the orientation", orientations, softening.orientation_rows),
+            ("rows of the surroundings", around, softening.surrounding_rows),
+        ] {
+            if found > limit {
+                return Err(Error::TooMany { what, found, limit });
             }
         }
         Ok(())
     }
+
+    fn write_row(&self, row: &PoseRow, rows: &mut Rows, index: usize) {
+        let (scale, slack) = match self.softening.slack {
+            Slack::Shared => (1.0, self.state.slack()),
+            Slack::RowWise => (self.weight(&row.axes).sqrt(), 0..0),
+        };
+        let velocity = self.state.desired_velocity();
+        if let Some(out) = rows.row_mut(index) {
+            for (out, gradient) in out[velocity].iter_mut().zip(&row.gradient) {
+                *out = scale * self.horizon * gradient;
+            }
+            for (out, part) in out[slack].iter_mut().zip(&row.axes) {
+                *out = -part.abs();
+            }
+        }
+        if let Some(upper) = rows.upper_mut().get_mut(index) {
+            *upper = -scale * (row.excess + self.horizon * row.drift);
+        }
+    }
+
+    /// The weights' mean by the squares of the parts.
+    fn weight(&self, axes: &Vector6<f64>) -> f64 {
+        let parts = axes.component_mul(axes);
+        parts.dot(&self.softening.weights) / parts.sum().max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Rows that bound nothing.
+fn free_rows(rows: usize, columns: usize) -> Rows {
+    let mut rows = Rows::zeros(rows, columns);
+    rows.lower_mut().fill(f64::NEG_INFINITY);
+    rows.upper_mut().fill(f64::INFINITY);
+    rows
 }

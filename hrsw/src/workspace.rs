@@ -1,82 +1,20 @@
-//! The shared workspace: bounds of position and orientation in a moving frame.
+//! The shared workspace: a shape of positions and a shape of orientations in a moving frame.
 
-use ahqp_core::{left_jacobian_inverse, rotation_log};
-use nalgebra::{Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
+use ahqp_core::left_jacobian_inverse;
+use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector3, Vector6};
 
-use crate::error::Error;
+use crate::change::{Blend, Change, Stage};
+use crate::error::{Error, check_all, check_pose, check_rotation};
+use crate::rows::{PosePoint, PoseRow, pose_point, stack};
+use crate::shape::{Bounds, Mesh, OrientationShape, PositionShape};
 
-/// Rotation vectors are continuous below half a turn; bounds keep this distance from it \[rad\].
-const ANGLE_MARGIN: f64 = 0.1;
-
-/// Bounds along three axes, `min ≤ v ≤ max`.
-///
-/// ```
-/// use hrsw::Bounds;
-/// use nalgebra::Vector3;
-///
-/// let bounds = Bounds::new(Vector3::new(0.2, -0.5, 0.7), Vector3::new(0.75, 0.2, 1.6))?;
-/// assert_eq!(bounds.nearest(&Vector3::new(0.0, 0.0, 1.0)), Vector3::new(0.2, 0.0, 1.0));
-/// # Ok::<(), hrsw::Error>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bounds {
-    min: Vector3<f64>,
-    max: Vector3<f64>,
-}
-
-impl Bounds {
-    /// # Errors
-    /// [`Error::NotFinite`] for NaN or infinite bounds, [`Error::Empty`] where the minimum lies
-    /// above the maximum.
-    pub fn new(min: Vector3<f64>, max: Vector3<f64>) -> Result<Self, Error> {
-        for value in min.iter().chain(max.iter()) {
-            if !value.is_finite() {
-                return Err(Error::NotFinite { what: "a bound", value: *value });
-            }
-        }
-        if let Some(axis) = (0..3).find(|&axis| min[axis] > max[axis]) {
-            let (min, max) = (min[axis], max[axis]);
-            return Err(Error::Empty { what: "the bounds", axis, min, max });
-        }
-        Ok(Self { min, max })
-    }
-
-    /// The same distance `half` to both sides of zero.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    pub fn symmetric(half: Vector3<f64>) -> Result<Self, Error> {
-        Self::new(-half, half)
-    }
-
-    /// The lower bounds.
-    pub fn min(&self) -> &Vector3<f64> {
-        &self.min
-    }
-
-    /// The upper bounds.
-    pub fn max(&self) -> &Vector3<f64> {
-        &self.max
-    }
-
-    /// The point within that lies nearest to `v`.
-    pub fn nearest(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        v.sup(&self.min).inf(&self.max)
-    }
-
-    /// The same bounds moved by `offset`.
-    #[must_use]
-    pub fn shifted(&self, offset: &Vector3<f64>) -> Self {
-        Self { min: self.min + offset, max: self.max + offset }
-    }
-}
-
-/// A human-robot shared workspace: bounds of position in the axes of its frame, and bounds of
-/// orientation as rotation vectors about a reference in that frame.
+/// A human-robot shared workspace: a shape of positions in the axes of its frame, and a shape of
+/// orientations about a reference in that frame.
 ///
 /// The coordinates of a pose (p, R) in a workspace with the frame (p_S, R_S) and the reference
-/// R_0 are z = [R_Sᵀ(p − p_S); log((R_S R_0)ᵀR)] \[m, rad\]; the workspace is the set of poses whose z lies
-/// within the bounds (the paper's x_min ≤ x_d ≤ x_max, in axes that may turn).
+/// R_0 are z = [R_Sᵀ(p − p_S); log((R_S R_0)ᵀR)] \[m, rad\]. With boxes for both shapes the workspace
+/// is the set of poses whose z lies within bounds (the paper's x_min ≤ x_d ≤ x_max, in axes that
+/// may turn).
 ///
 /// ```
 /// use hrsw::{Bounds, Workspace};
@@ -89,43 +27,42 @@ impl Bounds {
 /// assert!(!workspace.contains(&Isometry3::translation(0.0, 0.0, 1.0)));
 /// # Ok::<(), hrsw::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Workspace {
     frame: Isometry3<f64>,
     twist: Vector6<f64>,
     reference: UnitQuaternion<f64>,
-    position: Bounds,
-    orientation: Bounds,
+    reference_rate: Vector3<f64>,
+    position: Change<PositionShape>,
+    orientation: Change<OrientationShape>,
 }
 
 impl Workspace {
     /// A workspace at rest.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for a frame that is not finite, [`Error::AngleTooLarge`] for
+    /// [`Error::NotFinite`] and [`Error::NotUnit`] for the frame, [`Error::AngleTooLarge`] for
     /// orientation bounds that come near half a turn.
     pub fn new(
         world_from_workspace: Isometry3<f64>,
-        position: Bounds,
-        orientation: Bounds,
+        position: impl Into<PositionShape>,
+        orientation: impl Into<OrientationShape>,
     ) -> Result<Self, Error> {
         check_pose(&world_from_workspace)?;
-        let farthest = orientation.min.abs().sup(&orientation.max.abs()).norm();
-        let limit = std::f64::consts::PI - ANGLE_MARGIN;
-        if farthest > limit {
-            return Err(Error::AngleTooLarge { angle: farthest, limit });
-        }
+        let orientation = orientation.into();
+        orientation.validate()?;
         Ok(Self {
             frame: world_from_workspace,
             twist: Vector6::zeros(),
             reference: UnitQuaternion::identity(),
-            position,
-            orientation,
+            reference_rate: Vector3::zeros(),
+            position: Change::still(position.into()),
+            orientation: Change::still(orientation),
         })
     }
 
-    /// The same workspace with its orientation bounds about `reference`, an orientation given
-    /// in the axes of the frame, instead of about the frame itself.
+    /// The same workspace with its orientations about `reference`, an orientation given in the
+    /// axes of the frame, instead of about the frame itself.
     #[must_use]
     pub fn with_reference(mut self, reference: UnitQuaternion<f64>) -> Self {
         self.reference = reference;
@@ -137,19 +74,29 @@ impl Workspace {
         &self.reference
     }
 
+    /// The angular velocity of the reference, in the axes of the frame \[rad/s\].
+    pub fn reference_rate(&self) -> &Vector3<f64> {
+        &self.reference_rate
+    }
+
     /// The frame.
     pub fn world_from_workspace(&self) -> &Isometry3<f64> {
         &self.frame
     }
 
-    /// The bounds of position, in the axes of the frame \[m\].
-    pub fn position(&self) -> &Bounds {
-        &self.position
+    /// The smallest bounds around the present positions, in the axes of the frame \[m\].
+    pub fn position(&self) -> Bounds {
+        self.position.extent()
     }
 
-    /// The bounds of orientation, as rotation vectors from the frame \[rad\].
-    pub fn orientation(&self) -> &Bounds {
-        &self.orientation
+    /// The shape of positions; during a change the one that it ends in.
+    pub fn position_shape(&self) -> &PositionShape {
+        self.position.goal()
+    }
+
+    /// The shape of orientations; during a change the one that it ends in.
+    pub fn orientation_shape(&self) -> &OrientationShape {
+        self.orientation.goal()
     }
 
     /// The velocity of the frame: linear at its origin, then angular, in world axes.
@@ -161,7 +108,7 @@ impl Workspace {
     /// axes \[m/s, rad/s\].
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; the workspace then stays as it was.
+    /// [`Error::NotFinite`], [`Error::NotUnit`]; the workspace then stays as it was.
     pub fn place(
         &mut self,
         world_from_workspace: Isometry3<f64>,
@@ -174,43 +121,141 @@ impl Workspace {
         Ok(())
     }
 
-    /// Replaces the bounds of position.
-    pub fn set_position(&mut self, position: Bounds) {
-        self.position = position;
+    /// Turns the reference; `rate` is its angular velocity in the axes of the frame \[rad/s\].
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::NotUnit`]; the workspace then stays as it was.
+    pub fn set_reference(
+        &mut self,
+        reference: UnitQuaternion<f64>,
+        rate: Vector3<f64>,
+    ) -> Result<(), Error> {
+        check_rotation("the reference of a workspace", &reference)?;
+        check_all("the rate of the reference", rate.iter())?;
+        self.reference = reference;
+        self.reference_rate = rate;
+        Ok(())
+    }
+
+    /// Replaces the shape of positions, at once.
+    pub fn set_position(&mut self, position: impl Into<PositionShape>) {
+        self.position = Change::still(position.into());
+    }
+
+    /// Replaces the shape of orientations, at once.
+    ///
+    /// # Errors
+    /// [`Error::AngleTooLarge`]; the workspace then stays as it was.
+    pub fn set_orientation(
+        &mut self,
+        orientation: impl Into<OrientationShape>,
+    ) -> Result<(), Error> {
+        let orientation = orientation.into();
+        orientation.validate()?;
+        self.orientation = Change::still(orientation);
+        Ok(())
+    }
+
+    /// Begins to change the shape of positions, continuously over `duration` \[s\]: the blend
+    /// (1 − λ)A ⊕ λB of the old and the new, bounded along the normals of both. Rows that come
+    /// with the new or go with the old fade in and out, so that the slack is continuous too.
+    ///
+    /// From box to box a change may be replaced while under way; another kind begins when the
+    /// present change has ended.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for the duration; the workspace then stays as it was.
+    pub fn reshape_position(
+        &mut self,
+        position: impl Into<PositionShape>,
+        duration: f64,
+    ) -> Result<(), Error> {
+        self.position.begin(position.into(), duration)
+    }
+
+    /// Begins to change the shape of orientations, continuously over `duration` \[s\]. Between a
+    /// box and a cone the first opens to half a turn, then the second closes.
+    ///
+    /// # Errors
+    /// [`Error::AngleTooLarge`], [`Error::Parameter`]; the workspace then stays as it was.
+    pub fn reshape_orientation(
+        &mut self,
+        orientation: impl Into<OrientationShape>,
+        duration: f64,
+    ) -> Result<(), Error> {
+        let orientation = orientation.into();
+        orientation.validate()?;
+        self.orientation.begin(orientation, duration)
+    }
+
+    /// Lets changes of shape go on by `period` \[s\].
+    pub fn advance(&mut self, period: f64) {
+        self.position.advance(period);
+        self.orientation.advance(period);
+    }
+
+    /// Whether a change of shape is under way.
+    pub fn is_changing(&self) -> bool {
+        !(self.position.is_still() && self.orientation.is_still())
     }
 
     /// z, the coordinates of a pose \[m, rad\].
     pub fn coordinates(&self, pose: &Isometry3<f64>) -> Vector6<f64> {
-        let relative = self.frame.inv_mul(pose);
-        let turn = rotation_log(&(self.reference.inverse() * relative.rotation));
-        let (p, v) = (relative.translation.vector, turn);
-        Vector6::new(p.x, p.y, p.z, v.x, v.y, v.z)
+        let at = self.point(pose);
+        stack(&at.position, at.rotation.vector())
     }
 
     /// How z changes: ż = M (ẋ − drift), with the matrix M and the drift of the frame at the
     /// pose, both for twists in world axes.
     pub fn rates(&self, pose: &Isometry3<f64>) -> (Matrix6<f64>, Vector6<f64>) {
-        let to_frame = self.frame.rotation.inverse().to_rotation_matrix();
-        let to_reference = self.reference.inverse().to_rotation_matrix() * to_frame;
-        let z = self.coordinates(pose);
+        let at = self.point(pose);
         let angular =
-            left_jacobian_inverse(&z.fixed_rows::<3>(3).into_owned()) * to_reference.matrix();
+            left_jacobian_inverse(at.rotation.vector()) * at.world_from_reference.transpose();
         let mut matrix = Matrix6::zeros();
-        matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(to_frame.matrix());
+        matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&at.world_from_frame.transpose());
         matrix.fixed_view_mut::<3, 3>(3, 3).copy_from(&angular);
-        let arm = pose.translation.vector - self.frame.translation.vector;
-        let turning = self.twist.fixed_rows::<3>(3).into_owned();
-        let linear = self.twist.fixed_rows::<3>(0) + turning.cross(&arm);
-        let drift = Vector6::new(linear.x, linear.y, linear.z, turning.x, turning.y, turning.z);
-        (matrix, drift)
+        (matrix, stack(&at.linear_drift, &at.angular_drift))
     }
 
-    /// By how much z leaves the bounds, zero within \[m, rad\].
+    /// The bounds of a pose: those of the position, then those of the orientation.
+    pub fn rows(&self, pose: &Isometry3<f64>) -> impl Iterator<Item = PoseRow> + '_ {
+        let at = self.point(pose);
+        let (positions, orientations) = self.row_counts();
+        let position = (0..positions).filter_map(move |i| self.position.row(i, &at));
+        let orientation = (0..orientations).filter_map(move |i| self.orientation.row(i, &at));
+        position.chain(orientation)
+    }
+
+    /// How many rows bound the position now, and how many the orientation.
+    pub fn row_counts(&self) -> (usize, usize) {
+        (self.position.row_count(), self.orientation.row_count())
+    }
+
+    /// By how much the pose leaves the shapes, zero within \[m, rad\]: the shortest way out, in
+    /// the axes of the frame and of the reference. For boxes z less the nearest z within.
     pub fn violation(&self, pose: &Isometry3<f64>) -> Vector6<f64> {
-        let z = self.coordinates(pose);
-        let (p, v) = (z.fixed_rows::<3>(0).into_owned(), z.fixed_rows::<3>(3).into_owned());
-        let (dp, dv) = (p - self.position.nearest(&p), v - self.orientation.nearest(&v));
-        Vector6::new(dp.x, dp.y, dp.z, dv.x, dv.y, dv.z)
+        let at = self.point(pose);
+        let linear = match self.position.stage() {
+            Stage::Still(shape) => at.position - shape.nearest(&at.position),
+            Stage::Between { from, to, share, .. } => match from.blended(to, share) {
+                Some(shape) => at.position - shape.nearest(&at.position),
+                None => worst((0..self.position.row_count()).filter_map(|i| {
+                    let face = self.position.plane(i, &at.position)?.face;
+                    Some((face.signed_distance(&at.position), *face.normal()))
+                })),
+            },
+        };
+        let angular = match self.orientation.stage() {
+            Stage::Still(shape) => shape.violation(&at.rotation),
+            Stage::Between { from, to, share, .. } => match from.blended(to, share) {
+                Some(shape) => shape.violation(&at.rotation),
+                None => worst((0..self.orientation.row_count()).filter_map(|i| {
+                    let row = self.orientation.row(i, &at)?;
+                    Some((row.excess, row.axes.fixed_rows::<3>(3).into_owned()))
+                })),
+            },
+        };
+        stack(&linear, &angular)
     }
 
     /// Whether the pose lies within.
@@ -218,27 +263,32 @@ impl Workspace {
         self.violation(pose) == Vector6::zeros()
     }
 
-    /// Lower and upper bounds of z.
-    pub(crate) fn coordinate_bounds(&self) -> (Vector6<f64>, Vector6<f64>) {
-        let stack = |p: &Vector3<f64>, v: &Vector3<f64>| Vector6::new(p.x, p.y, p.z, v.x, v.y, v.z);
-        (
-            stack(&self.position.min, &self.orientation.min),
-            stack(&self.position.max, &self.orientation.max),
-        )
+    /// The present surface of positions in the world, for drawing; during a change that of the
+    /// shape it ends in.
+    pub fn mesh(&self) -> Mesh {
+        let shape = match self.position.stage() {
+            Stage::Still(shape) => shape.mesh(),
+            Stage::Between { from, to, share, .. } => {
+                from.blended(to, share).unwrap_or_else(|| to.clone()).mesh()
+            }
+        };
+        shape.placed(&self.frame)
+    }
+
+    fn point(&self, pose: &Isometry3<f64>) -> PosePoint {
+        let at = pose_point(&self.frame, &self.reference, pose);
+        let turning = self.twist.fixed_rows::<3>(3).into_owned();
+        let arm = (pose * Point3::origin()).coords - self.frame.translation.vector;
+        PosePoint {
+            linear_drift: self.twist.fixed_rows::<3>(0) + turning.cross(&arm),
+            angular_drift: turning + at.world_from_frame * self.reference_rate,
+            ..at
+        }
     }
 }
 
-pub(crate) fn check_pose(pose: &Isometry3<f64>) -> Result<(), Error> {
-    check_all("the translation of a frame", pose.translation.vector.iter())?;
-    check_all("the rotation of a frame", pose.rotation.coords.iter())
-}
-
-pub(crate) fn check_all<'a>(
-    what: &'static str,
-    mut values: impl Iterator<Item = &'a f64>,
-) -> Result<(), Error> {
-    match values.find(|value| !value.is_finite()) {
-        Some(&value) => Err(Error::NotFinite { what, value }),
-        None => Ok(()),
-    }
+/// The largest positive excess, along its direction.
+fn worst(rows: impl Iterator<Item = (f64, Vector3<f64>)>) -> Vector3<f64> {
+    let worst = rows.max_by(|(a, _), (b, _)| a.total_cmp(b));
+    worst.map_or(Vector3::zeros(), |(excess, direction)| direction * excess.max(0.0))
 }

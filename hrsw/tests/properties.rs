@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use ahqp_core::{AugmentedState, Hierarchy, Level, Rows, Settings, Solver, integrate_pose};
-use hrsw::{Bounds, Error, FollowerSettings, FrameFollower, SoftWorkspace, Workspace};
+use hrsw::{
+    Bounds, Error, FollowerSettings, FrameFollower, OrientationShape, SoftWorkspace, Workspace,
+};
 use nalgebra::{DMatrix, DVector, Isometry3, UnitQuaternion, Vector3, Vector6};
 use proptest::prelude::*;
 
@@ -40,7 +42,7 @@ proptest! {
         let pose = workspace.world_from_workspace() * relative;
         let step = 1e-6;
         let at = |time: f64| {
-            let mut moved = workspace;
+            let mut moved = workspace.clone();
             let frame = integrate_pose(workspace.world_from_workspace(), workspace.twist(), time);
             moved.place(frame, *workspace.twist()).unwrap();
             moved.coordinates(&integrate_pose(&pose, &velocity, time))
@@ -57,9 +59,11 @@ proptest! {
         let pose = workspace.world_from_workspace() * relative;
         let z = workspace.coordinates(&pose);
         let within = (0..3).all(|i| {
+            let OrientationShape::Box(orientation) = workspace.orientation_shape() else {
+                return false;
+            };
             (workspace.position().min()[i]..=workspace.position().max()[i]).contains(&z[i])
-                && (workspace.orientation().min()[i]..=workspace.orientation().max()[i])
-                    .contains(&z[3 + i])
+                && (orientation.min()[i]..=orientation.max()[i]).contains(&z[3 + i])
         });
         prop_assert_eq!(workspace.contains(&pose), within);
     }

@@ -1,0 +1,303 @@
+//! Rows that bound how fast bodies of the robot approach others.
+
+use ahqp_core::{AugmentedState, Rows};
+use nalgebra::{DMatrix, Vector3};
+
+use crate::distance::{Proximity, proximity};
+use crate::error::{Error, check_all, check_size};
+use crate::separation::SeparationSettings;
+use crate::shape::Capsule;
+
+/// A body of the robot, placed in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RobotBody {
+    /// Its shape in the world \[m\].
+    pub capsule: Capsule,
+    /// How many of the joints, from the first, move it.
+    pub joints: usize,
+}
+
+/// A part of the person's body, placed in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PersonBody {
+    /// Its shape in the world \[m\].
+    pub capsule: Capsule,
+    /// Its velocity \[m/s\]; unmeasured, the person is taken to come nearer at
+    /// [`SeparationSettings::human_speed`].
+    pub velocity: Option<Vector3<f64>>,
+}
+
+/// How the robot moves with its joints now.
+#[derive(Debug, Clone, Copy)]
+pub struct JointMotion<'a> {
+    /// The geometric Jacobian, 6 × n, linear then angular, in world axes, of a point fixed to
+    /// the last link. That of a point p on a link moved by the first k joints follows from its
+    /// first k columns, v + ω × (p − o).
+    pub jacobian: &'a DMatrix<f64>,
+    /// o, the point that the Jacobian is of \[m\].
+    pub origin: Vector3<f64>,
+    /// q̇ commanded last, n.
+    pub velocity: &'a [f64],
+    /// A q̇ that all other constraints admit, n: usually the one nearest to rest within the
+    /// limits. Every row is relaxed to admit it, so that hard rows never make the problem
+    /// infeasible. None for rows that are minimised in a level of their own.
+    pub braking: Option<&'a [f64]>,
+}
+
+/// The pair that is nearest to its protective distance, or deepest within.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Nearest {
+    /// Index of the robot's body.
+    pub robot: usize,
+    /// Index of the person's body, or of the robot's other.
+    pub other: usize,
+    /// Between the surfaces \[m\].
+    pub distance: f64,
+    /// S_p at the last commanded velocity \[m\].
+    pub required: f64,
+    /// How fast the robot comes nearer at the last commanded velocity \[m/s\].
+    pub approach: f64,
+}
+
+/// A pair with the place where it is nearest.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    robot: usize,
+    other: usize,
+    robot_joints: usize,
+    other_joints: usize,
+    near: Proximity,
+    human_speed: f64,
+    limit: f64,
+}
+
+/// Writes a block of rows, −∂d/∂q q̇ ≤ v_max(d), for the pairs of bodies that may approach least.
+///
+/// Rest and retreat are always admitted. Where acceleration limits admit neither, as when
+/// somebody steps in front of a moving robot, there are two ways to keep the problem feasible:
+/// as the first level of the hierarchy, `Level::least_squares(rows)`, the rows are exceeded by
+/// as little as can be; as hard constraints they are relaxed to admit
+/// [`JointMotion::braking`]. The first keeps them wherever they can be kept, the second costs
+/// no level. A block holds `capacity` rows; those not needed bound nothing.
+///
+/// ```
+/// use ahqp_core::AugmentedState;
+/// use hrsw::{
+///     ApproachRows, Capsule, JointMotion, PersonBody, RobotBody, SeparationSettings,
+/// };
+/// use nalgebra::{DMatrix, Vector3};
+///
+/// // One joint slides the robot along x, towards a person.
+/// let state = AugmentedState { joints: 1, task: 6, slack: 6 };
+/// let mut separation = ApproachRows::new(state, SeparationSettings::default(), 4)?;
+/// let mut rows = separation.rows();
+/// let mut jacobian = DMatrix::zeros(6, 1);
+/// jacobian[(0, 0)] = 1.0;
+/// let motion = JointMotion {
+///     jacobian: &jacobian,
+///     origin: Vector3::zeros(),
+///     velocity: &[0.0],
+///     braking: Some(&[0.0]),
+/// };
+/// let robot = [RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.1)?, joints: 1 }];
+/// let head = Capsule::sphere(Vector3::new(1.5, 0.0, 0.0), 0.1)?;
+/// let person = [PersonBody { capsule: head, velocity: Some(Vector3::zeros()) }];
+/// let nearest = separation.write(&motion, &robot, &person, &mut rows)?;
+/// assert!((nearest.map_or(0.0, |pair| pair.distance) - 1.3).abs() < 1e-12);
+/// let limit = SeparationSettings::default().approach_limit(1.3, 0.0);
+/// assert!((rows.upper()[0] - limit).abs() < 1e-12);
+/// # Ok::<(), hrsw::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct ApproachRows {
+    state: AugmentedState,
+    settings: SeparationSettings,
+    capacity: usize,
+    candidates: Vec<Candidate>,
+}
+
+impl ApproachRows {
+    /// For the layout of χ, with room for `capacity` pairs.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for settings out of range.
+    pub fn new(
+        state: AugmentedState,
+        settings: SeparationSettings,
+        capacity: usize,
+    ) -> Result<Self, Error> {
+        settings.validate()?;
+        Ok(Self { state, settings, capacity, candidates: Vec::with_capacity(capacity + 1) })
+    }
+
+    /// The block, bounding nothing yet.
+    pub fn rows(&self) -> Rows {
+        let mut rows = Rows::zeros(self.capacity, self.state.len());
+        rows.lower_mut().fill(f64::NEG_INFINITY);
+        rows.upper_mut().fill(f64::INFINITY);
+        rows
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &SeparationSettings {
+        &self.settings
+    }
+
+    /// Writes the rows for the robot and the person into a block made by [`rows`](Self::rows),
+    /// and returns, of the pairs written, the one with the least room. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::Size`] for a block, Jacobian or velocities that do not fit; [`Error::NotFinite`].
+    /// The block then bounds what it did before.
+    pub fn write(
+        &mut self,
+        motion: &JointMotion<'_>,
+        robot: &[RobotBody],
+        person: &[PersonBody],
+        rows: &mut Rows,
+    ) -> Result<Option<Nearest>, Error> {
+        self.check(motion, robot, rows)?;
+        person.iter().try_for_each(|part| part.capsule.check("a capsule of the person"))?;
+        check_all(
+            "the velocity of a person's body",
+            person.iter().filter_map(|body| body.velocity.as_ref()).flat_map(|v| v.iter()),
+        )?;
+        self.candidates.clear();
+        for (i, body) in robot.iter().enumerate() {
+            for (j, part) in person.iter().enumerate() {
+                let near = proximity(&body.capsule, &part.capsule);
+                let measured = part.velocity.map(|v| v.dot(&near.normal).max(0.0));
+                let human_speed = measured.unwrap_or(self.settings.human_speed);
+                let pair = (i, j, body.joints, 0);
+                self.consider(pair, near, human_speed);
+            }
+        }
+        Ok(self.write_candidates(motion, rows))
+    }
+
+    /// Writes the rows for pairs of the robot's own bodies, by their indices, as
+    /// [`write`](Self::write). Allocates nothing.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write); [`Error::Size`] for an index that is not of a body.
+    pub fn write_own(
+        &mut self,
+        motion: &JointMotion<'_>,
+        robot: &[RobotBody],
+        pairs: &[(usize, usize)],
+        rows: &mut Rows,
+    ) -> Result<Option<Nearest>, Error> {
+        self.check(motion, robot, rows)?;
+        self.candidates.clear();
+        for &(i, j) in pairs {
+            let (Some(first), Some(second)) = (robot.get(i), robot.get(j)) else {
+                let (found, expected) = (i.max(j), robot.len());
+                return Err(Error::Size { what: "an index of a body", found, expected });
+            };
+            let near = proximity(&first.capsule, &second.capsule);
+            self.consider((i, j, first.joints, second.joints), near, 0.0);
+        }
+        Ok(self.write_candidates(motion, rows))
+    }
+
+    fn check(
+        &self,
+        motion: &JointMotion<'_>,
+        robot: &[RobotBody],
+        rows: &Rows,
+    ) -> Result<(), Error> {
+        robot.iter().try_for_each(|body| body.capsule.check("a capsule of the robot"))?;
+        let joints = self.state.joints;
+        check_size("the block of rows", rows.len(), self.capacity)?;
+        check_size("a row of the block", rows.columns(), self.state.len())?;
+        check_size("the rows of the Jacobian", motion.jacobian.nrows(), 6)?;
+        check_size("the columns of the Jacobian", motion.jacobian.ncols(), joints)?;
+        check_size("the joint velocity", motion.velocity.len(), joints)?;
+        let braking = motion.braking.unwrap_or(motion.velocity);
+        check_size("the braking velocity", braking.len(), joints)?;
+        check_all("the Jacobian", motion.jacobian.iter())?;
+        check_all("the origin of the Jacobian", motion.origin.iter())?;
+        check_all("a joint velocity", motion.velocity.iter().chain(braking))
+    }
+
+    /// Keeps the pairs that may approach least, by insertion.
+    fn consider(
+        &mut self,
+        (robot, other, robot_joints, other_joints): (usize, usize, usize, usize),
+        near: Proximity,
+        human_speed: f64,
+    ) {
+        let limit = self.settings.approach_limit(near.distance, human_speed);
+        let standing = self.settings.protective_distance(human_speed, 0.0);
+        let room = near.distance - standing;
+        let key = |candidate: &Candidate| {
+            let standing = self.settings.protective_distance(candidate.human_speed, 0.0);
+            (candidate.limit, candidate.near.distance - standing)
+        };
+        let place = self.candidates.partition_point(|other| key(other) <= (limit, room));
+        if place < self.capacity {
+            let candidate =
+                Candidate { robot, other, robot_joints, other_joints, near, human_speed, limit };
+            self.candidates.insert(place, candidate);
+            self.candidates.truncate(self.capacity);
+        }
+    }
+
+    fn write_candidates(&self, motion: &JointMotion<'_>, rows: &mut Rows) -> Option<Nearest> {
+        let mut nearest: Option<Nearest> = None;
+        for index in 0..self.capacity {
+            let candidate = self.candidates.get(index);
+            let Some(row) = rows.row_mut(index) else { continue };
+            row.fill(0.0);
+            let mut upper = f64::INFINITY;
+            if let Some(candidate) = candidate {
+                candidate.write(motion, row);
+                let along = |velocity: &[f64]| -> f64 {
+                    row.iter().zip(velocity).map(|(a, b)| a * b).sum()
+                };
+                upper = candidate.limit.max(motion.braking.map_or(0.0, along));
+                let pair = candidate.seen(along(motion.velocity), &self.settings);
+                if nearest.is_none_or(|other| pair.room() < other.room()) {
+                    nearest = Some(pair);
+                }
+            }
+            if let Some(bound) = rows.upper_mut().get_mut(index) {
+                *bound = upper;
+            }
+        }
+        nearest
+    }
+}
+
+impl Nearest {
+    /// The distance above the protective one \[m\]; negative where it is undercut.
+    pub fn room(&self) -> f64 {
+        self.distance - self.required
+    }
+}
+
+impl Candidate {
+    /// −∂d/∂q: how fast the pair comes nearer.
+    fn write(&self, motion: &JointMotion<'_>, row: &mut [f64]) {
+        let toward = self.near.gradient_first(&motion.origin);
+        let away = self.near.gradient_second(&motion.origin);
+        for (j, (out, column)) in row.iter_mut().zip(motion.jacobian.column_iter()).enumerate() {
+            if j < self.robot_joints {
+                *out -= column.dot(&toward);
+            }
+            if j < self.other_joints {
+                *out -= column.dot(&away);
+            }
+        }
+    }
+
+    fn seen(&self, approach: f64, settings: &SeparationSettings) -> Nearest {
+        Nearest {
+            robot: self.robot,
+            other: self.other,
+            distance: self.near.distance,
+            required: settings.protective_distance(self.human_speed, approach),
+            approach,
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! A workspace that is carried along: by the person, the robot's base, a path, or not at all.
+
+use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3, Vector6};
+
+use crate::anchor::{Anchor, AnchorSettings};
+use crate::error::{Error, check_all, check_pose, positive};
+use crate::motion::{FollowerSettings, FrameFollower};
+use crate::path::Path;
+use crate::reorientation::Reorientation;
+use crate::shape::{OrientationShape, PositionShape};
+use crate::workspace::Workspace;
+
+/// What carries a workspace.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Attachment {
+    /// Nothing: it rests at this pose in the world.
+    World(Isometry3<f64>),
+    /// The person: the frame of the workspace in theirs.
+    Person(Isometry3<f64>),
+    /// The robot's base: the frame of the workspace in its.
+    RobotBase(Isometry3<f64>),
+    /// A path in the world, begun when it is attached.
+    Path(Path),
+}
+
+/// How a workspace may move.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MovingSettings {
+    /// Rates of the frame.
+    pub frame: FollowerSettings,
+    /// Rates of the reference of orientations; only the angular ones count.
+    pub reference: FollowerSettings,
+    /// How person and base are extrapolated.
+    pub anchor: AnchorSettings,
+}
+
+/// A workspace whose frame follows what carries it, without a jolt: whatever happens to
+/// attachment, lead, reference and shape, the velocity of the frame changes no faster than its
+/// limits, and its shape passes continuously into the next.
+///
+/// ```
+/// use hrsw::{Attachment, Bounds, MovingSettings, MovingWorkspace, Workspace};
+/// use nalgebra::{Isometry3, Vector3, Vector6};
+///
+/// let workspace = Workspace::new(
+///     Isometry3::identity(),
+///     Bounds::new(Vector3::new(0.25, -0.4, 0.7), Vector3::new(0.75, 0.3, 1.5))?,
+///     Bounds::symmetric(Vector3::repeat(0.3))?,
+/// )?;
+/// let mut moving = MovingWorkspace::new(workspace, MovingSettings::default())?;
+/// moving.attach(Attachment::Person(Isometry3::identity()))?;
+/// for _frame in 0..100 {
+///     moving.observe_person(Isometry3::translation(1.0, 0.0, 0.0), Vector6::zeros(), 0.05)?;
+///     for _tick in 0..50 {
+///         moving.advance(1e-3)?;
+///     }
+/// }
+/// assert!(moving.workspace().contains(&Isometry3::translation(1.5, 0.0, 1.0)));
+/// # Ok::<(), hrsw::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct MovingWorkspace {
+    workspace: Workspace,
+    attachment: Attachment,
+    frame: FrameFollower,
+    reference: Reorientation,
+    person: Anchor,
+    base: Anchor,
+    lead: Vector3<f64>,
+    on_path: f64,
+}
+
+impl MovingWorkspace {
+    /// The workspace as it is, at rest in the world.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for settings out of range.
+    pub fn new(workspace: Workspace, settings: MovingSettings) -> Result<Self, Error> {
+        let pose = *workspace.world_from_workspace();
+        Ok(Self {
+            frame: FrameFollower::new(pose, settings.frame)?,
+            reference: Reorientation::new(*workspace.reference(), settings.reference)?,
+            person: Anchor::new(settings.anchor)?,
+            base: Anchor::new(settings.anchor)?,
+            attachment: Attachment::World(pose),
+            lead: Vector3::zeros(),
+            on_path: 0.0,
+            workspace,
+        })
+    }
+
+    /// The workspace now.
+    pub fn workspace(&self) -> &Workspace {
+        &self.workspace
+    }
+
+    /// What carries it.
+    pub fn attachment(&self) -> &Attachment {
+        &self.attachment
+    }
+
+    /// The person's frame as it is taken to be.
+    pub fn person(&self) -> &Anchor {
+        &self.person
+    }
+
+    /// Lets something else carry the workspace; it goes there at its limited rates.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::NotUnit`]; the attachment then stays as it was.
+    pub fn attach(&mut self, attachment: Attachment) -> Result<(), Error> {
+        match &attachment {
+            Attachment::World(pose) | Attachment::Person(pose) | Attachment::RobotBase(pose) => {
+                check_pose(pose)?;
+            }
+            Attachment::Path(_) => {}
+        }
+        self.attachment = attachment;
+        self.on_path = 0.0;
+        Ok(())
+    }
+
+    /// Leaves the workspace where it is, in the world; it comes to rest where it can stop, and
+    /// its lead ends.
+    pub fn detach(&mut self) {
+        self.lead = Vector3::zeros();
+        self.attachment = Attachment::World(self.frame.stopping_pose());
+    }
+
+    /// Takes a measurement of the person's frame, `age` old \[s\], with its velocity, linear at its
+    /// origin, then angular, in world axes.
+    ///
+    /// # Errors
+    /// Those of [`Anchor::observe`]; the measurement is then ignored.
+    pub fn observe_person(
+        &mut self,
+        pose: Isometry3<f64>,
+        twist: Vector6<f64>,
+        age: f64,
+    ) -> Result<(), Error> {
+        self.person.observe(pose, twist, age)
+    }
+
+    /// Takes a measurement of the robot base's frame, as [`observe_person`](Self::observe_person).
+    ///
+    /// # Errors
+    /// Those of [`Anchor::observe`]; the measurement is then ignored.
+    pub fn observe_base(
+        &mut self,
+        pose: Isometry3<f64>,
+        twist: Vector6<f64>,
+        age: f64,
+    ) -> Result<(), Error> {
+        self.base.observe(pose, twist, age)
+    }
+
+    /// Shifts the workspace by `lead` in the axes of what carries it \[m\], at its limited rates.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; the lead then stays as it was.
+    pub fn set_lead(&mut self, lead: Vector3<f64>) -> Result<(), Error> {
+        check_all("the lead of a workspace", lead.iter())?;
+        self.lead = lead;
+        Ok(())
+    }
+
+    /// Turns the reference of orientations to `goal`, in the axes of the frame, along a geodesic
+    /// at limited rates, and the shape of orientations with it. By half a turn, where two ways
+    /// are as short, it turns the positive way about `axis`, in the axes of the reference.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::NotUnit`]; the goal then stays as it was.
+    pub fn reorient(
+        &mut self,
+        goal: UnitQuaternion<f64>,
+        axis: &Unit<Vector3<f64>>,
+    ) -> Result<(), Error> {
+        self.reference.turn_to(goal, axis)
+    }
+
+    /// Where the reference of orientations turns to.
+    pub fn reference_goal(&self) -> UnitQuaternion<f64> {
+        self.reference.goal()
+    }
+
+    /// Changes the shape of positions over `duration` \[s\]; nothing if it is, or is becoming, that.
+    ///
+    /// # Errors
+    /// Those of [`Workspace::reshape_position`].
+    pub fn reshape_position(
+        &mut self,
+        position: &PositionShape,
+        duration: f64,
+    ) -> Result<(), Error> {
+        if self.workspace.position_shape() == position {
+            return Ok(());
+        }
+        self.workspace.reshape_position(position.clone(), duration)
+    }
+
+    /// Changes the shape of orientations over `duration` \[s\]; nothing if it is, or is becoming,
+    /// that.
+    ///
+    /// # Errors
+    /// Those of [`Workspace::reshape_orientation`].
+    pub fn reshape_orientation(
+        &mut self,
+        orientation: &OrientationShape,
+        duration: f64,
+    ) -> Result<(), Error> {
+        if self.workspace.orientation_shape() == orientation {
+            return Ok(());
+        }
+        self.workspace.reshape_orientation(*orientation, duration)
+    }
+
+    /// One period of `period` \[s\]. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a period that is not positive and finite; the workspace then
+    /// stays as it was.
+    pub fn advance(&mut self, period: f64) -> Result<(), Error> {
+        positive("the period", period)?;
+        self.person.advance(period);
+        self.base.advance(period);
+        self.on_path += period;
+        if let Some((pose, twist)) = self.target()
+            && self.frame.retarget(pose, twist).is_err()
+        {
+            // What carries it went beyond all numbers.
+            self.frame.hold();
+        }
+        self.frame.advance(period);
+        self.reference.advance(period)?;
+        self.workspace.advance(period);
+        self.workspace.place(*self.frame.pose(), self.frame.twist())?;
+        self.workspace.set_reference(*self.reference.rotation(), self.reference.rate())
+    }
+
+    /// Where the frame should be, and how that moves; none while its carrier was never seen.
+    fn target(&self) -> Option<(Isometry3<f64>, Vector6<f64>)> {
+        let carried = |anchor: &Anchor, offset: &Isometry3<f64>| {
+            let (pose, twist) = (anchor.pose()?, anchor.twist());
+            let target = pose * (Translation3::from(self.lead) * offset);
+            let arm = target.translation.vector - pose.translation.vector;
+            let turning = twist.fixed_rows::<3>(3).into_owned();
+            let mut carried = twist;
+            let mut linear = carried.fixed_rows_mut::<3>(0);
+            linear += turning.cross(&arm);
+            Some((target, carried))
+        };
+        match &self.attachment {
+            Attachment::Person(offset) => carried(&self.person, offset),
+            Attachment::RobotBase(offset) => carried(&self.base, offset),
+            Attachment::World(pose) => Some((led(pose, &self.lead), Vector6::zeros())),
+            Attachment::Path(path) => {
+                let (pose, twist) = path.at(self.on_path);
+                Some((led(&pose, &self.lead), twist))
+            }
+        }
+    }
+}
+
+/// The pose, led in its own axes.
+fn led(pose: &Isometry3<f64>, lead: &Vector3<f64>) -> Isometry3<f64> {
+    let origin = pose * Point3::from(*lead);
+    Isometry3::from_parts(Translation3::from(origin.coords), pose.rotation)
+}

@@ -1,0 +1,183 @@
+//! The rows of a workspace: what bounds a pose, and how that changes with its velocity.
+
+use nalgebra::{Isometry3, Matrix3, Vector3, Vector6};
+
+use crate::change::{Blend, Change, Stage};
+use crate::shape::{HalfSpace, OrientationRow, OrientationShape, PositionShape, RotationPoint};
+
+/// One bound of a pose: its excess over the bound, and how the excess changes.
+///
+/// d excess/dt = gradient · ẋ + drift for a pose that moves with the twist ẋ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PoseRow {
+    /// With respect to the twist of the pose, linear then angular, in world axes.
+    pub gradient: Vector6<f64>,
+    /// The direction of the bound in the coordinates of the workspace: linear in its axes, then
+    /// angular in those of its reference. The shared slack acts along it.
+    pub axes: Vector6<f64>,
+    /// By how much the pose exceeds the bound \[m or rad\]; negative within.
+    pub excess: f64,
+    /// The rate of the excess for a pose at rest, by the motion of frame, reference and bound
+    /// \[m/s or rad/s\].
+    pub drift: f64,
+}
+
+/// A pose as the shapes of a workspace see it, computed once for all rows.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PosePoint {
+    pub(crate) position: Vector3<f64>,
+    pub(crate) rotation: RotationPoint,
+    pub(crate) world_from_frame: Matrix3<f64>,
+    pub(crate) world_from_reference: Matrix3<f64>,
+    /// The velocity of a point that moves with the workspace, in world axes.
+    pub(crate) linear_drift: Vector3<f64>,
+    pub(crate) angular_drift: Vector3<f64>,
+}
+
+impl PosePoint {
+    /// The excess times the fade: the set that it bounds is the same, what it costs to be
+    /// beyond is not.
+    fn position_row(&self, plane: &Plane) -> PoseRow {
+        let normal = plane.face.normal();
+        let gradient = self.world_from_frame * normal;
+        let excess = plane.face.signed_distance(&self.position);
+        let rate = -gradient.dot(&self.linear_drift) - plane.offset_rate;
+        PoseRow {
+            gradient: stack(&(gradient * plane.fade), &Vector3::zeros()),
+            axes: stack(normal, &Vector3::zeros()),
+            excess: plane.fade * excess,
+            drift: plane.fade * rate + plane.fade_rate * excess,
+        }
+    }
+
+    fn orientation_row(&self, row: &OrientationRow, bound_rate: f64) -> PoseRow {
+        let gradient = self.world_from_reference * row.gradient;
+        PoseRow {
+            gradient: stack(&Vector3::zeros(), &gradient),
+            axes: stack(&Vector3::zeros(), &row.axes),
+            excess: row.value - row.bound,
+            drift: -gradient.dot(&self.angular_drift) - bound_rate,
+        }
+    }
+}
+
+pub(crate) fn stack(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+}
+
+impl Change<PositionShape> {
+    pub(crate) fn row_count(&self) -> usize {
+        match self.stage() {
+            Stage::Still(shape) => shape.row_count(),
+            Stage::Between { from: PositionShape::Box(_), to: PositionShape::Box(_), .. } => 6,
+            Stage::Between { from, to, .. } => from.row_count() + to.row_count(),
+        }
+    }
+
+    /// Plane `index`; between two shapes A and B of the blend (1 − λ)A ⊕ λB, bounded along the
+    /// normals of both: its support function is (1 − λ)h_A + λh_B, so that it is never empty
+    /// and becomes each of the two at its end. Planes that come or go fade.
+    pub(crate) fn plane(&self, index: usize, at: &Vector3<f64>) -> Option<Plane> {
+        let (from, to, share, rate) = match self.stage() {
+            Stage::Still(shape) => {
+                let face = shape.half_space(index, at)?;
+                return Some(Plane { face, offset_rate: 0.0, fade: 1.0, fade_rate: 0.0 });
+            }
+            Stage::Between { from, to, share, rate } => (from, to, share, rate),
+        };
+        let of_from = index < from.row_count();
+        let face = if of_from {
+            from.half_space(index, at)?
+        } else {
+            to.half_space(index - from.row_count(), at)?
+        };
+        let (begin, end) = (from.support(face.normal()), to.support(face.normal()));
+        let offset = begin + share * (end - begin);
+        let (fade, fade_rate) = match (of_from, from.blended(to, share).is_some()) {
+            (_, true) => (1.0, 0.0),
+            (true, false) => faded(1.0 - share, -rate),
+            (false, false) => faded(share, rate),
+        };
+        let face = HalfSpace { offset, ..face };
+        Some(Plane { face, offset_rate: rate * (end - begin), fade, fade_rate })
+    }
+
+    pub(crate) fn row(&self, index: usize, at: &PosePoint) -> Option<PoseRow> {
+        Some(at.position_row(&self.plane(index, &at.position)?))
+    }
+}
+
+/// A plane of a shape, or of one that changes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plane {
+    pub(crate) face: HalfSpace,
+    offset_rate: f64,
+    /// What its excess counts, from 0 to 1.
+    fade: f64,
+    fade_rate: f64,
+}
+
+/// 3x² − 2x³ for x = 5 · share, and its rate: from 0 to 1 over the first fifth.
+fn faded(share: f64, rate: f64) -> (f64, f64) {
+    let x = 5.0 * share;
+    if x >= 1.0 { (1.0, 0.0) } else { (x * x * (3.0 - 2.0 * x), 30.0 * x * (1.0 - x) * rate) }
+}
+
+impl Change<OrientationShape> {
+    pub(crate) fn row_count(&self) -> usize {
+        match self.stage() {
+            Stage::Still(shape) => shape.row_count(),
+            Stage::Between { from, to, share, .. } => {
+                if share < 0.5 {
+                    from.row_count()
+                } else {
+                    to.row_count()
+                }
+            }
+        }
+    }
+
+    /// Row `index`; between two shapes that do not blend, the first opens to half a turn and
+    /// then the second closes.
+    pub(crate) fn row(&self, index: usize, at: &PosePoint) -> Option<PoseRow> {
+        if index >= self.row_count() {
+            return None;
+        }
+        match self.stage() {
+            Stage::Still(shape) => Some(at.orientation_row(&shape.row(index, &at.rotation), 0.0)),
+            Stage::Between { from, to, share, rate } => {
+                let open = std::f64::consts::PI;
+                let (begin, end) = (from.row(index, &at.rotation), to.row(index, &at.rotation));
+                let (row, bound, bound_rate) = if from.blended(to, share).is_some() {
+                    let span = end.bound - begin.bound;
+                    (begin, begin.bound + share * span, rate * span)
+                } else if share < 0.5 {
+                    let span = 2.0 * (open - begin.bound);
+                    (begin, begin.bound + share * span, rate * span)
+                } else {
+                    let span = 2.0 * (end.bound - open);
+                    (end, open + (share - 0.5) * span, rate * span)
+                };
+                Some(at.orientation_row(&OrientationRow { bound, ..row }, bound_rate))
+            }
+        }
+    }
+}
+
+/// `pose` as seen from a workspace at rest.
+pub(crate) fn pose_point(
+    frame: &Isometry3<f64>,
+    reference: &nalgebra::UnitQuaternion<f64>,
+    pose: &Isometry3<f64>,
+) -> PosePoint {
+    let relative = frame.inv_mul(pose);
+    let world_from_frame = *frame.rotation.to_rotation_matrix().matrix();
+    PosePoint {
+        position: relative.translation.vector,
+        rotation: RotationPoint::new(reference.inverse() * relative.rotation),
+        world_from_frame,
+        world_from_reference: world_from_frame * reference.to_rotation_matrix().matrix(),
+        linear_drift: Vector3::zeros(),
+        angular_drift: Vector3::zeros(),
+    }
+}

@@ -1,0 +1,184 @@
+//! The shapes that a position may be held in.
+
+mod bounds;
+mod capsule;
+mod cone;
+mod half_space;
+mod mesh;
+mod orientation;
+mod oriented_box;
+mod polytope;
+
+use nalgebra::Vector3;
+
+pub use bounds::Bounds;
+pub use capsule::Capsule;
+pub use cone::Cone;
+pub use half_space::HalfSpace;
+pub use mesh::Mesh;
+pub use orientation::OrientationShape;
+pub(crate) use orientation::{OrientationRow, RotationPoint};
+pub use oriented_box::OrientedBox;
+pub use polytope::Polytope;
+
+/// A convex set of positions, in the axes of the workspace \[m\].
+///
+/// ```
+/// use hrsw::{Capsule, PositionShape};
+/// use nalgebra::Vector3;
+///
+/// let shape = PositionShape::from(Capsule::sphere(Vector3::zeros(), 0.5)?);
+/// let outside = Vector3::new(0.8, 0.0, 0.0);
+/// assert!((shape.signed_distance(&outside) - 0.3).abs() < 1e-15);
+/// assert!((shape.nearest(&outside) - Vector3::new(0.5, 0.0, 0.0)).norm() < 1e-15);
+/// # Ok::<(), hrsw::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum PositionShape {
+    /// A box along the axes.
+    Box(Bounds),
+    /// A box along axes of its own.
+    OrientedBox(OrientedBox),
+    /// A convex polytope.
+    Polytope(Polytope),
+    /// A capsule or a sphere, by the plane that supports it where it is nearest.
+    Capsule(Capsule),
+}
+
+impl From<Bounds> for PositionShape {
+    fn from(bounds: Bounds) -> Self {
+        Self::Box(bounds)
+    }
+}
+
+impl From<OrientedBox> for PositionShape {
+    fn from(oriented: OrientedBox) -> Self {
+        Self::OrientedBox(oriented)
+    }
+}
+
+impl From<Polytope> for PositionShape {
+    fn from(polytope: Polytope) -> Self {
+        Self::Polytope(polytope)
+    }
+}
+
+impl From<Capsule> for PositionShape {
+    fn from(capsule: Capsule) -> Self {
+        Self::Capsule(capsule)
+    }
+}
+
+impl PositionShape {
+    /// How many rows bound it.
+    pub fn row_count(&self) -> usize {
+        match self {
+            Self::Box(_) | Self::OrientedBox(_) => 6,
+            Self::Polytope(polytope) => polytope.faces().len(),
+            Self::Capsule(_) => 1,
+        }
+    }
+
+    /// Half-space `index` around the shape, as seen from `point`; none past the last row.
+    ///
+    /// A flat face is the same from everywhere; a round shape gives the plane that touches it
+    /// where it is nearest.
+    pub fn half_space(&self, index: usize, point: &Vector3<f64>) -> Option<HalfSpace> {
+        if index >= self.row_count() {
+            return None;
+        }
+        match self {
+            Self::Box(bounds) => Some(bounds.face(index)),
+            Self::OrientedBox(oriented) => Some(oriented.face(index)),
+            Self::Polytope(polytope) => polytope.faces().get(index).copied(),
+            Self::Capsule(capsule) => Some(capsule.supporting(point)),
+        }
+    }
+
+    /// The support function, the largest direction · z over the shape \[m\].
+    pub fn support(&self, direction: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Box(bounds) => bounds.support(direction),
+            Self::OrientedBox(oriented) => oriented.support(direction),
+            Self::Polytope(polytope) => polytope.support(direction),
+            Self::Capsule(capsule) => capsule.support(direction),
+        }
+    }
+
+    /// Whether the point lies within.
+    pub fn contains(&self, point: &Vector3<f64>) -> bool {
+        match self {
+            Self::Box(bounds) => bounds.contains(point),
+            _ => self.signed_distance(point) <= 0.0,
+        }
+    }
+
+    /// The Euclidean distance \[m\]; within, minus the distance to the surface.
+    pub fn signed_distance(&self, point: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Box(bounds) => bounds.signed_distance(point),
+            Self::OrientedBox(oriented) => oriented.signed_distance(point),
+            Self::Polytope(polytope) => polytope.signed_distance(point),
+            Self::Capsule(capsule) => capsule.signed_distance(point),
+        }
+    }
+
+    /// The nearest point of the shape; a point within is its own.
+    pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Box(bounds) => bounds.nearest(point),
+            Self::OrientedBox(oriented) => oriented.nearest(point),
+            Self::Polytope(polytope) => polytope.nearest(point),
+            Self::Capsule(capsule) => capsule.nearest(point),
+        }
+    }
+
+    /// The smallest bounds around the shape.
+    pub fn extent(&self) -> Bounds {
+        let reach =
+            |sign: f64| Vector3::from_fn(|axis, _| sign * self.support(&Vector3::ith(axis, sign)));
+        match self {
+            Self::Box(bounds) => *bounds,
+            _ => Bounds::ordered(reach(-1.0), reach(1.0)),
+        }
+    }
+
+    /// The surface, for drawing.
+    pub fn mesh(&self) -> Mesh {
+        match self {
+            Self::Box(bounds) => Mesh::of_box(bounds.corners()),
+            Self::OrientedBox(oriented) => Mesh::of_box(oriented.corners()),
+            Self::Polytope(polytope) => polytope.surface().clone(),
+            Self::Capsule(capsule) => capsule_surface(capsule),
+        }
+    }
+}
+
+/// Rings of latitude about the segment.
+fn capsule_surface(capsule: &Capsule) -> Mesh {
+    const AROUND: usize = 24;
+    const RINGS: usize = 6;
+    let radius = capsule.radius();
+    let right = capsule.across();
+    let along = (capsule.end() - capsule.start()).try_normalize(0.0);
+    let along = along.unwrap_or_else(|| right.cross(&Vector3::y()).normalize());
+    let up = along.cross(&right);
+    let ring = |center: &Vector3<f64>, latitude: f64| -> Vec<Vector3<f64>> {
+        let (height, width) = latitude.sin_cos();
+        let point = |i: usize| {
+            let (s, c) = (std::f64::consts::TAU * i as f64 / AROUND as f64).sin_cos();
+            center + (along * height + (right * c + up * s) * width) * radius
+        };
+        (0..AROUND).map(point).collect()
+    };
+    let latitude = |i: usize| std::f64::consts::FRAC_PI_2 * i as f64 / RINGS as f64;
+    let south = (0..RINGS).rev().map(|i| ring(capsule.start(), -latitude(i)));
+    let north = (0..RINGS).map(|i| ring(capsule.end(), latitude(i)));
+    // From the south pole up: the lowest ring first.
+    Mesh::of_rings(
+        capsule.start() - along * radius,
+        south.chain(north),
+        capsule.end() + along * radius,
+    )
+}

@@ -1,0 +1,43 @@
+//! Half-spaces, the planes that bound and support the shapes.
+
+use nalgebra::Vector3;
+
+use crate::error::{Error, check_all};
+
+/// The points z with normal · z ≤ offset, the normal of length 1 \[m\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HalfSpace {
+    pub(crate) normal: Vector3<f64>,
+    pub(crate) offset: f64,
+}
+
+impl HalfSpace {
+    /// The points z with normal · z ≤ offset, for a normal of any length but zero.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; [`Error::Parameter`] for a normal of length zero.
+    pub fn new(normal: Vector3<f64>, offset: f64) -> Result<Self, Error> {
+        check_all("a half-space", normal.iter().chain([&offset]))?;
+        let length = normal.norm();
+        if length < 1e-12 {
+            let name = "the length of a half-space's normal";
+            return Err(Error::Parameter { name, value: length, expected: "above zero" });
+        }
+        Ok(Self { normal: normal / length, offset: offset / length })
+    }
+
+    /// The outer normal, of length 1.
+    pub fn normal(&self) -> &Vector3<f64> {
+        &self.normal
+    }
+
+    /// The distance of the plane from the origin, along the normal \[m\].
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// How far `point` lies beyond the plane \[m\]; negative within.
+    pub fn signed_distance(&self, point: &Vector3<f64>) -> f64 {
+        self.normal.dot(point) - self.offset
+    }
+}

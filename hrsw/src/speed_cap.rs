@@ -1,0 +1,130 @@
+//! A cap on the speed of the tool near people.
+
+use ahqp_core::{AugmentedState, Rows};
+use nalgebra::Vector3;
+
+use crate::approach::JointMotion;
+use crate::error::{Error, check_all, check_size, positive};
+
+/// How fast the tool may move at a distance from the nearest person.
+///
+/// ```
+/// use hrsw::SpeedCap;
+///
+/// let cap = SpeedCap::default();
+/// assert_eq!(cap.limit(0.2), 0.25);
+/// assert_eq!(cap.limit(10.0), f64::INFINITY);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpeedCap {
+    /// Nearer than `near` \[m/s\]. Default 0.25.
+    pub reduced: f64,
+    /// At `far` \[m/s\]; between the two it grows evenly, beyond there is no cap. Default 1.7.
+    pub full: f64,
+    /// Default 0.6 m.
+    pub near: f64,
+    /// Default 2.0 m.
+    pub far: f64,
+}
+
+impl Default for SpeedCap {
+    fn default() -> Self {
+        Self { reduced: 0.25, full: 1.7, near: 0.6, far: 2.0 }
+    }
+}
+
+/// The axes and the diagonals of a cube: the polyhedron |dᵢ · v| ≤ h has no point farther from
+/// zero than h / [`INNER`].
+const DIRECTIONS: [[f64; 3]; 7] = {
+    const D: f64 = 0.577_350_269_189_625_8;
+    [
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [D, D, D],
+        [D, D, -D],
+        [D, -D, D],
+        [D, -D, -D],
+    ]
+};
+
+/// 1/√(1 + (√3 − 1)²): the distance from zero of the facets of the hull of ±dᵢ.
+const INNER: f64 = 0.806_898_221_355_073_5;
+
+impl SpeedCap {
+    /// How many rows [`rows`](Self::rows) has.
+    pub const ROWS: usize = DIRECTIONS.len();
+
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] names the first that is out of its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        positive("the reduced speed", self.reduced)?;
+        positive("the full speed", self.full)?;
+        positive("the distance of reduced speed", self.near)?;
+        positive("the distance of full speed", self.far)?;
+        if self.full < self.reduced {
+            let (name, expected) = ("the full speed", "at least the reduced speed");
+            return Err(Error::Parameter { name, value: self.full, expected });
+        }
+        if self.far <= self.near {
+            let (name, expected) = ("the distance of full speed", "above that of reduced speed");
+            return Err(Error::Parameter { name, value: self.far, expected });
+        }
+        Ok(())
+    }
+
+    /// The largest speed at `distance` \[m\] from the nearest person \[m/s\].
+    pub fn limit(&self, distance: f64) -> f64 {
+        if distance >= self.far {
+            return f64::INFINITY;
+        }
+        let share = ((distance - self.near) / (self.far - self.near)).max(0.0);
+        self.reduced + share * (self.full - self.reduced)
+    }
+
+    /// The block, bounding nothing yet.
+    pub fn rows(state: AugmentedState) -> Rows {
+        let mut rows = Rows::zeros(Self::ROWS, state.len());
+        rows.lower_mut().fill(f64::NEG_INFINITY);
+        rows.upper_mut().fill(f64::INFINITY);
+        rows
+    }
+
+    /// Writes ‖v‖ ≤ `speed` for the velocity v of the point that the Jacobian is of, through
+    /// directions that keep within it: 7 rows of both signs, relaxed as far as
+    /// [`JointMotion::braking`] needs. An infinite speed bounds nothing. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::Size`] for what does not fit; [`Error::Parameter`] for a negative speed or NaN.
+    pub fn write(motion: &JointMotion<'_>, speed: f64, rows: &mut Rows) -> Result<(), Error> {
+        check_size("the block of rows", rows.len(), Self::ROWS)?;
+        check_size("the rows of the Jacobian", motion.jacobian.nrows(), 6)?;
+        let joints = motion.jacobian.ncols();
+        check_size("the braking velocity", motion.braking.map_or(joints, <[f64]>::len), joints)?;
+        check_all("the Jacobian", motion.jacobian.iter())?;
+        if speed.is_nan() || speed < 0.0 {
+            let (name, expected) = ("the cap of the speed", "not negative");
+            return Err(Error::Parameter { name, value: speed, expected });
+        }
+        for (index, direction) in DIRECTIONS.iter().enumerate() {
+            let direction = Vector3::from(*direction);
+            let Some(row) = rows.row_mut(index) else { continue };
+            row.fill(0.0);
+            for (out, column) in row.iter_mut().zip(motion.jacobian.column_iter()) {
+                *out = column.fixed_rows::<3>(0).dot(&direction);
+            }
+            let along = |rates: &[f64]| row.iter().zip(rates).map(|(a, b)| a * b).sum::<f64>();
+            let braking = motion.braking.map_or(0.0, along);
+            let bound = INNER * speed;
+            if let Some(upper) = rows.upper_mut().get_mut(index) {
+                *upper = bound.max(braking);
+            }
+            if let Some(lower) = rows.lower_mut().get_mut(index) {
+                *lower = (-bound).min(braking);
+            }
+        }
+        Ok(())
+    }
+}
