@@ -104,13 +104,65 @@ fn a_matrix_that_is_not_finite() {
 }
 
 #[test]
-fn a_matrix_whose_square_overflows() {
-    let mut hierarchy = sound();
-    let rows = hierarchy.level_mut(0).unwrap().least_squares_mut().unwrap();
-    rows.row_mut(0).unwrap().fill(1e300);
+fn numbers_whose_squares_overflow() {
+    for value in [1e101, -1e300, f64::MAX] {
+        let mut coefficient = sound();
+        let rows = coefficient.level_mut(0).unwrap().least_squares_mut().unwrap();
+        rows.row_mut(0).unwrap()[1] = value;
+        let mut target = sound();
+        let rows = target.level_mut(0).unwrap().least_squares_mut().unwrap();
+        (rows.lower_mut()[0], rows.upper_mut()[0]) = (value, value);
+        // A bound far away is as good as none; one that keeps zero out is not.
+        let mut bound = sound();
+        let bounds = bound.bounds_mut();
+        (bounds.0[1], bounds.1[1]) =
+            if value > 0.0 { (value, f64::INFINITY) } else { (f64::NEG_INFINITY, value) };
+        let gradient = quadratic(DMatrix::identity(2, 2), dvector![0.0, value]);
+        let hessian = quadratic(dmatrix![1.0, 0.0; 0.0, value.abs()], DVector::zeros(2));
+        for hierarchy in [coefficient, target, bound, gradient, hessian] {
+            let error = solve(&hierarchy).unwrap_err();
+            assert!(matches!(error, Error::TooLarge { .. }), "{error}");
+            expect_words(&error, &["1e100", "units"]);
+        }
+    }
+}
+
+#[test]
+fn a_bound_far_away_neither_counts_nor_loosens_the_near_one() {
+    for far in [1e9, 1e30, f64::MAX] {
+        let mut hierarchy = Hierarchy::new(1).unwrap();
+        hierarchy.set_bounds(&dvector![1.5], &dvector![far]).unwrap();
+        let row = Rows::ranges(&dmatrix![-0.0625], &dvector![0.0], &dvector![1.0]).unwrap();
+        hierarchy.push(Level::least_squares(row.clone())).unwrap();
+        assert_eq!(solve(&hierarchy).unwrap().x(), [1.5]);
+        let mut hard = Hierarchy::new(1).unwrap();
+        hard.set_bounds(&dvector![1.5], &dvector![far]).unwrap();
+        hard.push(Level::constraints_only(row)).unwrap();
+        assert!(matches!(solve(&hard), Err(Error::Infeasible { .. })));
+    }
+}
+
+#[test]
+fn a_solution_that_overflows() {
+    let mut hierarchy = Hierarchy::new(1).unwrap();
+    let tiny = Level::quadratic(dmatrix![f64::MIN_POSITIVE], dvector![1e50]).unwrap();
+    hierarchy.push(tiny).unwrap();
     let error = solve(&hierarchy).unwrap_err();
-    assert!(matches!(error, Error::TooLarge { .. }), "{error}");
-    expect_words(&error, &["row 0", "level 0", "1e300", "change units"]);
+    assert_eq!(error, Error::Overflow);
+    expect_words(&error, &["overflows", "comparable sizes"]);
+}
+
+#[test]
+fn a_certificate_of_nothing() {
+    let hierarchy = sound();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    let error = solver.certificate(&hierarchy).unwrap_err();
+    assert_eq!(error, Error::NotSolved);
+    expect_words(&error, &["solve"]);
+    let mut broken = hierarchy.clone();
+    broken.bounds_mut().0[0] = f64::NAN;
+    assert!(solver.solve(&broken).is_err());
+    assert_eq!(solver.certificate(&hierarchy).unwrap_err(), Error::NotSolved);
 }
 
 #[test]

@@ -370,6 +370,22 @@ fn unbounded_directions_take_the_least_norm() {
 }
 
 #[test]
+fn hard_rows_that_meet_at_the_origin() {
+    // At the only point left, x = 0, nothing has a size that rounding could be relative to.
+    let rows = dmatrix![
+        -1.3125, -1.0; 0.625, -1.0; -1.625, -1.0; -1.25, -1.0; 2.875, -1.0; -0.3125, -1.0;
+        0.1, 1.0; -0.1, 1.0; -1.0, 0.0
+    ];
+    let meeting = upper_limits(&rows, &DVector::zeros(9));
+    let pull = equalities(&dmatrix![3.0, 0.7; 0.3, -1.0], &dvector![5.0, 2.0]);
+    let problem = hierarchy(2, [pull.with_constraints(meeting)]);
+    let mut solver = Solver::new(&problem, Settings::default()).unwrap();
+    for _ in 0..3 {
+        assert_near(solver.solve(&problem).unwrap().x(), &[0.0, 0.0], 1e-12);
+    }
+}
+
+#[test]
 fn a_warm_start_after_everything_turned_round() {
     // The active set of the first problem is as wrong as can be for the second.
     let rows = entries(12, 6, 20);

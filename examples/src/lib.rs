@@ -1,6 +1,7 @@
 //! What the programs `follow` and `record` are made of.
 
 pub mod follow;
+pub mod hqp_file;
 pub mod recording;
 pub mod report;
 pub mod walker;

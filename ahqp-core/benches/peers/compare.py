@@ -1,0 +1,248 @@
+"""Solves sets of hierarchical problems with several solvers and prints a table; see README.md."""
+
+import argparse
+import pathlib
+import re
+import subprocess
+import tempfile
+import time
+import warnings
+
+import daqp
+import numpy as np
+import qpsolvers
+
+INFINITE = 1e30
+RIGHT = 1e-6
+EQUAL = 1e-10
+
+
+class Level:
+    """Rows lower ≤ A x ≤ upper; `bounds` tells variables' bounds from general rows."""
+
+    def __init__(self, bounds, hard, matrix, lower, upper):
+        self.bounds, self.hard = bounds, hard
+        self.matrix, self.lower, self.upper = matrix, lower, upper
+
+    def violation(self, x):
+        value = self.matrix @ x
+        return np.linalg.norm(value - np.clip(value, self.lower, self.upper))
+
+
+class Problem:
+    def __init__(self, text, variables, levels):
+        self.text, self.variables, self.levels = text, variables, levels
+
+    def violations(self, x):
+        return np.array([level.violation(x) for level in self.levels])
+
+
+def read(path, limit):
+    """The first problems of a set."""
+    lines = iter(pathlib.Path(path).read_text().splitlines())
+    count = min(int(next(lines).split()[2]), limit)
+    problems = []
+    for _ in range(count):
+        text = [next(lines)]
+        _, _, _, variables, levels = text[0].split()
+        variables = int(variables)
+        problem = Problem(text, variables, [])
+        for _ in range(int(levels)):
+            text.append(next(lines))
+            _, kind, hard, rows = text[-1].split()
+            block = [next(lines) for _ in range(int(rows))]
+            text += block
+            width = 3 if kind == "B" else variables + 2
+            data = np.array([line.split() for line in block], dtype=float).reshape(-1, width)
+            matrix = data[:, :-2]
+            if kind == "B":
+                matrix = np.eye(variables)[data[:, 0].astype(int)]
+            matrix = np.ascontiguousarray(matrix)
+            problem.levels.append(
+                Level(kind == "B", hard == "1", matrix, data[:, -2].copy(), data[:, -1].copy())
+            )
+        problems.append(problem)
+    return problems
+
+
+def ours(hqp, problems, warm):
+    """ahqp-core's solutions, and the line of times that `hqp` prints."""
+    with tempfile.NamedTemporaryFile("w", suffix=".hqp") as file:
+        file.write(f"hqpset compared {len(problems)}\n")
+        for problem in problems:
+            file.write("\n".join(problem.text) + "\n")
+        file.flush()
+        command = [hqp, file.name, "--repeat", "3"] + (["--warm"] if warm else [])
+        result = subprocess.run(command, capture_output=True, text=True, check=True)
+    solutions = []
+    for line in result.stdout.splitlines():
+        _, status, _, *x = line.split()
+        solutions.append(np.array(x, dtype=float) if status == "0" else None)
+    times = dict(re.findall(r"(\w+)=([\d.]+)", result.stderr.splitlines()[-1]))
+    return solutions, float(times["median_us"]), float(times["p99_us"])
+
+
+def daqp_hierarchy(problems, start):
+    """DAQP's hierarchical mode; `start` is what of the solution before it starts from."""
+    solutions, times, before = [], [], {}
+    for problem in problems:
+        first, rest = problem.levels[0], problem.levels[1:]
+        # DAQP knows bounds only of the first variables, one after the other.
+        simple = first.bounds and np.array_equal(
+            first.matrix, np.eye(len(first.lower), problem.variables)
+        )
+        matrix = np.vstack([level.matrix for level in (rest if simple else problem.levels)])
+        lower = np.concatenate([level.lower for level in problem.levels])
+        upper = np.concatenate([level.upper for level in problem.levels])
+        ends = np.cumsum([len(level.lower) for level in problem.levels]).astype(np.int32)
+        sense = np.zeros(len(lower), dtype=np.int32)
+        x, _, flag, info = daqp.solve(
+            None, None, matrix, upper, lower, sense, break_points=ends, **before
+        )
+        times.append(1e6 * (info["setup_time"] + info["solve_time"]))
+        solutions.append(x.copy() if flag in (1, 2) else None)
+        if start and flag in (1, 2):
+            before = {start: {"primal_start": x, "dual_start": info["lam"]}[start].copy()}
+    return solutions, np.median(times), np.percentile(times, 99)
+
+
+def cascade(problems, solver):
+    """One ordinary quadratic program a level, the levels above stacked as equalities."""
+    solutions, times = [], []
+    for problem in problems:
+        x, took = np.zeros(problem.variables), 0.0
+        held = Held(problem.variables)
+        for level in problem.levels:
+            if level.hard:
+                held.inequalities.append((level.matrix, level.lower, level.upper))
+                continue
+            x, seconds = held.minimise(level, solver)
+            took += seconds
+            if x is None:
+                break
+            held.hold(level, x)
+        solutions.append(x)
+        times.append(1e6 * took)
+    return solutions, np.median(times), np.percentile(times, 99)
+
+
+class Held:
+    """What holds from here down."""
+
+    def __init__(self, variables):
+        self.variables = variables
+        self.equalities = (np.zeros((0, variables)), np.zeros(0))
+        self.inequalities = []
+
+    def minimise(self, level, solver):
+        """min ½‖w‖² with lower ≤ A x − w ≤ upper, a little of ‖x‖² added; w of equalities is
+        A x − b and needs no variable."""
+        equal = level.lower == level.upper
+        a, b = level.matrix[equal], level.lower[equal]
+        soft, n = int((~equal).sum()), self.variables
+        hessian = np.zeros((n + soft, n + soft))
+        hessian[:n, :n] = a.T @ a + 1e-9 * np.eye(n)
+        hessian[n:, n:] = np.eye(soft)
+        gradient = np.concatenate([-a.T @ b, np.zeros(soft)])
+        rows = [(level.matrix[~equal], level.lower[~equal], level.upper[~equal], -np.eye(soft))]
+        rows += [(m, l, u, np.zeros((len(l), soft))) for m, l, u in self.inequalities]
+        sides = []
+        for matrix, lower, upper, slack in rows:
+            wide = np.hstack([matrix, slack])
+            sides.append((wide[upper < INFINITE], upper[upper < INFINITE]))
+            sides.append((-wide[lower > -INFINITE], -lower[lower > -INFINITE]))
+        g, h = (np.concatenate(parts) for parts in zip(*sides))
+        matrix, value = self.equalities
+        stacked = np.hstack([matrix, np.zeros((len(value), soft))])
+        problem = qpsolvers.Problem(hessian, gradient, g, h, stacked, value)
+        start = time.perf_counter()
+        try:
+            solution = qpsolvers.solve_problem(problem, solver=solver)
+        except Exception:  # A solver that gives up with an exception has failed like any other.
+            return None, time.perf_counter() - start
+        seconds = time.perf_counter() - start
+        return (solution.x[:n] if solution.found else None), seconds
+
+    def hold(self, level, x):
+        """The level's violated rows and equalities keep their values, the others their ranges."""
+        value = level.matrix @ x
+        off = np.abs(value - np.clip(value, level.lower, level.upper)) > 1e-7
+        fixed = (level.lower == level.upper) | off
+        self.inequalities.append((level.matrix[~fixed], level.lower[~fixed], level.upper[~fixed]))
+        matrix = np.vstack([self.equalities[0], level.matrix[fixed]])
+        value = np.concatenate([self.equalities[1], value[fixed]])
+        # Quadratic solvers want independent equalities.
+        kept, basis = [], np.zeros((0, self.variables))
+        for i, row in enumerate(matrix):
+            rest = row - basis.T @ (basis @ row)
+            rest -= basis.T @ (basis @ rest)
+            if np.linalg.norm(rest) > 1e-9 * max(np.linalg.norm(row), 1e-300):
+                kept.append(i)
+                basis = np.vstack([basis, rest / np.linalg.norm(rest)])
+        self.equalities = (matrix[kept], value[kept])
+
+
+def share_right(problems, results):
+    """For each solver, the share of the problems on which all its level residuals are right."""
+    right = {name: 0 for name in results}
+    for index, problem in enumerate(problems):
+        found = {
+            name: problem.violations(solutions[index])
+            for name, (solutions, *_) in results.items()
+            if solutions[index] is not None
+        }
+        best = lexicographic_least(list(found.values()))
+        for name, values in found.items():
+            right[name] += bool(np.all(np.abs(values - best) <= RIGHT * (1.0 + best)))
+    return {name: count / len(problems) for name, count in right.items()}
+
+
+def lexicographic_least(candidates):
+    """The residuals that are least level by level. A solver that gives way in one level, however
+    little, gains in the next: levels are told apart more finely than right from wrong."""
+    for level in range(len(candidates[0]) if candidates else 0):
+        best = min(values[level] for values in candidates)
+        limit = best + EQUAL * (1.0 + best)
+        candidates = [values for values in candidates if values[level] <= limit]
+    return candidates[0] if candidates else None
+
+
+def compare(path, options):
+    problems = read(path, options.limit)
+    results = {
+        "ahqp-core warm": ours(options.hqp, problems, warm=True),
+        "ahqp-core cold": ours(options.hqp, problems, warm=False),
+        "DAQP warm": min(
+            (daqp_hierarchy(problems, start) for start in ("primal_start", "dual_start")),
+            key=lambda result: result[1],
+        ),
+        "DAQP cold": daqp_hierarchy(problems, None),
+    }
+    if not options.no_cascade:
+        for solver in ("quadprog", "piqp", "proxqp", "clarabel"):
+            if solver in qpsolvers.available_solvers:
+                results[f"cascade, {solver}"] = cascade(problems, solver)
+    right = share_right(problems, results)
+    print(f"\n{pathlib.Path(path).stem}: {len(problems)} problems")
+    print(f"{'':22}{'median µs':>12}{'p99 µs':>12}{'ratio':>8}{'right':>8}{'failed':>8}")
+    for name, (solutions, median, p99) in results.items():
+        base = results["ahqp-core warm" if name.endswith("warm") else "ahqp-core cold"][1]
+        failed = sum(x is None for x in solutions)
+        ratio = median / base
+        print(f"{name:22}{median:12.2f}{p99:12.2f}{ratio:8.2f}{right[name]:8.1%}{failed:8}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--hqp", required=True, help="the `hqp` binary")
+    parser.add_argument("--limit", type=int, default=400, help="most problems of a set")
+    parser.add_argument("--no-cascade", action="store_true", help="leave the cascades out")
+    parser.add_argument("sets", nargs="+")
+    options = parser.parse_args()
+    warnings.simplefilter("ignore")
+    for path in options.sets:
+        compare(path, options)
+
+
+if __name__ == "__main__":
+    main()

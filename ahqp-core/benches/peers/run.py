@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+"""Prepares a comparison with other solvers and runs it; see README.md."""
+
+import argparse
+import contextlib
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import venv
+
+HERE = pathlib.Path(__file__).resolve().parent
+WORKSPACE = HERE.parents[2]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--limit", type=int, default=400, help="most problems of a set")
+    parser.add_argument("--sets", nargs="*", default=[], help="sets of your own (.hqp)")
+    parser.add_argument("--keep", help="folder to keep and to use again")
+    parser.add_argument("--no-cascade", action="store_true", help="leave the cascades out")
+    options = parser.parse_args()
+
+    with contextlib.ExitStack() as stack:
+        folder = pathlib.Path(options.keep or stack.enter_context(tempfile.TemporaryDirectory()))
+        python = environment(folder / "venv")
+        hqp = build()
+        sets = options.sets or written_problems(folder / "problems")
+        command = [python, HERE / "compare.py", "--hqp", hqp, "--limit", str(options.limit)]
+        command += ["--no-cascade"] if options.no_cascade else []
+        # One thread for everybody.
+        threads = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
+        sys.exit(subprocess.run(command + sets, env=os.environ | threads).returncode)
+
+
+def environment(folder):
+    """A virtual environment with the other solvers."""
+    python = folder / ("Scripts" if os.name == "nt" else "bin") / "python"
+    if not python.exists():
+        venv.create(folder, with_pip=True)
+        install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+        subprocess.run([*install, "-r", HERE / "requirements.txt"], check=True)
+    return python
+
+
+def build():
+    """The `hqp` binary."""
+    cargo = ["cargo", "build", "--release", "--package", "examples", "--bin", "hqp"]
+    subprocess.run(cargo, cwd=WORKSPACE, check=True)
+    return target_folder() / "release" / "hqp"
+
+
+def target_folder():
+    return pathlib.Path(os.environ.get("CARGO_TARGET_DIR", WORKSPACE / "target"))
+
+
+def written_problems(folder):
+    """The sets that `cargo bench` runs, as text."""
+    if not folder.exists():
+        cargo = ["cargo", "run", "--release", "--package", "ahqp-core", "--features", "testing"]
+        cargo += ["--example", "write_problems", "--", folder]
+        subprocess.run(cargo, cwd=WORKSPACE, check=True)
+    return sorted(folder.glob("*.hqp"), key=lambda path: (path.stat().st_size, path.name))
+
+
+if __name__ == "__main__":
+    main()
