@@ -126,15 +126,16 @@ impl Solver {
         if warm {
             self.verifier.fit(&self.set.table);
             self.set.hint.copy_from_slice(&self.verifier.activity);
-        } else {
+            if let Some(rounds) = self.verifier.solve(&self.set.table, ROUNDS) {
+                self.set.x.copy_from_slice(&self.verifier.factorisation.x);
+                self.warm = true;
+                self.read_out(Status::Solved, rounds);
+                return Ok(&self.solution);
+            }
+        }
+        if !warm || self.verifier.far {
             self.set.hint.fill(RowState::Inside);
             self.solution.x.fill(0.0);
-        }
-        if warm && let Some(rounds) = self.verifier.solve(&self.set.table, ROUNDS) {
-            self.set.x.copy_from_slice(&self.verifier.factorisation.x);
-            self.warm = true;
-            self.read_out(Status::Solved, rounds);
-            return Ok(&self.solution);
         }
         let status = self.search_levels(hierarchy.levels().len())?;
         if !norm(&self.set.x).is_finite() {

@@ -25,6 +25,8 @@ pub(crate) struct Verifier {
     value: Vec<f64>,
     /// Active inequalities whose sign is known to be right.
     settled: Vec<bool>,
+    /// Whether the last active set asked for was far from the right one.
+    pub(crate) far: bool,
     multipliers: Vec<f64>,
     gradient: Vec<f64>,
     settings: Settings,
@@ -46,6 +48,7 @@ impl Verifier {
             activity: vec![RowState::Inside; table.len()],
             value: vec![0.0; table.len()],
             settled: vec![false; table.len()],
+            far: false,
             multipliers: vec![0.0; table.n],
             gradient: vec![0.0; table.n],
             settings,
@@ -56,6 +59,8 @@ impl Verifier {
     /// took, or none if it did not come to an end.
     pub(crate) fn solve(&mut self, table: &RowTable, rounds: usize) -> Option<usize> {
         self.fit(table);
+        self.far = true;
+        let mut before = usize::MAX;
         for round in 1..=rounds {
             let tolerance = self.settings.rank_tolerance;
             if !self.factorisation.factorise(table, &self.activity, tolerance) {
@@ -65,6 +70,15 @@ impl Verifier {
             if repairs == (Repairs { taken: 0, released: 0 }) {
                 return Some(round);
             }
+            // Mending that does not shrink goes round in circles.
+            let changes = repairs.taken + repairs.released;
+            if round == 1 {
+                self.far = changes > table.n / 6 + 1;
+            }
+            if self.far || (changes > before && round > 2) {
+                return None;
+            }
+            before = changes;
         }
         None
     }

@@ -30,7 +30,7 @@ struct Options {
     recording: Option<PathBuf>,
 
     /// Stature of the person in metres, in place of the recording's
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     stature: Option<f64>,
 
     /// Folder for the report
