@@ -1,5 +1,6 @@
 //! What the programs `follow` and `record` are made of.
 
+pub mod ergonomics;
 pub mod follow;
 pub mod hqp_file;
 pub mod recording;

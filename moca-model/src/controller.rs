@@ -160,7 +160,7 @@ impl Controller {
             workspace: self.space.workspace(),
             goal: GoalTerms {
                 ergonomics,
-                drift: self.space.person_velocity_at(&self.command.desired.translation.vector),
+                drift: self.space.person_velocity(),
                 activation: self.command.activation,
             },
             intervals: &self.intervals,

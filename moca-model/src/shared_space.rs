@@ -150,11 +150,15 @@ impl SharedSpace {
         self.person.map_or(f64::INFINITY, |person| person.age)
     }
 
-    /// The velocity of the person's frame at `point`, world axes \[m, m/s\].
-    pub fn person_velocity_at(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        let twist = self.frame.twist();
-        let arm = point - self.frame.pose().translation.vector;
-        twist.fixed_rows::<3>(0) + twist.fixed_rows::<3>(3).into_owned().cross(&arm)
+    /// The velocity at which the tracked person walks, world axes \[m/s\]; zero when they are
+    /// lost. Not that of the smooth frame, which also moves to mend its own distance.
+    pub fn person_velocity(&self) -> Vector3<f64> {
+        match &self.person {
+            Some(person) if person.status.is_usable() => {
+                Vector3::new(person.velocity.x, person.velocity.y, 0.0)
+            }
+            _ => Vector3::zeros(),
+        }
     }
 
     /// The person's frame as the controller sees it: smooth in time.

@@ -26,7 +26,7 @@ enum Priority {
 pub struct GoalTerms<'a> {
     /// The person's ergonomics in the world, τ seconds ahead.
     pub ergonomics: Option<&'a ErgonomicsQuadratic>,
-    /// The velocity of the person's frame at x_d, world axes \[m/s\]: fed forward, so that the
+    /// The velocity at which the person walks, world axes \[m/s\]: fed forward, so that the
     /// optimum does not lag behind a walking person.
     pub drift: Vector3<f64>,
     /// From 0, the benchmark min ‖ẋ_d‖², to 1, ergonomics alone; between, both so weighted.

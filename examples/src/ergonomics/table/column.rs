@@ -1,0 +1,130 @@
+//! Columns: their names, what their cells hold, and where that goes on the sheet.
+
+use std::fmt;
+
+use super::{Sheet, TableError};
+
+/// What the cells of a column hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cell {
+    /// An angle in degrees, from -180 to 180; it goes on the sheet in radians.
+    Angle,
+    /// A mass in kilograms, from 0 to 1000.
+    Load,
+    /// 0 or 1; an empty cell is 0.
+    Flag,
+    /// One of these words, or its index from 0.
+    Choice(&'static [&'static str]),
+}
+
+/// A column of a table of sheets `S`.
+pub struct Column<S> {
+    /// Its name.
+    pub name: &'static str,
+    /// What its cells hold.
+    pub cell: Cell,
+    /// Whether a table must have it. What a missing column would hold is 0.
+    pub needed: bool,
+    set: fn(&mut S, f64),
+}
+
+impl<S> Column<S> {
+    /// A column that every table has.
+    pub(super) const fn needed(name: &'static str, cell: Cell, set: fn(&mut S, f64)) -> Self {
+        Self { name, cell, needed: true, set }
+    }
+
+    /// A column that a table may leave out.
+    pub(super) const fn optional(name: &'static str, cell: Cell, set: fn(&mut S, f64)) -> Self {
+        Self { name, cell, needed: false, set }
+    }
+
+    /// A box to tick.
+    pub(super) const fn flag(name: &'static str, set: fn(&mut S, f64)) -> Self {
+        Self::optional(name, Cell::Flag, set)
+    }
+
+    /// Puts a cell on the sheet; the error says what it should hold.
+    pub(super) fn fill(&self, sheet: &mut S, cell: &str) -> Result<(), Cell> {
+        (self.set)(sheet, self.cell.value(cell).ok_or(self.cell)?);
+        Ok(())
+    }
+}
+
+impl<S> fmt::Debug for Column<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, cell, needed, set: _ } = self;
+        f.debug_struct("Column")
+            .field("name", name)
+            .field("cell", cell)
+            .field("needed", needed)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Cell {
+    /// The number that a cell holds, angles in radians; `None` if it cannot be there.
+    fn value(self, cell: &str) -> Option<f64> {
+        let number = cell.parse::<f64>().ok();
+        let within = |min: f64, max: f64| number.filter(|x| (min..=max).contains(x));
+        match self {
+            Self::Angle => within(-180.0, 180.0).map(f64::to_radians),
+            Self::Load => within(0.0, 1000.0),
+            Self::Flag if cell.is_empty() => Some(0.0),
+            Self::Flag => number.filter(|x| *x == 0.0 || *x == 1.0),
+            Self::Choice(words) => {
+                let named = words.iter().position(|word| word.eq_ignore_ascii_case(cell));
+                let index =
+                    number.filter(|x| x.fract() == 0.0 && (0.0..words.len() as f64).contains(x));
+                named.map(|index| index as f64).or(index)
+            }
+        }
+    }
+}
+
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Angle => write!(f, "an angle from -180 to 180 degrees, such as 12.5"),
+            Self::Load => write!(f, "a load from 0 to 1000 kg, such as 2.5"),
+            Self::Flag => write!(f, "1 for yes, or 0 (or nothing) for no"),
+            Self::Choice(words) => {
+                let numbered: Vec<_> =
+                    words.iter().enumerate().map(|(i, word)| format!("{i} ({word})")).collect();
+                write!(f, "one of {}", numbered.join(", "))
+            }
+        }
+    }
+}
+
+/// The column of each name in the header.
+pub(super) fn matched<S: Sheet>(
+    line: usize,
+    names: &[String],
+) -> Result<Vec<&'static Column<S>>, TableError> {
+    let mut columns: Vec<&'static Column<S>> = Vec::new();
+    for (index, name) in names.iter().enumerate() {
+        let number = index + 1;
+        let Some(column) = S::COLUMNS.iter().find(|column| column.name == name.trim()) else {
+            if name.contains([';', '\t']) {
+                return Err(TableError::Separator { line });
+            }
+            let known = S::COLUMNS.iter().map(|column| column.name);
+            let known = known.collect::<Vec<_>>().join(", ");
+            return Err(TableError::UnknownColumn { line, number, column: name.clone(), known });
+        };
+        if columns.iter().any(|other| other.name == column.name) {
+            return Err(TableError::RepeatedColumn { line, number, column: column.name });
+        }
+        columns.push(column);
+    }
+    let missing = S::COLUMNS
+        .iter()
+        .filter(|column| column.needed && columns.iter().all(|other| other.name != column.name));
+    let missing: Vec<&str> = missing.map(|column| column.name).collect();
+    if missing.is_empty() {
+        Ok(columns)
+    } else {
+        Err(TableError::MissingColumns { line, columns: missing.join(", ") })
+    }
+}
