@@ -9,6 +9,7 @@
 use crate::active_set::RowState;
 use crate::kernels::{RowsMut, reflect_rows};
 use crate::table::RowTable;
+use crate::tall::solve_tall;
 use crate::vector::{add_scaled, dot, norm, reflector};
 
 /// What a group of stacked rows is for.
@@ -263,8 +264,7 @@ impl Factorisation {
         norm(source)
     }
 
-    /// min ½‖L t − c‖² + d₁ᵀt over the group's own coordinates t, L tall, by R of L = Q'R:
-    /// Rᵀ(R t − Q'ᵀc) = −d₁.
+    /// min ½‖L t − c‖² + d₁ᵀt over the group's own coordinates t, L tall.
     fn decide_tall(
         &mut self,
         start: usize,
@@ -281,32 +281,14 @@ impl Factorisation {
                 self.tall[column * m + i] = if column <= i { entry } else { 0.0 };
             }
         }
-        for column in 0..rank {
-            let (left, right) = self.tall.split_at_mut((column + 1) * m);
-            let v = &mut left[column * m + column..];
-            let (tau, image) = reflector(v);
-            for other in right.chunks_exact_mut(m).take(rank - column - 1) {
-                let part = &mut other[column..];
-                let weight = tau * dot(part, v);
-                add_scaled(part, -weight, v);
-            }
-            let part = &mut self.tall_target[column..m];
-            let weight = tau * dot(part, v);
-            add_scaled(part, -weight, v);
-            v[0] = image;
-        }
-        if let Some(level) = linear_of {
-            let linear = &self.linear[level * n + first..level * n + first + rank];
-            for (i, &entry) in linear.iter().enumerate() {
-                let known: f64 = (0..i).map(|j| self.tall[i * m + j] * self.turned[j]).sum();
-                self.turned[i] = (entry - known) / self.tall[i * m + i];
-                self.tall_target[i] -= self.turned[i];
-            }
-        }
-        for i in (0..rank).rev() {
-            let known: f64 = (i + 1..rank).map(|j| self.tall[j * m + i] * self.y[first + j]).sum();
-            self.y[first + i] = (self.tall_target[i] - known) / self.tall[i * m + i];
-        }
+        let linear = linear_of.map(|level| {
+            let from = &self.linear[level * n + first..level * n + first + rank];
+            let to = &mut self.turned[..rank];
+            to.copy_from_slice(from);
+            to
+        });
+        let out = &mut self.y[first..first + rank];
+        solve_tall(&mut self.tall[..rank * m], &mut self.tall_target[..m], linear, out);
     }
 
     /// x from y.

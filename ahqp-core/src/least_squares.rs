@@ -7,6 +7,7 @@
 //! factored once more from the left.
 
 use crate::kernels::{RowsMut, reflect_rows};
+use crate::tall::solve_tall;
 use crate::vector::{add_scaled, dot, norm, reflector};
 
 /// The problem and its factors; sized once for m and k up to given limits.
@@ -183,42 +184,18 @@ impl LeastSquares {
         }
     }
 
-    /// min ½‖L t − c‖² + d₁ᵀt with L tall, by R from L = Q'R: Rᵀ(R t − Q'ᵀc) = −d₁.
+    /// min ½‖L t − c‖² + d₁ᵀt with L tall.
     fn solve_tall(&mut self) {
         let (m, rank) = (self.m, self.rank);
-        // Columns of L one after the other, the target behind them.
         for column in 0..rank {
             for i in 0..m {
                 self.tall[column * m + i] =
                     if column <= i { self.rows[i * self.stride + column] } else { 0.0 };
             }
         }
-        for column in 0..rank {
-            let (left, right) = self.tall.split_at_mut((column + 1) * m);
-            let v = &mut left[column * m + column..];
-            let (tau, image) = reflector(v);
-            for other in right.chunks_exact_mut(m).take(rank - column - 1) {
-                let part = &mut other[column..];
-                let weight = tau * dot(part, v);
-                add_scaled(part, -weight, v);
-            }
-            let part = &mut self.target[column..m];
-            let weight = tau * dot(part, v);
-            add_scaled(part, -weight, v);
-            v[0] = image;
-        }
-        self.solution[..rank].copy_from_slice(&self.target[..rank]);
-        if self.has_linear {
-            for i in 0..rank {
-                let known: f64 = (0..i).map(|j| self.tall[i * m + j] * self.linear[j]).sum();
-                self.linear[i] = (self.linear[i] - known) / self.tall[i * m + i];
-                self.solution[i] -= self.linear[i];
-            }
-        }
-        for i in (0..rank).rev() {
-            let known: f64 = (i + 1..rank).map(|j| self.tall[j * m + i] * self.solution[j]).sum();
-            self.solution[i] = (self.solution[i] - known) / self.tall[i * m + i];
-        }
+        let linear = self.has_linear.then_some(&mut self.linear[..rank]);
+        let (tall, target) = (&mut self.tall[..rank * m], &mut self.target[..m]);
+        solve_tall(tall, target, linear, &mut self.solution[..rank]);
     }
 
     /// From the coordinates of Q back to z.

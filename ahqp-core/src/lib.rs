@@ -34,6 +34,7 @@ mod settings;
 mod solution;
 mod solver;
 mod table;
+mod tall;
 #[cfg(feature = "testing")]
 pub mod testing;
 mod vector;

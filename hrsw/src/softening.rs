@@ -12,7 +12,7 @@ use crate::workspace::Workspace;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Slack {
     /// One slack a coordinate, shared by all rows that the coordinate moves (the paper's
-    /// eqs. 9 and 10): the shape grows by the box of half-widths s. Needs 6 slack variables.
+    /// Sec. III-C): the shape grows by the box of half-widths s. Needs 6 slack variables.
     #[default]
     Shared,
     /// One slack a row, without variables of its own: the squares of the excesses are minimised.
@@ -49,7 +49,7 @@ impl Default for Softening {
 }
 
 /// The level min ½ Σ wᵢsᵢ² subject to the rows of the workspace, each loosened by the slack:
-/// for boxes z_min − s ≤ z ≤ z_max + s (the paper's eqs. 9 and 10). Where in the hierarchy it
+/// for boxes z_min − s ≤ z ≤ z_max + s (the paper's Sec. III-C). Where in the hierarchy it
 /// stands is the caller's choice.
 ///
 /// The excess e of each row is taken τ seconds ahead, e + τ (gradient · ẋ_d + drift), with the
@@ -144,7 +144,7 @@ impl SoftWorkspace {
 
     /// Writes the rows τ gradient · ẋ_d − |axes| · s ≤ −excess − τ drift for the desired pose
     /// x_d(t−1) into a level made by [`level`](Self::level); for boxes those of the paper's
-    /// eq. 10.
+    /// Sec. III-C.
     ///
     /// # Errors
     /// [`Error::NotFinite`] or [`Error::NotUnit`] for the desired pose; [`Error::TooMany`] when
