@@ -8,8 +8,8 @@
 use std::ops::Range;
 
 use crate::basis::Basis;
-use crate::kernels::RowsMut;
 use crate::least_squares::{LeastSquares, Minimum};
+use crate::pulled::Pulled;
 use crate::settings::Settings;
 use crate::table::RowTable;
 use crate::vector::{add_scaled, norm};
@@ -74,6 +74,8 @@ pub(crate) enum End {
 pub(crate) struct ActiveSet {
     pub(crate) table: RowTable,
     pub(crate) basis: Basis,
+    /// The rows that are pulled, between the begin and the end of a search.
+    pub(crate) pulled: Pulled,
     pub(crate) least_squares: LeastSquares,
     pub(crate) x: Vec<f64>,
     pub(crate) state: Vec<RowState>,
@@ -89,10 +91,8 @@ pub(crate) struct ActiveSet {
     pub(crate) hint: Vec<RowState>,
     /// The largest ‖x‖ of this solve.
     pub(crate) farthest: f64,
-    /// Coordinates of the rows that are minimised along the basis, kept up to date while they
-    /// are: `reduced_rows` of them, valid where the row is active and along free directions.
-    reduced: Vec<f64>,
-    reduced_rows: Range<usize>,
+    /// Rows of the working set that the level at hand leaves to the next.
+    pub(crate) left: Vec<(usize, RowState)>,
     pub(crate) slope: Vec<f64>,
     pub(crate) direction: Vec<f64>,
     pub(crate) gradient: Vec<f64>,
@@ -106,6 +106,7 @@ impl ActiveSet {
             table.levels.iter().map(|l| (l.objective.len() + 1).max(l.constraints.len())).max();
         Self {
             basis: Basis::new(n),
+            pulled: Pulled::new(most.unwrap_or(0), n),
             least_squares: LeastSquares::new(most.unwrap_or(0), n),
             x: vec![0.0; n],
             state: vec![RowState::Absent; count],
@@ -116,8 +117,7 @@ impl ActiveSet {
             iterations: 0,
             hint: vec![RowState::Inside; count],
             farthest: 0.0,
-            reduced: vec![0.0; most.unwrap_or(0) * n],
-            reduced_rows: 0..0,
+            left: Vec::with_capacity(n),
             slope: vec![0.0; count],
             direction: vec![0.0; n],
             gradient: vec![0.0; n],
@@ -130,6 +130,7 @@ impl ActiveSet {
     /// active in the hint are active from the start.
     pub(crate) fn reset(&mut self, start: &[f64]) {
         self.basis.reset();
+        self.pulled.clear(false);
         self.hard.clear();
         self.state.fill(RowState::Absent);
         self.iterations = 0;
@@ -209,59 +210,43 @@ impl ActiveSet {
         (self.value[id] - bound).abs() <= self.tolerance(id, norm(&self.x))
     }
 
-    /// Begins to keep the coordinates of the rows of `goal`.
-    pub(crate) fn begin_reduced(&mut self, goal: &Goal) {
-        self.reduced_rows = 0..0;
+    /// Begins to keep the rows of `goal` that are pulled in a factor of their own.
+    pub(crate) fn begin_pulling(&mut self, goal: &Goal) {
+        self.pulled.clear(matches!(goal, Goal::Rows { linear_of: None, .. }));
         if let Goal::Rows { rows, .. } = goal {
-            self.reduced_rows = rows.clone();
             for id in rows.clone() {
                 if self.state[id].is_active() {
-                    self.reduce(id);
+                    self.pulled.pull(&mut self.basis, &self.table, id);
                 }
             }
         }
     }
 
-    /// No longer keeps coordinates.
-    pub(crate) fn end_reduced(&mut self) {
-        self.reduced_rows = 0..0;
-    }
-
-    fn reduce(&mut self, id: usize) {
-        let (n, start) = (self.table.n, self.basis.free_start());
-        let at = (id - self.reduced_rows.start) * n;
-        let out = &mut self.reduced[at + start..at + n];
-        self.basis.free_coordinates(self.table.row(id), out);
-    }
-
     /// Pulls a row of the objective that has come to a bound.
     pub(crate) fn pull(&mut self, id: usize, state: RowState) {
         self.state[id] = state;
-        self.reduce(id);
+        self.pulled.pull(&mut self.basis, &self.table, id);
+    }
+
+    /// No longer pulls a row of the objective.
+    pub(crate) fn let_go(&mut self, id: usize) {
+        self.state[id] = RowState::Inside;
+        self.pulled.let_go(&mut self.basis, &self.table, id);
     }
 
     /// Lets go of a row of the working set; its direction is free again.
     pub(crate) fn release(&mut self, position: usize) {
         let id = self.basis.active()[position];
-        self.basis.remove_active(position);
+        self.pulled.release(&mut self.basis, &self.table, position);
         self.state[id] = RowState::Inside;
-        let (n, start) = (self.table.n, self.basis.free_start());
-        let direction = self.basis.vector(start);
-        for (index, id) in self.reduced_rows.clone().enumerate() {
-            if self.state[id].is_active() {
-                self.reduced[index * n + start] = self.table.row(id).dot(direction);
-            }
-        }
     }
 
     /// Adds a hard row to the working set; false if it depends on the rows there.
     pub(crate) fn activate(&mut self, id: usize, state: RowState) -> bool {
-        let added = self.basis.push_active(id, self.table.row(id), self.dependence_tolerance());
+        let tolerance = self.dependence_tolerance();
+        let added = self.pulled.activate(&mut self.basis, &self.table, id, tolerance);
         if added {
             self.state[id] = state;
-            let n = self.table.n;
-            let data = &mut self.reduced[..self.reduced_rows.len() * n];
-            self.basis.repeat_reflection(&mut RowsMut { data, stride: n });
         }
         added
     }
@@ -273,10 +258,7 @@ impl ActiveSet {
     }
 
     pub(crate) fn bound(&self, id: usize) -> f64 {
-        match self.state[id] {
-            RowState::Lower => self.table.lower[id],
-            _ => self.table.upper[id],
-        }
+        bound(&self.table, &self.state, id)
     }
 
     /// The step to the minimum with the working set held, into `direction`.
@@ -294,6 +276,14 @@ impl ActiveSet {
                 return Minimum::Point;
             }
             Goal::Rows { rows, linear_of } => {
+                if self.pulled.is_sound() {
+                    let (table, state, value) = (&self.table, &self.state, &self.value);
+                    let step = self.pulled.solve(|id| bound(table, state, id) - value[id]);
+                    if let Some(step) = step {
+                        self.basis.add_free(step, &mut self.direction);
+                        return Minimum::Point;
+                    }
+                }
                 self.fill_least_squares(rows, *linear_of, k);
                 self.least_squares.factorise(self.settings.rank_tolerance);
                 self.least_squares.solve(self.settings.rank_tolerance)
@@ -304,15 +294,13 @@ impl ActiveSet {
     }
 
     fn fill_least_squares(&mut self, rows: &Range<usize>, linear_of: Option<usize>, k: usize) {
-        let n = self.table.n;
         self.least_squares.start(k);
         for id in rows.clone() {
-            let norm = self.table.row(id).norm();
-            if self.state[id].is_active() && norm > 0.0 {
+            let row = self.table.row(id);
+            if self.state[id].is_active() && row.norm() > 0.0 {
                 let target = self.bound(id) - self.value[id];
-                let at = (id - rows.start) * n;
-                let reduced = &self.reduced[at + n - k..at + n];
-                self.least_squares.push(target, norm, |out| out.copy_from_slice(reduced));
+                let reduce = |out: &mut [f64]| self.basis.free_coordinates(row, out);
+                self.least_squares.push(target, row.norm(), reduce);
             }
         }
         if let Some(level) = linear_of {
@@ -351,49 +339,18 @@ impl ActiveSet {
         self.settings.optimality_tolerance * size + 1e-13 * noise
     }
 
-    /// Whether row `position` of the working set is needed to hold the optimum: its multiplier
-    /// is well away from zero, so that the row is active at every optimum of the level.
-    pub(crate) fn is_strongly_active(&self, position: usize, threshold: f64) -> bool {
-        let id = self.basis.active()[position];
-        self.state[id] == RowState::Equal
-            || self.multipliers[position].abs() * self.table.row(id).norm() > threshold
-    }
-
     /// Multipliers of the working set for the goal at x; returns the size above which one counts.
     pub(crate) fn refresh_multipliers(&mut self, goal: &Goal) -> f64 {
         let threshold = self.set_gradient(goal);
         self.basis.multipliers(&self.gradient, &mut self.multipliers);
         threshold
     }
+}
 
-    /// Fixes the values that the rows of a minimised objective have at x; rows within their
-    /// ranges become hard rows instead. The working set must be empty.
-    pub(crate) fn fix_objective(&mut self, rows: Range<usize>, linear_of: Option<usize>) {
-        let x_norm = norm(&self.x);
-        self.least_squares.start(self.basis.free_count());
-        for id in rows {
-            let row = self.table.row(id);
-            let pulled = self.state[id].is_active()
-                && (self.table.is_equality(id)
-                    || self.violation(id).abs() > self.tolerance(id, x_norm));
-            if pulled {
-                self.state[id] = RowState::Fixed;
-                if row.norm() > 0.0 {
-                    self.least_squares
-                        .push(0.0, row.norm(), |out| self.basis.free_coordinates(row, out));
-                }
-            } else {
-                self.state[id] = RowState::Inside;
-                self.hard.push(id);
-            }
-        }
-        if let Some(level) = linear_of {
-            let linear = &self.table.levels[level].linear;
-            let size = norm(linear);
-            self.least_squares.push(0.0, size, |out| self.basis.free_coordinates_of(linear, out));
-        }
-        self.least_squares.factorise(self.settings.rank_tolerance);
-        let (reflectors, stride, tau) = self.least_squares.reflectors();
-        self.basis.fix_reflected(reflectors, stride, tau);
+/// The bound that an active row is at, or is pulled towards.
+pub(crate) fn bound(table: &RowTable, state: &[RowState], id: usize) -> f64 {
+    match state[id] {
+        RowState::Lower => table.lower[id],
+        _ => table.upper[id],
     }
 }

@@ -4,7 +4,7 @@
 //! the working set, whose rows are lower triangular in them; free ones span what may still
 //! move. Dimensions shrink from level to level because fixed directions are not touched again.
 
-use crate::kernels::{RowsMut, mix_rows, reflect_rows};
+use crate::kernels::{Rotation, RowsMut, mix_rows, rotate_rows};
 use crate::table::RowView;
 use crate::vector::{add_scaled, dot, norm, reflector};
 
@@ -21,8 +21,7 @@ pub(crate) struct Basis {
     triangular: Vec<f64>,
     coordinates: Vec<f64>,
     image: Vec<f64>,
-    /// Where the last reflection began, and its τ; its vector stands in `coordinates`.
-    last: (usize, f64),
+    rotations: Vec<Rotation>,
 }
 
 impl Basis {
@@ -35,7 +34,7 @@ impl Basis {
             triangular: vec![0.0; n * n],
             coordinates: vec![0.0; n],
             image: vec![0.0; n],
-            last: (n, 0.0),
+            rotations: Vec::with_capacity(n),
         };
         basis.reset();
         basis
@@ -53,13 +52,6 @@ impl Basis {
 
     pub(crate) fn active(&self) -> &[usize] {
         &self.active
-    }
-
-    /// Brings coordinates in the directions before the last row was added to the directions
-    /// after; one row of `rows` is one vector, with a coordinate for each direction.
-    pub(crate) fn repeat_reflection(&self, rows: &mut RowsMut<'_>) {
-        let (start, tau) = self.last;
-        reflect_rows(rows, start, &self.coordinates[..self.n - start], tau);
     }
 
     /// The first free direction.
@@ -106,30 +98,24 @@ impl Basis {
         self.active.clear();
     }
 
-    /// Adds `row` to the working set. False, and no change, when it depends on the fixed and
-    /// active rows: its part along the free directions is below `tolerance` times its norm.
-    pub(crate) fn push_active(&mut self, id: usize, row: RowView<'_>, tolerance: f64) -> bool {
+    /// Puts a row that lies in the active directions and the first free one into the working set;
+    /// that direction becomes active.
+    pub(crate) fn append_active(&mut self, id: usize, row: RowView<'_>) {
         let count = self.active.len();
-        if self.free_count() == 0 {
-            return false;
-        }
-        if self.reflect_first_free(row, tolerance).is_none() {
-            return false;
-        }
         for j in 0..=count {
             let value = row.dot(self.vector(self.fixed + j));
             self.triangular[count * self.n + j] = value;
         }
         self.active.push(id);
-        true
     }
 
-    /// Removes a row of the working set; one more direction is free.
+    /// Removes a row of the working set; its direction becomes the first free one.
     pub(crate) fn remove_active(&mut self, position: usize) {
         let (n, count) = (self.n, self.active.len());
         self.active.remove(position);
         self.triangular.copy_within((position + 1) * n..count * n, position * n);
         // Row i now reaches one column too far; rotate neighbouring directions to mend it.
+        self.rotations.clear();
         for i in position..count - 1 {
             let (a, b) = (self.triangular[i * n + i], self.triangular[i * n + i + 1]);
             let length = a.hypot(b);
@@ -142,12 +128,37 @@ impl Basis {
                 row[i] = cosine * x + sine * y;
                 row[i + 1] = cosine * y - sine * x;
             }
-            let start = (self.fixed + i) * n;
-            let (first, second) = self.vectors[start..start + 2 * n].split_at_mut(n);
-            for (x, y) in first.iter_mut().zip(second) {
-                (*x, *y) = (cosine * *x + sine * *y, cosine * *y - sine * *x);
-            }
+            self.rotations.push(Rotation { first: i, cosine, sine });
         }
+        let data = &mut self.vectors[self.fixed * n..];
+        rotate_rows(&mut RowsMut { data, stride: n }, &self.rotations);
+    }
+
+    /// Rotates free directions; rotations count from free direction `offset`.
+    pub(crate) fn rotate_free(&mut self, offset: usize, rotations: &[Rotation]) {
+        let start = (self.free_start() + offset) * self.n;
+        rotate_rows(&mut RowsMut { data: &mut self.vectors[start..], stride: self.n }, rotations);
+    }
+
+    /// Turns the free directions from `offset` on by I − τvvᵀ.
+    pub(crate) fn reflect_free(&mut self, offset: usize, v: &[f64], tau: f64) {
+        self.reflect(self.free_start() + offset, v, tau);
+    }
+
+    /// Fixes all active directions and the first `count` free ones for good; the working set is
+    /// empty then.
+    pub(crate) fn fix_active_and(&mut self, count: usize) {
+        self.fixed += self.active.len() + count;
+        self.active.clear();
+    }
+
+    /// Whether every row of the working set has a clear direction of its own: more than
+    /// `fraction` of it, given its norm, lies outside the rows before it.
+    pub(crate) fn is_clear(&self, fraction: f64, norm: impl Fn(usize) -> f64) -> bool {
+        self.active
+            .iter()
+            .enumerate()
+            .all(|(i, &id)| self.triangular[i * self.n + i].abs() > fraction * norm(id))
     }
 
     /// Fixes the direction of `row` for good; the working set must be empty. False when the
@@ -196,7 +207,6 @@ impl Basis {
         if independent {
             let (tau, _) = reflector(part);
             self.reflect(start, part, tau);
-            self.last = (start, tau);
         }
         self.coordinates = v;
         independent.then_some(())
@@ -214,6 +224,16 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
     use proptest::prelude::*;
+
+    impl Basis {
+        fn push_active(&mut self, id: usize, row: RowView<'_>, tolerance: f64) -> bool {
+            let added = self.reflect_first_free(row, tolerance).is_some();
+            if added {
+                self.append_active(id, row);
+            }
+            added
+        }
+    }
 
     fn gram_error(basis: &Basis) -> f64 {
         let mut worst = 0.0_f64;

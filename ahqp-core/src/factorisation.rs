@@ -6,7 +6,7 @@
 //! coordinates y = Qᵀx which a level decides are those that no level above has used. Coordinates
 //! that no level decides stay zero: the least norm.
 
-use crate::active_set::RowState;
+use crate::active_set::{RowState, bound};
 use crate::kernels::{RowsMut, reflect_rows};
 use crate::table::RowTable;
 use crate::tall::solve_tall;
@@ -339,13 +339,5 @@ impl Factorisation {
     /// y, the coordinates decided.
     pub(crate) fn decided(&self) -> &[f64] {
         &self.y[..self.pivots.len()]
-    }
-}
-
-/// The bound that an active row is at, or is pulled towards.
-pub(crate) fn bound(table: &RowTable, state: &[RowState], id: usize) -> f64 {
-    match state[id] {
-        RowState::Lower => table.lower[id],
-        _ => table.upper[id],
     }
 }

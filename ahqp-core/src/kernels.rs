@@ -13,6 +13,27 @@ pub(crate) struct RowsMut<'a> {
     pub(crate) stride: usize,
 }
 
+/// A plane rotation of two neighbouring rows: row i ← c row i + s row i+1, and
+/// row i+1 ← c row i+1 − s row i.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rotation {
+    /// i.
+    pub(crate) first: usize,
+    pub(crate) cosine: f64,
+    pub(crate) sine: f64,
+}
+
+/// Rotates rows of a matrix, one rotation after the other.
+pub(crate) fn rotate_rows(rows: &mut RowsMut<'_>, rotations: &[Rotation]) {
+    #[cfg(target_arch = "x86_64")]
+    if has_avx2() {
+        // SAFETY: the machine has AVX2 and FMA, as just detected; the function asks no more.
+        unsafe { rotate_rows_avx2(rows, rotations) };
+        return;
+    }
+    rotate_rows_with::<false>(rows, rotations);
+}
+
 /// row ← row (I − τvvᵀ) for every row, on the entries from `start` on; `v` holds those entries.
 pub(crate) fn reflect_rows(rows: &mut RowsMut<'_>, start: usize, v: &[f64], tau: f64) {
     #[cfg(target_arch = "x86_64")]
@@ -51,6 +72,27 @@ fn reflect_rows_avx2(rows: &mut RowsMut<'_>, start: usize, v: &[f64], tau: f64) 
 #[target_feature(enable = "avx2,fma")]
 fn mix_rows_avx2(rows: &mut RowsMut<'_>, v: &[f64], tau: f64, image: &mut [f64]) {
     mix_rows_with::<true>(rows, v, tau, image);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn rotate_rows_avx2(rows: &mut RowsMut<'_>, rotations: &[Rotation]) {
+    rotate_rows_with::<true>(rows, rotations);
+}
+
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "takes the vector units of the function around it")]
+fn rotate_rows_with<const FUSED: bool>(rows: &mut RowsMut<'_>, rotations: &[Rotation]) {
+    let stride = rows.stride;
+    for &Rotation { first, cosine, sine } in rotations {
+        let pair = rows.data.get_mut(first * stride..(first + 2) * stride).unwrap_or_default();
+        let (a, b) = pair.split_at_mut(pair.len() / 2);
+        for (x, y) in a.iter_mut().zip(b) {
+            let (p, q) = (*x, *y);
+            *x = multiply_add::<FUSED>(cosine, p, sine * q);
+            *y = multiply_add::<FUSED>(cosine, q, -(sine * p));
+        }
+    }
 }
 
 #[inline(always)]

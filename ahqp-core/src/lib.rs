@@ -24,6 +24,7 @@ mod kernels;
 mod least_squares;
 mod limits;
 mod proof;
+mod pulled;
 mod quadratic;
 #[cfg(feature = "reference")]
 mod reference;
@@ -31,6 +32,7 @@ mod rotation;
 mod rows;
 mod search;
 mod settings;
+mod settle;
 mod solution;
 mod solver;
 mod table;

@@ -20,13 +20,7 @@ enum Release {
 impl ActiveSet {
     /// Searches from x.
     pub(crate) fn search(&mut self, goal: &Goal) -> End {
-        self.begin_reduced(goal);
-        let end = self.search_on(goal);
-        self.end_reduced();
-        end
-    }
-
-    fn search_on(&mut self, goal: &Goal) -> End {
+        self.begin_pulling(goal);
         let mut stalled = 0;
         loop {
             if self.iterations >= self.settings.max_iterations {
@@ -61,7 +55,7 @@ impl ActiveSet {
                 }
                 Some(Release::Soft(id)) => {
                     self.residual[id] = self.value[id] - self.bound(id);
-                    self.state[id] = RowState::Inside;
+                    self.let_go(id);
                 }
             }
         }

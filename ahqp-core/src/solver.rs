@@ -13,9 +13,6 @@ use crate::table::RowTable;
 use crate::vector::norm;
 use crate::verification::Verifier;
 
-/// A multiplier this many times above the noise marks its row as active at every optimum.
-const STRONGLY_ACTIVE: f64 = 10.0;
-
 /// Rounds of mending the previous active set after which the search starts from nothing.
 const ROUNDS: usize = 5;
 
@@ -33,8 +30,6 @@ pub struct Solver {
     verifier: Verifier,
     settings: Settings,
     solution: Solution,
-    /// Rows of the working set that the level at hand leaves to the next.
-    left: Vec<(usize, RowState)>,
     warm: bool,
     conflict: Vec<ConstraintSource>,
 }
@@ -63,7 +58,6 @@ impl Solver {
                 violations: vec![0.0; levels],
             },
             verifier: Verifier::new(&table, settings),
-            left: Vec::with_capacity(n),
             warm: false,
             conflict: Vec::with_capacity(count),
             set: ActiveSet::new(table, settings),
@@ -179,7 +173,7 @@ impl Solver {
             End::OutOfIterations => return Ok(LevelEnd::OutOfIterations),
             End::Optimal => {}
         }
-        self.settle(goal.as_ref());
+        self.set.settle(goal.as_ref(), &mut self.verifier.activity);
         Ok(LevelEnd::Solved)
     }
 
@@ -202,6 +196,7 @@ impl Solver {
                 End::Optimal => self.expect_feasible(level, &goal)?,
             }
         }
+        self.set.pulled.clear(false);
         self.set.place_hard(rows);
         Ok(LevelEnd::Solved)
     }
@@ -252,52 +247,6 @@ impl Solver {
     fn remember_active(&mut self) {
         for &id in self.set.basis.active() {
             self.verifier.activity[id] = self.set.state[id];
-        }
-    }
-
-    /// Fixes what the level decided: rows of its objective keep their values (those within
-    /// their ranges stay within), and hard rows with a multiplier stay at their bounds.
-    fn settle(&mut self, goal: Option<&Goal>) {
-        let set = &mut self.set;
-        let threshold = match goal {
-            Some(goal) => STRONGLY_ACTIVE * set.refresh_multipliers(goal),
-            None => f64::INFINITY,
-        };
-        self.left.clear();
-        for position in 0..set.basis.active().len() {
-            let id = set.basis.active()[position];
-            self.left.push((id, set.state[id]));
-            if set.is_strongly_active(position, threshold) {
-                self.verifier.activity[id] = set.state[id];
-                set.state[id] = RowState::Fixed;
-            }
-        }
-        set.basis.clear_active();
-        for &(id, _) in &self.left {
-            if set.state[id] == RowState::Fixed {
-                set.basis.fix(set.table.row(id), self.settings.rank_tolerance);
-            }
-        }
-        set.hard.retain(|&id| set.state[id] != RowState::Fixed);
-        if let Some(Goal::Rows { rows, linear_of }) = goal {
-            for id in rows.clone() {
-                if set.state[id].is_active() {
-                    self.verifier.activity[id] = set.state[id];
-                }
-            }
-            set.fix_objective(rows.clone(), *linear_of);
-            for id in rows.clone() {
-                if set.state[id] == RowState::Inside {
-                    self.verifier.activity[id] = RowState::Inside;
-                }
-            }
-        }
-        for index in 0..self.left.len() {
-            let (id, state) = self.left[index];
-            if set.state[id] != RowState::Fixed {
-                set.state[id] = RowState::Inside;
-                set.activate(id, state);
-            }
         }
     }
 

@@ -6,8 +6,8 @@
 //! level at which its multiplier differs from zero gives it the right sign (Dimitrov, Sherikov,
 //! Wieber; Escande, Mansard, Wieber, IJRR 33, 2014).
 
-use crate::active_set::RowState;
-use crate::factorisation::{Factorisation, Purpose, bound};
+use crate::active_set::{RowState, bound};
+use crate::factorisation::{Factorisation, Purpose};
 use crate::settings::Settings;
 use crate::table::RowTable;
 use crate::vector::{add_scaled, norm};

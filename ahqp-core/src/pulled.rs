@@ -1,0 +1,371 @@
+//! The rows that a search pulls, kept triangular in the basis while the working set changes.
+//!
+//! Along the pulled directions, which follow the active ones in the basis, these rows read
+//! [L; D]: L is lower triangular, one pivot row a direction; the rows of D depend on the pivots.
+//! All are zero along the idle directions, which come last. Every change of the working set is a
+//! reflection of the idle directions and a chain of plane rotations (Gill, Golub, Murray,
+//! Saunders, Mathematics of Computation 28, 1974), so that an iteration costs O(n²).
+//!
+//! Ranks are taken for granted here only where they are beyond doubt. Where a pivot is small
+//! but not rounding, the rows are given up and the caller factors with pivoting instead.
+
+use crate::basis::Basis;
+use crate::kernels::Rotation;
+use crate::table::{RowTable, RowView};
+use crate::vector::{add_scaled, dot, norm, reflector};
+
+/// A part of a row below this fraction of it is rounding.
+const NOTHING: f64 = 1e-12;
+/// A part of a row above this fraction of it is beyond doubt.
+pub(crate) const CLEAR: f64 = 1e-6;
+/// Rows of D are combinations of the pivots with weights up to this; larger ones cost digits.
+const LARGEST_WEIGHT: f64 = 1e2;
+
+/// The rows and their factor; sized once.
+#[derive(Debug, Clone)]
+pub(crate) struct Pulled {
+    stride: usize,
+    /// Pivots first, in the order of L, then dependent rows.
+    rows: Vec<usize>,
+    rank: usize,
+    sound: bool,
+    /// Column j: the coordinates of all rows along pulled direction j.
+    columns: Vec<f64>,
+    carry: Vec<f64>,
+    coordinates: Vec<f64>,
+    rotations: Vec<Rotation>,
+    target: Vec<f64>,
+    weights: Vec<f64>,
+    system: Vec<f64>,
+    step: Vec<f64>,
+}
+
+impl Pulled {
+    /// For up to `rows` rows in `n` variables.
+    pub(crate) fn new(rows: usize, n: usize) -> Self {
+        Self {
+            stride: rows,
+            rows: Vec::with_capacity(rows),
+            rank: 0,
+            sound: false,
+            columns: vec![0.0; rows * (n + 1)],
+            carry: vec![0.0; rows],
+            coordinates: vec![0.0; n],
+            rotations: Vec::with_capacity(n),
+            target: vec![0.0; rows],
+            weights: vec![0.0; rows * n],
+            system: vec![0.0; n * n],
+            step: vec![0.0; n],
+        }
+    }
+
+    /// Lets go of all rows; `sound` when rows are to be pulled next.
+    pub(crate) fn clear(&mut self, sound: bool) {
+        self.rows.clear();
+        self.rank = 0;
+        self.sound = sound;
+    }
+
+    /// Whether the rows here are all that are pulled, in a factor that can be trusted.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.sound
+    }
+
+    /// How many directions the rows decide.
+    pub(crate) fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn give_up(&mut self) {
+        self.clear(false);
+    }
+
+    /// Pulls a row more.
+    pub(crate) fn pull(&mut self, basis: &mut Basis, table: &RowTable, id: usize) {
+        let row = table.row(id);
+        if !self.sound || row.norm() == 0.0 {
+            return;
+        }
+        let (k, rank, last) = (basis.free_count(), self.rank, self.rows.len());
+        basis.free_coordinates(row, &mut self.coordinates);
+        let (along, idle) = self.coordinates[..k].split_at_mut(rank);
+        let part = norm(idle) / row.norm();
+        if part > NOTHING && part < CLEAR {
+            return self.give_up();
+        }
+        self.rows.push(id);
+        for (column, &entry) in self.columns.chunks_exact_mut(self.stride).zip(along.iter()) {
+            column[last] = entry;
+        }
+        if part >= CLEAR {
+            let (tau, image) = reflector(idle);
+            basis.reflect_free(rank, idle, tau);
+            let column = &mut self.columns[rank * self.stride..(rank + 1) * self.stride];
+            column[..last].fill(0.0);
+            column[last] = image;
+            self.swap_rows(rank, last);
+            self.rank += 1;
+        }
+    }
+
+    /// Lets go of a row that is pulled.
+    pub(crate) fn let_go(&mut self, basis: &mut Basis, table: &RowTable, id: usize) {
+        let Some(index) = self.rows.iter().position(|&row| row == id) else { return };
+        let pivot = index < self.rank;
+        let index = if pivot { self.demote(basis, index) } else { index };
+        let last = self.rows.len() - 1;
+        self.swap_rows(index, last);
+        self.rows.pop();
+        if pivot {
+            self.adopt(table);
+        }
+    }
+
+    /// Adds a hard row to the working set; false if it depends on the rows there, within
+    /// `tolerance`.
+    pub(crate) fn activate(
+        &mut self,
+        basis: &mut Basis,
+        table: &RowTable,
+        id: usize,
+        tolerance: f64,
+    ) -> bool {
+        let row = table.row(id);
+        let k = basis.free_count();
+        basis.free_coordinates(row, &mut self.coordinates);
+        if norm(&self.coordinates[..k]) <= tolerance * row.norm() {
+            return false;
+        }
+        let mut entry = self.take_carry(basis, row);
+        self.rotations.clear();
+        let (m, stride) = (self.rows.len(), self.stride);
+        for j in (0..self.rank).rev() {
+            let part = self.coordinates[j];
+            let length = part.hypot(entry);
+            let (cosine, sine) =
+                if length == 0.0 { (0.0, 1.0) } else { (part / length, entry / length) };
+            self.rotations.push(Rotation { first: j, cosine, sine });
+            let column = &mut self.columns[j * stride..j * stride + m];
+            for (pulled, carry) in column[j..].iter_mut().zip(&mut self.carry[j..m]) {
+                let (x, y) = (*pulled, *carry);
+                (*carry, *pulled) = (cosine * x + sine * y, cosine * y - sine * x);
+            }
+            entry = length;
+        }
+        basis.rotate_free(0, &self.rotations);
+        basis.append_active(id, row);
+        self.mend(basis, table);
+        true
+    }
+
+    /// The direction into which the row that is being activated is turned: an idle one, turned so
+    /// that the row has no part along the others, or else the last pulled one. Returns the row's
+    /// entry along it.
+    fn take_carry(&mut self, basis: &mut Basis, row: RowView<'_>) -> f64 {
+        let (k, m) = (basis.free_count(), self.rows.len());
+        let idle = &mut self.coordinates[self.rank..k];
+        if self.rank == 0 || norm(idle) > NOTHING * row.norm() {
+            let (tau, image) = reflector(idle);
+            basis.reflect_free(self.rank, idle, tau);
+            self.carry[..m].fill(0.0);
+            image
+        } else {
+            self.rank -= 1;
+            let start = self.rank * self.stride;
+            self.carry[..m].copy_from_slice(&self.columns[start..start + m]);
+            self.coordinates[self.rank]
+        }
+    }
+
+    /// Takes a hard row out of the working set; its direction is free again.
+    pub(crate) fn release(&mut self, basis: &mut Basis, table: &RowTable, position: usize) {
+        basis.remove_active(position);
+        let (m, stride) = (self.rows.len(), self.stride);
+        let direction = basis.vector(basis.free_start());
+        for (entry, &id) in self.carry.iter_mut().zip(&self.rows) {
+            *entry = table.row(id).dot(direction);
+        }
+        self.rotations.clear();
+        for j in 0..self.rank {
+            let column = &mut self.columns[j * stride..j * stride + m];
+            let length = self.carry[j].hypot(column[j]);
+            let (cosine, sine) = (self.carry[j] / length, column[j] / length);
+            self.rotations.push(Rotation { first: j, cosine, sine });
+            for (pulled, carry) in column[j..].iter_mut().zip(&mut self.carry[j..m]) {
+                let (x, y) = (*carry, *pulled);
+                (*pulled, *carry) = (cosine * x + sine * y, cosine * y - sine * x);
+            }
+        }
+        basis.rotate_free(0, &self.rotations);
+        if m > 0 {
+            let start = self.rank * stride;
+            self.columns[start..start + m].copy_from_slice(&self.carry[..m]);
+            self.adopt(table);
+        }
+    }
+
+    /// Makes pivot `index` the first of the dependent rows, and returns where it stands; the last
+    /// pulled direction has no pivot then, and its column stays behind the others.
+    fn demote(&mut self, basis: &mut Basis, index: usize) -> usize {
+        let (m, stride, last) = (self.rows.len(), self.stride, self.rank - 1);
+        self.rotations.clear();
+        for j in index..last {
+            let (left, right) = self.columns.split_at_mut((j + 1) * stride);
+            let (first, second) = (&mut left[j * stride..j * stride + m], &mut right[..m]);
+            let length = first[j + 1].hypot(second[j + 1]);
+            if length == 0.0 {
+                continue;
+            }
+            let (cosine, sine) = (first[j + 1] / length, second[j + 1] / length);
+            self.rotations.push(Rotation { first: j, cosine, sine });
+            for (a, b) in first[index..].iter_mut().zip(&mut second[index..]) {
+                let (x, y) = (*a, *b);
+                (*a, *b) = (cosine * x + sine * y, cosine * y - sine * x);
+            }
+        }
+        basis.rotate_free(0, &self.rotations);
+        self.rows[index..=last].rotate_left(1);
+        for j in 0..=last {
+            self.columns[j * stride + index..=j * stride + last].rotate_left(1);
+        }
+        self.rank = last;
+        last
+    }
+
+    /// Gives the direction behind the pivots a pivot of the dependent rows, or leaves it idle.
+    fn adopt(&mut self, table: &RowTable) {
+        let column = &self.columns[self.rank * self.stride..];
+        let (mut best, mut largest) = (None, NOTHING);
+        for (index, &id) in self.rows.iter().enumerate().skip(self.rank) {
+            let part = column[index].abs() / table.row(id).norm();
+            if part > largest {
+                (best, largest) = (Some(index), part);
+            }
+        }
+        if let Some(index) = best {
+            if largest < CLEAR {
+                return self.give_up();
+            }
+            self.rank += 1;
+            self.swap_rows(self.rank - 1, index);
+        }
+    }
+
+    /// Pivots that have become too small give way to dependent rows.
+    fn mend(&mut self, basis: &mut Basis, table: &RowTable) {
+        for _ in 0..self.rank {
+            let small = (0..self.rank).find(|&j| {
+                self.columns[j * self.stride + j].abs() < CLEAR * table.row(self.rows[j]).norm()
+            });
+            let Some(index) = small else { return };
+            self.demote(basis, index);
+            self.adopt(table);
+        }
+    }
+
+    fn swap_rows(&mut self, i: usize, j: usize) {
+        if i != j {
+            self.rows.swap(i, j);
+            for column in self.columns.chunks_exact_mut(self.stride).take(self.rank + 1) {
+                column.swap(i, j);
+            }
+        }
+    }
+
+    /// min ½‖[L; D] t − c‖² over the pulled directions, `target` giving c of a row; none when the
+    /// rows cannot be trusted for it.
+    pub(crate) fn solve(&mut self, target: impl Fn(usize) -> f64) -> Option<&[f64]> {
+        for (entry, &id) in self.target.iter_mut().zip(&self.rows) {
+            *entry = target(id);
+        }
+        let (rank, stride) = (self.rank, self.stride);
+        let dependent = self.rows.len() - rank;
+        if dependent > 0 && rank > 0 {
+            if !self.weigh_dependent(dependent) {
+                return None;
+            }
+            self.balance_dependent(dependent);
+        }
+        for j in 0..rank {
+            let column = &self.columns[j * stride..j * stride + rank];
+            let entry = self.target[j] / column[j];
+            self.step[j] = entry;
+            add_scaled(&mut self.target[j + 1..rank], -entry, &column[j + 1..]);
+        }
+        Some(&self.step[..rank])
+    }
+
+    /// E with D = E L; false if its entries are so large that digits are lost.
+    fn weigh_dependent(&mut self, dependent: usize) -> bool {
+        let (rank, stride) = (self.rank, self.stride);
+        for (i, weights) in self.weights.chunks_exact_mut(rank).take(dependent).enumerate() {
+            for j in (0..rank).rev() {
+                let column = &self.columns[j * stride..(j + 1) * stride];
+                let known = dot(&weights[j + 1..], &column[j + 1..rank]);
+                let weight = (column[rank + i] - known) / column[j];
+                if weight.abs() > LARGEST_WEIGHT {
+                    return false;
+                }
+                weights[j] = weight;
+            }
+        }
+        true
+    }
+
+    /// min ‖u − c₁‖² + ‖E u − c₂‖²: leaves u in place of c₁.
+    fn balance_dependent(&mut self, dependent: usize) {
+        let rank = self.rank;
+        let (c1, c2) = self.target.split_at_mut(rank);
+        let c2 = &mut c2[..dependent];
+        let weights = &self.weights[..dependent * rank];
+        if dependent <= rank {
+            // u = c₁ + Eᵀs with (I + EEᵀ) s = c₂ − E c₁.
+            let system = &mut self.system[..dependent * dependent];
+            for (i, row) in weights.chunks_exact(rank).enumerate() {
+                c2[i] -= dot(row, c1);
+                for (j, other) in weights.chunks_exact(rank).take(i + 1).enumerate() {
+                    system[i * dependent + j] = dot(row, other) + f64::from(u8::from(i == j));
+                }
+            }
+            solve_positive_definite(system, c2);
+            for (row, &s) in weights.chunks_exact(rank).zip(c2.iter()) {
+                add_scaled(c1, s, row);
+            }
+        } else {
+            // (I + EᵀE) u = c₁ + Eᵀc₂.
+            let system = &mut self.system[..rank * rank];
+            system.fill(0.0);
+            for (i, entry) in system.iter_mut().step_by(rank + 1).enumerate() {
+                debug_assert!(i < rank);
+                *entry = 1.0;
+            }
+            for (row, &c) in weights.chunks_exact(rank).zip(c2.iter()) {
+                add_scaled(c1, c, row);
+                for (i, &weight) in row.iter().enumerate() {
+                    add_scaled(&mut system[i * rank..=i * rank + i], weight, &row[..=i]);
+                }
+            }
+            solve_positive_definite(system, c1);
+        }
+    }
+}
+
+/// Solves S x = b in place; the lower triangle of S, row after row, becomes its Cholesky factor.
+fn solve_positive_definite(system: &mut [f64], b: &mut [f64]) {
+    let n = b.len();
+    for i in 0..n {
+        let (done, rest) = system.split_at_mut(i * n);
+        let row = &mut rest[..n];
+        for j in 0..i {
+            let other = &done[j * n..j * n + n];
+            row[j] = (row[j] - dot(&row[..j], &other[..j])) / other[j];
+        }
+        row[i] = (row[i] - dot(&row[..i], &row[..i])).sqrt();
+        b[i] = (b[i] - dot(&row[..i], &b[..i])) / row[i];
+    }
+    for i in (0..n).rev() {
+        b[i] /= system[i * n + i];
+        let value = b[i];
+        add_scaled(&mut b[..i], -value, &system[i * n..i * n + i]);
+    }
+}

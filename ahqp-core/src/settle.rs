@@ -1,0 +1,129 @@
+//! What a level decided, fixed for the levels below.
+
+use std::ops::Range;
+
+use crate::active_set::{ActiveSet, Goal, RowState};
+use crate::pulled::CLEAR;
+use crate::vector::norm;
+
+/// A multiplier this many times above the noise marks its row as active at every optimum.
+const STRONGLY_ACTIVE: f64 = 10.0;
+
+impl ActiveSet {
+    /// Fixes what the level decided: rows of its objective keep their values (those within
+    /// their ranges stay within), and hard rows with a multiplier stay at their bounds.
+    /// `activity` takes down what the rows do.
+    pub(crate) fn settle(&mut self, goal: Option<&Goal>, activity: &mut [RowState]) {
+        let threshold = match goal {
+            Some(goal) => STRONGLY_ACTIVE * self.refresh_multipliers(goal),
+            None => f64::INFINITY,
+        };
+        self.left.clear();
+        for position in 0..self.basis.active().len() {
+            let id = self.basis.active()[position];
+            self.left.push((id, self.state[id]));
+            if self.is_strongly_active(position, threshold) {
+                activity[id] = self.state[id];
+                self.state[id] = RowState::Fixed;
+            }
+        }
+        if goal.is_none() {
+            if self.left.iter().all(|&(id, _)| self.state[id] != RowState::Fixed) {
+                return;
+            }
+            self.pulled.clear(true);
+        }
+        let mut linear = None;
+        if let Some(Goal::Rows { rows, linear_of }) = goal {
+            linear = *linear_of;
+            self.settle_objective(rows.clone(), activity);
+        }
+        if !self.fix_triangular() {
+            self.fix_by_rank(goal, linear);
+        }
+        self.pulled.clear(false);
+        self.hard.retain(|&id| self.state[id] != RowState::Fixed);
+        for index in 0..self.left.len() {
+            let (id, state) = self.left[index];
+            if self.state[id] != RowState::Fixed {
+                self.state[id] = RowState::Inside;
+                self.activate(id, state);
+            }
+        }
+    }
+
+    /// Whether row `position` of the working set is needed to hold the optimum: its multiplier
+    /// is well away from zero, so that the row is active at every optimum of the level.
+    pub(crate) fn is_strongly_active(&self, position: usize, threshold: f64) -> bool {
+        let id = self.basis.active()[position];
+        self.state[id] == RowState::Equal
+            || self.multipliers[position].abs() * self.table.row(id).norm() > threshold
+    }
+
+    /// Rows of a minimised objective that are pulled keep their values; the others, within their
+    /// ranges, are hard rows from here on.
+    fn settle_objective(&mut self, rows: Range<usize>, activity: &mut [RowState]) {
+        let x_norm = norm(&self.x);
+        for id in rows {
+            let pulled = self.state[id].is_active();
+            let held = pulled
+                && (self.table.is_equality(id)
+                    || self.violation(id).abs() > self.tolerance(id, x_norm));
+            if held {
+                activity[id] = self.state[id];
+                self.state[id] = RowState::Fixed;
+            } else {
+                if pulled {
+                    self.let_go(id);
+                }
+                activity[id] = RowState::Inside;
+                self.state[id] = RowState::Inside;
+                self.hard.push(id);
+            }
+        }
+    }
+
+    /// Fixes the directions of the rows marked so as the factors have them, rows left out of the
+    /// working set first; false where a rank is in doubt.
+    fn fix_triangular(&mut self) -> bool {
+        for position in (0..self.basis.active().len()).rev() {
+            if self.state[self.basis.active()[position]] != RowState::Fixed {
+                self.pulled.release(&mut self.basis, &self.table, position);
+            }
+        }
+        let clear = self.basis.is_clear(CLEAR, |id| self.table.row(id).norm());
+        if clear && self.pulled.is_sound() {
+            self.basis.fix_active_and(self.pulled.rank());
+            return true;
+        }
+        false
+    }
+
+    /// Fixes the directions of the rows marked so, ranks decided by pivoting.
+    fn fix_by_rank(&mut self, goal: Option<&Goal>, linear_of: Option<usize>) {
+        let tolerance = self.settings.rank_tolerance;
+        self.basis.clear_active();
+        for &(id, _) in &self.left {
+            if self.state[id] == RowState::Fixed {
+                self.basis.fix(self.table.row(id), tolerance);
+            }
+        }
+        let Some(Goal::Rows { rows, .. }) = goal else { return };
+        self.least_squares.start(self.basis.free_count());
+        for id in rows.clone() {
+            let row = self.table.row(id);
+            if self.state[id] == RowState::Fixed && row.norm() > 0.0 {
+                let reduce = |out: &mut [f64]| self.basis.free_coordinates(row, out);
+                self.least_squares.push(0.0, row.norm(), reduce);
+            }
+        }
+        if let Some(level) = linear_of {
+            let linear = &self.table.levels[level].linear;
+            let size = norm(linear);
+            self.least_squares.push(0.0, size, |out| self.basis.free_coordinates_of(linear, out));
+        }
+        self.least_squares.factorise(tolerance);
+        let (reflectors, stride, tau) = self.least_squares.reflectors();
+        self.basis.fix_reflected(reflectors, stride, tau);
+    }
+}
