@@ -10,9 +10,13 @@ use std::ops::Range;
 use crate::basis::Basis;
 use crate::least_squares::{LeastSquares, Minimum};
 use crate::pulled::Pulled;
+use crate::search::Candidate;
 use crate::settings::Settings;
 use crate::table::RowTable;
 use crate::vector::{add_scaled, norm};
+
+/// Multipliers above this fraction of the numbers that they are made of are no rounding.
+pub(crate) const NOISE: f64 = 1e-13;
 
 /// What a row of the table does at the moment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,7 +97,14 @@ pub(crate) struct ActiveSet {
     pub(crate) farthest: f64,
     /// Rows of the working set that the level at hand leaves to the next.
     pub(crate) left: Vec<(usize, RowState)>,
+    /// Of each row of the working set, whether the level at hand does not need it.
+    pub(crate) weak: Vec<bool>,
     pub(crate) slope: Vec<f64>,
+    pub(crate) candidates: Vec<Candidate>,
+    /// Weights of rows of the objective in its gradient.
+    weights: Vec<f64>,
+    /// Above which size a multiplier counted when they were computed last.
+    pub(crate) threshold: f64,
     pub(crate) direction: Vec<f64>,
     pub(crate) gradient: Vec<f64>,
     pub(crate) settings: Settings,
@@ -118,7 +129,11 @@ impl ActiveSet {
             hint: vec![RowState::Inside; count],
             farthest: 0.0,
             left: Vec::with_capacity(n),
+            weak: vec![false; n],
             slope: vec![0.0; count],
+            candidates: Vec::with_capacity(count),
+            weights: vec![0.0; most.unwrap_or(0)],
+            threshold: f64::INFINITY,
             direction: vec![0.0; n],
             gradient: vec![0.0; n],
             table,
@@ -170,8 +185,8 @@ impl ActiveSet {
 
     /// Puts rows of an objective in play as x finds them.
     pub(crate) fn place_soft(&mut self, rows: Range<usize>) {
+        self.table.multiply(rows.clone(), &self.x, &mut self.value);
         for id in rows {
-            self.value[id] = self.table.row(id).dot(&self.x);
             self.residual[id] = 0.0;
             let violation = self.violation(id);
             self.state[id] = if self.table.is_equality(id) {
@@ -188,8 +203,8 @@ impl ActiveSet {
 
     /// Puts hard rows in play that hold at x.
     pub(crate) fn place_hard(&mut self, rows: Range<usize>) {
+        self.table.multiply(rows.clone(), &self.x, &mut self.value);
         for id in rows {
-            self.value[id] = self.table.row(id).dot(&self.x);
             self.state[id] = RowState::Inside;
             self.hard.push(id);
             if self.table.is_equality(id) {
@@ -212,13 +227,12 @@ impl ActiveSet {
 
     /// Begins to keep the rows of `goal` that are pulled in a factor of their own.
     pub(crate) fn begin_pulling(&mut self, goal: &Goal) {
-        self.pulled.clear(matches!(goal, Goal::Rows { linear_of: None, .. }));
-        if let Goal::Rows { rows, .. } = goal {
-            for id in rows.clone() {
-                if self.state[id].is_active() {
-                    self.pulled.pull(&mut self.basis, &self.table, id);
-                }
+        match goal {
+            Goal::Rows { rows, linear_of: None } => {
+                let pulled = rows.clone().filter(|&id| self.state[id].is_active());
+                self.pulled.begin(&mut self.basis, &self.table, pulled);
             }
+            _ => self.pulled.clear(false),
         }
     }
 
@@ -310,40 +324,48 @@ impl ActiveSet {
     }
 
     /// Gradient of the goal at x, and below which size a multiplier (times its row's norm) is
-    /// rounding.
-    pub(crate) fn set_gradient(&mut self, goal: &Goal) -> f64 {
+    /// rounding; infinite where the gradient itself is.
+    fn set_gradient(&mut self, goal: &Goal) -> f64 {
         let x_norm = norm(&self.x);
-        let (size, noise) = match goal {
+        match goal {
             Goal::Norm => {
                 self.gradient.copy_from_slice(&self.x);
-                (x_norm, 0.0)
+                self.settings.optimality_tolerance * x_norm
             }
             Goal::Rows { rows, linear_of } => {
-                self.gradient.fill(0.0);
                 let (mut size, mut noise) = (0.0, 0.0);
-                for id in rows.clone().filter(|&id| self.state[id].is_active()) {
-                    let row = self.table.row(id);
-                    let violation = self.value[id] - self.bound(id);
-                    row.add_to(&mut self.gradient, violation);
-                    size += row.norm() * violation.abs();
-                    noise += row.norm() * self.table.magnitude(id, x_norm);
+                for (weight, id) in self.weights.iter_mut().zip(rows.clone()) {
+                    *weight = 0.0;
+                    if self.state[id].is_active() {
+                        let row_norm = self.table.row(id).norm();
+                        *weight = self.value[id] - bound(&self.table, &self.state, id);
+                        size += row_norm * weight.abs();
+                        noise += row_norm * self.table.magnitude(id, x_norm);
+                    }
                 }
-                if let Some(level) = *linear_of {
-                    let linear = &self.table.levels[level].linear;
+                let linear = linear_of.map(|level| &self.table.levels[level].linear);
+                size += linear.map_or(0.0, |linear| norm(linear));
+                if size <= 10.0 * NOISE * noise {
+                    return f64::INFINITY;
+                }
+                self.gradient.fill(0.0);
+                self.table.add_rows(rows.clone(), &self.weights, &mut self.gradient);
+                if let Some(linear) = linear {
                     add_scaled(&mut self.gradient, 1.0, linear);
-                    size += norm(linear);
                 }
-                (size, noise)
+                self.settings.optimality_tolerance * size + NOISE * noise
             }
-        };
-        self.settings.optimality_tolerance * size + 1e-13 * noise
+        }
     }
 
-    /// Multipliers of the working set for the goal at x; returns the size above which one counts.
+    /// Multipliers of the working set for the goal at x; returns the size above which one
+    /// counts, infinite where none does.
     pub(crate) fn refresh_multipliers(&mut self, goal: &Goal) -> f64 {
-        let threshold = self.set_gradient(goal);
-        self.basis.multipliers(&self.gradient, &mut self.multipliers);
-        threshold
+        self.threshold = self.set_gradient(goal);
+        if self.threshold.is_finite() {
+            self.basis.multipliers(&self.gradient, &mut self.multipliers);
+        }
+        self.threshold
     }
 }
 

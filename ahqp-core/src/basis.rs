@@ -4,9 +4,12 @@
 //! the working set, whose rows are lower triangular in them; free ones span what may still
 //! move. Dimensions shrink from level to level because fixed directions are not touched again.
 
-use crate::kernels::{Rotation, RowsMut, mix_rows, rotate_rows};
-use crate::table::RowView;
-use crate::vector::{add_scaled, dot, norm, reflector};
+use crate::kernels::{
+    FourReflections, Rotation, RowsMut, add_rows, mix_rows, mix_rows_four, multiply_rows,
+    rotate_rows,
+};
+use crate::table::{Coefficients, RowView};
+use crate::vector::{add_scaled, length, norm, reflector};
 
 /// The basis, its partition, and the triangular factor of the working set.
 #[derive(Debug, Clone)]
@@ -20,8 +23,8 @@ pub(crate) struct Basis {
     /// Row i: the coordinates of active row i along active directions 0 to i.
     triangular: Vec<f64>,
     coordinates: Vec<f64>,
-    image: Vec<f64>,
     rotations: Vec<Rotation>,
+    spare: Vec<f64>,
 }
 
 impl Basis {
@@ -33,8 +36,8 @@ impl Basis {
             active: Vec::with_capacity(n),
             triangular: vec![0.0; n * n],
             coordinates: vec![0.0; n],
-            image: vec![0.0; n],
-            rotations: Vec::with_capacity(n),
+            rotations: Vec::with_capacity(n * n),
+            spare: vec![0.0; n * n],
         };
         basis.reset();
         basis
@@ -71,26 +74,32 @@ impl Basis {
 
     /// Coordinates of `row` along the free directions.
     pub(crate) fn free_coordinates(&self, row: RowView<'_>, out: &mut [f64]) {
-        let start = self.free_start();
-        for (j, value) in out.iter_mut().take(self.n - start).enumerate() {
-            *value = row.dot(self.vector(start + j));
+        self.coordinates_from(self.free_start(), row, &mut out[..self.n - self.free_start()]);
+    }
+
+    /// Coordinates of `row` along the directions from `start` on, as many as `out` has entries.
+    fn coordinates_from(&self, start: usize, row: RowView<'_>, out: &mut [f64]) {
+        let n = self.n;
+        match row.coefficients() {
+            Coefficients::Unit(variable) => {
+                let entries = self.vectors[start * n..].iter().skip(variable).step_by(n);
+                for (value, &entry) in out.iter_mut().zip(entries) {
+                    *value = entry;
+                }
+            }
+            Coefficients::Dense(row) => multiply_rows(&self.vectors[start * n..], n, row, out),
         }
     }
 
     /// Coordinates of the vector `v` along the free directions.
     pub(crate) fn free_coordinates_of(&self, v: &[f64], out: &mut [f64]) {
-        let start = self.free_start();
-        for (j, value) in out.iter_mut().take(self.n - start).enumerate() {
-            *value = dot(v, self.vector(start + j));
-        }
+        let (n, start) = (self.n, self.free_start());
+        multiply_rows(&self.vectors[start * n..], n, v, &mut out[..n - start]);
     }
 
     /// x ← x + Σ zⱼ · (free direction j).
     pub(crate) fn add_free(&self, z: &[f64], x: &mut [f64]) {
-        let start = self.free_start();
-        for (j, &coefficient) in z.iter().take(self.n - start).enumerate() {
-            add_scaled(x, coefficient, self.vector(start + j));
-        }
+        add_rows(&self.vectors[self.free_start() * self.n..], self.n, z, x);
     }
 
     /// Leaves the working set empty; its directions become free.
@@ -118,20 +127,19 @@ impl Basis {
         self.rotations.clear();
         for i in position..count - 1 {
             let (a, b) = (self.triangular[i * n + i], self.triangular[i * n + i + 1]);
-            let length = a.hypot(b);
-            if length == 0.0 {
+            let radius = length(a, b);
+            if radius == 0.0 {
                 continue;
             }
-            let (cosine, sine) = (a / length, b / length);
+            let (cosine, sine) = (a / radius, b / radius);
             for row in self.triangular[i * n..(count - 1) * n].chunks_exact_mut(n) {
                 let (x, y) = (row[i], row[i + 1]);
                 row[i] = cosine * x + sine * y;
                 row[i + 1] = cosine * y - sine * x;
             }
-            self.rotations.push(Rotation { first: i, cosine, sine });
+            self.rotations.push(Rotation { first: i, second: i + 1, cosine, sine });
         }
-        let data = &mut self.vectors[self.fixed * n..];
-        rotate_rows(&mut RowsMut { data, stride: n }, &self.rotations);
+        self.apply_rotations();
     }
 
     /// Rotates free directions; rotations count from free direction `offset`.
@@ -145,20 +153,111 @@ impl Basis {
         self.reflect(self.free_start() + offset, v, tau);
     }
 
-    /// Fixes all active directions and the first `count` free ones for good; the working set is
-    /// empty then.
-    pub(crate) fn fix_active_and(&mut self, count: usize) {
-        self.fixed += self.active.len() + count;
-        self.active.clear();
+    /// Turns the active directions so that the rows of the working set that are not weak have no
+    /// part along the directions of those that are.
+    pub(crate) fn bring_forward(&mut self, weak: &[bool]) {
+        let (n, count) = (self.n, self.active.len());
+        self.rotations.clear();
+        for strong in (0..count).filter(|&i| !weak[i]) {
+            for row in self.triangular.chunks_exact_mut(n).take(strong) {
+                row[strong] = 0.0;
+            }
+            // From the last to the first, so that the weak rows stay triangular among themselves.
+            for i in (0..strong).rev().filter(|&i| weak[i]) {
+                let (a, b) =
+                    (self.triangular[strong * n + strong], self.triangular[strong * n + i]);
+                let radius = length(a, b);
+                let (cosine, sine) = (a / radius, b / radius);
+                for row in self.triangular[i * n..count * n].chunks_exact_mut(n) {
+                    let (x, y) = (row[strong], row[i]);
+                    (row[strong], row[i]) = (cosine * x + sine * y, cosine * y - sine * x);
+                }
+                self.rotations.push(Rotation { first: strong, second: i, cosine, sine });
+            }
+        }
+        self.apply_rotations();
+    }
+
+    /// Coordinates of `row` along the active directions.
+    pub(crate) fn active_coordinates(&self, row: RowView<'_>, out: &mut [f64]) {
+        self.coordinates_from(self.fixed, row, &mut out[..self.active.len()]);
+    }
+
+    /// Rotates free direction `free` with active direction `i`. `fill` holds what the rows of the
+    /// working set have along the free one; zero before `i`.
+    pub(crate) fn rotate_with_active(
+        &mut self,
+        free: usize,
+        i: usize,
+        cosine: f64,
+        sine: f64,
+        fill: &mut [f64],
+    ) {
+        let (n, count) = (self.n, self.active.len());
+        for (row, x) in self.triangular[i * n..count * n].chunks_exact_mut(n).zip(&mut fill[i..]) {
+            let y = row[i];
+            (*x, row[i]) = (cosine * *x + sine * y, cosine * y - sine * *x);
+        }
+        self.rotations.push(Rotation { first: count + free, second: i, cosine, sine });
+    }
+
+    /// Ends a run of [`rotate_with_active`](Self::rotate_with_active).
+    pub(crate) fn apply_rotations(&mut self) {
+        let data = &mut self.vectors[self.fixed * self.n..];
+        rotate_rows(&mut RowsMut { data, stride: self.n }, &self.rotations);
+        self.rotations.clear();
+    }
+
+    /// Turns the free directions from `offset` on by four reflections, one after the other.
+    pub(crate) fn reflect_free_four(&mut self, offset: usize, four: &FourReflections<'_>) {
+        let start = (self.free_start() + offset) * self.n;
+        mix_rows_four(&mut RowsMut { data: &mut self.vectors[start..], stride: self.n }, four);
+    }
+
+    /// Fixes the active directions of rows that are not weak and the first `count` free ones for
+    /// good; the weak rows stay in the working set.
+    pub(crate) fn fix_ahead(&mut self, weak: &[bool], count: usize) {
+        let (n, active) = (self.n, self.active.len());
+        let held = weak[..active].iter().filter(|&&weak| weak).count();
+        if held > 0 {
+            let block = &mut self.vectors[self.fixed * n..(self.fixed + active + count) * n];
+            let spare = &mut self.spare[..block.len()];
+            spare.copy_from_slice(block);
+            let ahead = (0..active).filter(|&i| !weak[i]).chain(active..active + count);
+            let order = ahead.chain((0..active).filter(|&i| weak[i]));
+            for (to, from) in block.chunks_exact_mut(n).zip(order) {
+                to.copy_from_slice(&spare[from * n..(from + 1) * n]);
+            }
+            let mut row = 0;
+            for i in (0..active).filter(|&i| weak[i]) {
+                let mut column = 0;
+                for j in (0..=i).filter(|&j| weak[j]) {
+                    self.triangular[row * n + column] = self.triangular[i * n + j];
+                    column += 1;
+                }
+                self.active[row] = self.active[i];
+                row += 1;
+            }
+        }
+        self.active.truncate(held);
+        self.fixed += active - held + count;
     }
 
     /// Whether every row of the working set has a clear direction of its own: more than
     /// `fraction` of it, given its norm, lies outside the rows before it.
     pub(crate) fn is_clear(&self, fraction: f64, norm: impl Fn(usize) -> f64) -> bool {
-        self.active
-            .iter()
-            .enumerate()
-            .all(|(i, &id)| self.triangular[i * self.n + i].abs() > fraction * norm(id))
+        (0..self.active.len()).all(|position| self.is_clear_at(position, fraction, &norm))
+    }
+
+    /// The same of one row.
+    pub(crate) fn is_clear_at(
+        &self,
+        position: usize,
+        fraction: f64,
+        norm: impl Fn(usize) -> f64,
+    ) -> bool {
+        let pivot = self.triangular[position * self.n + position];
+        pivot.abs() > fraction * norm(self.active[position])
     }
 
     /// Fixes the direction of `row` for good; the working set must be empty. False when the
@@ -186,8 +285,9 @@ impl Basis {
     /// Multipliers λ with Σ λᵢ aᵢ = −gradient along the active directions.
     pub(crate) fn multipliers(&self, gradient: &[f64], out: &mut [f64]) {
         let (n, count) = (self.n, self.active.len());
-        for (i, value) in out.iter_mut().enumerate().take(count) {
-            *value = -dot(gradient, self.vector(self.fixed + i));
+        multiply_rows(&self.vectors[self.fixed * n..], n, gradient, &mut out[..count]);
+        for value in &mut out[..count] {
+            *value = -*value;
         }
         for i in (0..count).rev() {
             out[i] /= self.triangular[i * n + i];
@@ -215,13 +315,14 @@ impl Basis {
     /// Applies I − τvvᵀ to the directions from `start` on.
     fn reflect(&mut self, start: usize, v: &[f64], tau: f64) {
         let data = &mut self.vectors[start * self.n..];
-        mix_rows(&mut RowsMut { data, stride: self.n }, v, tau, &mut self.image);
+        mix_rows(&mut RowsMut { data, stride: self.n }, v, tau);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::dot;
     use approx::assert_relative_eq;
     use proptest::prelude::*;
 

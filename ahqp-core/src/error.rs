@@ -1,5 +1,6 @@
 //! What can be wrong with a problem, and how to put it right.
 
+use crate::continuous_stack::LevelId;
 use crate::hierarchy::ConstraintSource;
 
 /// Misuse of the crate, or a problem that has no solution.
@@ -108,6 +109,20 @@ pub enum Error {
         level: usize,
         /// How many there are.
         levels: usize,
+    },
+
+    /// A continuous stack has no such level any more.
+    #[error("the stack has no {id}: it has been removed; ask for the activation of a level first")]
+    UnknownLevel {
+        /// The level asked for.
+        id: LevelId,
+    },
+
+    /// A change of a continuous stack was asked for while too many are under way.
+    #[error("{limit} changes of the stack are under way; wait until one is over")]
+    TooManyChanges {
+        /// The most that there can be.
+        limit: usize,
     },
 
     /// The hard constraints of a level contradict each other or those above.

@@ -7,7 +7,7 @@
 //! that no level decides stay zero: the least norm.
 
 use crate::active_set::{RowState, bound};
-use crate::kernels::{RowsMut, reflect_rows};
+use crate::kernels::{FourReflections, RowsMut, reflect_rows, reflect_rows_four};
 use crate::table::RowTable;
 use crate::tall::solve_tall;
 use crate::vector::{add_scaled, dot, norm, reflector};
@@ -50,6 +50,9 @@ pub(crate) struct Factorisation {
     /// L, a stacked row in `n` entries.
     rows: Vec<f64>,
     target: Vec<f64>,
+    /// Of stacked rows, the square of what no pivot has taken, and what it was when computed last.
+    rest: Vec<f64>,
+    measured: Vec<f64>,
     /// Stacked row of each pivot.
     pub(crate) pivots: Vec<usize>,
     reflectors: Vec<f64>,
@@ -74,6 +77,8 @@ impl Factorisation {
             groups: Vec::with_capacity(2 * table.levels.len()),
             rows: vec![0.0; count * n],
             target: vec![0.0; count],
+            rest: vec![0.0; count],
+            measured: vec![0.0; count],
             pivots: Vec::with_capacity(n),
             reflectors: vec![0.0; n * n],
             tau: vec![0.0; n],
@@ -168,7 +173,9 @@ impl Factorisation {
     fn eliminate(&mut self, table: &RowTable, group: usize, tolerance: f64) {
         let (n, k) = (self.n, self.free.len());
         let Group { start, end, .. } = self.groups[group];
-        self.groups[group].first_pivot = self.pivots.len();
+        let first_pivot = self.pivots.len();
+        self.groups[group].first_pivot = first_pivot;
+        self.measure(start..end, first_pivot);
         for at in start..end {
             let step = self.pivots.len();
             if step == k {
@@ -178,33 +185,70 @@ impl Factorisation {
             self.swap(at, pivot);
             let (above, below) = self.rows.split_at_mut((at + 1) * n);
             let row = &mut above[at * n + step..at * n + k];
-            let v = &mut self.reflectors[step * n + step..step * n + k];
+            let reflection = &mut self.reflectors[step * n..step * n + k];
+            reflection[first_pivot..step].fill(0.0);
+            let v = &mut reflection[step..];
             v.copy_from_slice(row);
             let (tau, image) = reflector(v);
             row[0] = image;
             self.tau[step] = tau;
-            let data = &mut below[..(self.stacked.len() - at - 1) * n];
+            let data = &mut below[..(end - at - 1) * n];
             reflect_rows(&mut RowsMut { data, stride: n }, step, v, tau);
+            for later in at + 1..end {
+                self.rest[later] -= self.rows[later * n + step].powi(2);
+            }
             self.pivots.push(at);
             self.groups[group].rank += 1;
+        }
+        self.turn_below(end, first_pivot);
+    }
+
+    /// Turns the rows of later groups by the reflections from `first` on.
+    fn turn_below(&mut self, end: usize, first: usize) {
+        let (n, k, rank) = (self.n, self.free.len(), self.pivots.len());
+        let stride = n;
+        let data = &mut self.rows[end * n..self.stacked.len() * n];
+        let mut step = first;
+        while step + 4 <= rank {
+            let v = |i: usize| &self.reflectors[(step + i) * n + step..(step + i) * n + k];
+            let tau = std::array::from_fn(|i| self.tau[step + i]);
+            let four = FourReflections::new([v(0), v(1), v(2), v(3)], tau);
+            reflect_rows_four(&mut RowsMut { data, stride }, step, &four);
+            step += 4;
+        }
+        for step in step..rank {
+            let v = &self.reflectors[step * n + step..step * n + k];
+            reflect_rows(&mut RowsMut { data, stride }, step, v, self.tau[step]);
+        }
+    }
+
+    /// Squares of what remains of rows from column `step` on.
+    fn measure(&mut self, rows: std::ops::Range<usize>, step: usize) {
+        for at in rows {
+            let row = &self.rows[at * self.n + step..at * self.n + self.free.len()];
+            self.rest[at] = dot(row, row);
+            self.measured[at] = self.rest[at];
         }
     }
 
     /// The row with the largest remainder relative to its norm.
     fn best_row(
-        &self,
+        &mut self,
         table: &RowTable,
         rows: std::ops::Range<usize>,
         step: usize,
         tolerance: f64,
     ) -> Option<usize> {
         let mut best = None;
-        let mut largest = tolerance;
+        let mut largest = tolerance.powi(2);
         for at in rows {
-            let rest = norm(&self.rows[at * self.n + step..at * self.n + self.free.len()]);
-            let length = table.row(self.stacked[at]).norm();
-            if rest > largest * length {
-                largest = rest / length;
+            // Of a remainder that has shrunk much, little is left but rounding.
+            if self.rest[at] < 1e-4 * self.measured[at] {
+                self.measure(at..at + 1, step);
+            }
+            let part = self.rest[at] / table.row(self.stacked[at]).norm().powi(2);
+            if part > largest {
+                largest = part;
                 best = Some(at);
             }
         }
@@ -218,6 +262,8 @@ impl Factorisation {
             head[i * n..(i + 1) * n].swap_with_slice(&mut tail[..n]);
             self.target.swap(i, j);
             self.stacked.swap(i, j);
+            self.rest.swap(i, j);
+            self.measured.swap(i, j);
         }
     }
 

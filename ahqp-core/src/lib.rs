@@ -17,6 +17,7 @@ mod active_set;
 mod basis;
 mod certificate;
 mod clik;
+mod continuous_stack;
 mod error;
 mod factorisation;
 mod hierarchy;
@@ -44,9 +45,10 @@ mod verification;
 
 pub use certificate::{Certificate, CertificateResiduals};
 pub use clik::{AugmentedClik, AugmentedState, integrate_pose, pose_error};
+pub use continuous_stack::{CertifiedPart, ContinuousStack, LevelId, Part, Place};
 pub use error::Error;
 pub use hierarchy::{ConstraintSource, Hierarchy, Level, Objective};
-pub use limits::{Limits, MotionState, VelocityInterval};
+pub use limits::{AcceleratedState, JerkLimits, Limits, MotionState, VelocityInterval};
 #[cfg(feature = "reference")]
 pub use reference::solve_reference;
 pub use rotation::{left_jacobian_inverse, rotation_log};

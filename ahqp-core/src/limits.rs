@@ -1,8 +1,13 @@
 //! Position, velocity and acceleration limits as one velocity interval that is never empty.
 
+mod braking;
+mod jerk;
+
+pub use jerk::{AcceleratedState, JerkLimits};
+
 use crate::error::Error;
 
-/// Limits of one coordinate.
+/// Limits of one coordinate; [`with_jerk`](Self::with_jerk) adds one of the jerk.
 ///
 /// Taken one by one, the bounds that position, velocity and acceleration limits put on the next
 /// velocity can contradict each other. Here the position limits leave room to brake: at a
@@ -79,6 +84,14 @@ impl Limits {
         Ok(Self { lower, upper, velocity, acceleration })
     }
 
+    /// The same limits and one of the jerk, positive, or infinite for none.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a jerk limit that is not positive.
+    pub fn with_jerk(self, jerk: f64) -> Result<JerkLimits, Error> {
+        JerkLimits::new(self, jerk)
+    }
+
     /// The lower position limit.
     pub fn lower(&self) -> f64 {
         self.lower
@@ -149,6 +162,19 @@ impl Limits {
             }
         }
         VelocityInterval { lower, upper }
+    }
+
+    /// The velocities from which the position limits leave room to brake, whatever the velocity
+    /// is now: what the limits allow in the long run. It is never empty.
+    pub fn cruising_interval(&self, position: f64, period: f64) -> VelocityInterval {
+        let within = |velocity: f64| velocity.min(self.velocity).max(-self.velocity);
+        let upper = within(self.approach(self.upper - position, period));
+        let lower = within(-self.approach(position - self.lower, period));
+        if position > self.upper {
+            VelocityInterval { lower: lower.min(upper), upper }
+        } else {
+            VelocityInterval { lower, upper: upper.max(lower) }
+        }
     }
 
     /// The largest v with vΔt + v²/(2a) ≤ d; beyond the limit, the velocity that is back after
@@ -256,6 +282,23 @@ mod tests {
             let stop = next.velocity.powi(2) / (2.0 * limits.acceleration);
             let end = next.position + stop.copysign(next.velocity);
             prop_assert!(end <= limits.upper + 1e-12 && end >= limits.lower - 1e-12);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_cruising_interval_allows_what_the_other_limits_do(
+            limits in limits(), start in -0.5..1.5_f64, speed in -1.0..1.0_f64,
+        ) {
+            let position = limits.lower + start * (limits.upper - limits.lower);
+            let state = MotionState { position, velocity: speed * limits.velocity };
+            let cruising = limits.cruising_interval(position, PERIOD);
+            prop_assert!(cruising.lower <= cruising.upper);
+            prop_assert!(cruising.lower >= -limits.velocity && cruising.upper <= limits.velocity);
+            if limits.admits(state) {
+                let now = limits.velocity_interval(state, PERIOD);
+                prop_assert!(now.lower >= cruising.lower && now.upper <= cruising.upper);
+            }
         }
     }
 

@@ -10,14 +10,14 @@
 //! but not rounding, the rows are given up and the caller factors with pivoting instead.
 
 use crate::basis::Basis;
-use crate::kernels::Rotation;
+use crate::kernels::{FourReflections, Rotation, RowsMut, reflect_rows};
 use crate::table::{RowTable, RowView};
-use crate::vector::{add_scaled, dot, norm, reflector};
+use crate::vector::{add_scaled, dot, length, norm, reflector};
 
 /// A part of a row below this fraction of it is rounding.
 const NOTHING: f64 = 1e-12;
 /// A part of a row above this fraction of it is beyond doubt.
-pub(crate) const CLEAR: f64 = 1e-6;
+const CLEAR: f64 = 1e-6;
 /// Rows of D are combinations of the pivots with weights up to this; larger ones cost digits.
 const LARGEST_WEIGHT: f64 = 1e2;
 
@@ -38,6 +38,8 @@ pub(crate) struct Pulled {
     weights: Vec<f64>,
     system: Vec<f64>,
     step: Vec<f64>,
+    reflections: Vec<f64>,
+    tau: Vec<f64>,
 }
 
 impl Pulled {
@@ -56,6 +58,8 @@ impl Pulled {
             weights: vec![0.0; rows * n],
             system: vec![0.0; n * n],
             step: vec![0.0; n],
+            reflections: vec![0.0; n * n],
+            tau: vec![0.0; n],
         }
     }
 
@@ -71,9 +75,61 @@ impl Pulled {
         self.sound
     }
 
-    /// How many directions the rows decide.
-    pub(crate) fn rank(&self) -> usize {
-        self.rank
+    /// Starts with these rows: those that depend on the ones before them stand last.
+    pub(crate) fn begin(
+        &mut self,
+        basis: &mut Basis,
+        table: &RowTable,
+        ids: impl Iterator<Item = usize>,
+    ) {
+        self.clear(true);
+        self.rows.extend(ids.filter(|&id| table.row(id).norm() > 0.0));
+        let (n, k, m) = (self.coordinates.len(), basis.free_count(), self.rows.len());
+        for (along, &id) in self.weights.chunks_exact_mut(n).zip(&self.rows) {
+            basis.free_coordinates(table.row(id), along);
+        }
+        for index in 0..m {
+            let rank = self.rank;
+            let (above, below) = self.weights[..m * n].split_at_mut((index + 1) * n);
+            let along = &mut above[index * n..index * n + k];
+            let part = norm(&along[rank..]) / table.row(self.rows[index]).norm();
+            if part > NOTHING && part < CLEAR {
+                return self.give_up();
+            }
+            for j in 0..rank {
+                self.columns[j * self.stride + index] = along[j];
+            }
+            if part >= CLEAR {
+                let (tau, image) = reflector(&mut along[rank..]);
+                let v = &along[rank..];
+                reflect_rows(&mut RowsMut { data: below, stride: n }, rank, v, tau);
+                let reflection = &mut self.reflections[rank * n..(rank + 1) * n];
+                reflection[..rank].fill(0.0);
+                reflection[rank..k].copy_from_slice(v);
+                self.tau[rank] = tau;
+                let column = &mut self.columns[rank * self.stride..(rank + 1) * self.stride];
+                column[..index].fill(0.0);
+                column[index] = image;
+                self.rank += 1;
+                // Dependent rows before this one make room among the pivots.
+                self.swap_rows(rank, index);
+            }
+        }
+        self.turn_free(basis, n, k);
+    }
+
+    /// Turns the free directions by all reflections.
+    fn turn_free(&mut self, basis: &mut Basis, n: usize, k: usize) {
+        let fours = self.rank / 4 * 4;
+        for first in (0..fours).step_by(4) {
+            let v = |i: usize| &self.reflections[(first + i) * n + first..(first + i) * n + k];
+            let tau = std::array::from_fn(|i| self.tau[first + i]);
+            let four = FourReflections::new([v(0), v(1), v(2), v(3)], tau);
+            basis.reflect_free_four(first, &four);
+        }
+        for j in fours..self.rank {
+            basis.reflect_free(j, &self.reflections[j * n + j..j * n + k], self.tau[j]);
+        }
     }
 
     fn give_up(&mut self) {
@@ -141,16 +197,16 @@ impl Pulled {
         let (m, stride) = (self.rows.len(), self.stride);
         for j in (0..self.rank).rev() {
             let part = self.coordinates[j];
-            let length = part.hypot(entry);
+            let radius = length(part, entry);
             let (cosine, sine) =
-                if length == 0.0 { (0.0, 1.0) } else { (part / length, entry / length) };
-            self.rotations.push(Rotation { first: j, cosine, sine });
+                if radius == 0.0 { (0.0, 1.0) } else { (part / radius, entry / radius) };
+            self.rotations.push(Rotation { first: j, second: j + 1, cosine, sine });
             let column = &mut self.columns[j * stride..j * stride + m];
             for (pulled, carry) in column[j..].iter_mut().zip(&mut self.carry[j..m]) {
                 let (x, y) = (*pulled, *carry);
                 (*carry, *pulled) = (cosine * x + sine * y, cosine * y - sine * x);
             }
-            entry = length;
+            entry = radius;
         }
         basis.rotate_free(0, &self.rotations);
         basis.append_active(id, row);
@@ -188,9 +244,9 @@ impl Pulled {
         self.rotations.clear();
         for j in 0..self.rank {
             let column = &mut self.columns[j * stride..j * stride + m];
-            let length = self.carry[j].hypot(column[j]);
-            let (cosine, sine) = (self.carry[j] / length, column[j] / length);
-            self.rotations.push(Rotation { first: j, cosine, sine });
+            let radius = length(self.carry[j], column[j]);
+            let (cosine, sine) = (self.carry[j] / radius, column[j] / radius);
+            self.rotations.push(Rotation { first: j, second: j + 1, cosine, sine });
             for (pulled, carry) in column[j..].iter_mut().zip(&mut self.carry[j..m]) {
                 let (x, y) = (*carry, *pulled);
                 (*pulled, *carry) = (cosine * x + sine * y, cosine * y - sine * x);
@@ -204,6 +260,55 @@ impl Pulled {
         }
     }
 
+    /// Fixes the directions of the rows here and of the working set, but for the weak rows of it:
+    /// these stay in it, except those that depend on what is fixed. False, and nothing done, where
+    /// a rank is in doubt.
+    pub(crate) fn fix(&mut self, basis: &mut Basis, table: &RowTable, weak: &[bool]) -> bool {
+        let count = basis.active().len();
+        let dependent = self.rows.len() > self.rank && weak[..count].contains(&true);
+        if !self.sound || dependent || !basis.is_clear(CLEAR, |id| table.row(id).norm()) {
+            return false;
+        }
+        if weak[..count].contains(&true) {
+            basis.bring_forward(weak);
+            self.turn_from_weak(basis, table, weak);
+        }
+        basis.fix_ahead(weak, self.rank);
+        for position in (0..basis.active().len()).rev() {
+            if !basis.is_clear_at(position, CLEAR, |id| table.row(id).norm()) {
+                basis.remove_active(position);
+            }
+        }
+        true
+    }
+
+    /// Turns the pulled directions so that the pivots have no part along the directions of weak
+    /// rows of the working set.
+    fn turn_from_weak(&mut self, basis: &mut Basis, table: &RowTable, weak: &[bool]) {
+        let (n, rank, count) = (self.coordinates.len(), self.rank, basis.active().len());
+        for (along, &id) in self.weights.chunks_exact_mut(n).zip(&self.rows[..rank]) {
+            basis.active_coordinates(table.row(id), along);
+        }
+        for j in 0..rank {
+            let fill = &mut self.coordinates;
+            fill.fill(0.0);
+            // From the last to the first, so that the weak rows stay triangular.
+            for i in (0..count).rev().filter(|&i| weak[i]) {
+                let column = &mut self.columns[j * self.stride..j * self.stride + rank];
+                let (a, b) = (column[j], self.weights[j * n + i]);
+                let radius = length(a, b);
+                let (cosine, sine) = (a / radius, b / radius);
+                let along = self.weights.iter_mut().skip(i).step_by(n);
+                for (x, other) in column.iter_mut().zip(along).skip(j) {
+                    let y = *other;
+                    (*x, *other) = (cosine * *x + sine * y, cosine * y - sine * *x);
+                }
+                basis.rotate_with_active(j, i, cosine, sine, fill);
+            }
+        }
+        basis.apply_rotations();
+    }
+
     /// Makes pivot `index` the first of the dependent rows, and returns where it stands; the last
     /// pulled direction has no pivot then, and its column stays behind the others.
     fn demote(&mut self, basis: &mut Basis, index: usize) -> usize {
@@ -212,12 +317,12 @@ impl Pulled {
         for j in index..last {
             let (left, right) = self.columns.split_at_mut((j + 1) * stride);
             let (first, second) = (&mut left[j * stride..j * stride + m], &mut right[..m]);
-            let length = first[j + 1].hypot(second[j + 1]);
-            if length == 0.0 {
+            let radius = length(first[j + 1], second[j + 1]);
+            if radius == 0.0 {
                 continue;
             }
-            let (cosine, sine) = (first[j + 1] / length, second[j + 1] / length);
-            self.rotations.push(Rotation { first: j, cosine, sine });
+            let (cosine, sine) = (first[j + 1] / radius, second[j + 1] / radius);
+            self.rotations.push(Rotation { first: j, second: j + 1, cosine, sine });
             for (a, b) in first[index..].iter_mut().zip(&mut second[index..]) {
                 let (x, y) = (*a, *b);
                 (*a, *b) = (cosine * x + sine * y, cosine * y - sine * x);

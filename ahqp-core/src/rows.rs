@@ -157,6 +157,11 @@ impl Rows {
         Ok(())
     }
 
+    /// A, row after row.
+    pub(crate) fn coefficients(&self) -> &[f64] {
+        &self.matrix
+    }
+
     /// Every row with its bounds: `(coefficients, lower, upper)`.
     pub fn iter(&self) -> impl Iterator<Item = (&[f64], f64, f64)> + '_ {
         (0..self.len()).map(|i| {

@@ -10,6 +10,15 @@ use crate::active_set::{ActiveSet, End, Goal, RowState};
 use crate::least_squares::Minimum;
 use crate::vector::{add_scaled, norm};
 
+/// A row in the way of a step: the room left before its bound, and how fast that shrinks.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Candidate {
+    id: usize,
+    state: RowState,
+    room: f64,
+    slope: f64,
+}
+
 /// A row of the working set, or of the objective, that should be let go.
 #[derive(Debug, Clone, Copy)]
 enum Release {
@@ -68,31 +77,22 @@ impl ActiveSet {
         minimum: Minimum,
         careful: bool,
     ) -> (f64, Option<(usize, RowState)>) {
-        let size = norm(&self.direction);
-        let x_norm = norm(&self.x);
         let full = if minimum == Minimum::Ray { f64::INFINITY } else { 1.0 };
-        for index in 0..self.hard.len() {
-            let id = self.hard[index];
-            let inside = self.state[id] == RowState::Inside;
-            self.slope[id] = if inside { self.table.row(id).dot(&self.direction) } else { 0.0 };
-        }
-        if let Goal::Rows { rows, .. } = goal {
-            for id in rows.clone() {
-                self.slope[id] = self.table.row(id).dot(&self.direction);
-            }
-        }
+        self.set_slopes(goal);
+        self.find_candidates(goal, full);
         // Two passes: the bound relaxed by the tolerance finds how far x may go, and among the
         // rows met by then the one most across the direction is taken.
         let mut reach = full;
-        self.for_each_in_the_way(goal, size, |room, slope, id| {
-            let slack = if careful { 0.0 } else { self.tolerance(id, x_norm) };
-            reach = reach.min((room + slack) / slope);
-        });
+        let x_norm = norm(&self.x);
+        for candidate in &self.candidates {
+            let slack = if careful { 0.0 } else { self.tolerance(candidate.id, x_norm) };
+            reach = reach.min((candidate.room + slack) / candidate.slope);
+        }
         if reach >= full {
             return (full, None);
         }
         let mut best: Option<(f64, f64, usize, RowState)> = None;
-        self.for_each_in_the_way_with_state(goal, size, |room, slope, id, state| {
+        for &Candidate { id, state, room, slope } in &self.candidates {
             let ratio = room / slope;
             let pivot = slope / self.table.row(id).norm().max(f64::MIN_POSITIVE);
             let better = best.is_none_or(
@@ -103,33 +103,41 @@ impl ActiveSet {
             if ratio <= reach && better {
                 best = Some((ratio, pivot, id, state));
             }
-        });
+        }
         match best {
             Some((ratio, _, id, state)) => (ratio.min(full), Some((id, state))),
             None => (reach, None),
         }
     }
 
-    fn for_each_in_the_way(&self, goal: &Goal, size: f64, mut visit: impl FnMut(f64, f64, usize)) {
-        self.for_each_in_the_way_with_state(goal, size, |room, slope, id, _| {
-            visit(room, slope, id);
-        });
+    /// By how much the values of the rows in play change along `direction`.
+    fn set_slopes(&mut self, goal: &Goal) {
+        for &id in &self.hard {
+            self.slope[id] = if self.state[id] == RowState::Inside {
+                self.table.row(id).dot(&self.direction)
+            } else {
+                0.0
+            };
+        }
+        if let Goal::Rows { rows, .. } = goal {
+            self.table.multiply(rows.clone(), &self.direction, &mut self.slope);
+        }
     }
 
-    /// Visits rows that the direction approaches: the room left (not negative), the speed of
-    /// approach (positive), the row, and the side.
-    fn for_each_in_the_way_with_state(
-        &self,
-        goal: &Goal,
-        size: f64,
-        mut visit: impl FnMut(f64, f64, usize, RowState),
-    ) {
+    /// The rows whose bounds the direction meets within `full` of its length.
+    fn find_candidates(&mut self, goal: &Goal, full: f64) {
+        let least = self.dependence_tolerance() * norm(&self.direction);
+        let (table, found) = (&self.table, &mut self.candidates);
+        found.clear();
         let mut consider = |id: usize, value: f64, slope: f64| {
-            let least = self.dependence_tolerance() * self.table.row(id).norm() * size;
-            if slope > least && self.table.upper[id].is_finite() {
-                visit((self.table.upper[id] - value).max(0.0), slope, id, RowState::Upper);
-            } else if slope < -least && self.table.lower[id].is_finite() {
-                visit((value - self.table.lower[id]).max(0.0), -slope, id, RowState::Lower);
+            let (state, room) = if slope > 0.0 {
+                (RowState::Upper, table.upper[id] - value)
+            } else {
+                (RowState::Lower, value - table.lower[id])
+            };
+            let slope = slope.abs();
+            if room < full * slope && slope > least * table.row(id).norm() {
+                found.push(Candidate { id, state, room: room.max(0.0), slope });
             }
         };
         for &id in &self.hard {
@@ -167,8 +175,10 @@ impl ActiveSet {
 
     /// The row to let go: the one that is most wrong, or the first of the wrong ones.
     fn wrong_sign(&mut self, goal: &Goal, careful: bool) -> Option<Release> {
-        let threshold = self.set_gradient(goal);
-        self.basis.multipliers(&self.gradient, &mut self.multipliers);
+        let threshold = self.refresh_multipliers(goal);
+        if threshold == f64::INFINITY {
+            return None;
+        }
         let mut worst: Option<(f64, usize, Release)> = None;
         let mut consider = |wrongness: f64, id: usize, release: Release| {
             let better = worst

@@ -3,21 +3,18 @@
 use std::ops::Range;
 
 use crate::active_set::{ActiveSet, Goal, RowState};
-use crate::pulled::CLEAR;
 use crate::vector::norm;
 
 /// A multiplier this many times above the noise marks its row as active at every optimum.
 const STRONGLY_ACTIVE: f64 = 10.0;
 
 impl ActiveSet {
-    /// Fixes what the level decided: rows of its objective keep their values (those within
+    /// Fixes what the level decided at the end of its search: rows of its objective keep their values (those within
     /// their ranges stay within), and hard rows with a multiplier stay at their bounds.
     /// `activity` takes down what the rows do.
     pub(crate) fn settle(&mut self, goal: Option<&Goal>, activity: &mut [RowState]) {
-        let threshold = match goal {
-            Some(goal) => STRONGLY_ACTIVE * self.refresh_multipliers(goal),
-            None => f64::INFINITY,
-        };
+        let threshold =
+            if goal.is_some() { STRONGLY_ACTIVE * self.threshold } else { f64::INFINITY };
         self.left.clear();
         for position in 0..self.basis.active().len() {
             let id = self.basis.active()[position];
@@ -38,16 +35,25 @@ impl ActiveSet {
             linear = *linear_of;
             self.settle_objective(rows.clone(), activity);
         }
-        if !self.fix_triangular() {
-            self.fix_by_rank(goal, linear);
+        for ((id, _), weak) in self.left.iter().zip(&mut self.weak) {
+            *weak = self.state[*id] != RowState::Fixed;
+        }
+        let kept = self.pulled.fix(&mut self.basis, &self.table, &self.weak);
+        if !kept {
+            self.release_weak();
+            if !self.pulled.fix(&mut self.basis, &self.table, &self.weak) {
+                self.fix_by_rank(goal, linear);
+            }
         }
         self.pulled.clear(false);
         self.hard.retain(|&id| self.state[id] != RowState::Fixed);
         for index in 0..self.left.len() {
             let (id, state) = self.left[index];
-            if self.state[id] != RowState::Fixed {
+            if self.state[id] != RowState::Fixed && !self.basis.active().contains(&id) {
                 self.state[id] = RowState::Inside;
-                self.activate(id, state);
+                if !kept {
+                    self.activate(id, state);
+                }
             }
         }
     }
@@ -83,20 +89,13 @@ impl ActiveSet {
         }
     }
 
-    /// Fixes the directions of the rows marked so as the factors have them, rows left out of the
-    /// working set first; false where a rank is in doubt.
-    fn fix_triangular(&mut self) -> bool {
+    /// Takes the weak rows out of the working set.
+    fn release_weak(&mut self) {
         for position in (0..self.basis.active().len()).rev() {
-            if self.state[self.basis.active()[position]] != RowState::Fixed {
+            if std::mem::take(&mut self.weak[position]) {
                 self.pulled.release(&mut self.basis, &self.table, position);
             }
         }
-        let clear = self.basis.is_clear(CLEAR, |id| self.table.row(id).norm());
-        if clear && self.pulled.is_sound() {
-            self.basis.fix_active_and(self.pulled.rank());
-            return true;
-        }
-        false
     }
 
     /// Fixes the directions of the rows marked so, ranks decided by pivoting.

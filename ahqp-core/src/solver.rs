@@ -126,6 +126,9 @@ impl Solver {
                 self.read_out(Status::Solved, rounds);
                 return Ok(&self.solution);
             }
+            if std::env::var("HREP").is_ok() {
+                self.set.hint.copy_from_slice(&self.verifier.activity);
+            }
         }
         if !warm || self.verifier.far {
             self.set.hint.fill(RowState::Inside);
@@ -260,11 +263,11 @@ impl Solver {
         for (violation, level) in self.solution.violations.iter_mut().zip(&table.levels) {
             *violation = 0.0;
             if !level.quadratic {
-                let squares: f64 = level
-                    .objective
-                    .clone()
+                let rows = level.objective.clone();
+                table.multiply(rows.clone(), &self.solution.x, &mut self.set.value);
+                let squares: f64 = rows
                     .map(|id| {
-                        let value = table.row(id).dot(&self.solution.x);
+                        let value = self.set.value[id];
                         (value - value.clamp(table.lower[id], table.upper[id])).powi(2)
                     })
                     .sum();

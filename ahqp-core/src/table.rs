@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::error::Error;
 use crate::hierarchy::{ConstraintSource, Hierarchy, Objective};
+use crate::kernels::{add_rows, multiply_rows, square_rows};
 use crate::quadratic::QuadraticFactor;
 use crate::rows::Rows;
 use crate::vector::{dot, norm, norm_max};
@@ -14,43 +15,49 @@ const MODERATE: f64 = 1e100;
 /// A row seen by the algebra: a unit vector for a bound, coefficients otherwise.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RowView<'a> {
-    kind: RowKind<'a>,
+    coefficients: Coefficients<'a>,
+    norm: f64,
 }
 
+/// What stands in a row.
 #[derive(Debug, Clone, Copy)]
-enum RowKind<'a> {
+pub(crate) enum Coefficients<'a> {
+    /// One in this column, zero elsewhere.
     Unit(usize),
-    Dense(&'a [f64], f64),
+    Dense(&'a [f64]),
 }
 
 impl<'a> RowView<'a> {
     pub(crate) fn unit(variable: usize) -> Self {
-        Self { kind: RowKind::Unit(variable) }
+        Self { coefficients: Coefficients::Unit(variable), norm: 1.0 }
     }
 
     pub(crate) fn dense(coefficients: &'a [f64], norm: f64) -> Self {
-        Self { kind: RowKind::Dense(coefficients, norm) }
+        Self { coefficients: Coefficients::Dense(coefficients), norm }
+    }
+
+    pub(crate) fn coefficients(self) -> Coefficients<'a> {
+        self.coefficients
     }
 
     pub(crate) fn dot(self, x: &[f64]) -> f64 {
-        match self.kind {
-            RowKind::Unit(variable) => x[variable],
-            RowKind::Dense(coefficients, _) => dot(coefficients, x),
+        match self.coefficients {
+            Coefficients::Unit(variable) => x[variable],
+            Coefficients::Dense(coefficients) => dot(coefficients, x),
         }
     }
 
     pub(crate) fn norm(self) -> f64 {
-        match self.kind {
-            RowKind::Unit(_) => 1.0,
-            RowKind::Dense(_, norm) => norm,
-        }
+        self.norm
     }
 
     /// y ← y + αa.
     pub(crate) fn add_to(self, y: &mut [f64], alpha: f64) {
-        match self.kind {
-            RowKind::Unit(variable) => y[variable] += alpha,
-            RowKind::Dense(coefficients, _) => crate::vector::add_scaled(y, alpha, coefficients),
+        match self.coefficients {
+            Coefficients::Unit(variable) => y[variable] += alpha,
+            Coefficients::Dense(coefficients) => {
+                crate::vector::add_scaled(y, alpha, coefficients);
+            }
         }
     }
 }
@@ -146,6 +153,18 @@ impl RowTable {
         &self.coefficients[start..start + self.n]
     }
 
+    /// aᵢx of the rows in `ids`, none of them a bound, into the same places of `out`.
+    pub(crate) fn multiply(&self, ids: Range<usize>, x: &[f64], out: &mut [f64]) {
+        let data = &self.coefficients[(ids.start - self.n) * self.n..];
+        multiply_rows(data, self.n, x, &mut out[ids]);
+    }
+
+    /// y ← y + Σ weight · row over the rows in `ids`, none of them a bound.
+    pub(crate) fn add_rows(&self, ids: Range<usize>, weights: &[f64], y: &mut [f64]) {
+        let data = &self.coefficients[(ids.start - self.n) * self.n..];
+        add_rows(data, self.n, &weights[..ids.len()], y);
+    }
+
     pub(crate) fn is_equality(&self, id: usize) -> bool {
         self.lower[id] == self.upper[id]
     }
@@ -212,31 +231,32 @@ impl RowTable {
     }
 
     fn load_rows(&mut self, start: usize, rows: &Rows) -> Result<(), Error> {
-        for (offset, (coefficients, lower, upper)) in rows.iter().enumerate() {
-            let id = start + offset;
-            let at = (id - self.n) * self.n;
-            self.coefficients[at..at + self.n].copy_from_slice(coefficients);
-            let length = norm(coefficients);
-            if !length.is_finite() {
-                self.expect_finite(id, coefficients)?;
-            }
-            self.expect_moderate(id, norm_max(coefficients))?;
-            self.norms[id] = length;
-            self.lower[id] = lower;
-            self.upper[id] = upper;
+        let (ids, first) = (start..start + rows.len(), (start - self.n) * self.n);
+        let block = &mut self.coefficients[first..first + rows.len() * self.n];
+        block.copy_from_slice(rows.coefficients());
+        square_rows(block, self.n, &mut self.norms[ids.clone()]);
+        self.lower[ids.clone()].copy_from_slice(rows.lower());
+        self.upper[ids.clone()].copy_from_slice(rows.upper());
+        for id in ids {
             self.check_range(id)?;
+            let square = self.norms[id];
+            if !(square > 0.0 && square < 1e200) {
+                self.check_row(id)?;
+            }
+            self.norms[id] = square.sqrt();
         }
         Ok(())
     }
 
-    fn expect_finite(&self, id: usize, coefficients: &[f64]) -> Result<(), Error> {
-        match coefficients.iter().position(|value| !value.is_finite()) {
-            Some(entry) => {
-                let source_of_row = self.sources[id];
-                Err(Error::NotFinite { what: "the matrix", source_of_row, entry })
-            }
-            None => Ok(()),
+    /// A row whose squares are zero, not finite or very large.
+    fn check_row(&mut self, id: usize) -> Result<(), Error> {
+        let start = (id - self.n) * self.n;
+        let row = &self.coefficients[start..start + self.n];
+        if let Some(entry) = row.iter().position(|value| !value.is_finite()) {
+            let source_of_row = self.sources[id];
+            return Err(Error::NotFinite { what: "the matrix", source_of_row, entry });
         }
+        self.expect_moderate(id, norm_max(row))
     }
 
     fn expect_moderate(&self, id: usize, value: f64) -> Result<(), Error> {

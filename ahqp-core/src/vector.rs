@@ -29,6 +29,12 @@ pub(crate) fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
+/// √(a² + b²), for numbers whose squares do not overflow.
+#[inline]
+pub(crate) fn length(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
+}
+
 /// max |aᵢ|.
 #[inline]
 pub(crate) fn norm_max(a: &[f64]) -> f64 {

@@ -6,8 +6,8 @@ use std::cell::Cell;
 
 use ahqp_core::testing::{Sizes, hierarchy_sequences};
 use ahqp_core::{
-    AugmentedClik, AugmentedState, Error, Hierarchy, Level, Limits, MotionState, Rows, Settings,
-    Solver, Status, WarmStart, integrate_pose, pose_error,
+    AugmentedClik, AugmentedState, ContinuousStack, Error, Hierarchy, Level, Limits, MotionState,
+    Place, Rows, Settings, Solver, Status, WarmStart, integrate_pose, pose_error,
 };
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6, dmatrix, dvector};
 use proptest::prelude::*;
@@ -144,4 +144,46 @@ fn a_control_tick_does_not_allocate() {
         }
     });
     assert_eq!(calls, 0);
+}
+
+#[test]
+fn a_changing_stack_does_not_allocate_between_changes() {
+    let row =
+        |target: f64| Rows::equalities(&dmatrix![1.0, 0.5, target], &dvector![target]).unwrap();
+    let limit = Rows::ranges(&dmatrix![1.0, 1.0, 0.0], &dvector![-1.0], &dvector![1.0]).unwrap();
+    let mut hierarchy = Hierarchy::new(3).unwrap();
+    hierarchy.set_bounds(&dvector![-1.0, -1.0, -1.0], &dvector![1.0, 1.0, 1.0]).unwrap();
+    hierarchy.push(Level::least_squares(row(0.3)).with_constraints(limit)).unwrap();
+    hierarchy.push(Level::least_squares(row(0.7))).unwrap();
+    let mut stack = ContinuousStack::new(&hierarchy, Settings::default()).unwrap();
+    let levels: Vec<_> = stack.levels().collect();
+    let by_hand = stack.insert(Level::least_squares(row(-0.9)), Place::Bottom, 0.01).unwrap();
+    stack.activate(by_hand, 0.0, 0.0).unwrap();
+    stack.swap(levels[0], levels[1], 0.02).unwrap();
+    stack.insert(Level::least_squares(row(-0.5)), Place::Above(levels[1]), 0.015).unwrap();
+    stack.remove(levels[0], 0.012).unwrap();
+    let (calls, projected) = allocations(|| {
+        let mut projected = 0;
+        for tick in 0..40 {
+            let target = 0.01 * f64::from(tick);
+            for level in &levels {
+                if let Some(rows) = stack.level_mut(*level).and_then(Level::least_squares_mut) {
+                    rows.lower_mut()[0] = target;
+                    rows.upper_mut()[0] = target;
+                }
+            }
+            stack.activate(by_hand, 0.5 + target, 0.0).unwrap();
+            let last = [stack.x()[0], stack.x()[1], stack.x()[2]];
+            let (lower, upper) = stack.output_bounds_mut();
+            for (i, x) in last.iter().enumerate() {
+                (lower[i], upper[i]) = (x - 0.05, x + 0.05);
+            }
+            let x = stack.solve(1e-3).unwrap();
+            let at_bound = |(x, last): (&f64, &f64)| (x - last).abs() > 0.05 - 1e-9;
+            projected += usize::from(x.iter().zip(&last).any(at_bound));
+        }
+        projected
+    });
+    assert_eq!(calls, 0);
+    assert!(projected > 0);
 }

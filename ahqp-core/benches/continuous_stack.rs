@@ -1,0 +1,79 @@
+//! Time of a tick of a continuous stack: `cargo bench -p ahqp-core --bench continuous_stack`.
+//!
+//! The problems are the controller's, warm; so many of its levels are half active, each of which
+//! takes one solution more. `plain` is the same without a stack. Rewriting the data is included.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+use ahqp_core::testing::problems::controller_sequence;
+use ahqp_core::{ContinuousStack, Hierarchy, Level, Rows, Settings, Solver};
+use divan::{Bencher, black_box};
+
+fn main() {
+    divan::main();
+}
+
+fn problems() -> Vec<Hierarchy> {
+    controller_sequence(1, 2000).unwrap()
+}
+
+#[divan::bench(sample_count = 2000, sample_size = 1)]
+fn plain(bencher: Bencher) {
+    let problems = problems();
+    let mut hierarchy = problems[0].clone();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    let mut next = problems.iter().cycle();
+    bencher.bench_local(|| {
+        let problem = black_box(next.next().unwrap_or(&problems[0]));
+        for (index, from) in problem.levels().iter().enumerate() {
+            copy_level(from, hierarchy.level_mut(index).unwrap());
+        }
+        let (lower, upper) = hierarchy.bounds_mut();
+        lower.copy_from_slice(problem.lower());
+        upper.copy_from_slice(problem.upper());
+        solver.solve(&hierarchy).unwrap().x()[0]
+    });
+}
+
+#[divan::bench(args = [0, 1, 2], sample_count = 2000, sample_size = 1)]
+fn stack(bencher: Bencher, changes: usize) {
+    let problems = problems();
+    let mut stack = ContinuousStack::new(&problems[0], Settings::default()).unwrap();
+    let levels: Vec<_> = stack.levels().collect();
+    for (i, level) in levels.iter().rev().take(changes).enumerate() {
+        stack.activate(*level, 0.5 + 0.1 * i as f64, 0.0).unwrap();
+    }
+    let mut next = problems.iter().cycle();
+    bencher.bench_local(|| {
+        let problem = black_box(next.next().unwrap_or(&problems[0]));
+        for (id, from) in levels.iter().zip(problem.levels()) {
+            copy_level(from, stack.level_mut(*id).unwrap());
+        }
+        let (lower, upper) = stack.bounds_mut();
+        lower.copy_from_slice(problem.lower());
+        upper.copy_from_slice(problem.upper());
+        stack.solve(1e-3).unwrap()[0]
+    });
+}
+
+fn copy_level(from: &Level, to: &mut Level) {
+    copy_rows(from.constraints(), to.constraints_mut());
+    match from.objective() {
+        ahqp_core::Objective::LeastSquares(rows) => {
+            copy_rows(rows, to.least_squares_mut().unwrap());
+        }
+        ahqp_core::Objective::Quadratic { hessian, gradient } => {
+            let (to_hessian, to_gradient) = to.quadratic_mut().unwrap();
+            to_hessian.copy_from(hessian);
+            to_gradient.copy_from(gradient);
+        }
+        _ => {}
+    }
+}
+
+fn copy_rows(from: &Rows, to: &mut Rows) {
+    for i in 0..from.len() {
+        to.row_mut(i).unwrap().copy_from_slice(from.row(i).unwrap());
+    }
+    to.lower_mut().copy_from_slice(from.lower());
+    to.upper_mut().copy_from_slice(from.upper());
+}

@@ -1,0 +1,194 @@
+//! The velocity interval when the jerk is limited too.
+
+use super::braking::Braking;
+use super::{Limits, MotionState, VelocityInterval};
+use crate::error::Error;
+
+/// What rounding may add to a state, relative to the limits.
+const ROUNDING: f64 = 1e-9;
+/// Rounds of the search for an end of the interval; three or four are needed.
+const ROUNDS: usize = 30;
+
+/// Limits of one coordinate with a jerk limit: between two ticks the acceleration, which is the
+/// change of velocity over the period, changes by no more than jerk times period.
+///
+/// Made by [`Limits::with_jerk`]. A position limit is approached so that the coordinate can
+/// still be brought to rest in front of it within acceleration and jerk, without bouncing back.
+///
+/// ```
+/// use ahqp_core::{AcceleratedState, Limits};
+///
+/// let limits = Limits::new(-1.0, 1.0, 2.0, 10.0)?.with_jerk(5000.0)?;
+/// let mut state = AcceleratedState::at_rest(0.0);
+/// for _ in 0..2000 {
+///     let fastest = limits.velocity_interval(state, 1e-3).upper;
+///     state = state.after(fastest, 1e-3);
+///     assert!(limits.admits(state));
+/// }
+/// assert!(state.velocity.abs() < 1e-9 && (state.position - 1.0).abs() < 1e-9);
+/// # Ok::<(), ahqp_core::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JerkLimits {
+    limits: Limits,
+    jerk: f64,
+}
+
+/// Position, velocity and acceleration of one coordinate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AcceleratedState {
+    /// Where it is.
+    pub position: f64,
+    /// The velocity commanded last.
+    pub velocity: f64,
+    /// By how much that differed from the one before, over the period.
+    pub acceleration: f64,
+}
+
+impl AcceleratedState {
+    /// Standing still.
+    pub fn at_rest(position: f64) -> Self {
+        Self { position, velocity: 0.0, acceleration: 0.0 }
+    }
+
+    /// The state after `period` seconds at `velocity`.
+    #[must_use]
+    pub fn after(self, velocity: f64, period: f64) -> Self {
+        Self {
+            position: self.position + velocity * period,
+            velocity,
+            acceleration: (velocity - self.velocity) / period,
+        }
+    }
+}
+
+impl JerkLimits {
+    pub(super) fn new(limits: Limits, jerk: f64) -> Result<Self, Error> {
+        if jerk > 0.0 {
+            Ok(Self { limits, jerk })
+        } else {
+            let expected = "positive, or infinite for none";
+            Err(Error::Parameter { name: "the jerk limit", value: jerk, expected })
+        }
+    }
+
+    /// The other limits.
+    pub fn limits(&self) -> Limits {
+        self.limits
+    }
+
+    /// The jerk limit; infinite for none.
+    pub fn jerk(&self) -> f64 {
+        self.jerk
+    }
+
+    /// The same limits with the velocity limit times `scale`, clamped to [0, 1]: the interval
+    /// then shrinks as fast as acceleration and jerk allow, to braking for `scale` zero.
+    #[must_use]
+    pub fn slowed(self, scale: f64) -> Self {
+        Self { limits: self.limits.slowed(scale), ..self }
+    }
+
+    /// Whether `state` obeys the limits, up to rounding, and can go on obeying them.
+    pub fn admits(&self, state: AcceleratedState) -> bool {
+        let AcceleratedState { position, velocity, acceleration } = state;
+        let Limits { lower, upper, velocity: fastest, acceleration: strongest } = self.limits;
+        if acceleration.abs() > strongest * (1.0 + ROUNDING) {
+            return false;
+        }
+        if self.jerk.is_infinite() {
+            return self.limits.admits(MotionState { position, velocity });
+        }
+        // What the velocity becomes while the acceleration is brought to zero.
+        let coming = velocity + acceleration * acceleration.abs() / (2.0 * self.jerk);
+        let braking = Braking::new(strongest, self.jerk);
+        let fits = |velocity: f64, acceleration: f64, distance: f64, limit: f64| {
+            let rounding = f64::EPSILON * (position.abs() + limit.abs());
+            let overrun = braking.overrun(velocity, acceleration).distance;
+            overrun * (1.0 - ROUNDING) <= distance + 4.0 * rounding
+        };
+        velocity.abs().max(coming.abs()) <= fastest * (1.0 + ROUNDING)
+            && fits(velocity, acceleration, upper - position, upper)
+            && fits(-velocity, -acceleration, position - lower, lower)
+    }
+
+    /// The velocities for the next `period` seconds.
+    ///
+    /// Acceleration and jerk limits always hold; an acceleration beyond its limit is returned
+    /// from at the jerk limit. The velocity limit holds, or is returned to within those two.
+    /// From an admitted state every velocity of the interval leads to an admitted state, whatever
+    /// the periods. From outside the position limits the interval leads back as fast as the other
+    /// limits allow, and from within, but too fast to stop, it brakes. It is never empty.
+    pub fn velocity_interval(&self, state: AcceleratedState, period: f64) -> VelocityInterval {
+        let AcceleratedState { position, velocity, acceleration } = state;
+        if self.jerk.is_infinite() {
+            return self.limits.velocity_interval(MotionState { position, velocity }, period);
+        }
+        let Limits { lower, upper, velocity: fastest, acceleration: strongest } = self.limits;
+        let braking = Braking::new(strongest, self.jerk);
+        let change = self.jerk * period;
+        let mut least = (acceleration - change).max(-strongest);
+        let mut greatest = (acceleration + change).min(strongest);
+        if least > greatest {
+            // Beyond the acceleration limit: back towards it.
+            least = acceleration - change.copysign(acceleration);
+            greatest = least;
+        }
+        let reach = |wanted: f64| wanted.min(greatest).max(least);
+        // Brings the velocity to rest, and is always allowed within the position limits.
+        let brake = reach(-braking.onset(velocity, period));
+        let slowest = reach(-braking.onset(velocity + fastest, period));
+        let quickest = reach(braking.onset(fastest - velocity, period));
+        let to_upper = Approach::new(position, velocity, upper, period);
+        let to_lower = Approach::new(-position, -velocity, -lower, period);
+        let (down, up) = if to_upper.distance < 0.0 {
+            let down = -to_lower.strongest(&braking, -brake, -slowest);
+            (down, to_upper.strongest(&braking, down, quickest))
+        } else {
+            let up = to_upper.strongest(&braking, brake, quickest);
+            let most = if to_lower.distance < 0.0 { up } else { brake };
+            (-to_lower.strongest(&braking, -most, -slowest), up)
+        };
+        VelocityInterval { lower: velocity + down * period, upper: velocity + up * period }
+    }
+}
+
+/// The next tick's motion towards an upper limit; a lower one is its mirror image.
+struct Approach {
+    velocity: f64,
+    /// To the limit; negative beyond it.
+    distance: f64,
+    /// Of the distance.
+    rounding: f64,
+    period: f64,
+}
+
+impl Approach {
+    fn new(position: f64, velocity: f64, limit: f64, period: f64) -> Self {
+        let rounding = f64::EPSILON * (limit.abs() + position.abs());
+        Self { velocity, distance: limit - position, rounding, period }
+    }
+
+    /// The strongest acceleration between `least` and `greatest` with which the coordinate
+    /// still comes to rest in front of the limit, or `least`.
+    ///
+    /// What the tick and the braking after it take grows with the acceleration, and is convex:
+    /// Newton's method comes down to the root from above.
+    fn strongest(&self, braking: &Braking, least: f64, greatest: f64) -> f64 {
+        let mut acceleration = greatest;
+        for _ in 0..ROUNDS {
+            let velocity = self.velocity + acceleration * self.period;
+            let overrun = braking.overrun(velocity, acceleration);
+            let excess = velocity * self.period + overrun.distance - self.distance;
+            if excess <= self.rounding {
+                return acceleration;
+            }
+            let slope = self.period * (self.period + overrun.by_velocity) + overrun.by_acceleration;
+            acceleration -= excess / slope;
+            if acceleration.is_nan() || acceleration <= least {
+                break;
+            }
+        }
+        least
+    }
+}
