@@ -144,7 +144,6 @@ impl ActiveSet {
     /// Starts a solve near `start`: x within its bounds, only those in play. Bounds that are
     /// active in the hint are active from the start.
     pub(crate) fn reset(&mut self, start: &[f64]) {
-        self.basis.reset();
         self.pulled.clear(false);
         self.hard.clear();
         self.state.fill(RowState::Absent);
@@ -163,10 +162,10 @@ impl ActiveSet {
             }
         }
         self.farthest = norm(&self.x);
-        for i in 0..self.table.n {
-            if matches!(self.hint[i], RowState::Lower | RowState::Upper) {
-                self.activate(i, self.hint[i]);
-            }
+        let is_active = |i: usize| matches!(self.hint[i], RowState::Lower | RowState::Upper);
+        self.basis.reset(is_active);
+        for &i in self.basis.active() {
+            self.state[i] = self.hint[i];
         }
     }
 

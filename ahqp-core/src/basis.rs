@@ -39,18 +39,29 @@ impl Basis {
             rotations: Vec::with_capacity(n * n),
             spare: vec![0.0; n * n],
         };
-        basis.reset();
+        basis.reset(|_| false);
         basis
     }
 
-    /// Back to the unit vectors, all free.
-    pub(crate) fn reset(&mut self) {
+    /// Back to the unit vectors; those of the variables whose bounds are active stand first, the
+    /// others are free.
+    pub(crate) fn reset(&mut self, is_active: impl Fn(usize) -> bool) {
+        let n = self.n;
         self.vectors.fill(0.0);
-        for i in 0..self.n {
-            self.vectors[i * self.n + i] = 1.0;
-        }
         self.fixed = 0;
         self.active.clear();
+        self.active.extend((0..n).filter(|&i| is_active(i)));
+        let count = self.active.len();
+        for (i, row) in self.triangular.chunks_exact_mut(n).enumerate().take(count) {
+            row[..i].fill(0.0);
+            row[i] = 1.0;
+        }
+        let rest = (0..n).filter(|&i| !is_active(i));
+        for (vector, i) in
+            self.vectors.chunks_exact_mut(n).zip(self.active.iter().copied().chain(rest))
+        {
+            vector[i] = 1.0;
+        }
     }
 
     pub(crate) fn active(&self) -> &[usize] {
@@ -228,15 +239,11 @@ impl Basis {
             for (to, from) in block.chunks_exact_mut(n).zip(order) {
                 to.copy_from_slice(&spare[from * n..(from + 1) * n]);
             }
-            let mut row = 0;
-            for i in (0..active).filter(|&i| weak[i]) {
-                let mut column = 0;
-                for j in (0..=i).filter(|&j| weak[j]) {
+            for (row, i) in (0..active).filter(|&i| weak[i]).enumerate() {
+                for (column, j) in (0..=i).filter(|&j| weak[j]).enumerate() {
                     self.triangular[row * n + column] = self.triangular[i * n + j];
-                    column += 1;
                 }
                 self.active[row] = self.active[i];
-                row += 1;
             }
         }
         self.active.truncate(held);

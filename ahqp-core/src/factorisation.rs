@@ -53,6 +53,8 @@ pub(crate) struct Factorisation {
     /// Of stacked rows, the square of what no pivot has taken, and what it was when computed last.
     rest: Vec<f64>,
     measured: Vec<f64>,
+    /// Of stacked rows, the square of the norm.
+    square: Vec<f64>,
     /// Stacked row of each pivot.
     pub(crate) pivots: Vec<usize>,
     reflectors: Vec<f64>,
@@ -79,6 +81,7 @@ impl Factorisation {
             target: vec![0.0; count],
             rest: vec![0.0; count],
             measured: vec![0.0; count],
+            square: vec![0.0; count],
             pivots: Vec::with_capacity(n),
             reflectors: vec![0.0; n * n],
             tau: vec![0.0; n],
@@ -103,7 +106,7 @@ impl Factorisation {
         self.stack(table, state);
         self.pivots.clear();
         for group in 0..self.groups.len() {
-            self.eliminate(table, group, tolerance);
+            self.eliminate(group, tolerance);
             if !self.decide(table, group, tolerance) {
                 return false;
             }
@@ -166,11 +169,12 @@ impl Factorisation {
         }
         let known: f64 = self.bounded.iter().map(|&i| coefficients[i] * self.x[i]).sum();
         self.target[at] = bound(table, state, id) - known;
+        self.square[at] = table.row(id).norm().powi(2);
         self.stacked.push(id);
     }
 
     /// Reflections that turn the group's rows onto coordinates of their own.
-    fn eliminate(&mut self, table: &RowTable, group: usize, tolerance: f64) {
+    fn eliminate(&mut self, group: usize, tolerance: f64) {
         let (n, k) = (self.n, self.free.len());
         let Group { start, end, .. } = self.groups[group];
         let first_pivot = self.pivots.len();
@@ -181,7 +185,7 @@ impl Factorisation {
             if step == k {
                 break;
             }
-            let Some(pivot) = self.best_row(table, at..end, step, tolerance) else { break };
+            let Some(pivot) = self.best_row(at..end, step, tolerance) else { break };
             self.swap(at, pivot);
             let (above, below) = self.rows.split_at_mut((at + 1) * n);
             let row = &mut above[at * n + step..at * n + k];
@@ -234,7 +238,6 @@ impl Factorisation {
     /// The row with the largest remainder relative to its norm.
     fn best_row(
         &mut self,
-        table: &RowTable,
         rows: std::ops::Range<usize>,
         step: usize,
         tolerance: f64,
@@ -246,9 +249,8 @@ impl Factorisation {
             if self.rest[at] < 1e-4 * self.measured[at] {
                 self.measure(at..at + 1, step);
             }
-            let part = self.rest[at] / table.row(self.stacked[at]).norm().powi(2);
-            if part > largest {
-                largest = part;
+            if self.rest[at] > largest * self.square[at] {
+                largest = self.rest[at] / self.square[at];
                 best = Some(at);
             }
         }
@@ -264,6 +266,7 @@ impl Factorisation {
             self.stacked.swap(i, j);
             self.rest.swap(i, j);
             self.measured.swap(i, j);
+            self.square.swap(i, j);
         }
     }
 

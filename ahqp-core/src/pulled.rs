@@ -96,8 +96,9 @@ impl Pulled {
             if part > NOTHING && part < CLEAR {
                 return self.give_up();
             }
-            for j in 0..rank {
-                self.columns[j * self.stride + index] = along[j];
+            let columns = self.columns.chunks_exact_mut(self.stride);
+            for (column, &entry) in columns.zip(&along[..rank]) {
+                column[index] = entry;
             }
             if part >= CLEAR {
                 let (tau, image) = reflector(&mut along[rank..]);

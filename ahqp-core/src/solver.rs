@@ -16,6 +16,12 @@ use crate::verification::Verifier;
 /// Rounds of mending the previous active set after which the search starts from nothing.
 const ROUNDS: usize = 5;
 
+/// Changes of the active set from solve to solve up to which it is mended, not searched for.
+const FEW: usize = 2;
+
+/// A change of more than this part of the variables is a jump, not a habit.
+const JUMP: usize = 3;
+
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
 /// Level by level: make the new hard constraints hold, minimise the objective inside what the
@@ -31,6 +37,8 @@ pub struct Solver {
     settings: Settings,
     solution: Solution,
     warm: bool,
+    /// Whether the active set has changed so little lately that asking it first pays.
+    settled: bool,
     conflict: Vec<ConstraintSource>,
 }
 
@@ -59,6 +67,7 @@ impl Solver {
             },
             verifier: Verifier::new(&table, settings),
             warm: false,
+            settled: true,
             conflict: Vec::with_capacity(count),
             set: ActiveSet::new(table, settings),
             settings,
@@ -117,30 +126,39 @@ impl Solver {
         self.warm = false;
         self.conflict.clear();
         self.set.table.load(hierarchy)?;
+        let mut near = warm;
         if warm {
             self.verifier.fit(&self.set.table);
             self.set.hint.copy_from_slice(&self.verifier.activity);
-            if let Some(rounds) = self.verifier.solve(&self.set.table, ROUNDS) {
-                self.set.x.copy_from_slice(&self.verifier.factorisation.x);
-                self.warm = true;
-                self.read_out(Status::Solved, rounds);
-                return Ok(&self.solution);
-            }
-            if std::env::var("HREP").is_ok() {
-                self.set.hint.copy_from_slice(&self.verifier.activity);
+            if self.settled {
+                if let Some(rounds) = self.verifier.solve(&self.set.table, ROUNDS) {
+                    self.set.x.copy_from_slice(&self.verifier.factorisation.x);
+                    self.warm = true;
+                    self.read_out(Status::Solved, rounds);
+                    return Ok(&self.solution);
+                }
+                near = !self.verifier.far;
             }
         }
-        if !warm || self.verifier.far {
+        if !near {
             self.set.hint.fill(RowState::Inside);
             self.solution.x.fill(0.0);
         }
         let status = self.search_levels(hierarchy.levels().len())?;
+        let (changes, n) = (self.changes(), self.set.table.n);
+        self.settled = !near || changes <= FEW || changes > n / JUMP;
         if !norm(&self.set.x).is_finite() {
             return Err(Error::Overflow);
         }
         self.warm = status == Status::Solved;
         self.read_out(status, self.set.iterations);
         Ok(&self.solution)
+    }
+
+    /// How many rows are active where the search was not told so, or the other way round.
+    fn changes(&self) -> usize {
+        let pairs = self.set.hint.iter().zip(&self.verifier.activity);
+        pairs.filter(|(hint, activity)| hint != activity).count()
     }
 
     /// The cascade: level by level, from near the last solution if the start is warm.

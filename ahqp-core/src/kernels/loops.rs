@@ -1,0 +1,295 @@
+//! The loops of the kernels.
+
+#![expect(clippy::inline_always, reason = "takes the features of the function around it")]
+
+use super::lanes::Lanes;
+use super::{FourReflections, Rotation, RowsMut};
+
+#[inline(always)]
+pub(super) fn rotate_rows<L: Lanes>(rows: &mut RowsMut<'_>, rotations: &[Rotation]) {
+    let stride = rows.stride;
+    for &Rotation { first, second, cosine, sine } in rotations {
+        let places = [first, second].map(|row| row * stride..(row + 1) * stride);
+        let Ok([a, b]) = rows.data.get_disjoint_mut(places) else { continue };
+        let ((a, a_rest), (b, b_rest)) = (a.as_chunks_mut::<4>(), b.as_chunks_mut::<4>());
+        let (c, s, minus) = (L::splat(cosine), L::splat(sine), L::splat(-sine));
+        let zero = L::splat(0.0);
+        for (x, y) in a.iter_mut().zip(b) {
+            let (p, q) = (L::load(x), L::load(y));
+            c.multiply_add(p, s.multiply_add(q, zero)).store(x);
+            c.multiply_add(q, minus.multiply_add(p, zero)).store(y);
+        }
+        for (x, y) in a_rest.iter_mut().zip(b_rest) {
+            (*x, *y) = (cosine * *x + sine * *y, cosine * *y - sine * *x);
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn reflect_rows<L: Lanes>(rows: &mut RowsMut<'_>, start: usize, v: &[f64], tau: f64) {
+    let (stride, end) = (rows.stride, start + v.len());
+    let mut four = rows.data.chunks_exact_mut(4 * stride);
+    for block in &mut four {
+        let row = |i: usize| i * stride + start..i * stride + end;
+        let Ok(parts) = block.get_disjoint_mut([row(0), row(1), row(2), row(3)]) else { continue };
+        let along = dots::<L>(parts.each_ref().map(|part| &**part), v);
+        for (part, along) in parts.into_iter().zip(along) {
+            add_scaled::<L>(part, -tau * along, v);
+        }
+    }
+    for row in four.into_remainder().chunks_mut(stride) {
+        let Some(part) = row.get_mut(start..end) else { continue };
+        let along = dot::<L>(part, v);
+        add_scaled::<L>(part, -tau * along, v);
+    }
+}
+
+#[inline(always)]
+pub(super) fn reflect_rows_four<L: Lanes>(
+    rows: &mut RowsMut<'_>,
+    start: usize,
+    four: &FourReflections<'_>,
+) {
+    let length = four.v[0].len();
+    let [(a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)] = four.v.map(|v| v.as_chunks::<4>());
+    for row in rows.data.chunks_mut(rows.stride) {
+        let Some(part) = row.get_mut(start..start + length) else { continue };
+        let along = dots::<L>(four.v, part);
+        let mut weights = [0.0; 4];
+        for (along, t) in along.iter().zip(&four.t) {
+            for (weight, t) in weights.iter_mut().zip(t) {
+                *weight -= along * t;
+            }
+        }
+        let [wa, wb, wc, wd] = weights.map(L::splat);
+        let (chunks, rest) = part.as_chunks_mut::<4>();
+        for ((((x, p), q), r), s) in chunks.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            let left = wb.multiply_add(L::load(q), wa.multiply_add(L::load(p), L::load(x)));
+            wd.multiply_add(L::load(s), wc.multiply_add(L::load(r), left)).store(x);
+        }
+        let tails = a_rest.iter().zip(b_rest).zip(c_rest).zip(d_rest);
+        for (x, (((p, q), r), s)) in rest.iter_mut().zip(tails) {
+            *x += weights[0] * p + weights[1] * q + weights[2] * r + weights[3] * s;
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn mix_rows<L: Lanes>(rows: &mut RowsMut<'_>, v: &[f64], tau: f64) {
+    let (stride, whole) = (rows.stride, rows.stride - rows.stride % 4);
+    let mut start = 0;
+    while start + 16 <= whole {
+        mix_columns::<L, 4>(rows, start, v, tau);
+        start += 16;
+    }
+    while start < whole {
+        mix_columns::<L, 1>(rows, start, v, tau);
+        start += 4;
+    }
+    for start in whole..stride {
+        let column = |data: &[f64], row: usize| data.get(row * stride + start).copied();
+        let image: f64 =
+            v.iter().enumerate().filter_map(|(i, v)| Some(v * column(rows.data, i)?)).sum();
+        for (row, v) in rows.data.chunks_exact_mut(stride).zip(v) {
+            row[start] -= tau * v * image;
+        }
+    }
+}
+
+/// Mixes `B` times four columns: their sums stay in registers.
+#[inline(always)]
+fn mix_columns<L: Lanes, const B: usize>(
+    rows: &mut RowsMut<'_>,
+    start: usize,
+    v: &[f64],
+    tau: f64,
+) {
+    let mut image = [L::splat(0.0); B];
+    for (row, &weight) in rows.data.chunks_exact(rows.stride).zip(v) {
+        let weight = L::splat(weight);
+        for (image, part) in image.iter_mut().zip(row[start..].as_chunks::<4>().0) {
+            *image = weight.multiply_add(L::load(part), *image);
+        }
+    }
+    for (row, &weight) in rows.data.chunks_exact_mut(rows.stride).zip(v) {
+        let weight = L::splat(-tau * weight);
+        for (image, part) in image.iter().zip(row[start..].as_chunks_mut::<4>().0) {
+            weight.multiply_add(*image, L::load(part)).store(part);
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn mix_rows_four<L: Lanes>(rows: &mut RowsMut<'_>, four: &FourReflections<'_>) {
+    let (stride, whole) = (rows.stride, rows.stride - rows.stride % 4);
+    let mut start = 0;
+    while start + 8 <= whole {
+        mix_columns_four::<L, 2>(rows, start, four);
+        start += 8;
+    }
+    while start < whole {
+        mix_columns_four::<L, 1>(rows, start, four);
+        start += 4;
+    }
+    for start in whole..stride {
+        let mut images = [0.0; 4];
+        for (image, v) in images.iter_mut().zip(four.v) {
+            *image = rows.data.chunks_exact(stride).zip(v).map(|(row, v)| row[start] * v).sum();
+        }
+        let turned: [f64; 4] =
+            std::array::from_fn(|j| (0..4).map(|i| four.t[i][j] * images[i]).sum());
+        for (i, row) in rows.data.chunks_exact_mut(stride).enumerate().take(four.v[0].len()) {
+            row[start] -= (0..4).map(|j| four.v[j][i] * turned[j]).sum::<f64>();
+        }
+    }
+}
+
+#[inline(always)]
+fn mix_columns_four<L: Lanes, const B: usize>(
+    rows: &mut RowsMut<'_>,
+    start: usize,
+    four: &FourReflections<'_>,
+) {
+    let [a, b, c, d] = four.v;
+    let weights = || a.iter().zip(b).zip(c).zip(d).map(|(((a, b), c), d)| [*a, *b, *c, *d]);
+    let mut images = [[L::splat(0.0); B]; 4];
+    for (row, weights) in rows.data.chunks_exact(rows.stride).zip(weights()) {
+        let parts = row[start..].as_chunks::<4>().0;
+        for (image, weight) in images.iter_mut().zip(weights) {
+            let weight = L::splat(weight);
+            for (image, part) in image.iter_mut().zip(parts) {
+                *image = weight.multiply_add(L::load(part), *image);
+            }
+        }
+    }
+    let mut turned = [[L::splat(0.0); B]; 4];
+    for (image, t) in images.iter().zip(&four.t) {
+        for (turned, &t) in turned.iter_mut().zip(t) {
+            let t = L::splat(-t);
+            for (turned, image) in turned.iter_mut().zip(image) {
+                *turned = t.multiply_add(*image, *turned);
+            }
+        }
+    }
+    for (row, weights) in rows.data.chunks_exact_mut(rows.stride).zip(weights()) {
+        let parts = row[start..].as_chunks_mut::<4>().0;
+        for (block, part) in parts.iter_mut().enumerate().take(B) {
+            let mut value = L::load(part);
+            for (turned, &weight) in turned.iter().zip(&weights) {
+                value = L::splat(weight).multiply_add(turned[block], value);
+            }
+            value.store(part);
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn multiply_rows<L: Lanes>(data: &[f64], stride: usize, x: &[f64], out: &mut [f64]) {
+    let fours = (data.len() / stride).min(out.len()) / 4;
+    for (block, result) in data.chunks_exact(4 * stride).zip(out.as_chunks_mut::<4>().0) {
+        let row = |i: usize| &block[i * stride..i * stride + x.len()];
+        *result = dots::<L>([row(0), row(1), row(2), row(3)], x);
+    }
+    for (row, result) in data[4 * fours * stride..].chunks_exact(stride).zip(&mut out[4 * fours..])
+    {
+        *result = dot::<L>(&row[..x.len()], x);
+    }
+}
+
+#[inline(always)]
+pub(super) fn add_rows<L: Lanes>(data: &[f64], stride: usize, weights: &[f64], out: &mut [f64]) {
+    let whole = stride - stride % 4;
+    let mut start = 0;
+    while start + 16 <= whole {
+        add_columns::<L, 4>(data, stride, start, weights, out);
+        start += 16;
+    }
+    while start < whole {
+        add_columns::<L, 1>(data, stride, start, weights, out);
+        start += 4;
+    }
+    for start in whole..stride {
+        let sum: f64 = data.chunks_exact(stride).zip(weights).map(|(row, w)| row[start] * w).sum();
+        out[start] += sum;
+    }
+}
+
+#[inline(always)]
+fn add_columns<L: Lanes, const B: usize>(
+    data: &[f64],
+    stride: usize,
+    start: usize,
+    weights: &[f64],
+    out: &mut [f64],
+) {
+    let mut sums = [L::splat(0.0); B];
+    for (row, &weight) in data.chunks_exact(stride).zip(weights) {
+        let weight = L::splat(weight);
+        for (sum, part) in sums.iter_mut().zip(row[start..].as_chunks::<4>().0) {
+            *sum = weight.multiply_add(L::load(part), *sum);
+        }
+    }
+    let one = L::splat(1.0);
+    for (sum, part) in sums.into_iter().zip(out[start..].as_chunks_mut::<4>().0) {
+        one.multiply_add(sum, L::load(part)).store(part);
+    }
+}
+
+#[inline(always)]
+pub(super) fn square_rows<L: Lanes>(data: &[f64], stride: usize, out: &mut [f64]) {
+    for (row, square) in data.chunks_exact(stride).zip(out) {
+        *square = dot::<L>(row, row);
+    }
+}
+
+/// The products of four rows with one vector.
+#[inline(always)]
+fn dots<L: Lanes>(rows: [&[f64]; 4], v: &[f64]) -> [f64; 4] {
+    let (chunks, rest) = v.as_chunks::<4>();
+    let [a, b, c, d] = rows.map(|row| row.as_chunks::<4>().0);
+    let (mut sa, mut sb, mut sc, mut sd) =
+        (L::splat(0.0), L::splat(0.0), L::splat(0.0), L::splat(0.0));
+    for ((((x, p), q), r), s) in chunks.iter().zip(a).zip(b).zip(c).zip(d) {
+        let x = L::load(x);
+        sa = x.multiply_add(L::load(p), sa);
+        sb = x.multiply_add(L::load(q), sb);
+        sc = x.multiply_add(L::load(r), sc);
+        sd = x.multiply_add(L::load(s), sd);
+    }
+    let mut total = [sa.sum(), sb.sum(), sc.sum(), sd.sum()];
+    let done = v.len() - rest.len();
+    for (sum, row) in total.iter_mut().zip(rows) {
+        for (x, y) in rest.iter().zip(&row[done..]) {
+            *sum += x * y;
+        }
+    }
+    total
+}
+
+#[inline(always)]
+fn dot<L: Lanes>(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let ((a2, a1), (b2, b1)) = (a.as_chunks::<2>(), b.as_chunks::<2>());
+    let (mut first, mut second) = (L::splat(0.0), L::splat(0.0));
+    for ([p, q], [r, s]) in a2.iter().zip(b2) {
+        first = L::load(p).multiply_add(L::load(r), first);
+        second = L::load(q).multiply_add(L::load(s), second);
+    }
+    for (p, r) in a1.iter().zip(b1) {
+        first = L::load(p).multiply_add(L::load(r), first);
+    }
+    let tail: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
+    first.sum() + second.sum() + tail
+}
+
+#[inline(always)]
+fn add_scaled<L: Lanes>(y: &mut [f64], alpha: f64, x: &[f64]) {
+    let ((y, y_rest), (x, x_rest)) = (y.as_chunks_mut::<4>(), x.as_chunks::<4>());
+    let weight = L::splat(alpha);
+    for (to, from) in y.iter_mut().zip(x) {
+        weight.multiply_add(L::load(from), L::load(to)).store(to);
+    }
+    for (to, from) in y_rest.iter_mut().zip(x_rest) {
+        *to += alpha * from;
+    }
+}
