@@ -1,5 +1,7 @@
 //! What can be wrong with what is given to this crate.
 
+use crate::CheckpointError;
+
 /// A value that this crate refuses, with the place and what would be right.
 ///
 /// ```
@@ -59,5 +61,170 @@ pub enum Error {
         value: f64,
         /// The values that are right.
         expected: &'static str,
+    },
+    /// A checkpoint that is not the network's.
+    #[error(
+        "the checkpoint does not fit the network: missing {missing:?}; surplus {surplus:?}; \
+         misshapen {misshapen:?}"
+    )]
+    Weights {
+        /// Names and shapes of tensors that the network needs and the checkpoint lacks.
+        missing: Vec<String>,
+        /// Names of tensors that the network has no place for.
+        surplus: Vec<String>,
+        /// Names of tensors of the wrong shape, with both shapes.
+        misshapen: Vec<String>,
+    },
+    /// Images or clips of the wrong shape.
+    #[error(
+        "an input of shape {shape:?}: give images of N x 3 x height x width or clips of \
+         N x 3 x frames x height x width, N at least one"
+    )]
+    InputShape {
+        /// The shape that was given, as N, channels, frames, height, width.
+        shape: Vec<usize>,
+    },
+    /// Images or clips that are smaller than the network's kernels.
+    #[error("frames, height and width {size:?} are too small for the network")]
+    InputTooSmall {
+        /// Frames, height and width.
+        size: [usize; 3],
+    },
+    /// A clip with a number of frames that the network cannot take.
+    #[error("a clip of {frames} frames: give {expected}")]
+    FrameCount {
+        /// The frames that were given.
+        frames: usize,
+        /// The frames that are right.
+        expected: usize,
+    },
+    /// A last activation that is smaller than the windows of the head.
+    #[error(
+        "the last activation has length {length} along axis {axis} (frames, rows, columns), less \
+         than the head's window of {window}: give more frames or larger images"
+    )]
+    PoolTooSmall {
+        /// 0 for frames, 1 for rows, 2 for columns.
+        axis: usize,
+        /// The activation's length.
+        length: usize,
+        /// The window's length.
+        window: usize,
+    },
+    /// A pixel that is NaN or infinite.
+    #[error("pixel {index:?} (clip, channel, frame, row, column) is {value}: give finite values")]
+    NotFinite {
+        /// The value that was given.
+        value: f32,
+        /// Clip (or image), channel, frame, row and column.
+        index: [usize; 5],
+    },
+    /// Threads that could not be started.
+    #[error("{threads} threads could not be started: {reason}")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// The operating system's reason.
+        reason: String,
+    },
+    /// A tensor whose elements do not fill its shape.
+    #[error("a tensor of shape {shape:?} was given {elements} elements: give one for each place")]
+    TensorSize {
+        /// The shape that was given.
+        shape: Vec<usize>,
+        /// How many elements were given.
+        elements: usize,
+    },
+    /// A tensor name that came twice.
+    #[error("tensor \"{name}\" was given twice: a checkpoint has each name once")]
+    DuplicateTensor {
+        /// The name.
+        name: String,
+    },
+    /// A tensor that the weights do not have.
+    #[error("the weights have no tensor \"{name}\"")]
+    NoTensor {
+        /// The name that was asked for.
+        name: String,
+    },
+    /// A file that the operating system does not let us read or write.
+    #[error("{path}: {reason}")]
+    File {
+        /// The path; empty for a reader that is no file.
+        path: String,
+        /// What the operating system says.
+        reason: String,
+    },
+    /// A checkpoint that is refused.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// An image file that cannot be decoded.
+    #[error("{path}: no JPEG or PNG image that can be read: {reason}")]
+    Image {
+        /// The path; empty for bytes in memory.
+        path: String,
+        /// What the decoder says.
+        reason: String,
+    },
+    /// A frame of another shape.
+    #[error("a frame has the shape {shape:?}: give {expected}")]
+    FrameShape {
+        /// The shape that was given.
+        shape: Vec<usize>,
+        /// The shape that is right.
+        expected: String,
+    },
+    /// A crop that does not fit the resized frame.
+    #[error("a crop of {crop} × {crop} does not fit a frame resized to {height} × {width}")]
+    CropTooLarge {
+        /// The crop's side (pixels).
+        crop: usize,
+        /// The frame's height after the resize (pixels).
+        height: usize,
+        /// The frame's width after the resize (pixels).
+        width: usize,
+    },
+    /// A video or a folder without frames.
+    #[error("no frames: give at least one, or a folder with JPEG or PNG files")]
+    NoFrames,
+    /// Samples, labels, classes and planes of a linear machine that do not fit together.
+    #[error("linear SVM: {problem}")]
+    Samples {
+        /// What does not fit, and what would.
+        problem: String,
+    },
+    /// A feature, weight or bias that is NaN or infinite.
+    #[error("row {row}, column {column} is {value}: give finite numbers")]
+    Feature {
+        /// The sample or plane.
+        row: usize,
+        /// The feature; of a plane, the bias comes after the weights.
+        column: usize,
+        /// The value that was given.
+        value: f64,
+    },
+    /// The file of a linear machine that breaks the format.
+    #[error("linear SVM file, line {line}: expected {expected}")]
+    SvmFile {
+        /// Counted from one.
+        line: usize,
+        /// What should be there.
+        expected: String,
+    },
+    /// A label file that breaks the format.
+    #[error("label file, line {line}: expected {expected}")]
+    Labels {
+        /// Counted from one.
+        line: usize,
+        /// What should be there.
+        expected: &'static str,
+    },
+    /// A class that does not exist.
+    #[error("class {class} of {classes}: count from zero")]
+    ClassIndex {
+        /// The class that was given.
+        class: usize,
+        /// How many there are.
+        classes: usize,
     },
 }

@@ -40,8 +40,16 @@ mod action;
 mod body;
 mod confidence;
 mod error;
+mod kernels;
+mod labels;
+mod layout;
+mod metrics;
+mod networks;
 mod percept;
+mod preprocessing;
 mod surface;
+mod svm;
+mod weights;
 
 pub use action::{Action, Tool, WalkingDirection};
 pub use body::{
@@ -49,5 +57,20 @@ pub use body::{
 };
 pub use confidence::Confidence;
 pub use error::Error;
+pub use kernels::InstructionSet;
+pub use labels::ClassNames;
+pub use metrics::{ConfusionMatrix, likeliest, softmax, top_accuracy};
+pub use networks::{
+    Options, ResNet, ResNetDepth, Scores, SlowFast, SlowOnly, SlowOnlyForm, SlowOnlyStream,
+};
 pub use percept::{Percept, RecognisedAction, RecognisedSurface};
+pub use preprocessing::{
+    ClipSampling, Crops, Library, Preprocessing, Resize, decode_image, list_frames, read_image,
+    resize_opencv, resize_pillow,
+};
 pub use surface::Surface;
+pub use svm::{Bias, LinearSvm, Loss, SvmSettings, Training};
+pub use weights::{
+    Checkpoint, CheckpointError, ElementType, Format, PickleProblem, Tensor, TensorInfo,
+    TensorSource, Tensors,
+};

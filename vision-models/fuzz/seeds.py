@@ -1,0 +1,54 @@
+"""Fills corpus/ with small seeds, from the checkpoints of ../tests/data.
+
+Needs pillow and numpy:
+    python seeds.py
+"""
+import io
+import pathlib
+
+import numpy
+from PIL import Image
+
+here = pathlib.Path(__file__).parent
+data = here.parent / "tests" / "data"
+MAGIC = 15  # bytes of the magic number's pickle
+
+
+def seed(target, name, content):
+    folder = here / "corpus" / target
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_bytes(content)
+
+
+for name in ["wrapped.pth", "protocol5.pth", "compressed.pth", "hostile.pth"]:
+    seed("archive", name, (data / name).read_bytes())
+stream = (data / "stream.pth").read_bytes()
+seed("stream", "stream", stream[MAGIC:])
+# The object's pickle is the fourth of the stream.
+parts = stream.split(b".\x80\x02")
+seed("pickle", "object", parts[3])
+import zipfile
+
+for name in ["wrapped.pth", "protocol5.pth", "hostile.pth"]:
+    with zipfile.ZipFile(data / name) as archive:
+        pickle = next(archive.read(n) for n in archive.namelist() if n.endswith("data.pkl"))
+    seed("pickle", name, pickle[:-1])
+safetensors = (data / "plain.safetensors").read_bytes()
+seed("safetensors", "plain", safetensors[8 : 8 + int.from_bytes(safetensors[:8], "little")])
+seed("safetensors", "one", b'{"__metadata__":{"a":"b"},"t":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}}')
+seed("svm", "two", b"linear-svm 1\nclasses 2\nsmooth\ndrilled\nplanes 1 features 2\n1e-1 1e0 -2.5e-300\n")
+seed("svm", "three", b"linear-svm 1\nclasses 3\na\nb\nc\nplanes 3 features 1\n1 2\n3 4\n5 6\n")
+seed("labels", "numbered", b"1 DeliverObject\n2 Walking\nclip.avi,2\n")
+seed("labels", "plain", b"Deliver Object\nWalking With Drill\n")
+seed("labels", "clips", b"name,label\nCID01_SID02_VID03.avi,3\nclip Walking\n")
+pixels = numpy.arange(5 * 6 * 3, dtype=numpy.uint8).reshape(5, 6, 3)
+for name, image, kind in [
+    ("rgb.png", Image.fromarray(pixels), "PNG"),
+    ("grey.png", Image.fromarray(pixels[..., 0]), "PNG"),
+    ("palette.png", Image.fromarray(pixels).convert("P"), "PNG"),
+    ("rgb.jpg", Image.fromarray(pixels), "JPEG"),
+    ("grey.jpg", Image.fromarray(pixels[..., 0]), "JPEG"),
+]:
+    buffer = io.BytesIO()
+    image.save(buffer, kind)
+    seed("image", name, buffer.getvalue())

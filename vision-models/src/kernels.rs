@@ -1,0 +1,29 @@
+//! The arithmetic, and all that is `unsafe` in this crate.
+//!
+//! A kernel is written once over [`vector::Vector`] and compiled for each instruction set; which
+//! one runs is decided when the program starts. What the rest of the crate sees is safe: slices,
+//! layouts and plans, checked against each other before any pointer is made of them.
+#![allow(unsafe_code)]
+// A function that is generic over the instruction set has it enabled only where it is inlined.
+#![allow(clippy::inline_always)]
+
+mod buffer;
+mod direct;
+mod isa;
+mod pack;
+mod pooling;
+mod product;
+mod shared;
+#[cfg(test)]
+mod tests;
+mod threads;
+mod vector;
+mod winograd;
+
+pub(crate) use buffer::Buffer;
+pub(crate) use direct::{Direct, Epilogue, Window};
+pub use isa::InstructionSet;
+pub(crate) use pack::{Panels, pack};
+pub(crate) use pooling::MaxPool;
+pub(crate) use threads::Pool;
+pub(crate) use winograd::{Tiling, Winograd};

@@ -1,0 +1,239 @@
+//! The matrix product that every convolution comes down to.
+//!
+//! out\[pixel\]\[channel\] = Σₖ input\[pixel's start + offset(k)\] · weights\[k\]\[channel\]
+//!
+//! Activations have a physical zero border, so that each tap of a convolution is a constant offset
+//! from where a pixel's input starts; a run of neighbouring taps and channels is a [`Segment`].
+//! One kernel therefore serves 1×1, 3×3, 7×7, strided and temporal convolutions without a copy.
+
+use super::isa::Task;
+use super::vector::{Vector, prefetch};
+
+/// Rows (pixels) of the register tile.
+pub(super) const TILE_ROWS: usize = 6;
+/// The widest panel.
+pub(super) const MAX_PANEL: usize = 64;
+
+/// A contiguous piece of a pixel's input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Segment {
+    /// Where it starts, from the start of the pixel's input.
+    pub(crate) offset: usize,
+    /// How many floats.
+    pub(crate) length: usize,
+}
+
+/// What the sums start from.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Start<'a> {
+    /// Zero.
+    Zero,
+    /// The bias of each channel.
+    Bias(&'a [f32]),
+    /// The bias of each channel plus what the output holds: the residual connection.
+    BiasAndOutput(&'a [f32]),
+}
+
+/// A block of pixels times one panel of weights.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Product<'a> {
+    /// The activations.
+    pub(super) input: *const f32,
+    /// Where each pixel's input starts.
+    pub(super) rows: &'a [usize],
+    /// The pieces of each pixel's input, in chunks whose weights fit the caches.
+    pub(super) chunks: &'a [Vec<Segment>],
+    /// A row of `width` weights for each float of a pixel's input, in order.
+    pub(super) weights: *const f32,
+    /// Channels of the panel: a multiple of 16, at most [`MAX_PANEL`].
+    pub(super) width: usize,
+    /// Channels that exist: at most `width`.
+    pub(super) channels: usize,
+    /// The output's first float for the panel's first channel.
+    pub(super) output: *mut f32,
+    /// Where each pixel's output starts.
+    pub(super) output_rows: &'a [usize],
+    /// What the sums start from.
+    pub(super) start: Start<'a>,
+    /// Whether negative results become zero.
+    pub(super) relu: bool,
+}
+
+/// Asks for: `rows` and `output_rows` of one length; every segment of every row inside the input;
+/// `width` weights for each float of the segments; `channels` floats of the output at every output
+/// row, which no other thread touches; biases of at least `width` floats.
+impl Task for Product<'_> {
+    #[inline(always)]
+    unsafe fn run<V: Vector>(self) {
+        // SAFETY: passed on to the caller.
+        unsafe {
+            match self.width / V::LANES {
+                1 => multiply::<V, 1>(&self),
+                2 => multiply::<V, 2>(&self),
+                _ => multiply::<V, 4>(&self),
+            }
+        }
+    }
+}
+
+#[inline(always)]
+unsafe fn multiply<V: Vector, const VECTORS: usize>(product: &Product) {
+    let width = VECTORS * V::LANES;
+    let mut weights = product.weights;
+    let last = product.chunks.len().saturating_sub(1);
+    for (index, chunk) in product.chunks.iter().enumerate() {
+        let first = index == 0;
+        let relu = product.relu && index == last;
+        let length: usize = chunk.iter().map(|segment| segment.length).sum();
+        // SAFETY: there are `width` weights for each float of the segments.
+        let next = unsafe { weights.add(length * width) };
+        let mut row = 0;
+        let tiles = product.rows.len().div_ceil(TILE_ROWS);
+        for tile in 0..tiles {
+            // Spread the rows evenly: 13 are 5 + 4 + 4, never 6 + 6 + 1.
+            let rows = (product.rows.len() - row).div_ceil(tiles - tile);
+            // The first tiles fetch the next chunk, a cache line for each step along the depth.
+            let fetched = tile * length * LINE;
+            let ahead = if fetched < length * width {
+                Ahead { start: next.wrapping_add(fetched), step: LINE }
+            } else {
+                Ahead { start: weights, step: 0 }
+            };
+            let step = Step { row, chunk, weights, ahead, first, relu };
+            // SAFETY: `row + rows` is at most the number of rows.
+            unsafe {
+                match rows {
+                    1 => tile_of::<V, 1, VECTORS>(product, step),
+                    2 => tile_of::<V, 2, VECTORS>(product, step),
+                    3 => tile_of::<V, 3, VECTORS>(product, step),
+                    4 => tile_of::<V, 4, VECTORS>(product, step),
+                    5 => tile_of::<V, 5, VECTORS>(product, step),
+                    _ => tile_of::<V, 6, VECTORS>(product, step),
+                }
+            }
+            row += rows;
+        }
+        weights = next;
+    }
+}
+
+/// Floats of a cache line.
+const LINE: usize = 16;
+
+/// Weights to fetch into the cache meanwhile.
+#[derive(Clone, Copy)]
+struct Ahead {
+    start: *const f32,
+    /// Floats from one fetch to the next.
+    step: usize,
+}
+
+/// One chunk of the depth for one tile.
+#[derive(Clone, Copy)]
+struct Step<'a> {
+    /// The tile's first pixel.
+    row: usize,
+    chunk: &'a [Segment],
+    /// The chunk's weights.
+    weights: *const f32,
+    ahead: Ahead,
+    /// Whether the chunk is the first of the depth.
+    first: bool,
+    /// Whether negative results become zero now.
+    relu: bool,
+}
+
+/// `ROWS` pixels from `row` on: where their output is whole panels, straight into it, otherwise by
+/// way of a panel on the stack.
+#[inline(always)]
+unsafe fn tile_of<V: Vector, const ROWS: usize, const VECTORS: usize>(
+    product: &Product,
+    step: Step,
+) {
+    let width = VECTORS * V::LANES;
+    let row = step.row;
+    // SAFETY: the caller gives `ROWS` rows from `row` on, and pointers as `Product` asks for.
+    unsafe {
+        let input: [*const f32; ROWS] =
+            std::array::from_fn(|r| product.input.add(*product.rows.get_unchecked(row + r)));
+        let output: [*mut f32; ROWS] = std::array::from_fn(|r| {
+            product.output.add(*product.output_rows.get_unchecked(row + r))
+        });
+        let (bias, load) = match product.start {
+            _ if !step.first => (None, true),
+            Start::Zero => (None, false),
+            Start::Bias(bias) => (Some(bias.as_ptr()), false),
+            Start::BiasAndOutput(bias) => (Some(bias.as_ptr()), true),
+        };
+        if product.channels == width {
+            tile::<V, ROWS, VECTORS>(input, output, step, bias, load);
+        } else {
+            let mut panel = [[0.0_f32; MAX_PANEL]; ROWS];
+            if load {
+                for (panel, &output) in panel.iter_mut().zip(&output) {
+                    std::ptr::copy_nonoverlapping(output, panel.as_mut_ptr(), product.channels);
+                }
+            }
+            let rows: [*mut f32; ROWS] = std::array::from_fn(|r| panel.as_mut_ptr().add(r).cast());
+            tile::<V, ROWS, VECTORS>(input, rows, step, bias, load);
+            for (panel, &output) in panel.iter().zip(&output) {
+                std::ptr::copy_nonoverlapping(panel.as_ptr(), output, product.channels);
+            }
+        }
+    }
+}
+
+/// The register tile: `ROWS` pixels × `VECTORS` registers of channels.
+#[inline(always)]
+unsafe fn tile<V: Vector, const ROWS: usize, const VECTORS: usize>(
+    input: [*const f32; ROWS],
+    output: [*mut f32; ROWS],
+    step: Step,
+    bias: Option<*const f32>,
+    load: bool,
+) {
+    let mut weights = step.weights;
+    let mut ahead = step.ahead.start;
+    // SAFETY: all pointers are as `Product` asks for, and stay within its rows and panel.
+    unsafe {
+        let mut sums = [[V::splat(0.0); VECTORS]; ROWS];
+        if let Some(bias) = bias {
+            for v in 0..VECTORS {
+                let bias = V::load(bias.add(v * V::LANES));
+                for sums in &mut sums {
+                    sums[v] = bias;
+                }
+            }
+        }
+        if load {
+            for (sums, output) in sums.iter_mut().zip(output) {
+                for (v, sum) in sums.iter_mut().enumerate() {
+                    *sum = sum.add(V::load(output.add(v * V::LANES)));
+                }
+            }
+        }
+        for segment in step.chunk {
+            let input = input.map(|row| row.add(segment.offset));
+            for k in 0..segment.length {
+                let panel: [V; VECTORS] =
+                    std::array::from_fn(|v| V::load(weights.add(v * V::LANES)));
+                for (sums, row) in sums.iter_mut().zip(input) {
+                    let value = V::splat(*row.add(k));
+                    for (sum, weight) in sums.iter_mut().zip(panel) {
+                        *sum = value.mul_add(weight, *sum);
+                    }
+                }
+                weights = weights.add(VECTORS * V::LANES);
+                prefetch(ahead);
+                ahead = ahead.wrapping_add(step.ahead.step);
+            }
+        }
+        let zero = V::splat(0.0);
+        for (sums, output) in sums.into_iter().zip(output) {
+            for (v, sum) in sums.into_iter().enumerate() {
+                let sum = if step.relu { sum.max(zero) } else { sum };
+                sum.store(output.add(v * V::LANES));
+            }
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! Memory that the tasks of one loop write side by side.
+
+use std::marker::PhantomData;
+
+/// A borrowed slice whose disjoint parts several threads write at once. It hands out pointers
+/// only: who writes through one says why nobody else touches that part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shared<'a> {
+    start: *mut f32,
+    length: usize,
+    borrow: PhantomData<&'a mut [f32]>,
+}
+
+// SAFETY: a `Shared` by itself reads and writes nothing.
+unsafe impl Send for Shared<'_> {}
+// SAFETY: as above.
+unsafe impl Sync for Shared<'_> {}
+
+impl<'a> Shared<'a> {
+    pub(super) fn new(slice: &'a mut [f32]) -> Self {
+        Self { start: slice.as_mut_ptr(), length: slice.len(), borrow: PhantomData }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.length
+    }
+
+    /// The float at `offset`.
+    ///
+    /// # Panics
+    /// If `offset` is beyond the end.
+    pub(super) fn at(&self, offset: usize) -> *mut f32 {
+        assert!(offset <= self.length, "offset {offset} in {} floats", self.length);
+        // SAFETY: inside the slice, or one past its end.
+        unsafe { self.start.add(offset) }
+    }
+}

@@ -1,0 +1,217 @@
+//! A pool of threads that share out the tasks of one layer after another.
+//!
+//! A network is a hundred short parallel loops in a row. Between two of them the workers spin, for
+//! a wake-up costs as much as a small layer; after a while without work they sleep.
+
+use std::{
+    cell::UnsafeCell,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
+    },
+    thread::{self, JoinHandle},
+};
+
+/// How often a worker looks for work before it sleeps: some tenths of a millisecond.
+const SPINS: usize = 20_000;
+/// How often a thread looks before it lets others have the core.
+const SPINS_BEFORE_YIELD: usize = 2_000;
+
+/// A loop body: the lane (which thread) and the task's number.
+type Body<'a> = &'a (dyn Fn(usize, usize) + Sync);
+
+/// The loop that is being run.
+struct Job {
+    body: Body<'static>,
+    tasks: usize,
+}
+
+struct Shared {
+    /// Counts the loops; a worker that sees it change has work.
+    epoch: AtomicUsize,
+    /// Written by the owner while no worker is at work, read by the workers while they are.
+    job: UnsafeCell<Option<Job>>,
+    /// The next task to be taken.
+    next: AtomicUsize,
+    /// Workers that have not finished this loop.
+    pending: AtomicUsize,
+    /// Whether a task of this loop panicked.
+    panicked: AtomicBool,
+    /// Whether the workers shall end.
+    stop: AtomicBool,
+    /// Which workers sleep, or are about to.
+    asleep: Vec<AtomicBool>,
+}
+
+// SAFETY: all fields but `job` are atomic. `job` is written only between loops, when `pending` is
+// zero, and read only after the `epoch` that follows the write was seen (release and acquire).
+unsafe impl Sync for Shared {}
+// SAFETY: the body in `job` is `Sync`, and everything else is plain data.
+unsafe impl Send for Shared {}
+
+/// The threads that run a network: the caller's own, and a number of workers.
+pub(crate) struct Pool {
+    shared: Arc<Shared>,
+    workers: Vec<JoinHandle<()>>,
+}
+
+impl std::fmt::Debug for Pool {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Pool").field("lanes", &self.lanes()).finish()
+    }
+}
+
+impl Pool {
+    /// A pool of this many threads, the caller's included.
+    ///
+    /// # Errors
+    /// The operating system's, if it starts no thread.
+    pub(crate) fn new(lanes: usize) -> std::io::Result<Self> {
+        let workers = lanes.saturating_sub(1);
+        let shared = Arc::new(Shared {
+            epoch: AtomicUsize::new(0),
+            job: UnsafeCell::new(None),
+            next: AtomicUsize::new(0),
+            pending: AtomicUsize::new(0),
+            panicked: AtomicBool::new(false),
+            stop: AtomicBool::new(false),
+            asleep: (0..workers).map(|_| AtomicBool::new(false)).collect(),
+        });
+        let mut pool = Self { shared, workers: Vec::with_capacity(workers) };
+        for worker in 0..workers {
+            let shared = Arc::clone(&pool.shared);
+            let handle = thread::Builder::new()
+                .name(format!("vision-models {}", worker + 1))
+                .spawn(move || work(&shared, worker))?;
+            pool.workers.push(handle);
+        }
+        Ok(pool)
+    }
+
+    /// How many threads work, the caller's included.
+    pub(crate) fn lanes(&self) -> usize {
+        self.workers.len() + 1
+    }
+
+    /// Calls `body(lane, task)` for every task below `tasks`, in any order, and returns when all
+    /// are done. At any time at most one task runs on a lane.
+    pub(crate) fn run(&mut self, tasks: usize, body: Body) {
+        if self.workers.is_empty() || tasks <= 1 {
+            for task in 0..tasks {
+                body(0, task);
+            }
+            return;
+        }
+        let shared = &*self.shared;
+        // A worker that panicked is gone.
+        assert!(!shared.panicked.load(Ordering::Relaxed), "a task of the network panicked");
+        // SAFETY: only the lifetime changes, and the body is called only before this returns: the
+        // workers are waited for below, even if a task panics.
+        let body: Body<'static> = unsafe { std::mem::transmute::<Body<'_>, Body<'static>>(body) };
+        // SAFETY: `pending` is zero, so that no worker reads the job.
+        unsafe { *shared.job.get() = Some(Job { body, tasks }) };
+        shared.next.store(0, Ordering::Relaxed);
+        shared.pending.store(self.workers.len(), Ordering::Relaxed);
+        shared.epoch.fetch_add(1, Ordering::SeqCst);
+        for (worker, asleep) in self.workers.iter().zip(&shared.asleep) {
+            if asleep.load(Ordering::SeqCst) {
+                worker.thread().unpark();
+            }
+        }
+        let waiting = WaitForWorkers(shared);
+        take_tasks(shared, 0, body, tasks);
+        drop(waiting);
+        // A task that panicked left its layer unfinished.
+        assert!(!shared.panicked.load(Ordering::Relaxed), "a task of the network panicked");
+    }
+}
+
+impl Drop for Pool {
+    fn drop(&mut self) {
+        self.shared.stop.store(true, Ordering::Relaxed);
+        self.shared.epoch.fetch_add(1, Ordering::SeqCst);
+        for worker in self.workers.drain(..) {
+            worker.thread().unpark();
+            // A worker ends without a result, or with a panic that `run` has reported.
+            let _ = worker.join();
+        }
+    }
+}
+
+/// Waits for all workers when dropped, so that a panic cannot leave them with a dangling body.
+struct WaitForWorkers<'a>(&'a Shared);
+
+impl Drop for WaitForWorkers<'_> {
+    fn drop(&mut self) {
+        let mut spins = 0;
+        while self.0.pending.load(Ordering::Acquire) > 0 {
+            pause(&mut spins);
+        }
+    }
+}
+
+/// Says that a worker has finished the loop, even if a task panicked.
+struct Finish<'a>(&'a Shared);
+
+impl Drop for Finish<'_> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            self.0.panicked.store(true, Ordering::Relaxed);
+        }
+        self.0.pending.fetch_sub(1, Ordering::Release);
+    }
+}
+
+fn take_tasks(shared: &Shared, lane: usize, body: Body, tasks: usize) {
+    loop {
+        let task = shared.next.fetch_add(1, Ordering::Relaxed);
+        if task >= tasks {
+            return;
+        }
+        body(lane, task);
+    }
+}
+
+fn work(shared: &Shared, worker: usize) {
+    let mut seen = 0;
+    loop {
+        wait_for_work(shared, worker, seen);
+        seen += 1;
+        if shared.stop.load(Ordering::Relaxed) {
+            return;
+        }
+        let _finish = Finish(shared);
+        // SAFETY: the epoch was seen to change, so the job is written, and stays until this
+        // worker's `Finish`.
+        if let Some(job) = unsafe { &*shared.job.get() } {
+            take_tasks(shared, worker + 1, job.body, job.tasks);
+        }
+    }
+}
+
+/// Returns once the epoch is no longer `seen`.
+fn wait_for_work(shared: &Shared, worker: usize, seen: usize) {
+    let mut spins = 0;
+    while shared.epoch.load(Ordering::SeqCst) == seen {
+        if spins < SPINS {
+            pause(&mut spins);
+            continue;
+        }
+        if let Some(asleep) = shared.asleep.get(worker) {
+            asleep.store(true, Ordering::SeqCst);
+            if shared.epoch.load(Ordering::SeqCst) == seen {
+                thread::park();
+            }
+            asleep.store(false, Ordering::SeqCst);
+        }
+    }
+}
+
+fn pause(spins: &mut usize) {
+    *spins += 1;
+    if spins.is_multiple_of(SPINS_BEFORE_YIELD) {
+        thread::yield_now();
+    } else {
+        std::hint::spin_loop();
+    }
+}

@@ -1,0 +1,301 @@
+//! A whole layer: which thread transforms and multiplies which tiles.
+
+use crate::layout::{Extent, Layout, offset, position};
+
+use super::super::{
+    buffer::Buffer,
+    direct::{Epilogue, share},
+    isa::InstructionSet,
+    pack::{Panels, pack},
+    product::{Product, Segment, Start},
+    shared::Shared,
+    threads::Pool,
+};
+use super::lines::Tiling;
+use super::transform::{InputTransform, OutputTransform, Target};
+
+/// Tiles that are worked on together at most.
+const MAX_TILES: usize = 256;
+/// Floats of a block's points that a thread keeps in its second-level cache.
+const CACHED_POINTS: usize = 160 * 1024;
+/// Floats of a block's points where all threads share a block.
+const SHARED_POINTS: usize = 1200 * 1024;
+/// Keeps the points of one tile out of each other's cache sets.
+const SKEW: usize = 16;
+
+/// A convolution by tiles for one input size: everything but the numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct Winograd {
+    isa: InstructionSet,
+    panels: Panels,
+    tiling: Tiling,
+    input: Layout,
+    /// Channels of the input that are used.
+    inputs: usize,
+    output: Layout,
+    origin: usize,
+    /// The products' only chunk: a tile's channels.
+    chunks: Vec<Vec<Segment>>,
+    blocks: usize,
+    /// Tiles of the largest block.
+    block: usize,
+    /// Whether the threads share each block (cut by panels), or have blocks of their own.
+    cooperative: bool,
+}
+
+impl Winograd {
+    /// Plans the convolution of the first `inputs` channels of `input` with padding that keeps the size. The input's border is
+    /// at least half the kernel before, and [`Tiling::after`] after. Both have a multiple of 16
+    /// channels.
+    pub(crate) fn new(
+        isa: InstructionSet,
+        panels: Panels,
+        tiling: Tiling,
+        (input, inputs): (Layout, usize),
+        output: Layout,
+        lanes: usize,
+    ) -> Self {
+        let before: Extent = std::array::from_fn(|axis| {
+            input.before[axis].saturating_sub(tiling.kernel()[axis] / 2)
+        });
+        let tiles: usize = tiling.tiles(output.size).iter().product();
+        let tile_points = tiling.points() * inputs;
+        // A thread has blocks of its own where the weights are small beside the activations.
+        let own = (CACHED_POINTS / tile_points).clamp(1, MAX_TILES);
+        let own_blocks = tiles.div_ceil(own).next_multiple_of(lanes).min(tiles);
+        let cooperative = panels.channels >= tiles.div_ceil(own_blocks) * 6;
+        let blocks = if cooperative {
+            tiles.div_ceil((SHARED_POINTS / tile_points).clamp(1, MAX_TILES))
+        } else {
+            own_blocks
+        };
+        Self {
+            isa,
+            panels,
+            tiling,
+            input,
+            inputs,
+            output,
+            origin: offset(before, input.strides()),
+            chunks: vec![vec![Segment { offset: 0, length: inputs }]],
+            blocks,
+            block: tiles.div_ceil(blocks),
+            cooperative,
+        }
+    }
+
+    /// G g Gᵀ of all kernels, panel by panel, point by point. `taps(output, input, taps)` gives
+    /// one kernel.
+    pub(crate) fn pack(
+        panels: Panels,
+        tiling: Tiling,
+        inputs: usize,
+        taps: impl Fn(usize, usize, &mut [f64]),
+    ) -> Buffer {
+        let mut kernel = vec![0.0; tiling.kernel().iter().product()];
+        let mut values = vec![0.0; tiling.points()];
+        pack(panels, tiling.points() * inputs, |output, column| {
+            for input in 0..inputs {
+                taps(output, input, &mut kernel);
+                tiling.kernel_points(&kernel, &mut values);
+                for (point, &value) in values.iter().enumerate() {
+                    #[expect(clippy::cast_possible_truncation, reason = "the weights are f32")]
+                    let value = value as f32;
+                    column[point * inputs + input] = value;
+                }
+            }
+        })
+    }
+
+    fn point_stride(&self) -> usize {
+        self.block * self.inputs + SKEW
+    }
+
+    fn panel_stride(&self) -> usize {
+        self.block * self.panels.width + SKEW
+    }
+
+    /// Floats of scratch that [`Self::run`] needs.
+    pub(crate) fn scratch(&self, lanes: usize) -> usize {
+        let points = self.tiling.points();
+        let inputs = points * self.point_stride();
+        let inputs = if self.cooperative { inputs } else { inputs * lanes };
+        inputs + lanes * points * self.panel_stride()
+    }
+
+    /// Runs the convolution.
+    ///
+    /// # Panics
+    /// If a slice is shorter than its layout or [`Self::scratch`].
+    #[expect(clippy::too_many_arguments, reason = "the operands of a convolution")]
+    pub(crate) fn run(
+        &self,
+        pool: &mut Pool,
+        input: &[f32],
+        weights: &Buffer,
+        bias: &[f32],
+        output: &mut [f32],
+        scratch: &mut [f32],
+        epilogue: Epilogue,
+    ) {
+        let panels = self.panels;
+        assert!(input.len() >= self.input.length() && output.len() >= self.output.length());
+        assert!(scratch.len() >= self.scratch(pool.lanes()));
+        assert!(
+            weights.len() >= panels.padded() * self.inputs * self.tiling.points()
+                && bias.len() >= panels.padded()
+        );
+        let inputs = self.tiling.points() * self.point_stride();
+        let sums = self.tiling.points() * self.panel_stride();
+        let input_points = if self.cooperative { inputs } else { inputs * pool.lanes() };
+        let (input_points, sum_points) = scratch.split_at_mut(input_points);
+        let (input_points, sum_points) = (Shared::new(input_points), Shared::new(sum_points));
+        let layer =
+            Layer { plan: self, input, weights, bias, output: Shared::new(output), epilogue };
+        let tiles: usize = self.tiling.tiles(self.output.size).iter().product();
+        let lanes = pool.lanes();
+        if self.cooperative {
+            for block in 0..self.blocks {
+                let tiles = share(tiles, self.blocks, block);
+                let parts = (4 * lanes).min(tiles.len());
+                pool.run(parts, &|_, part| {
+                    let mine = share(tiles.len(), parts, part);
+                    let points = input_points.at(mine.start * self.inputs);
+                    // SAFETY: the scratch has room for a whole block; each part has its own tiles.
+                    unsafe {
+                        layer.transform(tiles.start + mine.start..tiles.start + mine.end, points);
+                    }
+                });
+                pool.run(panels.count(), &|lane, panel| {
+                    let sums = sum_points.at(lane * sums);
+                    // SAFETY: the points are complete; each lane has its own sums, and each task
+                    // its own panel.
+                    unsafe { layer.multiply(tiles.clone(), panel, input_points.at(0), sums) };
+                });
+            }
+        } else {
+            pool.run(self.blocks, &|lane, block| {
+                let tiles = share(tiles, self.blocks, block);
+                let points = input_points.at(lane * inputs);
+                // SAFETY: each lane has its own points and sums, and each task its own tiles.
+                unsafe {
+                    layer.transform(tiles.clone(), points);
+                    for panel in 0..panels.count() {
+                        layer.multiply(tiles.clone(), panel, points, sum_points.at(lane * sums));
+                    }
+                }
+            });
+        }
+    }
+}
+
+/// A layer with its operands.
+struct Layer<'a> {
+    plan: &'a Winograd,
+    input: &'a [f32],
+    weights: &'a [f32],
+    bias: &'a [f32],
+    output: Shared<'a>,
+    epilogue: Epilogue,
+}
+
+impl Layer<'_> {
+    /// The position of a tile's first output pixel.
+    fn tile(&self, tile: usize) -> Extent {
+        let outputs = self.plan.tiling.outputs();
+        let at = position(tile, self.plan.tiling.tiles(self.plan.output.size));
+        std::array::from_fn(|axis| at[axis] * outputs[axis])
+    }
+
+    /// # Safety
+    /// `points` has room for these tiles at every point, and no other thread touches it.
+    unsafe fn transform(&self, tiles: std::ops::Range<usize>, points: *mut f32) {
+        let plan = self.plan;
+        let strides = plan.input.strides();
+        let outputs = plan.tiling.outputs();
+        let kernel = plan.tiling.kernel();
+        let last = std::array::from_fn(|axis| outputs[axis] + kernel[axis] - 2);
+        let reach = offset(last, strides) + plan.inputs;
+        let mut starts = [0; MAX_TILES];
+        let starts = &mut starts[..tiles.len()];
+        for (start, tile) in starts.iter_mut().zip(tiles) {
+            *start = plan.origin + offset(self.tile(tile), strides);
+            assert!(*start + reach <= self.input.len());
+        }
+        let transform = InputTransform {
+            tiling: plan.tiling,
+            input: self.input.as_ptr(),
+            starts,
+            strides,
+            channels: plan.inputs,
+            points,
+            point_stride: plan.point_stride(),
+        };
+        // SAFETY: every tile's reach was checked; the rest is passed on to the caller.
+        unsafe { plan.isa.run(transform) };
+    }
+
+    /// # Safety
+    /// `points` holds these tiles; no other thread touches `sums`, which has room for a panel's
+    /// sums of these tiles, nor this panel of these tiles in the output.
+    unsafe fn multiply(
+        &self,
+        tiles: std::ops::Range<usize>,
+        panel: usize,
+        points: *mut f32,
+        sums: *mut f32,
+    ) {
+        let plan = self.plan;
+        let (width, channels) = (plan.panels.width, plan.inputs);
+        let mut rows = [0; MAX_TILES];
+        let mut sum_rows = [0; MAX_TILES];
+        let mut targets = [Target::default(); MAX_TILES];
+        let count = tiles.len();
+        let outputs = plan.tiling.outputs();
+        for (index, tile) in tiles.enumerate() {
+            rows[index] = index * channels;
+            sum_rows[index] = index * width;
+            let at = self.tile(tile);
+            targets[index] = Target {
+                start: plan.output.origin() + offset(at, plan.output.strides()),
+                valid: std::array::from_fn(|axis| {
+                    outputs[axis].min(plan.output.size[axis] - at[axis])
+                }),
+            };
+        }
+        let point_weights = channels * width;
+        let weights = &self.weights[panel * plan.tiling.points() * point_weights..];
+        for point in 0..plan.tiling.points() {
+            let product = Product {
+                // SAFETY: the caller's points go on for all points of the tiling.
+                input: unsafe { points.add(point * plan.point_stride()) },
+                rows: &rows[..count],
+                chunks: &plan.chunks,
+                weights: weights[point * point_weights..][..point_weights].as_ptr(),
+                width,
+                channels: width,
+                // SAFETY: as above.
+                output: unsafe { sums.add(point * plan.panel_stride()) },
+                output_rows: &sum_rows[..count],
+                start: Start::Zero,
+                relu: false,
+            };
+            // SAFETY: passed on to the caller.
+            unsafe { plan.isa.run(product) };
+        }
+        let transform = OutputTransform {
+            tiling: plan.tiling,
+            points: sums,
+            point_stride: plan.panel_stride(),
+            width,
+            targets: &targets[..count],
+            strides: plan.output.strides(),
+            output: self.output.at(panel * width),
+            bias: &self.bias[panel * width..][..width],
+            epilogue: self.epilogue,
+        };
+        // SAFETY: the targets' valid pixels lie inside the output's layout, whose length was
+        // checked, and the panel inside its channels; the rest is passed on to the caller.
+        unsafe { plan.isa.run(transform) };
+    }
+}

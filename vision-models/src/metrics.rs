@@ -1,0 +1,104 @@
+//! How well a classifier does.
+
+use crate::Error;
+
+/// How often each class was taken for each: rows are the true classes, columns the given ones.
+///
+/// ```
+/// use vision_models::ConfusionMatrix;
+///
+/// let mut matrix = ConfusionMatrix::new(2);
+/// for (truth, given) in [(0, 0), (0, 0), (0, 1), (1, 1)] {
+///     matrix.add(truth, given)?;
+/// }
+/// assert_eq!(matrix.accuracy(), Some(0.75));
+/// assert_eq!(matrix.percent(0, 1), Some(100.0 / 3.0));
+/// # Ok::<(), vision_models::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ConfusionMatrix {
+    classes: usize,
+    counts: Vec<u64>,
+}
+
+impl ConfusionMatrix {
+    /// Of this many classes, nothing counted.
+    pub fn new(classes: usize) -> Self {
+        Self { classes, counts: vec![0; classes * classes] }
+    }
+
+    /// Counts a sample.
+    ///
+    /// # Errors
+    /// [`Error::ClassIndex`].
+    pub fn add(&mut self, truth: usize, given: usize) -> Result<(), Error> {
+        let classes = self.classes;
+        for class in [truth, given] {
+            if class >= classes {
+                return Err(Error::ClassIndex { class, classes });
+            }
+        }
+        if let Some(count) = self.counts.get_mut(truth * classes + given) {
+            *count += 1;
+        }
+        Ok(())
+    }
+
+    /// How many samples of class `truth` were given class `given`; zero for other classes.
+    pub fn count(&self, truth: usize, given: usize) -> u64 {
+        self.row(truth).get(given).copied().unwrap_or(0)
+    }
+
+    /// The same in percent of all samples of class `truth`, as the paper shows it; `None` if there
+    /// are none.
+    pub fn percent(&self, truth: usize, given: usize) -> Option<f64> {
+        ratio(100 * self.count(truth, given), self.row(truth).iter().sum())
+    }
+
+    /// The share of samples that were given their class; `None` without samples.
+    pub fn accuracy(&self) -> Option<f64> {
+        let right = (0..self.classes).map(|class| self.count(class, class)).sum();
+        ratio(right, self.counts.iter().sum())
+    }
+
+    fn row(&self, truth: usize) -> &[u64] {
+        let start = truth.saturating_mul(self.classes);
+        self.counts.get(start..start.saturating_add(self.classes)).unwrap_or_default()
+    }
+}
+
+fn ratio(part: u64, whole: u64) -> Option<f64> {
+    (whole > 0).then(|| part as f64 / whole as f64)
+}
+
+/// The classes of the `count` largest scores, the largest first; of equal ones the first class
+/// comes first.
+pub fn likeliest(scores: &[f32], count: usize) -> Vec<usize> {
+    let mut classes: Vec<usize> = (0..scores.len()).collect();
+    let score = |class: usize| scores.get(class).copied().unwrap_or(f32::NAN);
+    classes.sort_by(|&one, &other| score(other).total_cmp(&score(one)));
+    classes.truncate(count);
+    classes
+}
+
+/// The share of samples whose class is among the `count` largest of its scores; `None` without
+/// samples.
+pub fn top_accuracy<'a>(
+    samples: impl IntoIterator<Item = (&'a [f32], usize)>,
+    count: usize,
+) -> Option<f64> {
+    let (mut right, mut all) = (0, 0);
+    for (scores, truth) in samples {
+        right += u64::from(likeliest(scores, count).contains(&truth));
+        all += 1;
+    }
+    ratio(right, all)
+}
+
+/// Probabilities from scores: exp(s_i) / Σ exp(s_j).
+pub fn softmax(scores: &[f32]) -> Vec<f32> {
+    let largest = scores.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let powers: Vec<f32> = scores.iter().map(|score| (score - largest).exp()).collect();
+    let sum: f32 = powers.iter().sum();
+    powers.into_iter().map(|power| power / sum).collect()
+}

@@ -1,0 +1,123 @@
+//! Which frames of a video a network sees.
+
+use crate::Error;
+
+/// More frames of a clip, or clips of a video, than any network asks for.
+const MOST: usize = 1024;
+
+/// How the frames of a video are picked.
+///
+/// ```
+/// use vision_models::ClipSampling;
+///
+/// // 8 frames, every fourth, of a video of 60 frames: the clip is in the middle.
+/// let sampling = ClipSampling::Mmaction2 { length: 8, interval: 4, clips: 1 };
+/// assert_eq!(sampling.indices(60)?, [[15, 19, 23, 27, 31, 35, 39, 43]]);
+/// # Ok::<(), vision_models::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClipSampling {
+    /// mmaction2 1.x in test mode: clips spread from the video's start to its end, a single one in
+    /// the middle. Indices beyond the end go on at the start.
+    Mmaction2 {
+        /// Frames of a clip.
+        length: usize,
+        /// Frames of the video from one of the clip to the next.
+        interval: usize,
+        /// Clips of a video; their scores are averaged.
+        clips: usize,
+    },
+    /// mmaction2 0.x in test mode, most likely the paper's: clips in the middle of equal parts.
+    Mmaction2Before1 {
+        /// Frames of a clip.
+        length: usize,
+        /// Frames of the video from one of the clip to the next.
+        interval: usize,
+        /// Clips of a video; their scores are averaged.
+        clips: usize,
+    },
+    /// PyTorchVideo: one clip, spread over the whole video.
+    PyTorchVideo {
+        /// Frames of the clip.
+        length: usize,
+    },
+}
+
+impl ClipSampling {
+    /// The frames of each clip of a video of `frames` frames, counted from zero.
+    ///
+    /// # Errors
+    /// [`Error::NoFrames`] for a video without frames, [`Error::Setting`] for a length, an interval
+    /// or a number of clips that is not from 1 to 1,024.
+    pub fn indices(self, frames: usize) -> Result<Vec<Vec<usize>>, Error> {
+        if frames == 0 {
+            return Err(Error::NoFrames);
+        }
+        match self {
+            Self::Mmaction2 { length, interval, clips } => {
+                check(length, interval, clips)?;
+                let span = (length - 1) * interval + 1;
+                Ok(spread(frames.saturating_sub(span), clips)
+                    .map(|start| every(start, interval, length, frames))
+                    .collect())
+            }
+            Self::Mmaction2Before1 { length, interval, clips } => {
+                check(length, interval, clips)?;
+                let span = length * interval;
+                Ok(middles(frames.saturating_sub(span - 1), clips)
+                    .map(|start| every(start, interval, length, frames))
+                    .collect())
+            }
+            Self::PyTorchVideo { length } => {
+                check(length, 1, 1)?;
+                Ok(vec![even(frames, length)])
+            }
+        }
+    }
+}
+
+fn check(length: usize, interval: usize, clips: usize) -> Result<(), Error> {
+    for (name, value) in [("length", length), ("interval", interval), ("clips", clips)] {
+        if value == 0 || value > MOST {
+            let expected = "from 1 to 1,024";
+            return Err(Error::Setting { name, value: value as f64, expected });
+        }
+    }
+    Ok(())
+}
+
+/// Starts from 0 to `last`, evenly, rounded half to even; a single one at half of `last`.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn spread(last: usize, clips: usize) -> impl Iterator<Item = usize> {
+    let step = last as f64 / clips.saturating_sub(1).max(1) as f64;
+    (0..clips).map(move |clip| {
+        if clips == 1 { last / 2 } else { (clip as f64 * step).round_ties_even() as usize }
+    })
+}
+
+/// Starts in the middle of equal parts of `starts` places; zero if there is none.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn middles(starts: usize, clips: usize) -> impl Iterator<Item = usize> {
+    let part = starts as f64 / clips as f64;
+    (0..clips).map(move |clip| (clip as f64 * part + part / 2.0) as usize)
+}
+
+fn every(start: usize, interval: usize, length: usize, frames: usize) -> Vec<usize> {
+    (0..length).map(|index| start.saturating_add(index * interval) % frames).collect()
+}
+
+/// `torch.linspace(0, frames - 1, length)`, floored. It computes in f32, the second half from the
+/// end.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn even(frames: usize, length: usize) -> Vec<usize> {
+    let last = frames - 1;
+    let step = last as f32 / length.saturating_sub(1).max(1) as f32;
+    let place = |index: usize| {
+        if index < length.div_ceil(2) || length == 1 {
+            step * index as f32
+        } else {
+            last as f32 - step * (length - 1 - index) as f32
+        }
+    };
+    (0..length).map(|index| (place(index).max(0.0) as usize).min(last)).collect()
+}

@@ -1,0 +1,205 @@
+//! The linear support vector machine over a network's features (paper, Sec. "Two-Class Linear
+//! Support Vector Machine").
+#![allow(clippy::needless_pass_by_value)] // views go by value, as everywhere in ndarray
+
+mod dual;
+mod file;
+mod settings;
+
+use ndarray::{Array1, Array2, ArrayView1, ArrayView2, Axis};
+
+pub use dual::Training;
+pub use settings::{Bias, Loss, SvmSettings};
+
+use crate::Error;
+
+/// A linear classifier: for two classes one plane, whose positive side is the second class; for
+/// more, one plane a class against the rest, and the class whose plane is farthest behind wins.
+///
+/// ```
+/// use ndarray::{array, Array2};
+/// use vision_models::{LinearSvm, SvmSettings};
+///
+/// let features: Array2<f32> = array![[0.0, 1.0], [0.5, 2.0], [3.0, 1.0], [4.0, 0.5]];
+/// let classes = vec!["smooth".into(), "drilled".into()];
+/// let settings = SvmSettings::default();
+/// let (svm, training) = LinearSvm::train(features.view(), &[0, 0, 1, 1], classes, &settings)?;
+/// assert!(training[0].converged);
+/// assert_eq!(svm.classify(features.row(2))?, 1);
+///
+/// let copy: LinearSvm = svm.to_string().parse()?;
+/// assert_eq!(copy, svm);
+/// # Ok::<(), vision_models::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearSvm {
+    classes: Vec<String>,
+    /// One row a plane.
+    weights: Array2<f64>,
+    biases: Array1<f64>,
+}
+
+impl LinearSvm {
+    /// The most samples that it is trained with: the matrix of their products takes 800 MB.
+    pub const MAX_SAMPLES: usize = 10_000;
+
+    /// Trains on features, samples × features, of which `labels` says the classes as indices into
+    /// `classes`. Gives how the training of each plane ended, too.
+    ///
+    /// # Errors
+    /// [`Error::Samples`] if there are none or too many, labels are missing or out of range, a
+    /// class has no sample, or there are fewer than two classes; [`Error::Feature`] for one that
+    /// is not finite; [`Error::Setting`].
+    pub fn train(
+        samples: ArrayView2<'_, f32>,
+        labels: &[usize],
+        classes: Vec<String>,
+        settings: &SvmSettings,
+    ) -> Result<(Self, Vec<Training>), Error> {
+        settings.validate()?;
+        check_samples(&samples, labels, &classes)?;
+        let samples = samples.mapv(f64::from);
+        let products = samples.dot(&samples.t());
+
+        // The classes that stand on the positive side of a plane.
+        let positives = if classes.len() == 2 { 1..2 } else { 0..classes.len() };
+        let mut weights = Array2::zeros((positives.len(), samples.ncols()));
+        let mut biases = Array1::zeros(positives.len());
+        let mut trainings = Vec::with_capacity(positives.len());
+        for ((mut row, bias), class) in weights.outer_iter_mut().zip(&mut biases).zip(positives) {
+            let sides: Vec<f64> =
+                labels.iter().map(|&label| if label == class { 1.0 } else { -1.0 }).collect();
+            let solution = dual::solve(&products, &sides, settings);
+            row.assign(&samples.t().dot(&solution.coefficients));
+            *bias = solution.bias;
+            trainings.push(solution.training);
+        }
+        Ok((Self { classes, weights, biases }, trainings))
+    }
+
+    /// A machine of given planes, one row of `weights` each.
+    ///
+    /// # Errors
+    /// [`Error::Samples`] if the numbers of classes, planes and biases do not fit;
+    /// [`Error::Feature`] for a weight or bias that is not finite.
+    pub fn new(
+        classes: Vec<String>,
+        weights: Array2<f64>,
+        biases: Array1<f64>,
+    ) -> Result<Self, Error> {
+        check_classes(&classes)?;
+        let planes = if classes.len() == 2 { 1 } else { classes.len() };
+        if weights.nrows() != planes || biases.len() != planes || weights.ncols() == 0 {
+            return Err(Error::Samples {
+                problem: format!(
+                    "{} classes have {} rows of {} weights and {} biases: give {planes} of each",
+                    classes.len(),
+                    weights.nrows(),
+                    weights.ncols(),
+                    biases.len()
+                ),
+            });
+        }
+        let all = weights.indexed_iter().map(|((row, column), &value)| (row, column, value));
+        let biased = biases.iter().enumerate().map(|(row, &value)| (row, weights.ncols(), value));
+        if let Some((row, column, value)) = all.chain(biased).find(|(.., value)| !value.is_finite())
+        {
+            return Err(Error::Feature { row, column, value });
+        }
+        let weights = weights.as_standard_layout().into_owned();
+        Ok(Self { classes, weights, biases })
+    }
+
+    /// The names of the classes.
+    pub fn classes(&self) -> &[String] {
+        &self.classes
+    }
+
+    /// The planes' normal vectors, planes × features.
+    pub fn weights(&self) -> ArrayView2<'_, f64> {
+        self.weights.view()
+    }
+
+    /// The planes' biases.
+    pub fn biases(&self) -> ArrayView1<'_, f64> {
+        self.biases.view()
+    }
+
+    /// f(x) = wᵀx + b of each plane: the distance from it times |w|, positive on its side.
+    ///
+    /// # Errors
+    /// [`Error::Samples`] for another number of features than in training; [`Error::Feature`] for
+    /// one that is not finite.
+    pub fn decide(&self, features: ArrayView1<'_, f32>) -> Result<Array1<f64>, Error> {
+        if features.len() != self.weights.ncols() {
+            return Err(Error::Samples {
+                problem: format!(
+                    "{} features were given to a machine that was trained with {}",
+                    features.len(),
+                    self.weights.ncols()
+                ),
+            });
+        }
+        check_finite(&features.insert_axis(Axis(0)))?;
+        Ok(self.weights.dot(&features.mapv(f64::from)) + &self.biases)
+    }
+
+    /// The index of the class.
+    ///
+    /// # Errors
+    /// As of [`Self::decide`].
+    pub fn classify(&self, features: ArrayView1<'_, f32>) -> Result<usize, Error> {
+        let decisions = self.decide(features)?;
+        if let [decision] = decisions.as_slice().unwrap_or_default() {
+            return Ok(usize::from(*decision > 0.0));
+        }
+        let best = decisions.iter().enumerate().max_by(|(_, one), (_, other)| one.total_cmp(other));
+        Ok(best.map_or(0, |(class, _)| class))
+    }
+}
+
+fn check_samples(
+    samples: &ArrayView2<'_, f32>,
+    labels: &[usize],
+    classes: &[String],
+) -> Result<(), Error> {
+    check_classes(classes)?;
+    let (count, features) = samples.dim();
+    let refuse = |problem| Err(Error::Samples { problem });
+    if labels.len() != count || features == 0 || count > LinearSvm::MAX_SAMPLES {
+        let most = LinearSvm::MAX_SAMPLES;
+        return refuse(format!(
+            "{count} samples of {features} features have {} labels: give one label each, at least \
+             one feature and at most {most} samples",
+            labels.len()
+        ));
+    }
+    if let Some((sample, label)) = labels.iter().enumerate().find(|(_, l)| **l >= classes.len()) {
+        let classes = classes.len();
+        return refuse(format!("sample {sample} is of class {label}, of {classes} from zero"));
+    }
+    if let Some(class) = (0..classes.len()).find(|class| !labels.contains(class)) {
+        return refuse(format!("class {class} (\"{}\") has no sample", classes[class]));
+    }
+    check_finite(samples)
+}
+
+fn check_classes(classes: &[String]) -> Result<(), Error> {
+    let refuse = |problem| Err(Error::Samples { problem });
+    if classes.len() < 2 {
+        return refuse(format!("{} classes: give at least two", classes.len()));
+    }
+    match classes.iter().find(|name| name.trim() != name.as_str() || name.contains(['\n', '\r'])) {
+        Some(name) => refuse(format!("the class name {name:?} has spaces around it or two lines")),
+        None => Ok(()),
+    }
+}
+
+fn check_finite(samples: &ArrayView2<'_, f32>) -> Result<(), Error> {
+    match samples.indexed_iter().find(|(_, value)| !value.is_finite()) {
+        Some(((row, column), &value)) => {
+            Err(Error::Feature { row, column, value: f64::from(value) })
+        }
+        None => Ok(()),
+    }
+}

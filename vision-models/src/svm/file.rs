@@ -1,0 +1,107 @@
+//! The file format: text, so that every number comes back exactly.
+//!
+//! ```text
+//! linear-svm 1
+//! classes 2
+//! smooth
+//! drilled
+//! planes 1 features 3
+//! BIAS W1 W2 W3
+//! ```
+//!
+//! The first line has the format's version. Class names have a line each. Then comes one line a
+//! plane: one plane for two classes, else one a class.
+
+use std::{fmt, str::FromStr};
+
+use ndarray::{Array1, Array2};
+
+use super::LinearSvm;
+use crate::Error;
+
+const FIRST_LINE: &str = "linear-svm 1";
+/// More classes, and more features, than any network has.
+const MAX_CLASSES: usize = 100_000;
+const MAX_FEATURES: usize = 1_000_000;
+
+impl fmt::Display for LinearSvm {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(formatter, "{FIRST_LINE}\nclasses {}", self.classes.len())?;
+        for name in &self.classes {
+            writeln!(formatter, "{name}")?;
+        }
+        let (planes, features) = self.weights.dim();
+        writeln!(formatter, "planes {planes} features {features}")?;
+        for (bias, weights) in self.biases.iter().zip(self.weights.outer_iter()) {
+            write!(formatter, "{bias:e}")?;
+            for weight in weights {
+                write!(formatter, " {weight:e}")?;
+            }
+            writeln!(formatter)?;
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for LinearSvm {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let mut lines = text.lines().zip(1..);
+        let mut next = |expected: &str| {
+            lines.next().ok_or_else(|| Error::SvmFile {
+                line: text.lines().count() + 1,
+                expected: expected.into(),
+            })
+        };
+        let refuse = |line, expected: &str| Error::SvmFile { line, expected: expected.into() };
+
+        let (first, line) = next(FIRST_LINE)?;
+        if first != FIRST_LINE {
+            return Err(refuse(line, FIRST_LINE));
+        }
+        let (counted, line) = next("classes COUNT")?;
+        let count = match counted.strip_prefix("classes ").map(str::parse) {
+            Some(Ok(count)) if count <= MAX_CLASSES => count,
+            _ => return Err(refuse(line, "classes COUNT")),
+        };
+        let mut classes = Vec::new();
+        for _ in 0..count {
+            classes.push(next("a class name")?.0.to_owned());
+        }
+
+        let sizes = "planes COUNT features COUNT";
+        let (counted, line) = next(sizes)?;
+        let words: Vec<&str> = counted.split(' ').take(5).collect();
+        let (planes, features) = match words[..] {
+            ["planes", planes, "features", features] => match (planes.parse(), features.parse()) {
+                (Ok(planes), Ok(features)) if planes <= MAX_CLASSES && features <= MAX_FEATURES => {
+                    (planes, features)
+                }
+                _ => return Err(refuse(line, sizes)),
+            },
+            _ => return Err(refuse(line, sizes)),
+        };
+        let mut biases = Vec::new();
+        let mut weights = Vec::new();
+        for _ in 0_usize..planes {
+            let (numbers, line) = next("a bias and weights")?;
+            let expected = || refuse(line, &format!("a bias and {features} weights"));
+            let before = weights.len();
+            let mut numbers = numbers.split(' ').map(str::parse::<f64>);
+            biases.push(numbers.next().ok_or_else(expected)?.map_err(|_| expected())?);
+            for number in numbers {
+                weights.push(number.map_err(|_| expected())?);
+            }
+            if weights.len() - before != features {
+                return Err(expected());
+            }
+        }
+        if let Some((_, line)) = lines.next() {
+            return Err(refuse(line, "the end of the file"));
+        }
+        let weights = Array2::from_shape_vec((planes, features), weights)
+            .map_err(|_| refuse(0, "weights for every plane"))?;
+        Self::new(classes, weights, Array1::from_vec(biases))
+    }
+}

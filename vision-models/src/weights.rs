@@ -1,0 +1,21 @@
+//! Checkpoints: what they hold, and how it is read.
+
+mod checkpoint;
+mod element;
+mod error;
+mod input;
+mod layout;
+mod pickle;
+mod safetensors;
+mod source;
+mod state_dict;
+mod tensors;
+mod torch;
+mod zip;
+
+pub use checkpoint::{Checkpoint, Format};
+pub use element::ElementType;
+pub use error::{CheckpointError, PickleProblem};
+pub use layout::TensorInfo;
+pub use source::TensorSource;
+pub use tensors::{Tensor, Tensors};

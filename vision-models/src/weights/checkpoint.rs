@@ -1,0 +1,230 @@
+//! A checkpoint file, opened: what is in it, and its tensors one by one.
+
+use std::{
+    collections::BTreeMap,
+    fmt,
+    fs::File,
+    io::{Read, Seek, SeekFrom, Write},
+    path::Path,
+};
+
+use super::{CheckpointError, TensorInfo, TensorSource, input::reading, safetensors, torch};
+use crate::{Error, Tensor, Tensors};
+
+/// The format of a checkpoint file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// `torch.save` since PyTorch 1.6.
+    TorchZip,
+    /// `torch.save` before PyTorch 1.6.
+    TorchStream,
+    /// <https://github.com/huggingface/safetensors>
+    Safetensors,
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(match self {
+            Self::TorchZip => "PyTorch (zip)",
+            Self::TorchStream => "PyTorch (stream, before 1.6)",
+            Self::Safetensors => "safetensors",
+        })
+    }
+}
+
+/// What the reader of a format finds.
+#[derive(Debug)]
+pub(super) struct Contents {
+    pub(super) format: Format,
+    pub(super) tensors: BTreeMap<String, TensorInfo>,
+    pub(super) wrappers: Vec<&'static str>,
+    pub(super) others: Vec<String>,
+}
+
+/// A checkpoint whose tensors are read from the file as they are asked for.
+///
+/// The file may be a `.pth`, `.pt` or `.pyth` of `torch.save`, in the zip format or the older one,
+/// or a `.safetensors`; its first bytes tell. Nothing in it is executed, and opening and reading it
+/// take a bounded multiple of its size in memory, whatever it holds. A state dict may be wrapped in
+/// a dict under `state_dict`, `model_state`, `model_state_dict` or `model`; a `module.` before
+/// every name is left out.
+///
+/// ```
+/// use vision_models::Checkpoint;
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/wrapped.pth");
+/// let mut checkpoint = Checkpoint::open(file)?;
+/// for (name, info) in checkpoint.tensors() {
+///     println!("{name}: {} {:?}", info.element(), info.shape());
+/// }
+/// let bias = checkpoint.tensor("backbone.conv1.bn.bias")?;
+/// assert_eq!(bias.shape(), [4]);
+/// # Ok::<(), vision_models::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Checkpoint<R = File> {
+    source: R,
+    contents: Contents,
+    path: String,
+}
+
+impl Checkpoint {
+    /// Opens a checkpoint file.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be read, [`Error::Checkpoint`] if it is refused.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let file = File::open(&path);
+        let path = path.as_ref().display().to_string();
+        let file = file.map_err(|error| at_path(&path, reading(&error)))?;
+        let contents = Self::read_contents(file).map_err(|error| at_path(&path, error));
+        contents.map(|checkpoint| Self { path, ..checkpoint })
+    }
+}
+
+impl<R: Read + Seek> Checkpoint<R> {
+    /// Opens a checkpoint in memory, or wherever `source` reads from.
+    ///
+    /// # Errors
+    /// As of [`Checkpoint::open`].
+    pub fn from_reader(source: R) -> Result<Self, Error> {
+        Self::read_contents(source)
+    }
+
+    fn read_contents(mut source: R) -> Result<Self, Error> {
+        let length = source.seek(SeekFrom::End(0)).map_err(|error| reading(&error))?;
+        source.seek(SeekFrom::Start(0)).map_err(|error| reading(&error))?;
+        let mut start = Vec::new();
+        (&mut source).take(16).read_to_end(&mut start).map_err(|error| reading(&error))?;
+        let contents = if start.starts_with(b"PK\x03\x04") {
+            torch::read_archive(&mut source, length)?
+        } else if torch::is_stream(&start) {
+            torch::read_stream(&mut source, length)?
+        } else if safetensors::is_safetensors(&start) {
+            safetensors::read(&mut source, length)?
+        } else {
+            return Err(CheckpointError::UnknownFormat { start }.into());
+        };
+        // Views of one storage may overlap, and an axis without a stride repeats its elements.
+        let elements = contents
+            .tensors
+            .values()
+            .fold(0_u64, |sum, info| sum.saturating_add(info.elements() as u64));
+        if elements > length {
+            return Err(CheckpointError::Inflated { elements, bytes: length }.into());
+        }
+        Ok(Self { source, contents, path: String::new() })
+    }
+
+    /// The file's format.
+    pub fn format(&self) -> Format {
+        self.contents.format
+    }
+
+    /// The tensors in the order of their names.
+    pub fn tensors(&self) -> impl Iterator<Item = (&str, &TensorInfo)> {
+        self.contents.tensors.iter().map(|(name, info)| (name.as_str(), info))
+    }
+
+    /// The keys under which the state dict was found, the outermost first.
+    pub fn wrappers(&self) -> &[&'static str] {
+        &self.contents.wrappers
+    }
+
+    /// What else the file holds, of which nothing is read: the keys beside the state dict and
+    /// entries in it that are no tensors. At most 64, each of at most 64 characters.
+    pub fn others(&self) -> &[String] {
+        &self.contents.others
+    }
+
+    /// Reads a tensor, its elements as f32.
+    ///
+    /// # Errors
+    /// [`Error::NoTensor`]; [`Error::File`]; [`CheckpointError::Checksum`].
+    pub fn tensor(&mut self, name: &str) -> Result<Tensor, Error> {
+        let info = self.info(name)?;
+        let mut values = Vec::with_capacity(info.elements());
+        let read = info.read(name, &mut self.source, |bytes| {
+            info.element().decode(bytes, &mut values);
+            Ok(())
+        });
+        read.map_err(|error| at_path(&self.path, error))?;
+        Tensor::new(info.shape().to_vec(), values)
+    }
+
+    /// Reads all tensors.
+    ///
+    /// # Errors
+    /// As of [`Checkpoint::tensor`].
+    pub fn read(mut self) -> Result<Tensors, Error> {
+        let mut tensors = Tensors::new();
+        while let Some(name) = self.contents.tensors.first_key_value().map(|(name, _)| name.clone())
+        {
+            tensors.insert(name.clone(), self.tensor(&name)?)?;
+            self.contents.tensors.remove(&name);
+        }
+        Ok(tensors)
+    }
+
+    /// Writes the tensors as safetensors, each with its element type.
+    ///
+    /// # Errors
+    /// [`Error::File`] of either side; [`CheckpointError::Checksum`].
+    pub fn write_safetensors(&mut self, mut writer: impl Write) -> Result<(), Error> {
+        let entries = self.tensors().map(|(name, info)| (name, info.element(), info.shape()));
+        safetensors::write_header(&mut writer, entries)?;
+        for (name, info) in &self.contents.tensors {
+            info.read(name, &mut self.source, |bytes| {
+                writer.write_all(bytes).map_err(|error| reading(&error))
+            })?;
+        }
+        writer.flush().map_err(|error| reading(&error))
+    }
+
+    fn info(&self, name: &str) -> Result<TensorInfo, Error> {
+        let info = self.contents.tensors.get(name).cloned();
+        info.ok_or_else(|| Error::NoTensor { name: name.into() })
+    }
+}
+
+impl<R: Read + Seek> TensorSource for Checkpoint<R> {
+    fn names(&self) -> Vec<&str> {
+        self.tensors().map(|(name, _)| name).collect()
+    }
+
+    fn shape(&self, name: &str) -> Option<&[usize]> {
+        self.contents.tensors.get(name).map(TensorInfo::shape)
+    }
+
+    fn take(&mut self, name: &str) -> Result<Tensor, Error> {
+        self.tensor(name)
+    }
+}
+
+impl Tensors {
+    /// Reads all tensors of a checkpoint file; see [`Checkpoint`] for what may be in it.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be read, [`Error::Checkpoint`] if it is refused.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
+        Checkpoint::open(path)?.read()
+    }
+
+    /// Writes the tensors as safetensors.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn write_safetensors(&self, mut writer: impl Write) -> Result<(), Error> {
+        safetensors::write(&mut writer, self)
+    }
+}
+
+/// Adds the path to what the operating system said.
+fn at_path(path: &str, error: Error) -> Error {
+    match error {
+        Error::File { path: inner, reason } if inner.is_empty() => {
+            Error::File { path: path.into(), reason }
+        }
+        other => other,
+    }
+}

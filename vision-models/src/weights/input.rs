@@ -1,0 +1,113 @@
+//! Reading a part of a file, with every length checked against what is left.
+
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+
+use super::CheckpointError;
+use crate::Error;
+
+/// A part of a file that is read from front to back.
+pub(super) struct Input<R> {
+    reader: R,
+    position: u64,
+    remaining: u64,
+}
+
+impl<'a, R: Read + Seek> Input<BufReader<&'a mut R>> {
+    /// `size` bytes at `position` of a file of `length` bytes.
+    pub(super) fn open(
+        source: &'a mut R,
+        position: u64,
+        size: u64,
+        length: u64,
+    ) -> Result<Self, Error> {
+        let available = length.saturating_sub(position);
+        if size > available {
+            let what = "part of the file";
+            return Err(
+                CheckpointError::Truncated { what, position, needed: size, available }.into()
+            );
+        }
+        source.seek(SeekFrom::Start(position)).map_err(|error| reading(&error))?;
+        Ok(Self::new(BufReader::new(source), position, size))
+    }
+}
+
+impl<R: BufRead> Input<R> {
+    /// The next `length` bytes of the reader, which stand at `position` of what errors speak of.
+    pub(super) fn new(reader: R, position: u64, length: u64) -> Self {
+        Self { reader, position, remaining: length }
+    }
+
+    pub(super) fn position(&self) -> u64 {
+        self.position
+    }
+
+    pub(super) fn remaining(&self) -> u64 {
+        self.remaining
+    }
+
+    pub(super) fn array<const SIZE: usize>(
+        &mut self,
+        what: &'static str,
+    ) -> Result<[u8; SIZE], Error> {
+        self.claim(SIZE as u64, what)?;
+        let mut bytes = [0; SIZE];
+        self.reader.read_exact(&mut bytes).map_err(|error| reading(&error))?;
+        Ok(bytes)
+    }
+
+    pub(super) fn byte(&mut self, what: &'static str) -> Result<u8, Error> {
+        let [byte] = self.array(what)?;
+        Ok(byte)
+    }
+
+    pub(super) fn bytes(&mut self, length: u64, what: &'static str) -> Result<Vec<u8>, Error> {
+        let mut bytes = vec![0; self.claim(length, what)?];
+        self.reader.read_exact(&mut bytes).map_err(|error| reading(&error))?;
+        Ok(bytes)
+    }
+
+    pub(super) fn skip(&mut self, length: u64, what: &'static str) -> Result<(), Error> {
+        let mut left = self.claim(length, what)?;
+        while left > 0 {
+            let step = self.reader.fill_buf().map_err(|error| reading(&error))?.len().min(left);
+            if step == 0 {
+                return Err(reading(&std::io::ErrorKind::UnexpectedEof.into()));
+            }
+            self.reader.consume(step);
+            left -= step;
+        }
+        Ok(())
+    }
+
+    /// Bytes up to a line feed, which is read and not given.
+    pub(super) fn line(&mut self, what: &'static str) -> Result<Vec<u8>, Error> {
+        let mut line = Vec::new();
+        loop {
+            match self.byte(what)? {
+                b'\n' => return Ok(line),
+                byte => line.push(byte),
+            }
+        }
+    }
+
+    /// Takes `length` bytes off what is left.
+    fn claim(&mut self, length: u64, what: &'static str) -> Result<usize, Error> {
+        let (Ok(size), Some(remaining)) =
+            (usize::try_from(length), self.remaining.checked_sub(length))
+        else {
+            let (position, available) = (self.position, self.remaining);
+            return Err(
+                CheckpointError::Truncated { what, position, needed: length, available }.into()
+            );
+        };
+        self.position += length;
+        self.remaining = remaining;
+        Ok(size)
+    }
+}
+
+/// The operating system's word on a failed read; the caller adds the path.
+pub(super) fn reading(error: &std::io::Error) -> Error {
+    Error::File { path: String::new(), reason: error.to_string() }
+}

@@ -1,0 +1,173 @@
+//! Where a tensor's elements lie in its file.
+
+use std::io::{Read, Seek, SeekFrom};
+
+use super::{CheckpointError, ElementType, input::reading};
+use crate::Error;
+
+/// Bytes that are read at a time: they stay in the cache until they are decoded.
+const CHUNK: usize = 128 << 10;
+
+/// A tensor in a checkpoint, not yet read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TensorInfo {
+    element: ElementType,
+    shape: Vec<usize>,
+    /// The step along each axis (elements).
+    strides: Vec<usize>,
+    /// Where the first element is in the file (bytes).
+    position: u64,
+    /// From the first element to the last, both included (elements).
+    span: usize,
+    /// The CRC-32 of the storage, if the tensor is all of it.
+    checksum: Option<u32>,
+}
+
+/// A storage in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Region {
+    /// Where it starts (bytes).
+    pub(super) position: u64,
+    /// How large it is (elements).
+    pub(super) elements: usize,
+    pub(super) checksum: Option<u32>,
+}
+
+impl TensorInfo {
+    /// A tensor in a storage; `None` if it reaches beyond it.
+    pub(super) fn new(
+        element: ElementType,
+        shape: Vec<usize>,
+        strides: Vec<usize>,
+        offset: usize,
+        region: Region,
+    ) -> Option<Self> {
+        let size = shape.iter().try_fold(1_usize, |size, &axis| size.checked_mul(axis))?;
+        let last = shape.iter().zip(&strides).try_fold(0_usize, |last, (&axis, &stride)| {
+            last.checked_add(axis.saturating_sub(1).checked_mul(stride)?)
+        })?;
+        let span = if size == 0 { 0 } else { last.checked_add(1)? };
+        if offset.checked_add(span)? > region.elements {
+            return None;
+        }
+        let start = offset.checked_mul(element.size())?;
+        let position = region.position.checked_add(u64::try_from(start).ok()?)?;
+        let mut info = Self { element, shape, strides, position, span, checksum: None };
+        if info.is_contiguous() && span == region.elements {
+            info.checksum = region.checksum;
+        }
+        Some(info)
+    }
+
+    /// A tensor that fills its place, in C order.
+    pub(super) fn contiguous(
+        element: ElementType,
+        shape: Vec<usize>,
+        position: u64,
+    ) -> Option<Self> {
+        let mut size = 1_usize;
+        let mut strides = vec![0; shape.len()];
+        for (stride, &axis) in strides.iter_mut().zip(&shape).rev() {
+            *stride = size;
+            size = size.checked_mul(axis)?;
+        }
+        let region = Region { position, elements: size, checksum: None };
+        Self::new(element, shape, strides, 0, region)
+    }
+
+    /// The type of the elements in the file.
+    pub fn element(&self) -> ElementType {
+        self.element
+    }
+
+    /// The length of each axis; empty for a scalar.
+    pub fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
+    /// The number of elements.
+    pub fn elements(&self) -> usize {
+        self.shape.iter().product()
+    }
+
+    /// Hands the elements' bytes out in C order, piece by piece, each a whole number of elements.
+    ///
+    /// # Errors
+    /// [`Error::File`]; [`CheckpointError::Checksum`]; what `sink` gives.
+    pub(super) fn read<R: Read + Seek>(
+        &self,
+        name: &str,
+        source: &mut R,
+        mut sink: impl FnMut(&[u8]) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        source.seek(SeekFrom::Start(self.position)).map_err(|error| reading(&error))?;
+        let bytes = self.span * self.element.size();
+        if !self.is_contiguous() {
+            let mut storage = vec![0; bytes];
+            source.read_exact(&mut storage).map_err(|error| reading(&error))?;
+            return self.gather(&storage, sink);
+        }
+        let mut chunk = vec![0; bytes.min(CHUNK)];
+        let mut checksum = self.checksum.map(|expected| (crc32fast::Hasher::new(), expected));
+        let mut left = bytes;
+        while left > 0 {
+            let size = left.min(CHUNK);
+            let piece = chunk.get_mut(..size).unwrap_or_default();
+            source.read_exact(piece).map_err(|error| reading(&error))?;
+            if let Some((hasher, _)) = &mut checksum {
+                hasher.update(piece);
+            }
+            sink(piece)?;
+            left -= size;
+        }
+        if checksum.is_none_or(|(hasher, expected)| hasher.finalize() == expected) {
+            Ok(())
+        } else {
+            Err(CheckpointError::Checksum { name: name.into() }.into())
+        }
+    }
+
+    /// Whether the elements lie in C order without gaps.
+    fn is_contiguous(&self) -> bool {
+        let mut size = 1;
+        self.elements() == self.span
+            && self.shape.iter().zip(&self.strides).rev().all(|(&axis, &stride)| {
+                let in_order = axis == 1 || stride == size;
+                size *= axis;
+                in_order
+            })
+            || self.span == 0
+    }
+
+    /// Walks a tensor that is a view with other strides.
+    fn gather(
+        &self,
+        storage: &[u8],
+        mut sink: impl FnMut(&[u8]) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let size = self.element.size();
+        let mut index = vec![0_usize; self.shape.len()];
+        let mut offset = 0_usize;
+        let mut row = Vec::new();
+        for _ in 0..self.elements() {
+            row.extend(storage.get(offset * size..(offset + 1) * size).unwrap_or_default());
+            if row.len() >= CHUNK {
+                sink(&row)?;
+                row.clear();
+            }
+            // The next place in C order: the last axis fastest.
+            for ((place, &axis), &stride) in
+                index.iter_mut().zip(&self.shape).zip(&self.strides).rev()
+            {
+                *place += 1;
+                offset += stride;
+                if *place < axis {
+                    break;
+                }
+                offset -= stride * axis;
+                *place = 0;
+            }
+        }
+        sink(&row)
+    }
+}

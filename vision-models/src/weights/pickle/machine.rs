@@ -1,0 +1,339 @@
+//! The machine that a pickle is a program for.
+
+mod stack;
+
+use std::{collections::HashMap, io::BufRead};
+
+use super::{Global, Id, Pickle, Value};
+use crate::{
+    Error,
+    weights::{CheckpointError, PickleProblem, input::Input},
+};
+
+/// More values than any checkpoint has: enough for 100,000 tensors, and 64 MiB of memory.
+const MAX_VALUES: usize = 1 << 21;
+
+/// Runs one pickle, up to its `STOP`. The values it makes are the ones of [`Value`]; what it asks to
+/// import, call or build beyond those becomes [`Value::Inert`].
+///
+/// # Errors
+/// [`CheckpointError::Pickle`], [`CheckpointError::Truncated`] or [`CheckpointError::Limit`].
+pub(in crate::weights) fn run<R: BufRead>(input: &mut Input<R>) -> Result<Pickle, Error> {
+    let mut machine = Machine {
+        start: input.position(),
+        input,
+        values: Vec::new(),
+        stack: Vec::new(),
+        marks: Vec::new(),
+        memo: HashMap::new(),
+        copied: 0,
+    };
+    loop {
+        if let Some(root) = machine.step()? {
+            return Ok(Pickle { values: machine.values, root });
+        }
+    }
+}
+
+pub(super) struct Machine<'a, R> {
+    input: &'a mut Input<R>,
+    start: u64,
+    pub(super) values: Vec<Value>,
+    stack: Vec<Id>,
+    marks: Vec<usize>,
+    memo: HashMap<u64, Id>,
+    copied: usize,
+}
+
+impl<R: BufRead> Machine<'_, R> {
+    /// Does one opcode; gives the result at `STOP`.
+    #[allow(clippy::too_many_lines, clippy::match_same_arms)] // a line an opcode, in groups
+    fn step(&mut self) -> Result<Option<Id>, Error> {
+        let opcode = self.input.byte("pickle")?;
+        match opcode {
+            b'.' => return self.pop().map(Some),
+            0x80 => self.protocol()?,
+            0x95 => self.input.skip(8, "frame")?,
+
+            // Values
+            b'N' => self.push(Value::Inert)?,
+            0x88 => self.push(Value::Bool(true))?,
+            0x89 => self.push(Value::Bool(false))?,
+            b'K' => self.integer::<1>()?,
+            b'M' => self.integer::<2>()?,
+            b'J' => self.signed_integer()?,
+            0x8a => self.long::<1>()?,
+            0x8b => self.long::<4>()?,
+            b'G' => self.inert(8)?,
+            b'X' => self.text::<4>()?,
+            0x8c => self.text::<1>()?,
+            0x8d => self.text::<8>()?,
+            // A str of Python 2.
+            b'U' => self.text_or_bytes::<1>()?,
+            b'T' => self.text_or_bytes::<4>()?,
+            b'C' => self.bytes::<1>()?,
+            b'B' => self.bytes::<4>()?,
+            0x8e | 0x96 => self.bytes::<8>()?,
+
+            // Containers
+            b'(' => self.mark()?,
+            b')' => self.push(Value::Tuple(Vec::new()))?,
+            0x85 => self.tuple(1)?,
+            0x86 => self.tuple(2)?,
+            0x87 => self.tuple(3)?,
+            b't' => {
+                let items = self.pop_to_mark()?;
+                self.push(Value::Tuple(items))?;
+            }
+            b']' => self.push(Value::List(Vec::new()))?,
+            b'l' => {
+                let items = self.pop_to_mark()?;
+                self.push(Value::List(items))?;
+            }
+            b'a' => {
+                let item = self.pop()?;
+                self.extend(vec![item])?;
+            }
+            b'e' => {
+                let items = self.pop_to_mark()?;
+                self.extend(items)?;
+            }
+            b'}' => self.push(Value::Dict(Vec::new()))?,
+            b'd' => {
+                let items = self.pop_to_mark()?;
+                self.push(Value::Dict(Vec::new()))?;
+                self.set_items(&items)?;
+            }
+            b's' => {
+                let value = self.pop()?;
+                let key = self.pop()?;
+                self.set_items(&[key, value])?;
+            }
+            b'u' => {
+                let items = self.pop_to_mark()?;
+                self.set_items(&items)?;
+            }
+            0x8f => self.push(Value::Inert)?, // a set
+            0x90 => self.discard_to_mark()?,
+            0x91 => self.inert_from_mark()?,
+
+            // The stack and the memo
+            b'0' => self.discard(1)?,
+            b'1' => self.discard_to_mark()?,
+            b'2' => {
+                let top = self.top()?;
+                self.push_id(top)?;
+            }
+            b'h' => self.recall::<1>()?,
+            b'j' => self.recall::<4>()?,
+            b'q' => self.memoise::<1>()?,
+            b'r' => self.memoise::<4>()?,
+            0x94 => self.store(self.memo.len() as u64)?,
+
+            // Objects
+            b'c' => self.global_by_lines()?,
+            0x93 => self.global_by_stack()?,
+            b'Q' => self.persistent()?,
+            b'R' | 0x81 => self.apply()?,
+            0x92 => {
+                self.discard(3)?;
+                self.push(Value::Inert)?;
+            }
+            b'o' => self.inert_from_mark()?,
+            b'b' => self.discard(1)?, // the state of an object: attributes, which weights have none of
+            0x82 => self.inert(1)?,
+            0x83 => self.inert(2)?,
+            0x84 => self.inert(4)?,
+            _ => return Err(self.problem(PickleProblem::Opcode(opcode))),
+        }
+        Ok(None)
+    }
+
+    fn protocol(&mut self) -> Result<(), Error> {
+        match self.input.byte("pickle protocol")? {
+            0..=5 => Ok(()),
+            protocol => Err(self.problem(PickleProblem::Protocol(protocol))),
+        }
+    }
+
+    fn integer<const SIZE: usize>(&mut self) -> Result<(), Error> {
+        let value = self.unsigned::<SIZE>()?;
+        self.push(i64::try_from(value).map_or(Value::Inert, Value::Int))
+    }
+
+    fn signed_integer(&mut self) -> Result<(), Error> {
+        let value = i32::from_le_bytes(self.input.array("integer")?);
+        self.push(Value::Int(i64::from(value)))
+    }
+
+    /// An integer of any length, two's complement, little-endian.
+    fn long<const SIZE: usize>(&mut self) -> Result<(), Error> {
+        let length = self.unsigned::<SIZE>()?;
+        let bytes = self.input.bytes(length, "integer")?;
+        if bytes.len() > 8 {
+            return self.push(Value::Inert);
+        }
+        let fill = if bytes.last().is_some_and(|&byte| byte >= 128) { 255 } else { 0 };
+        let mut padded = [fill; 8];
+        for (place, byte) in padded.iter_mut().zip(bytes) {
+            *place = byte;
+        }
+        self.push(Value::Int(i64::from_le_bytes(padded)))
+    }
+
+    fn text<const SIZE: usize>(&mut self) -> Result<(), Error> {
+        let length = self.unsigned::<SIZE>()?;
+        let text = String::from_utf8(self.input.bytes(length, "text")?)
+            .map_err(|_| self.problem(PickleProblem::Text))?;
+        self.push(Value::Text(text.into()))
+    }
+
+    fn text_or_bytes<const SIZE: usize>(&mut self) -> Result<(), Error> {
+        let length = self.unsigned::<SIZE>()?;
+        let text = String::from_utf8(self.input.bytes(length, "text")?);
+        self.push(text.map_or(Value::Inert, |text| Value::Text(text.into())))
+    }
+
+    fn bytes<const SIZE: usize>(&mut self) -> Result<(), Error> {
+        let length = self.unsigned::<SIZE>()?;
+        self.inert(length)
+    }
+
+    /// A value whose bytes are of no interest.
+    fn inert(&mut self, length: u64) -> Result<(), Error> {
+        self.input.skip(length, "value")?;
+        self.push(Value::Inert)
+    }
+
+    fn inert_from_mark(&mut self) -> Result<(), Error> {
+        self.discard_to_mark()?;
+        self.push(Value::Inert)
+    }
+
+    fn tuple(&mut self, size: usize) -> Result<(), Error> {
+        let start = self.floor_for(size)?;
+        let items = self.stack.split_off(start);
+        self.push(Value::Tuple(items))
+    }
+
+    /// Appends to the list on top of the stack.
+    fn extend(&mut self, items: Vec<Id>) -> Result<(), Error> {
+        let top = self.top()?;
+        match self.values.get_mut(top.0) {
+            Some(Value::List(list)) => list.extend(items),
+            Some(Value::Inert) => {}
+            _ => return Err(self.problem(PickleProblem::Expected("a list to append to"))),
+        }
+        Ok(())
+    }
+
+    /// Adds keys and values, in turn, to the dict on top of the stack.
+    fn set_items(&mut self, items: &[Id]) -> Result<(), Error> {
+        let top = self.top()?;
+        let (pairs, rest) = items.as_chunks();
+        match self.values.get_mut(top.0) {
+            Some(Value::Dict(dict)) if rest.is_empty() => {
+                dict.extend(pairs.iter().map(|&[key, value]| (key, value)));
+            }
+            Some(Value::Inert) => {}
+            _ => return Err(self.problem(PickleProblem::Expected("a dict, keys and values"))),
+        }
+        Ok(())
+    }
+
+    fn recall<const SIZE: usize>(&mut self) -> Result<(), Error> {
+        let index = self.unsigned::<SIZE>()?;
+        match self.memo.get(&index) {
+            Some(&id) => self.push_id(id),
+            None => Err(self.problem(PickleProblem::EmptyMemo(index))),
+        }
+    }
+
+    fn memoise<const SIZE: usize>(&mut self) -> Result<(), Error> {
+        let index = self.unsigned::<SIZE>()?;
+        self.store(index)
+    }
+
+    fn store(&mut self, index: u64) -> Result<(), Error> {
+        let top = self.top()?;
+        Self::within_limit(self.memo.len())?;
+        self.memo.insert(index, top);
+        Ok(())
+    }
+
+    fn global_by_lines(&mut self) -> Result<(), Error> {
+        let module = self.input.line("name")?;
+        let name = self.input.line("name")?;
+        self.global(&String::from_utf8_lossy(&module), &String::from_utf8_lossy(&name))
+    }
+
+    fn global_by_stack(&mut self) -> Result<(), Error> {
+        let name = self.pop()?;
+        let module = self.pop()?;
+        let (Value::Text(module), Value::Text(name)) = (self.value(module), self.value(name))
+        else {
+            return Err(self.problem(PickleProblem::Expected("a module's and a class's name")));
+        };
+        let (module, name) = (module.clone(), name.clone());
+        self.global(&module, &name)
+    }
+
+    fn global(&mut self, module: &str, name: &str) -> Result<(), Error> {
+        self.push(Global::from_name(module, name).map_or(Value::Inert, Value::Global))
+    }
+
+    /// What stands for an object outside the pickle: in a checkpoint, a storage.
+    fn persistent(&mut self) -> Result<(), Error> {
+        let id = self.pop()?;
+        let storage = self.storage(id)?;
+        self.push(storage)
+    }
+
+    /// Replaces a callable and its arguments by the result.
+    fn apply(&mut self) -> Result<(), Error> {
+        let arguments = self.pop()?;
+        let callable = self.pop()?;
+        match self.value(callable) {
+            &Value::Global(global) => {
+                let result = self.rebuild(global, arguments)?;
+                self.push_id(result)
+            }
+            _ => self.push(Value::Inert),
+        }
+    }
+
+    pub(super) fn add(&mut self, value: Value) -> Result<Id, Error> {
+        Self::within_limit(self.values.len())?;
+        self.values.push(value);
+        Ok(Id(self.values.len() - 1))
+    }
+
+    pub(super) fn value(&self, id: Id) -> &Value {
+        self.values.get(id.0).unwrap_or(&Value::Inert)
+    }
+
+    fn unsigned<const SIZE: usize>(&mut self) -> Result<u64, Error> {
+        let bytes: [u8; SIZE] = self.input.array("pickle")?;
+        Ok(bytes.iter().rev().fold(0, |value, &byte| value << 8 | u64::from(byte)))
+    }
+
+    /// Counts what is copied from one value to another: a pickle can ask for the same copy again
+    /// and again in a few bytes.
+    pub(super) fn charge(&mut self, copied: usize) -> Result<(), Error> {
+        self.copied = self.copied.saturating_add(copied);
+        Self::within_limit(self.copied)
+    }
+
+    fn within_limit(count: usize) -> Result<(), Error> {
+        if count < MAX_VALUES {
+            return Ok(());
+        }
+        let (value, limit) = (count as u64 + 1, MAX_VALUES as u64);
+        Err(CheckpointError::Limit { what: "values in the pickle", value, limit }.into())
+    }
+
+    pub(super) fn problem(&self, problem: PickleProblem) -> Error {
+        let position = self.input.position() - self.start;
+        CheckpointError::Pickle { position, problem }.into()
+    }
+}

@@ -1,0 +1,125 @@
+//! The few objects of a checkpoint that mean something, made from their pickled arguments.
+
+use std::{io::BufRead, rc::Rc};
+
+use super::{Global, Id, Storage, Value, View, machine::Machine};
+use crate::{Error, weights::PickleProblem};
+
+/// More axes than any tensor of a network has.
+const MAX_AXES: usize = 8;
+/// More bytes than the key of any storage has.
+const MAX_KEY: usize = 64;
+
+impl<R: BufRead> Machine<'_, R> {
+    /// A storage from what a checkpoint calls it: `("storage", class, key, device, elements)`, in
+    /// files of before PyTorch 0.4 with a sixth item for a storage that is a part of another.
+    pub(super) fn storage(&self, id: Id) -> Result<Value, Error> {
+        const FORM: PickleProblem =
+            PickleProblem::Expected("(\"storage\", class, key, device, elements)");
+        let Value::Tuple(items) = self.value(id) else {
+            return Err(self.problem(FORM));
+        };
+        let &[tag, class, key, _, elements, ref rest @ ..] = items.as_slice() else {
+            return Err(self.problem(FORM));
+        };
+        if !matches!(self.value(tag), Value::Text(tag) if &**tag == "storage") {
+            return Err(self.problem(FORM));
+        }
+        // `None` is inert, too.
+        if !rest.iter().all(|&part| matches!(self.value(part), Value::Inert)) {
+            let whole = PickleProblem::Expected("a storage that is no part of another");
+            return Err(self.problem(whole));
+        }
+        let &Value::Global(Global::Storage(element)) = self.value(class) else {
+            return Ok(Value::Inert);
+        };
+        let key = match self.value(key) {
+            Value::Text(key) if key.len() <= MAX_KEY => Rc::clone(key),
+            Value::Int(key) => key.to_string().into(),
+            _ => return Err(self.problem(FORM)),
+        };
+        let elements = self.size(elements)?;
+        Ok(Value::Storage(Rc::new(Storage { key, element, elements })))
+    }
+
+    /// What the callable named by `global` would make of its arguments.
+    pub(super) fn rebuild(&mut self, global: Global, arguments: Id) -> Result<Id, Error> {
+        let Value::Tuple(arguments) = self.value(arguments) else {
+            return Err(self.problem(PickleProblem::Expected("a tuple of arguments")));
+        };
+        match (global, arguments.as_slice()) {
+            (Global::OrderedDict, []) => self.add(Value::Dict(Vec::new())),
+            (Global::OrderedDict, &[pairs]) => self.dict(pairs),
+            (Global::RebuildTensor, &[storage, offset, shape, strides, ..]) => {
+                let tensor = self.tensor(storage, offset, shape, strides)?;
+                self.add(tensor)
+            }
+            (Global::RebuildParameter, &[tensor, ..]) => Ok(tensor),
+            (Global::RebuildFromType, &[callable, _, arguments, ..]) => {
+                match *self.value(callable) {
+                    Value::Global(Global::RebuildFromType) | Value::Inert => self.add(Value::Inert),
+                    Value::Global(global) => self.rebuild(global, arguments),
+                    _ => Err(self.problem(PickleProblem::Expected("a callable"))),
+                }
+            }
+            (Global::Storage(_), _) => self.add(Value::Inert),
+            _ => Err(self.problem(PickleProblem::Expected("more arguments"))),
+        }
+    }
+
+    /// An ordered dict of Python 2: a list of lists of a key and a value.
+    fn dict(&mut self, pairs: Id) -> Result<Id, Error> {
+        const FORM: PickleProblem = PickleProblem::Expected("a list of keys and values");
+        let length = match self.value(pairs) {
+            Value::List(pairs) => pairs.len(),
+            _ => return Err(self.problem(FORM)),
+        };
+        self.charge(length)?;
+        let items = match self.value(pairs) {
+            Value::List(pairs) => pairs.as_slice(),
+            _ => &[],
+        };
+        let entries = items
+            .iter()
+            .map(|&pair| match self.value(pair) {
+                Value::List(pair) | Value::Tuple(pair) => match *pair.as_slice() {
+                    [key, value] => Ok((key, value)),
+                    _ => Err(self.problem(FORM)),
+                },
+                _ => Err(self.problem(FORM)),
+            })
+            .collect::<Result<_, _>>()?;
+        self.add(Value::Dict(entries))
+    }
+
+    fn tensor(&self, storage: Id, offset: Id, shape: Id, strides: Id) -> Result<Value, Error> {
+        let storage = match self.value(storage) {
+            Value::Storage(storage) => Rc::clone(storage),
+            Value::Inert => return Ok(Value::Inert),
+            _ => return Err(self.problem(PickleProblem::Expected("a storage"))),
+        };
+        let offset = self.size(offset)?;
+        let (shape, strides) = (self.sizes(shape)?, self.sizes(strides)?);
+        if shape.len() != strides.len() {
+            return Err(self.problem(PickleProblem::Expected("as many strides as axes")));
+        }
+        Ok(Value::Tensor(Box::new(View { storage, offset, shape, strides })))
+    }
+
+    fn sizes(&self, id: Id) -> Result<Vec<usize>, Error> {
+        match self.value(id) {
+            Value::Tuple(items) | Value::List(items) if items.len() <= MAX_AXES => {
+                items.iter().map(|&item| self.size(item)).collect()
+            }
+            _ => Err(self.problem(PickleProblem::Expected("a tuple of at most eight sizes"))),
+        }
+    }
+
+    fn size(&self, id: Id) -> Result<usize, Error> {
+        match *self.value(id) {
+            Value::Int(value) => usize::try_from(value).ok(),
+            _ => None,
+        }
+        .ok_or_else(|| self.problem(PickleProblem::Expected("a size, zero or more")))
+    }
+}

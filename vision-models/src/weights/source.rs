@@ -1,0 +1,35 @@
+//! Where a network takes its weights from.
+
+use crate::{Error, Tensor, Tensors};
+
+/// Named tensors that are given out one at a time: all in memory ([`Tensors`]), or read from their
+/// file as they are asked for ([`Checkpoint`](crate::Checkpoint)), so that a network that packs its
+/// weights never holds them twice.
+pub trait TensorSource {
+    /// The names, sorted.
+    fn names(&self) -> Vec<&str>;
+
+    /// The shape of the tensor of this name.
+    fn shape(&self, name: &str) -> Option<&[usize]>;
+
+    /// Gives the tensor of this name; it may be asked for only once.
+    ///
+    /// # Errors
+    /// [`Error::NoTensor`] if there is none of this name (left); whatever can be wrong in reading
+    /// it.
+    fn take(&mut self, name: &str) -> Result<Tensor, Error>;
+}
+
+impl TensorSource for Tensors {
+    fn names(&self) -> Vec<&str> {
+        self.names().collect()
+    }
+
+    fn shape(&self, name: &str) -> Option<&[usize]> {
+        self.get(name).map(Tensor::shape)
+    }
+
+    fn take(&mut self, name: &str) -> Result<Tensor, Error> {
+        self.remove(name).ok_or_else(|| Error::NoTensor { name: name.into() })
+    }
+}

@@ -1,0 +1,109 @@
+//! The state dict in the object that was saved.
+
+use std::collections::BTreeMap;
+
+use super::{
+    CheckpointError,
+    pickle::{Pickle, Value, View},
+};
+use crate::Error;
+
+/// The keys under which training programs save a state dict.
+const WRAPPERS: &[&str] = &["state_dict", "model_state", "model_state_dict", "model"];
+/// What `DataParallel` puts before every name.
+const PARALLEL: &str = "module.";
+/// How many other entries, and how much of their names, is worth telling.
+const TOLD: usize = 64;
+
+/// The tensors of a state dict, by name.
+#[derive(Debug, Default)]
+pub(super) struct StateDict {
+    pub(super) tensors: BTreeMap<String, View>,
+    /// The keys that led to it.
+    pub(super) wrappers: Vec<&'static str>,
+    /// What else the file holds.
+    pub(super) others: Vec<String>,
+}
+
+impl StateDict {
+    /// Looks for the state dict in what a pickle made.
+    pub(super) fn find(pickle: &Pickle) -> Result<Self, Error> {
+        let mut found = Self::default();
+        let mut dict = pickle.root();
+        // A wrapper within itself would lead on for ever.
+        while found.wrappers.len() < WRAPPERS.len() {
+            let inner = WRAPPERS.iter().find_map(|&wrapper| {
+                let entry = pickle.entry(dict, wrapper)?;
+                matches!(entry, Value::Dict(_)).then_some((wrapper, entry))
+            });
+            let Some((wrapper, entry)) = inner else { break };
+            found.note_others(pickle, dict, |name, _| name != wrapper);
+            found.wrappers.push(wrapper);
+            dict = entry;
+        }
+        found.note_others(pickle, dict, |_, value| !matches!(value, Value::Tensor(_)));
+        found.collect(pickle, dict)?;
+        if found.tensors.is_empty() {
+            return Err(CheckpointError::NoStateDict {
+                found: describe(dict, &found.others),
+                wrappers: WRAPPERS,
+            }
+            .into());
+        }
+        found.strip(PARALLEL);
+        Ok(found)
+    }
+
+    fn collect(&mut self, pickle: &Pickle, dict: &Value) -> Result<(), Error> {
+        let Value::Dict(entries) = dict else { return Ok(()) };
+        for &(key, value) in entries {
+            let (Value::Text(name), Value::Tensor(view)) = (pickle.value(key), pickle.value(value))
+            else {
+                continue;
+            };
+            if self.tensors.contains_key(&**name) {
+                return Err(CheckpointError::DuplicateName { name: name.to_string() }.into());
+            }
+            self.tensors.insert(name.to_string(), View::clone(view));
+        }
+        Ok(())
+    }
+
+    /// Takes a prefix off that every name has.
+    fn strip(&mut self, prefix: &str) {
+        if self.tensors.keys().all(|name| name.len() > prefix.len() && name.starts_with(prefix)) {
+            let tensors = std::mem::take(&mut self.tensors);
+            self.tensors = tensors
+                .into_iter()
+                .map(|(name, view)| (name.chars().skip(prefix.len()).collect(), view))
+                .collect();
+        }
+    }
+
+    fn note_others(
+        &mut self,
+        pickle: &Pickle,
+        dict: &Value,
+        is_other: impl Fn(&str, &Value) -> bool,
+    ) {
+        let Value::Dict(entries) = dict else { return };
+        let names = entries.iter().filter_map(|&(key, value)| match pickle.value(key) {
+            Value::Text(name) if is_other(name, pickle.value(value)) => {
+                Some(name.chars().take(TOLD).collect())
+            }
+            _ => None,
+        });
+        let room = TOLD.saturating_sub(self.others.len());
+        self.others.extend(names.take(room));
+    }
+}
+
+fn describe(value: &Value, keys: &[String]) -> String {
+    match value {
+        Value::Dict(_) => format!("a dict without tensors, with the keys {keys:?}"),
+        Value::List(_) | Value::Tuple(_) => "a list".into(),
+        Value::Tensor(_) => "a single tensor".into(),
+        Value::Inert => "an object of a class that is not interpreted".into(),
+        _ => "a plain value".into(),
+    }
+}

@@ -1,0 +1,102 @@
+//! What a checkpoint holds, whatever its file format.
+
+use std::collections::BTreeMap;
+
+use crate::Error;
+
+/// An f32 tensor in row-major (C) order. A scalar has the empty shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tensor {
+    shape: Vec<usize>,
+    data: Vec<f32>,
+}
+
+impl Tensor {
+    /// Takes the elements of a tensor of this shape, the last axis running fastest.
+    ///
+    /// # Errors
+    /// [`Error::TensorSize`] if `data` has not as many elements as the shape says.
+    pub fn new(shape: Vec<usize>, data: Vec<f32>) -> Result<Self, Error> {
+        let size = shape.iter().try_fold(1_usize, |size, &axis| size.checked_mul(axis));
+        if size == Some(data.len()) {
+            Ok(Self { shape, data })
+        } else {
+            Err(Error::TensorSize { shape, elements: data.len() })
+        }
+    }
+
+    /// The length of each axis.
+    pub fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
+    /// The elements, the last axis running fastest.
+    pub fn data(&self) -> &[f32] {
+        &self.data
+    }
+
+    /// Gives up the elements.
+    pub fn into_data(self) -> Vec<f32> {
+        self.data
+    }
+}
+
+/// The named f32 tensors of a checkpoint, in the order of their names.
+///
+/// ```
+/// use vision_models::{Tensor, Tensors};
+///
+/// let mut tensors = Tensors::new();
+/// tensors.insert("fc.bias", Tensor::new(vec![2], vec![0.5, -0.5])?)?;
+/// assert_eq!(tensors.get("fc.bias").map(Tensor::shape), Some([2].as_slice()));
+/// # Ok::<(), vision_models::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tensors {
+    tensors: BTreeMap<String, Tensor>,
+}
+
+impl Tensors {
+    /// No tensors.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a tensor.
+    ///
+    /// # Errors
+    /// [`Error::DuplicateTensor`] if there is one of this name already.
+    pub fn insert(&mut self, name: impl Into<String>, tensor: Tensor) -> Result<(), Error> {
+        let name = name.into();
+        if self.tensors.contains_key(&name) {
+            return Err(Error::DuplicateTensor { name });
+        }
+        self.tensors.insert(name, tensor);
+        Ok(())
+    }
+
+    /// The tensor of this name.
+    pub fn get(&self, name: &str) -> Option<&Tensor> {
+        self.tensors.get(name)
+    }
+
+    /// Takes the tensor of this name out, so that its memory goes when the caller drops it.
+    pub fn remove(&mut self, name: &str) -> Option<Tensor> {
+        self.tensors.remove(name)
+    }
+
+    /// The names, sorted.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.tensors.keys().map(String::as_str)
+    }
+
+    /// How many tensors there are.
+    pub fn len(&self) -> usize {
+        self.tensors.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.tensors.is_empty()
+    }
+}

@@ -1,0 +1,175 @@
+//! The two file formats of `torch.save`.
+
+use std::{
+    collections::BTreeMap,
+    io::{BufRead, BufReader, Read, Seek, SeekFrom},
+};
+
+use super::{
+    CheckpointError, Format, TensorInfo,
+    checkpoint::Contents,
+    input::{Input, reading},
+    layout::Region,
+    pickle::{self, Pickle, Storage, Value, View},
+    state_dict::StateDict,
+    zip::Archive,
+};
+use crate::Error;
+
+/// More bytes of pickle than any checkpoint has: the weights are not in it.
+const MAX_PICKLE: u64 = 64 << 20;
+/// The magic number 0x1950a86a20f9469cfc6c as the older stream starts with it: protocol 2, an
+/// integer of ten bytes, the end of the pickle.
+const MAGIC: &[u8] = b"\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19.";
+const STREAM_VERSION: i64 = 1001;
+
+/// Whether a file that starts with these bytes is of the older format.
+pub(super) fn is_stream(start: &[u8]) -> bool {
+    start.starts_with(MAGIC)
+}
+
+/// The zip format: `NAME/data.pkl` has the pickle, `NAME/data/KEY` each storage.
+pub(super) fn read_archive<R: Read + Seek>(source: &mut R, length: u64) -> Result<Contents, Error> {
+    let archive = Archive::read(source, length)?;
+    let root = archive
+        .names()
+        .find_map(|name| name.strip_suffix("data.pkl").filter(|root| is_folder(root)))
+        .map(str::to_owned)
+        .ok_or_else(|| CheckpointError::Archive {
+            entry: "data.pkl".into(),
+            problem: "it is missing: the archive was not written by torch.save",
+        })?;
+    if let Some(mut input) = archive.open(&format!("{root}byteorder"), 64, source)? {
+        let order = input.bytes(input.remaining(), "byte order")?;
+        if order.trim_ascii() != b"little" {
+            return Err(CheckpointError::BigEndian.into());
+        }
+    }
+    let state_dict = match archive.open(&format!("{root}data.pkl"), MAX_PICKLE, source)? {
+        Some(mut input) => StateDict::find(&pickle::run(&mut input)?)?,
+        None => StateDict::default(),
+    };
+
+    contents(Format::TorchZip, state_dict, |storage| {
+        let name = format!("{root}data/{}", storage.key);
+        let entry =
+            archive.get(&name).ok_or_else(|| of_storage(storage, "the archive lacks it".into()))?;
+        let bytes = size(storage)?;
+        if entry.length < bytes {
+            let problem = format!("it takes {bytes} bytes, but its entry has {}", entry.length);
+            return Err(of_storage(storage, problem));
+        }
+        let checksum = entry.checksum.filter(|_| entry.length == bytes);
+        let position = archive.position(&name, entry, source)?;
+        Ok(Region { position, elements: storage.elements, checksum })
+    })
+}
+
+fn is_folder(root: &str) -> bool {
+    root.is_empty() || root.ends_with('/') && root.matches('/').count() == 1
+}
+
+/// The older format, one stream: the magic number, the version, a dict about the machine, the
+/// object, the keys of the storages, each a pickle; then each storage, its number of elements first.
+pub(super) fn read_stream<R: Read + Seek>(source: &mut R, length: u64) -> Result<Contents, Error> {
+    source.seek(SeekFrom::Start(0)).map_err(|error| reading(&error))?;
+    let mut input = Input::new(BufReader::new(&mut *source), 0, length.min(MAX_PICKLE));
+    input.skip(MAGIC.len() as u64, "magic number")?;
+    if !matches!(pickle::run(&mut input)?.root(), &Value::Int(STREAM_VERSION)) {
+        return Err(malformed("the version 1001", &input));
+    }
+    let machine = pickle::run(&mut input)?;
+    match machine.entry(machine.root(), "little_endian") {
+        Some(Value::Bool(true)) => {}
+        Some(Value::Bool(false)) => return Err(CheckpointError::BigEndian.into()),
+        _ => return Err(malformed("a dict that has \"little_endian\"", &input)),
+    }
+    let object = pickle::run(&mut input)?;
+    let key_list = pickle::run(&mut input)?;
+    let keys = texts(&key_list).ok_or_else(|| malformed("a list of storage keys", &input))?;
+    let mut position = input.position();
+
+    let state_dict = StateDict::find(&object)?;
+    let mut storages = BTreeMap::<&str, &Storage>::new();
+    for storage in object.storages() {
+        if storages.insert(&storage.key, storage).is_some_and(|other| other != storage) {
+            return Err(of_storage(storage, "it is there with two sizes".into()));
+        }
+    }
+    let mut regions = BTreeMap::new();
+    for key in keys {
+        let storage = storages.get(key).ok_or_else(|| CheckpointError::Storage {
+            key: key.into(),
+            problem: "no tensor of a known element type has it, so that its size is unknown".into(),
+        })?;
+        let mut header = Input::open(source, position, 8, length)?;
+        let elements = u64::from_le_bytes(header.array("storage")?);
+        if usize::try_from(elements) != Ok(storage.elements) {
+            let problem = format!("its size is {elements} elements, not {}", storage.elements);
+            return Err(of_storage(storage, problem));
+        }
+        position += 8;
+        let (needed, available) = (size(storage)?, length.saturating_sub(position));
+        if needed > available {
+            let what = "storage";
+            return Err(CheckpointError::Truncated { what, position, needed, available }.into());
+        }
+        regions.insert(key, Region { position, elements: storage.elements, checksum: None });
+        position += needed;
+    }
+    contents(Format::TorchStream, state_dict, |storage| {
+        regions
+            .get(&*storage.key)
+            .copied()
+            .ok_or_else(|| of_storage(storage, "the file lacks it".into()))
+    })
+}
+
+/// Finds every tensor's place.
+fn contents(
+    format: Format,
+    state_dict: StateDict,
+    mut region: impl FnMut(&Storage) -> Result<Region, Error>,
+) -> Result<Contents, Error> {
+    let mut tensors = BTreeMap::new();
+    for (name, view) in state_dict.tensors {
+        let place = region(&view.storage)?;
+        let View { storage, offset, shape, strides } = view;
+        let info = TensorInfo::new(storage.element, shape.clone(), strides.clone(), offset, place);
+        let Some(info) = info else {
+            let storage = place.elements;
+            return Err(
+                CheckpointError::OutsideStorage { name, shape, strides, offset, storage }.into()
+            );
+        };
+        tensors.insert(name, info);
+    }
+    Ok(Contents { format, tensors, wrappers: state_dict.wrappers, others: state_dict.others })
+}
+
+/// A storage's size (bytes).
+fn size(storage: &Storage) -> Result<u64, Error> {
+    (storage.elements as u64)
+        .checked_mul(storage.element.size() as u64)
+        .ok_or_else(|| of_storage(storage, format!("it has {} elements", storage.elements)))
+}
+
+fn texts(pickle: &Pickle) -> Option<Vec<&str>> {
+    let Value::List(items) = pickle.root() else { return None };
+    items
+        .iter()
+        .map(|&item| match pickle.value(item) {
+            Value::Text(text) => Some(&**text),
+            _ => None,
+        })
+        .collect()
+}
+
+fn of_storage(storage: &Storage, problem: String) -> Error {
+    CheckpointError::Storage { key: storage.key.to_string(), problem }.into()
+}
+
+fn malformed<R: BufRead>(expected: &'static str, input: &Input<R>) -> Error {
+    let problem = super::PickleProblem::Expected(expected);
+    CheckpointError::Pickle { position: input.position(), problem }.into()
+}
