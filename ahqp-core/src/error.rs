@@ -37,6 +37,26 @@ pub enum Error {
         entry: usize,
     },
 
+    /// Only equalities can be damped.
+    #[error(
+        "row {row} of the damped level has the bounds {lower} and {upper}; damp levels of equalities only"
+    )]
+    NotAnEquality {
+        /// The row.
+        row: usize,
+        /// Its lower bound.
+        lower: f64,
+        /// Its upper bound.
+        upper: f64,
+    },
+
+    /// A row that is to be damped is not finite, or overflows.
+    #[error("row {row} of the damped level is not finite; replace NaN and infinities first")]
+    NotFiniteDamping {
+        /// The row.
+        row: usize,
+    },
+
     /// A number is so large that its square overflows.
     #[error(
         "{source_of_row} holds {value:e}, beyond 1e100, where double precision overflows; change units, or use an infinite bound"

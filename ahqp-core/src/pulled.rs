@@ -12,7 +12,7 @@
 use crate::basis::Basis;
 use crate::kernels::{FourReflections, Rotation, RowsMut, reflect_rows};
 use crate::table::{RowTable, RowView};
-use crate::vector::{add_scaled, dot, length, norm, reflector};
+use crate::vector::{add_scaled, dot, length, norm, reflector, solve_positive_definite};
 
 /// A part of a row below this fraction of it is rounding.
 const NOTHING: f64 = 1e-12;
@@ -453,25 +453,5 @@ impl Pulled {
             }
             solve_positive_definite(system, c1);
         }
-    }
-}
-
-/// Solves S x = b in place; the lower triangle of S, row after row, becomes its Cholesky factor.
-fn solve_positive_definite(system: &mut [f64], b: &mut [f64]) {
-    let n = b.len();
-    for i in 0..n {
-        let (done, rest) = system.split_at_mut(i * n);
-        let row = &mut rest[..n];
-        for j in 0..i {
-            let other = &done[j * n..j * n + n];
-            row[j] = (row[j] - dot(&row[..j], &other[..j])) / other[j];
-        }
-        row[i] = (row[i] - dot(&row[..i], &row[..i])).sqrt();
-        b[i] = (b[i] - dot(&row[..i], &b[..i])) / row[i];
-    }
-    for i in (0..n).rev() {
-        b[i] /= system[i * n + i];
-        let value = b[i];
-        add_scaled(&mut b[..i], -value, &system[i * n..i * n + i]);
     }
 }
