@@ -349,9 +349,7 @@ impl Factorisation {
         z[rank..k].fill(0.0);
         for step in (0..rank).rev() {
             let v = &self.reflectors[step * n + step..step * n + k];
-            let part = &mut z[step..k];
-            let weight = self.tau[step] * dot(part, v);
-            add_scaled(part, -weight, v);
+            reflect_rows(&mut RowsMut { data: &mut z[..k], stride: k }, step, v, self.tau[step]);
         }
         for (&variable, &value) in self.free.iter().zip(z.iter()) {
             self.x[variable] = value;
@@ -377,6 +375,13 @@ impl Factorisation {
     pub(crate) fn add_row(&self, at: usize, weight: f64, coordinates: &mut [f64]) {
         let row = &self.rows[at * self.n..at * self.n + coordinates.len()];
         add_scaled(coordinates, weight, row);
+    }
+
+    /// Adds `weight` times the entries of a row that belong to variables at a bound.
+    pub(crate) fn add_at_bounds(&self, row: &[f64], weight: f64, gradient: &mut [f64]) {
+        for &variable in &self.bounded {
+            gradient[variable] += weight * row[variable];
+        }
     }
 
     /// Adds the first coordinates of a level's linear term.

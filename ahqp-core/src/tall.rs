@@ -1,5 +1,6 @@
 //! Least squares with a tall matrix of full column rank, in place.
 
+use crate::kernels::{RowsMut, reflect_rows};
 use crate::vector::{add_scaled, dot, reflector};
 
 /// Minimise ½‖L t − c‖² + dᵀt by R of L = Q'R: Rᵀ(R t − Q'ᵀc) = −d.
@@ -17,9 +18,8 @@ pub(crate) fn solve_tall(
         let (left, right) = columns.split_at_mut((column + 1) * m);
         let v = &mut left[column * m + column..];
         let (tau, image) = reflector(v);
-        for other in right.chunks_exact_mut(m).take(rank - column - 1) {
-            reflect(&mut other[column..], v, tau);
-        }
+        let data = &mut right[..(rank - column - 1) * m];
+        reflect_rows(&mut RowsMut { data, stride: m }, column, v, tau);
         reflect(&mut target[column..], v, tau);
         v[0] = image;
     }

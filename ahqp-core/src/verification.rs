@@ -25,6 +25,7 @@ pub(crate) struct Verifier {
     /// Whether the last active set asked for was far from the right one.
     pub(crate) far: bool,
     multipliers: Vec<f64>,
+    /// Entries of a level's gradient: those of the variables at a bound, the rest is not needed.
     gradient: Vec<f64>,
     settings: Settings,
 }
@@ -112,7 +113,7 @@ impl Verifier {
         let mut all = Vec::new();
         for (pivot, &multiplier) in coordinates.iter().enumerate() {
             let id = factorisation.stacked[factorisation.pivots[pivot]];
-            table.row(id).add_to(&mut self.gradient, multiplier);
+            factorisation.add_at_bounds(table.coefficients(id), multiplier, &mut self.gradient);
             all.push((id, multiplier));
         }
         all.extend(factorisation.bounded.iter().map(|&id| (id, -self.gradient[id])));
@@ -240,7 +241,7 @@ impl Verifier {
             size += row.norm() * residual.abs();
             noise += row.norm() * table.magnitude(id, x_norm);
             factorisation.add_row(at, residual, coordinates);
-            row.add_to(&mut self.gradient, residual);
+            factorisation.add_at_bounds(table.coefficients(id), residual, &mut self.gradient);
         }
         if let Some(level) = group.linear_of {
             let linear = &table.levels[level].linear;
@@ -277,9 +278,8 @@ impl Verifier {
         let mut released = 0;
         for (pivot, &multiplier) in coordinates.iter().enumerate() {
             let id = factorisation.stacked[factorisation.pivots[pivot]];
-            let row = table.row(id);
-            row.add_to(&mut self.gradient, multiplier);
-            let force = multiplier * row.norm();
+            factorisation.add_at_bounds(table.coefficients(id), multiplier, &mut self.gradient);
+            let force = multiplier * table.row(id).norm();
             released += check_sign(&mut self.activity, &mut self.settled, id, force, threshold);
         }
         for &variable in &factorisation.bounded {
