@@ -198,8 +198,9 @@ impl Factorisation {
             self.tau[step] = tau;
             let data = &mut below[..(end - at - 1) * n];
             reflect_rows(&mut RowsMut { data, stride: n }, step, v, tau);
-            for later in at + 1..end {
-                self.rest[later] -= self.rows[later * n + step].powi(2);
+            let taken = self.rows.iter().skip((at + 1) * n + step).step_by(n);
+            for (rest, entry) in self.rest[at + 1..end].iter_mut().zip(taken) {
+                *rest -= entry * entry;
             }
             self.pivots.push(at);
             self.groups[group].rank += 1;
@@ -242,16 +243,24 @@ impl Factorisation {
         step: usize,
         tolerance: f64,
     ) -> Option<usize> {
+        // Of a remainder that has shrunk much, little is left but rounding.
+        let shrunk = |(rest, measured): (&f64, &f64)| *rest < 1e-4 * *measured;
+        let first = rows.start;
+        if self.rest[rows.clone()].iter().zip(&self.measured[rows.clone()]).any(shrunk) {
+            for at in rows.clone() {
+                if shrunk((&self.rest[at], &self.measured[at])) {
+                    self.measure(at..at + 1, step);
+                }
+            }
+        }
         let mut best = None;
         let mut largest = tolerance.powi(2);
-        for at in rows {
-            // Of a remainder that has shrunk much, little is left but rounding.
-            if self.rest[at] < 1e-4 * self.measured[at] {
-                self.measure(at..at + 1, step);
-            }
-            if self.rest[at] > largest * self.square[at] {
-                largest = self.rest[at] / self.square[at];
-                best = Some(at);
+        for (i, (&rest, &square)) in
+            self.rest[rows.clone()].iter().zip(&self.square[rows]).enumerate()
+        {
+            if rest > largest * square {
+                largest = rest / square;
+                best = Some(first + i);
             }
         }
         best
