@@ -5,4 +5,6 @@ pub mod follow;
 pub mod hqp_file;
 pub mod recording;
 pub mod report;
+pub mod score_rows;
+pub mod soak;
 pub mod walker;

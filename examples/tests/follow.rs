@@ -49,6 +49,20 @@ fn ergonomics_pay_on_the_shipped_recording() {
     assert!(on.outside < 0.1 * on.together && off.outside < 0.2 * off.together);
 }
 
+/// With protective distances the robot stands more often, and the ergonomics pay still.
+#[test]
+fn ergonomics_pay_at_protective_distances() {
+    let percepts: Vec<Percept> = recording::shipped().unwrap().map(Result::unwrap).collect();
+    let scenario = Scenario::new(percepts, &Person::average(), map()).unwrap().with_separation();
+    let on = play(&scenario, Goal::Ergonomics);
+    let off = play(&scenario, Goal::LeastMotion);
+    assert_sound(&on, "on");
+    assert_sound(&off, "off");
+    assert!(on.together > 30.0 && off.together > 30.0, "{} s, {} s", on.together, off.together);
+    assert!(on.score_mean <= 0.35, "e_s with ergonomics: {}", on.score_mean);
+    assert!(off.score_mean >= 3.0 * on.score_mean, "{} {}", off.score_mean, on.score_mean);
+}
+
 /// Noise, dropped joints, vanishing people and jumps of two metres, people from 1.5 to 2 m.
 #[test]
 fn fifty_random_recordings_violate_no_limit_and_fail_no_solve() {
@@ -59,6 +73,8 @@ fn fifty_random_recordings_violate_no_limit_and_fail_no_solve() {
             let person = Person::new(walker.settings().stature).unwrap();
             let map = average.for_stature(person.stature()).unwrap();
             let scenario = Scenario::new(walker.collect(), &person, map).unwrap();
+            let separated = seed % 5 == 0;
+            let scenario = if separated { scenario.with_separation() } else { scenario };
             for goal in [Goal::Ergonomics, Goal::LeastMotion] {
                 assert_sound(&play(&scenario, goal), &format!("seed {seed}, {goal:?}"));
             }

@@ -40,7 +40,8 @@ fn bodies() -> (Vec<RobotBody>, Vec<PersonBody>) {
     let robot = arm.into_iter().enumerate();
     let robot = robot.map(|(i, capsule)| RobotBody { capsule, joints: 4 + 2 * i }).collect();
     let walking = Some(Vector3::new(-0.5, 0.1, 0.0));
-    (robot, body.map(|capsule| PersonBody { capsule, velocity: walking }).to_vec())
+    let part = |capsule| PersonBody { capsule, velocity: walking, contact_speed: 0.0 };
+    (robot, body.map(part).to_vec())
 }
 
 fn workspace() -> Workspace {

@@ -1,10 +1,10 @@
 //! Rows that bound how fast bodies of the robot approach others.
 
 use ahqp_core::{AugmentedState, Rows};
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, Vector3, Vector6};
 
 use crate::distance::{Proximity, proximity};
-use crate::error::{Error, check_all, check_size};
+use crate::error::{Error, check_all, check_size, not_negative};
 use crate::separation::SeparationSettings;
 use crate::shape::Capsule;
 
@@ -25,6 +25,9 @@ pub struct PersonBody {
     /// Its velocity \[m/s\]; unmeasured, the person is taken to come nearer at
     /// [`SeparationSettings::human_speed`].
     pub velocity: Option<Vector3<f64>>,
+    /// How fast the robot may come nearer to it whatever the distance, on top of the speed at
+    /// which it recedes \[m/s\]: zero but for parts that work on what the robot holds.
+    pub contact_speed: f64,
 }
 
 /// How the robot moves with its joints now.
@@ -44,7 +47,8 @@ pub struct JointMotion<'a> {
     pub braking: Option<&'a [f64]>,
 }
 
-/// The pair that is nearest to its protective distance, or deepest within.
+/// The pair that is nearest to its protective distance, or deepest within, of those that may not
+/// touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearest {
     /// Index of the robot's body.
@@ -53,7 +57,7 @@ pub struct Nearest {
     pub other: usize,
     /// Between the surfaces \[m\].
     pub distance: f64,
-    /// S_p at the last commanded velocity \[m\].
+    /// S_p at the last commanded velocity and the person's as measured \[m\].
     pub required: f64,
     /// How fast the robot comes nearer at the last commanded velocity \[m/s\].
     pub approach: f64,
@@ -67,11 +71,41 @@ struct Candidate {
     robot_joints: usize,
     other_joints: usize,
     near: Proximity,
+    /// As measured, without the uncertainty.
     human_speed: f64,
     limit: f64,
+    /// How much faster the pair may come nearer than at the last commanded velocity \[m/s\].
+    headroom: f64,
+    contact: bool,
 }
 
-/// Writes a block of rows, −∂d/∂q q̇ ≤ v_max(d), for the pairs of bodies that may approach least.
+/// Bodies of a robot whose motion is computed once for all pairs of its own that they are in.
+const REMEMBERED: usize = 32;
+
+/// How a body moves at the last commanded velocity: the twist of the point o as if fixed to it.
+#[derive(Debug, Clone, Copy)]
+struct BodyMotion {
+    twist: Vector6<f64>,
+    /// The speed of none of its points is larger \[m/s\].
+    fastest: f64,
+}
+
+impl BodyMotion {
+    fn new(motion: &JointMotion<'_>, body: &RobotBody) -> Self {
+        let mut twist = Vector6::zeros();
+        let joints = motion.jacobian.column_iter().zip(motion.velocity);
+        for (column, &velocity) in joints.take(body.joints) {
+            twist += column.fixed_rows::<6>(0) * velocity;
+        }
+        let (linear, angular) = (twist.fixed_rows::<3>(0), twist.fixed_rows::<3>(3));
+        let middle = (body.capsule.start() + body.capsule.end()) * 0.5;
+        let lever = (middle - motion.origin).norm() + body.capsule.reach();
+        Self { fastest: linear.norm() + angular.norm() * lever, twist }
+    }
+}
+
+/// Writes a block of rows, −∂d/∂q q̇ ≤ v_max(d), for the pairs of bodies that come nearest to
+/// their largest speed of approach, or exceed it most, at the last commanded velocity.
 ///
 /// Rest and retreat are always admitted. Where acceleration limits admit neither, as when
 /// somebody steps in front of a moving robot, there are two ways to keep the problem feasible:
@@ -85,7 +119,7 @@ struct Candidate {
 /// use hrsw::{
 ///     ApproachRows, Capsule, JointMotion, PersonBody, RobotBody, SeparationSettings,
 /// };
-/// use nalgebra::{DMatrix, Vector3};
+/// use nalgebra::{DMatrix, Vector3, Vector6};
 ///
 /// // One joint slides the robot along x, towards a person.
 /// let state = AugmentedState { joints: 1, task: 6, slack: 6 };
@@ -101,7 +135,8 @@ struct Candidate {
 /// };
 /// let robot = [RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.1)?, joints: 1 }];
 /// let head = Capsule::sphere(Vector3::new(1.5, 0.0, 0.0), 0.1)?;
-/// let person = [PersonBody { capsule: head, velocity: Some(Vector3::zeros()) }];
+/// let velocity = Some(Vector3::zeros());
+/// let person = [PersonBody { capsule: head, velocity, contact_speed: 0.0 }];
 /// let nearest = separation.write(&motion, &robot, &person, &mut rows)?;
 /// assert!((nearest.map_or(0.0, |pair| pair.distance) - 1.3).abs() < 1e-12);
 /// let limit = SeparationSettings::default().approach_limit(1.3, 0.0);
@@ -162,17 +197,47 @@ impl ApproachRows {
             "the velocity of a person's body",
             person.iter().filter_map(|body| body.velocity.as_ref()).flat_map(|v| v.iter()),
         )?;
+        for part in person {
+            not_negative("the contact speed of a person's body", part.contact_speed)?;
+        }
         self.candidates.clear();
         for (i, body) in robot.iter().enumerate() {
+            let moves = BodyMotion::new(motion, body);
             for (j, part) in person.iter().enumerate() {
+                // The sum of the parts is no less than the norm.
+                let fastest = part.velocity.map(|v| v.abs().sum());
+                let capsules = (&body.capsule, &part.capsule);
+                if self.is_out_of_sight(capsules, moves.fastest, fastest) {
+                    continue;
+                }
                 let near = proximity(&body.capsule, &part.capsule);
-                let measured = part.velocity.map(|v| v.dot(&near.normal).max(0.0));
-                let human_speed = measured.unwrap_or(self.settings.human_speed);
-                let pair = (i, j, body.joints, 0);
-                self.consider(pair, near, human_speed);
+                let measured = part.velocity.map(|v| v.dot(&near.normal));
+                let assumed = self.settings.speed_towards_robot(measured);
+                let contact = part.contact_speed > 0.0;
+                let receding = if contact { measured.map_or(0.0, |v| (-v).max(0.0)) } else { 0.0 };
+                let limit = self.settings.approach_limit(near.distance, assumed);
+                let limit = limit.max(part.contact_speed + receding);
+                let approach = -near.gradient_first(&motion.origin).dot(&moves.twist);
+                self.consider(Candidate {
+                    robot: i,
+                    other: j,
+                    robot_joints: body.joints,
+                    other_joints: 0,
+                    near,
+                    human_speed: measured.map_or(assumed, |speed| speed.max(0.0)),
+                    limit,
+                    headroom: limit - approach,
+                    contact,
+                });
             }
         }
         Ok(self.write_candidates(motion, rows))
+    }
+
+    /// The least distance of the pairs written last \[m\]; infinite for none.
+    pub fn least_distance(&self) -> f64 {
+        let distances = self.candidates.iter().map(|candidate| candidate.near.distance);
+        distances.fold(f64::INFINITY, f64::min)
     }
 
     /// Writes the rows for pairs of the robot's own bodies, by their indices, as
@@ -189,13 +254,36 @@ impl ApproachRows {
     ) -> Result<Option<Nearest>, Error> {
         self.check(motion, robot, rows)?;
         self.candidates.clear();
+        let mut remembered = [None; REMEMBERED];
+        let mut moves_of = |index: usize, body: &RobotBody| match remembered.get_mut(index) {
+            Some(slot) => *slot.get_or_insert_with(|| BodyMotion::new(motion, body)),
+            None => BodyMotion::new(motion, body),
+        };
         for &(i, j) in pairs {
             let (Some(first), Some(second)) = (robot.get(i), robot.get(j)) else {
                 let (found, expected) = (i.max(j), robot.len());
                 return Err(Error::Size { what: "an index of a body", found, expected });
             };
+            let moves = [moves_of(i, first), moves_of(j, second)];
+            let fastest = moves[0].fastest + moves[1].fastest;
+            if self.is_out_of_sight((&first.capsule, &second.capsule), fastest, Some(0.0)) {
+                continue;
+            }
             let near = proximity(&first.capsule, &second.capsule);
-            self.consider((i, j, first.joints, second.joints), near, 0.0);
+            let approach = -near.gradient_first(&motion.origin).dot(&moves[0].twist)
+                - near.gradient_second(&motion.origin).dot(&moves[1].twist);
+            let limit = self.settings.approach_limit(near.distance, 0.0);
+            self.consider(Candidate {
+                robot: i,
+                other: j,
+                robot_joints: first.joints,
+                other_joints: second.joints,
+                near,
+                human_speed: 0.0,
+                limit,
+                headroom: limit - approach,
+                contact: false,
+            });
         }
         Ok(self.write_candidates(motion, rows))
     }
@@ -220,24 +308,34 @@ impl ApproachRows {
         check_all("a joint velocity", motion.velocity.iter().chain(braking))
     }
 
-    /// Keeps the pairs that may approach least, by insertion.
-    fn consider(
-        &mut self,
-        (robot, other, robot_joints, other_joints): (usize, usize, usize, usize),
-        near: Proximity,
-        human_speed: f64,
-    ) {
-        let limit = self.settings.approach_limit(near.distance, human_speed);
-        let standing = self.settings.protective_distance(human_speed, 0.0);
-        let room = near.distance - standing;
+    /// Whether a pair has more headroom than all that are kept, by a bound on its distance that
+    /// takes no search for the nearest points; `robot_speed` bounds the approach, and `human`
+    /// the measured human speed.
+    fn is_out_of_sight(
+        &self,
+        (first, second): (&Capsule, &Capsule),
+        robot_speed: f64,
+        human: Option<f64>,
+    ) -> bool {
+        let worst = match self.candidates.last() {
+            Some(worst) if self.candidates.len() == self.capacity => worst.headroom,
+            _ => return false,
+        };
+        let human_speed = self.settings.speed_towards_robot(human);
+        let speed = worst + robot_speed;
+        speed < 0.0
+            || first.is_beyond(second, self.settings.protective_distance(human_speed, speed))
+    }
+
+    /// Keeps the pairs with the least headroom, by insertion.
+    fn consider(&mut self, candidate: Candidate) {
         let key = |candidate: &Candidate| {
             let standing = self.settings.protective_distance(candidate.human_speed, 0.0);
-            (candidate.limit, candidate.near.distance - standing)
+            (candidate.headroom, candidate.near.distance - standing)
         };
-        let place = self.candidates.partition_point(|other| key(other) <= (limit, room));
+        let own = key(&candidate);
+        let place = self.candidates.partition_point(|other| key(other) <= own);
         if place < self.capacity {
-            let candidate =
-                Candidate { robot, other, robot_joints, other_joints, near, human_speed, limit };
             self.candidates.insert(place, candidate);
             self.candidates.truncate(self.capacity);
         }
@@ -257,7 +355,7 @@ impl ApproachRows {
                 };
                 upper = candidate.limit.max(motion.braking.map_or(0.0, along));
                 let pair = candidate.seen(along(motion.velocity), &self.settings);
-                if nearest.is_none_or(|other| pair.room() < other.room()) {
+                if !candidate.contact && nearest.is_none_or(|other| pair.room() < other.room()) {
                     nearest = Some(pair);
                 }
             }

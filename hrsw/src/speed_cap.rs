@@ -92,18 +92,26 @@ impl SpeedCap {
         rows
     }
 
-    /// Writes ‖v‖ ≤ `speed` for the velocity v of the point that the Jacobian is of, through
-    /// directions that keep within it: 7 rows of both signs, relaxed as far as
-    /// [`JointMotion::braking`] needs. An infinite speed bounds nothing. Allocates nothing.
+    /// Writes ‖v − w‖ ≤ `speed` for the velocity v of the point that the Jacobian is of and that
+    /// of the `person`, w, through directions that keep within it: 7 rows of both signs, relaxed
+    /// so that they admit rest, and as far as [`JointMotion::braking`] needs. An infinite speed
+    /// bounds nothing. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Size`] for what does not fit; [`Error::Parameter`] for a negative speed or NaN.
-    pub fn write(motion: &JointMotion<'_>, speed: f64, rows: &mut Rows) -> Result<(), Error> {
+    /// [`Error::Size`] for what does not fit; [`Error::Parameter`] for a negative speed or NaN;
+    /// [`Error::NotFinite`].
+    pub fn write(
+        motion: &JointMotion<'_>,
+        person: &Vector3<f64>,
+        speed: f64,
+        rows: &mut Rows,
+    ) -> Result<(), Error> {
         check_size("the block of rows", rows.len(), Self::ROWS)?;
         check_size("the rows of the Jacobian", motion.jacobian.nrows(), 6)?;
         let joints = motion.jacobian.ncols();
         check_size("the braking velocity", motion.braking.map_or(joints, <[f64]>::len), joints)?;
         check_all("the Jacobian", motion.jacobian.iter())?;
+        check_all("the velocity of the person", person.iter())?;
         if speed.is_nan() || speed < 0.0 {
             let (name, expected) = ("the cap of the speed", "not negative");
             return Err(Error::Parameter { name, value: speed, expected });
@@ -117,12 +125,12 @@ impl SpeedCap {
             }
             let along = |rates: &[f64]| row.iter().zip(rates).map(|(a, b)| a * b).sum::<f64>();
             let braking = motion.braking.map_or(0.0, along);
-            let bound = INNER * speed;
+            let (bound, carried) = (INNER * speed, direction.dot(person));
             if let Some(upper) = rows.upper_mut().get_mut(index) {
-                *upper = bound.max(braking);
+                *upper = (bound + carried).max(0.0).max(braking);
             }
             if let Some(lower) = rows.lower_mut().get_mut(index) {
-                *lower = (-bound).min(braking);
+                *lower = (carried - bound).min(0.0).min(braking);
             }
         }
         Ok(())

@@ -71,7 +71,11 @@ fn a_tick_allocates_nothing() {
     let robot: Vec<_> =
         (0..5).map(|i| RobotBody { capsule: capsule(0.2 * f64::from(i)), joints: 10 }).collect();
     let person: Vec<_> = (0..8)
-        .map(|i| PersonBody { capsule: capsule(1.0 + 0.2 * f64::from(i)), velocity: None })
+        .map(|i| PersonBody {
+            capsule: capsule(1.0 + 0.2 * f64::from(i)),
+            velocity: None,
+            contact_speed: 0.0,
+        })
         .collect();
     let jacobian = DMatrix::from_fn(6, 10, |i, j| (i as f64 - j as f64).sin());
     let rest = [0.0; 10];
@@ -109,7 +113,8 @@ fn a_tick_allocates_nothing() {
         let nearest = separation.write(&motion, &robot, &person, &mut separation_rows).unwrap();
         own.write_own(&motion, &robot, &[(0, 2), (0, 3), (1, 4)], &mut own_rows).unwrap();
         let distance = nearest.map_or(f64::INFINITY, |pair| pair.distance);
-        SpeedCap::write(&motion, SpeedCap::default().limit(distance), &mut cap_rows).unwrap();
+        let cap = SpeedCap::default().limit(distance);
+        SpeedCap::write(&motion, &Vector3::zeros(), cap, &mut cap_rows).unwrap();
         supervisor.update(&Observation { nearest, age: 0.05, fault: None }, 1e-3);
         black_box(supervisor.speed_scale());
     }

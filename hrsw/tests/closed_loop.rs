@@ -115,6 +115,7 @@ proptest! {
         let still = |at: &Vector3<f64>| PersonBody {
             capsule: Capsule::new(*at, at + Vector3::z() * 0.4, 0.2).unwrap(),
             velocity: Some(Vector3::zeros()),
+            contact_speed: 0.0,
         };
         let person: Vec<PersonBody> = people.iter().map(still).collect();
         let kind = Kind::Level;
@@ -153,10 +154,12 @@ proptest! {
                 PersonBody {
                     capsule: Capsule::sphere(gantry.position + at, 0.3).unwrap(),
                     velocity: Some(velocity),
+                    contact_speed: 0.0,
                 },
                 PersonBody {
                     capsule: Capsule::new(at, goal, 0.1).unwrap(),
                     velocity: None,
+                    contact_speed: 0.0,
                 },
             ];
             for _ in 0..ticks {

@@ -40,6 +40,7 @@ fn settings() -> impl Strategy<Value = SeparationSettings> {
     (0.0..2.5_f64, 0.01..0.5_f64, 0.3..10.0_f64, 0.0..0.3_f64, 0.0..0.1_f64).prop_map(
         |(human_speed, reaction_time, deceleration, intrusion, uncertainty)| SeparationSettings {
             human_speed,
+            human_speed_uncertainty: 0.2 * human_speed,
             reaction_time,
             deceleration,
             intrusion,
@@ -66,8 +67,10 @@ fn robot() -> impl Strategy<Value = Vec<RobotBody>> {
 
 fn person() -> impl Strategy<Value = Vec<PersonBody>> {
     let velocity = prop::option::of(vector(1.0));
-    let body =
-        (capsule(1.5), velocity).prop_map(|(capsule, velocity)| PersonBody { capsule, velocity });
+    let contact = prop_oneof![Just(0.0), 0.01..0.5_f64];
+    let body = (capsule(1.5), velocity, contact).prop_map(|(capsule, velocity, contact_speed)| {
+        PersonBody { capsule, velocity, contact_speed }
+    });
     prop::collection::vec(body, 1..6)
 }
 
@@ -178,7 +181,7 @@ proptest! {
         let pairs = robot.len() * person.len();
         let mut separation = ApproachRows::new(state(), settings, pairs + 2).unwrap();
         let mut rows = separation.rows();
-        let nearest = separation.write(&motion, &robot, &person, &mut rows).unwrap().unwrap();
+        let nearest = separation.write(&motion, &robot, &person, &mut rows).unwrap();
         let moved = |body: &RobotBody, time: f64| {
             let twist = (0..body.joints).map(|j| {
                 Vector6::from_iterator(jacobian.column(j).iter().copied()) * q[j]
@@ -193,8 +196,14 @@ proptest! {
                 let at = |time| proximity(&moved(body, time), &part.capsule).distance;
                 let near = proximity(&body.capsule, &part.capsule);
                 degenerate |= (near.on_first - near.on_second).norm() < 1e-2;
-                let human = part.velocity.map_or(settings.human_speed, |v| v.dot(&near.normal).max(0.0));
-                let limit = settings.approach_limit(near.distance, human);
+                let along_normal = part.velocity.map(|v| v.dot(&near.normal));
+                let uncertain = |speed: f64| (speed + settings.human_speed_uncertainty).max(0.0);
+                let human = along_normal.map_or(settings.human_speed, uncertain);
+                let mut limit = settings.approach_limit(near.distance, human);
+                if part.contact_speed > 0.0 {
+                    let receding = along_normal.map_or(0.0, |speed| (-speed).max(0.0));
+                    limit = limit.max(part.contact_speed + receding);
+                }
                 expected.push((limit, (at(-step) - at(step)) / (2.0 * step)));
             }
         }
@@ -213,9 +222,14 @@ proptest! {
             prop_assert!(row.iter().all(|&a| a == 0.0));
             prop_assert!(lower == f64::NEG_INFINITY && upper == f64::INFINITY);
         }
-        let body = &robot[nearest.robot].capsule;
-        let near = proximity(body, &person[nearest.other].capsule);
-        prop_assert_eq!(nearest.distance, near.distance);
+        // Parts that may touch are never the nearest.
+        prop_assert_eq!(nearest.is_none(), person.iter().all(|part| part.contact_speed > 0.0));
+        if let Some(nearest) = nearest {
+            let part = &person[nearest.other];
+            let near = proximity(&robot[nearest.robot].capsule, &part.capsule);
+            prop_assert_eq!(nearest.distance, near.distance);
+            prop_assert_eq!(part.contact_speed, 0.0);
+        }
     }
 
     #[test]
@@ -264,7 +278,7 @@ proptest! {
         }
         let cap = 0.25;
         let mut rows = SpeedCap::rows(state());
-        SpeedCap::write(&motion, cap, &mut rows).unwrap();
+        SpeedCap::write(&motion, &Vector3::zeros(), cap, &mut rows).unwrap();
         for (row, lower, upper) in rows.iter() {
             prop_assert!(lower <= 0.0 && upper >= 0.0);
             prop_assert!((lower..=upper).contains(&along(row, &braking)));
@@ -292,9 +306,9 @@ proptest! {
         for (few, all) in few.iter().zip(&all) {
             prop_assert_eq!(few, all);
         }
-        let (nearest, expected) = (nearest.unwrap(), expected.unwrap());
-        prop_assert!(nearest.room() >= expected.room());
-        if expected.room() < 0.0 {
+        let room = |pair: Option<Nearest>| pair.map_or(f64::INFINITY, |pair| pair.room());
+        prop_assert!(room(nearest) >= room(expected));
+        if room(expected) < 0.0 {
             prop_assert_eq!(nearest, expected);
         }
     }
@@ -307,7 +321,7 @@ proptest! {
         let origin = Vector3::zeros();
         let motion = JointMotion { jacobian: &jacobian, origin, velocity: &rest, braking: Some(&rest) };
         let mut rows = SpeedCap::rows(state());
-        SpeedCap::write(&motion, cap, &mut rows).unwrap();
+        SpeedCap::write(&motion, &Vector3::zeros(), cap, &mut rows).unwrap();
         let linear: Matrix3x6<f64> = Matrix3x6::from_fn(|i, j| if i == j { 1.0 } else { 0.0 });
         let speed = (linear * &jacobian * nalgebra::Vector4::from(q)).norm();
         // The fastest motion along q that the rows admit.
@@ -317,7 +331,7 @@ proptest! {
             .fold(f64::INFINITY, f64::min);
         prop_assert!(most * speed <= cap * (1.0 + 1e-12));
         prop_assert!(most * speed >= 0.8 * cap);
-        SpeedCap::write(&motion, f64::INFINITY, &mut rows).unwrap();
+        SpeedCap::write(&motion, &Vector3::zeros(), f64::INFINITY, &mut rows).unwrap();
         prop_assert!(rows.upper().iter().all(|&upper| upper == f64::INFINITY));
     }
 
@@ -421,14 +435,15 @@ fn bad_safety_input_is_named() {
     assert!(matches!(wrong, Err(Error::Size { .. })));
     assert!(separation.write_own(&motion, &[], &[(0, 1)], &mut rows).is_err());
     let body = Capsule::sphere(origin, 0.1).unwrap();
-    let adrift = PersonBody { capsule: body, velocity: Some(Vector3::repeat(f64::NAN)) };
+    let adrift =
+        PersonBody { capsule: body, velocity: Some(Vector3::repeat(f64::NAN)), contact_speed: 0.0 };
     assert!(separation.write(&motion, &[], &[adrift], &mut rows).is_err());
     assert_eq!(rows, before);
     assert_eq!(separation.write(&motion, &[], &[], &mut rows), Ok(None));
 
     let mut cap = SpeedCap::rows(state());
-    assert!(SpeedCap::write(&motion, -1.0, &mut cap).is_err());
-    assert!(SpeedCap::write(&motion, f64::NAN, &mut cap).is_err());
+    assert!(SpeedCap::write(&motion, &Vector3::zeros(), -1.0, &mut cap).is_err());
+    assert!(SpeedCap::write(&motion, &Vector3::zeros(), f64::NAN, &mut cap).is_err());
     assert!(SpeedCap { far: 0.1, ..SpeedCap::default() }.validate().is_err());
     assert!(SpeedCap { full: 0.1, ..SpeedCap::default() }.validate().is_err());
     assert!(SpeedCap::default().validate().is_ok());

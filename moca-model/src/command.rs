@@ -1,6 +1,7 @@
 //! What the controller sends each tick.
 
 use ahqp_core::Status;
+use hrsw::SafetyState;
 use nalgebra::{Isometry3, Vector6};
 
 use crate::intention::Intention;
@@ -43,6 +44,8 @@ pub struct Command {
     pub intention: Intention,
     /// The share of ergonomics in the third level, 0 to 1.
     pub activation: f64,
+    /// How much the robot may do.
+    pub safety: SafetyState,
     /// How the tick went.
     pub outcome: Outcome,
 }
@@ -58,6 +61,7 @@ impl Command {
             slack: Vector6::zeros(),
             intention: Intention::Apart,
             activation: 0.0,
+            safety: SafetyState::Normal,
             outcome: Outcome::Solved(Status::Solved),
         }
     }

@@ -2,16 +2,18 @@
 
 use ahqp_core::{Limits, VelocityInterval, integrate_pose, pose_error};
 use ergo_map::ErgonomicsQuadratic;
+use hrsw::Softening;
 use nalgebra::{Isometry3, Vector6};
 use vision_models::Percept;
 
 use crate::command::{Command, Outcome};
 use crate::error::{Error, check_size};
-use crate::motion_limits::{joint_limits, nearest_to_rest, write_intervals};
+use crate::motion_limits::{admit_braking, joint_limits, nearest_to_rest, write_intervals};
 use crate::robot::{RobotData, RobotModel, forward_kinematics, jacobian};
+use crate::safety::Safety;
 use crate::settings::{ControllerSettings, DesiredMotion, Goal};
 use crate::shared_space::SharedSpace;
-use crate::stack::{GoalTerms, StackInput, TaskStack};
+use crate::stack::{GoalTerms, StackInput, StackSettings, TaskStack};
 
 /// Ergonomic collaboration with a person: AHQP over the robot, the shared workspace and the
 /// person's ergonomics.
@@ -37,11 +39,16 @@ pub struct Controller {
     settings: ControllerSettings,
     comfort: ErgonomicsQuadratic,
     space: SharedSpace,
+    safety: Safety,
     stack: TaskStack,
     joint_limits: Vec<Limits>,
     desired_limits: [Limits; 6],
     /// Of the joints, then of ẋ_d.
     intervals: Vec<VelocityInterval>,
+    /// Of the joints that are to return within their limits.
+    returns: Vec<VelocityInterval>,
+    /// Of the joints, as near to rest as the intervals allow.
+    braking: Vec<f64>,
     command: Command,
     speed: f64,
 }
@@ -59,28 +66,40 @@ impl Controller {
     ) -> Result<Self, Error> {
         settings.validate()?;
         let n = model.joint_count();
-        let stack = TaskStack::new(
-            n,
-            settings.gain,
-            settings.period,
-            settings.horizon,
-            settings.base,
-            settings.posture.clone(),
-        )?;
         let mut data = RobotData::new(&model);
         forward_kinematics(&model, &mut data, configuration)?;
+        let layout = TaskStack::layout(n);
+        let mut safety = Safety::new(&model, layout, settings.safety.clone(), settings.period)?;
+        let rest = vec![0.0; n];
+        let softening = Softening {
+            position_rows: settings.space.position_rows,
+            orientation_rows: settings.space.orientation_rows,
+            ..Softening::default()
+        };
+        let stack = StackSettings {
+            gain: settings.gain,
+            period: settings.period,
+            horizon: settings.horizon,
+            softening,
+            base: settings.base,
+            posture: settings.posture.clone(),
+        };
+        let stack = TaskStack::new(n, stack, safety.bound(&data, &rest, &rest)?)?;
         let tool = *data.world_from_tool();
         Ok(Self {
             space: SharedSpace::new(&settings, &tool)?,
             joint_limits: joint_limits(&model)?,
             desired_limits: desired_limits(&settings.desired)?,
             intervals: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n + 6],
+            returns: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
+            braking: rest,
             command: Command::at_rest(configuration, tool),
             speed: 1.0,
             model,
             data,
             settings,
             comfort,
+            safety,
             stack,
         })
     }
@@ -90,7 +109,9 @@ impl Controller {
     /// # Errors
     /// [`Error::Perception`] for a frame that is older than the one before; it is ignored.
     pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
-        self.space.observe(percept)
+        self.space.observe(percept)?;
+        self.safety.observe(percept, self.space.person_at(percept.time).as_ref());
+        Ok(())
     }
 
     /// Replaces the person's ergonomics, for another person.
@@ -112,7 +133,8 @@ impl Controller {
         let period = self.settings.period;
         forward_kinematics(&self.model, &mut self.data, configuration)?;
         jacobian(&self.model, &mut self.data)?;
-        self.space.advance(now, period, &self.command.desired)?;
+        self.space.advance(now, period)?;
+        self.watch(now)?;
         self.advance_speed();
         self.advance_activation();
         self.write_intervals(configuration);
@@ -121,6 +143,15 @@ impl Controller {
         }
         self.integrate(configuration);
         Ok(&self.command)
+    }
+
+    fn watch(&mut self, now: f64) -> Result<(), Error> {
+        let together = self.space.is_shared();
+        let person = self.space.person();
+        let velocity = &self.command.joint_velocity;
+        self.safety.watch(&self.model, &self.data, velocity, now, person, together)?;
+        self.command.safety = self.safety.supervisor().state();
+        Ok(())
     }
 
     /// Rest when nothing has been seen for too long, by way of a shrinking velocity limit.
@@ -143,8 +174,16 @@ impl Controller {
         let period = self.settings.period;
         let (joints, desired) = self.intervals.split_at_mut(configuration.len());
         let velocity = &self.command.joint_velocity;
-        write_intervals(&self.joint_limits, configuration, velocity, self.speed, period, joints);
+        let scale = self.speed.min(self.safety.speed_scale());
+        let limits = &self.joint_limits;
+        write_intervals(limits, configuration, velocity, scale, period, joints);
+        let returns = &mut self.returns;
+        admit_braking(limits, configuration, velocity, period, joints, returns);
+        for (braking, interval) in self.braking.iter_mut().zip(joints) {
+            *braking = nearest_to_rest(interval);
+        }
         let twist = self.command.desired_twist.as_slice();
+        // Not slowed by safety: the desired pose goes along with a robot that stops.
         write_intervals(&self.desired_limits, &[0.0; 6], twist, self.speed, period, desired);
     }
 
@@ -164,6 +203,8 @@ impl Controller {
                 activation: self.command.activation,
             },
             intervals: &self.intervals,
+            returns: &self.returns,
+            safety: self.safety.bound(&self.data, &self.command.joint_velocity, &self.braking)?,
         })?;
         self.command.outcome = Outcome::Solved(solution.status());
         let (joints, rest) = solution.x().split_at(configuration.len());
@@ -176,10 +217,8 @@ impl Controller {
 
     /// Every joint, and the desired pose, as near to rest as its limits allow.
     fn brake(&mut self) {
-        let (joints, desired) = self.intervals.split_at(self.command.joint_velocity.len());
-        for (velocity, interval) in self.command.joint_velocity.iter_mut().zip(joints) {
-            *velocity = nearest_to_rest(interval);
-        }
+        let (_, desired) = self.intervals.split_at(self.braking.len());
+        self.command.joint_velocity.copy_from_slice(&self.braking);
         for (velocity, interval) in self.command.desired_twist.iter_mut().zip(desired) {
             *velocity = nearest_to_rest(interval);
         }
@@ -218,6 +257,21 @@ impl Controller {
         &self.space
     }
 
+    /// The same, to give the workspace another place or shape.
+    pub fn space_mut(&mut self) -> &mut SharedSpace {
+        &mut self.space
+    }
+
+    /// Separation and supervision.
+    pub fn safety(&self) -> &Safety {
+        &self.safety
+    }
+
+    /// The same, to acknowledge a stop.
+    pub fn safety_mut(&mut self) -> &mut Safety {
+        &mut self.safety
+    }
+
     /// The settings.
     pub fn settings(&self) -> &ControllerSettings {
         &self.settings
@@ -231,8 +285,9 @@ impl Controller {
 
 fn desired_limits(desired: &DesiredMotion) -> Result<[Limits; 6], Error> {
     let free = (f64::NEG_INFINITY, f64::INFINITY);
-    let linear = Limits::new(free.0, free.1, desired.velocity, desired.acceleration)?;
-    let angular =
-        Limits::new(free.0, free.1, desired.angular_velocity, desired.angular_acceleration)?;
+    // A cube within the sphere of all changes.
+    let [linear, angular] = desired.axis_accelerations();
+    let linear = Limits::new(free.0, free.1, desired.velocity, linear)?;
+    let angular = Limits::new(free.0, free.1, desired.angular_velocity, angular)?;
     Ok([linear, linear, linear, angular, angular, angular])
 }

@@ -275,6 +275,11 @@ pub(crate) fn check_size(what: &'static str, slice: &[f64], expected: usize) -> 
     }
 }
 
+/// An error unless `found` is `expected`, the robot's number of joints.
+pub(crate) fn check_count(what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
+    if found == expected { Ok(()) } else { Err(Error::JointCount { what, found, expected }) }
+}
+
 /// An error unless `value` is positive; infinity is.
 pub(crate) fn check_positive(value: f64, what: &str) -> Result<(), Error> {
     if value > 0.0 { Ok(()) } else { Err(Error::NotPositive { what: what.to_owned(), value }) }

@@ -21,6 +21,7 @@ mod impedance;
 mod intention;
 mod motion_limits;
 mod robot;
+mod safety;
 mod settings;
 mod shared_space;
 mod simulation;
@@ -38,7 +39,8 @@ pub use robot::{
     PANDA_CARTESIAN_LIMITS, RobotData, RobotDescription, RobotModel, forward_kinematics, gravity,
     jacobian, potential_energy, world_from_link,
 };
+pub use safety::{LinkCapsule, PersonBodySettings, Safety, SafetyRows, SafetySettings};
 pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings, StaleSettings};
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
-pub use stack::{GoalTerms, PostureTask, StackInput, TaskStack};
+pub use stack::{GoalTerms, PostureTask, StackInput, StackSettings, TaskStack};

@@ -95,6 +95,32 @@ pub(crate) fn joint_limits(model: &RobotModel) -> Result<Vec<Limits>, Error> {
         .collect()
 }
 
+/// Lets joints outside their position limits wait: the interval of each that the limits force
+/// back is widened to admit braking, and what they force goes to `returns`, which bounds nothing
+/// for the others.
+pub(crate) fn admit_braking(
+    limits: &[Limits],
+    position: &[f64],
+    velocity: &[f64],
+    period: f64,
+    intervals: &mut [VelocityInterval],
+    returns: &mut [VelocityInterval],
+) {
+    let joints = limits.iter().zip(position).zip(velocity);
+    for ((interval, forced), ((limits, &position), &velocity)) in
+        intervals.iter_mut().zip(returns).zip(joints)
+    {
+        *forced = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
+        if position < limits.lower() || position > limits.upper() {
+            let change = limits.acceleration() * period;
+            let braked = velocity - velocity.clamp(-change, change);
+            *forced = *interval;
+            interval.lower = interval.lower.min(braked);
+            interval.upper = interval.upper.max(braked);
+        }
+    }
+}
+
 /// The velocities that each coordinate may take next.
 pub(crate) fn write_intervals(
     limits: &[Limits],

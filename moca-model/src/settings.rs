@@ -9,6 +9,7 @@ use crate::error::Error;
 use crate::intention::IntentionSettings;
 use crate::motion_limits::MecanumBase;
 use crate::robot::{MOCA_BASE_JOINTS, MOCA_HOME};
+use crate::safety::SafetySettings;
 use crate::stack::PostureTask;
 
 /// What the third level of the stack minimises while person and robot work together.
@@ -38,8 +39,11 @@ pub struct SpaceSettings {
     /// How far the workspace leads the person in the direction in which they walk \[m\].
     /// Default 0.08.
     pub lead: f64,
-    /// How fast that lead builds up \[m/s\]. Default 0.2.
-    pub lead_rate: f64,
+    /// Room for rows of the position; a change between two kinds of shape needs as many as both
+    /// together. Default 6, a box.
+    pub position_rows: usize,
+    /// Room for rows of the orientation. Default 6, a box.
+    pub orientation_rows: usize,
 }
 
 impl SpaceSettings {
@@ -60,7 +64,8 @@ impl Default for SpaceSettings {
             tool: UnitQuaternion::from_axis_angle(&Vector3::y_axis(), half_turn),
             turn: Vector3::repeat(0.35),
             lead: 0.08,
-            lead_rate: 0.2,
+            position_rows: 6,
+            orientation_rows: 6,
         }
     }
 }
@@ -86,17 +91,24 @@ impl Default for StaleSettings {
 pub struct DesiredMotion {
     /// Speed along each axis \[m/s\]. Default 0.5.
     pub velocity: f64,
-    /// Acceleration along each axis \[m/s²\]. Default 2.5.
+    /// Acceleration, ‖ẍ_d‖ \[m/s²\]. Default 4.5.
     pub acceleration: f64,
     /// Angular speed about each axis \[rad/s\]. Default 1.0.
     pub angular_velocity: f64,
-    /// Angular acceleration about each axis \[rad/s²\]. Default 5.0.
+    /// Angular acceleration, its norm \[rad/s²\]. Default 9.0.
     pub angular_acceleration: f64,
 }
 
 impl Default for DesiredMotion {
     fn default() -> Self {
-        Self { velocity: 0.5, acceleration: 2.5, angular_velocity: 1.0, angular_acceleration: 5.0 }
+        Self { velocity: 0.5, acceleration: 4.5, angular_velocity: 1.0, angular_acceleration: 9.0 }
+    }
+}
+
+impl DesiredMotion {
+    /// The accelerations along and about each axis that keep their norms within the limits.
+    pub(crate) fn axis_accelerations(&self) -> [f64; 2] {
+        [self.acceleration, self.angular_acceleration].map(|limit| limit / 3.0_f64.sqrt())
     }
 }
 
@@ -137,6 +149,8 @@ pub struct ControllerSettings {
     pub follower: FollowerSettings,
     /// What happens when nothing is seen.
     pub stale: StaleSettings,
+    /// Separation from people and from the robot itself.
+    pub safety: SafetySettings,
 }
 
 impl Default for ControllerSettings {
@@ -162,6 +176,7 @@ impl Default for ControllerSettings {
             tracker: TrackerSettings::default(),
             follower: FollowerSettings::default(),
             stale: StaleSettings::default(),
+            safety: SafetySettings::default(),
         }
     }
 }
@@ -181,7 +196,6 @@ impl ControllerSettings {
             ("desired.acceleration", desired.acceleration),
             ("desired.angular_velocity", desired.angular_velocity),
             ("desired.angular_acceleration", desired.angular_acceleration),
-            ("space.lead_rate", self.space.lead_rate),
             ("stale.rest_after", self.stale.rest_after),
             ("stale.ramp", self.stale.ramp),
         ] {
@@ -194,8 +208,8 @@ impl ControllerSettings {
             let expected = "finite and not negative";
             return Err(Error::Setting { name: "space.lead", value, expected });
         }
-        let brake = (desired.velocity / desired.acceleration)
-            .max(desired.angular_velocity / desired.angular_acceleration);
+        let [linear, angular] = desired.axis_accelerations();
+        let brake = (desired.velocity / linear).max(desired.angular_velocity / angular);
         if self.horizon != self.period && (self.horizon < self.period || self.horizon < brake) {
             return Err(Error::Setting {
                 name: "horizon",

@@ -1,7 +1,10 @@
 //! From percepts to where the robot may be: the person's frame and the shared workspace.
 
 use ergo_map::PersonPose as ErgonomicPose;
-use hrsw::{Bounds, FrameFollower, Workspace};
+use hrsw::{
+    Attachment, Bounds, FrameFollower, MovingSettings, MovingWorkspace, OrientationShape,
+    PositionShape, Workspace,
+};
 use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
 use vision_models::{BodyTracker, Percept, PersonPose};
 
@@ -12,19 +15,27 @@ use crate::settings::ControllerSettings;
 /// Tracks the person, filters their intention, and moves the shared workspace with them.
 ///
 /// While person and robot work together the workspace is attached to the person and leads them
-/// in the direction in which they walk; apart, or with the person lost, it stays where it is.
+/// in the direction in which they walk. Apart, or with the person lost, it stays where it is,
+/// unless it was [assigned](Self::assign) another place.
 #[derive(Debug, Clone)]
 pub struct SharedSpace {
     tracker: BodyTracker,
     intention: IntentionFilter,
     frame: FrameFollower,
     person: Option<PersonPose>,
-    workspace: Workspace,
-    bounds: Bounds,
-    lead: Vector3<f64>,
-    lead_target: f64,
-    lead_rate: f64,
-    attached: bool,
+    moving: MovingWorkspace,
+    assigned: Option<Attachment>,
+    carrier: Carrier,
+    room: (usize, usize),
+    lead: f64,
+}
+
+/// What carries the workspace.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Carrier {
+    Nothing,
+    Person,
+    Assigned,
 }
 
 impl SharedSpace {
@@ -36,22 +47,23 @@ impl SharedSpace {
         let space = &settings.space;
         let bounds = Bounds::new(space.min, space.max)?;
         let turn = Bounds::symmetric(space.turn)?;
-        let workspace =
-            Workspace::new(Isometry3::identity(), bounds, turn)?.with_reference(space.tool);
-        let mut shared = Self {
+        let rotation = tool.rotation * space.tool.inverse();
+        let centre = (space.min + space.max) * 0.5;
+        let origin = tool.translation.vector - rotation * centre;
+        let frame = Isometry3::from_parts(Translation3::from(origin), rotation);
+        let workspace = Workspace::new(frame, bounds, turn)?.with_reference(space.tool);
+        let moving = MovingSettings { frame: settings.follower, ..MovingSettings::default() };
+        Ok(Self {
             tracker: BodyTracker::new(settings.tracker.clone())?,
             intention: IntentionFilter::new(settings.intention)?,
             frame: FrameFollower::new(Isometry3::identity(), settings.follower)?,
             person: None,
-            workspace,
-            bounds,
-            lead: Vector3::zeros(),
-            lead_target: space.lead,
-            lead_rate: space.lead_rate,
-            attached: false,
-        };
-        shared.leave_around(tool)?;
-        Ok(shared)
+            moving: MovingWorkspace::new(workspace, moving)?,
+            assigned: None,
+            carrier: Carrier::Nothing,
+            room: (space.position_rows, space.orientation_rows),
+            lead: space.lead,
+        })
     }
 
     /// Takes a camera frame.
@@ -64,70 +76,120 @@ impl SharedSpace {
         Ok(())
     }
 
-    /// Moves frame and workspace on by `period`, to the time `now` \[s\]; `desired` is x_d.
+    /// Gives the workspace another place for the time that robot and person are apart, or none:
+    /// it then stays where it is.
+    ///
+    /// # Errors
+    /// [`Error::Workspace`] for a pose that is not finite; the place then stays as it was.
+    pub fn assign(&mut self, attachment: Option<Attachment>) -> Result<(), Error> {
+        if self.carrier != Carrier::Person {
+            match &attachment {
+                Some(attachment) => self.moving.attach(attachment.clone())?,
+                None => self.moving.detach(),
+            }
+            self.carrier = if attachment.is_some() { Carrier::Assigned } else { Carrier::Nothing };
+        }
+        self.assigned = attachment;
+        Ok(())
+    }
+
+    /// Changes the shape of positions over `duration` \[s\].
+    ///
+    /// # Errors
+    /// [`Error::Workspace`] for a change that needs more rows than there are in
+    /// [`SpaceSettings`](crate::SpaceSettings), or a duration that is not positive.
+    pub fn reshape_position(&mut self, shape: &PositionShape, duration: f64) -> Result<(), Error> {
+        let present = self.moving.workspace().position_shape();
+        let needed = match (present, shape) {
+            (PositionShape::Box(_), PositionShape::Box(_)) => 6,
+            _ => present.row_count() + shape.row_count(),
+        };
+        check_room("rows of the position", needed, self.room.0)?;
+        Ok(self.moving.reshape_position(shape, duration)?)
+    }
+
+    /// Changes the shape of orientations over `duration` \[s\].
+    ///
+    /// # Errors
+    /// As [`reshape_position`](Self::reshape_position), and for angles near half a turn.
+    pub fn reshape_orientation(
+        &mut self,
+        shape: &OrientationShape,
+        duration: f64,
+    ) -> Result<(), Error> {
+        check_room("rows of the orientation", shape.row_count(), self.room.1)?;
+        Ok(self.moving.reshape_orientation(shape, duration)?)
+    }
+
+    /// Moves frame and workspace on by `period`, to the time `now` \[s\].
     ///
     /// # Errors
     /// Poses that are not finite.
-    pub fn advance(
-        &mut self,
-        now: f64,
-        period: f64,
-        desired: &Isometry3<f64>,
-    ) -> Result<(), Error> {
+    pub fn advance(&mut self, now: f64, period: f64) -> Result<(), Error> {
         let seen_before = self.person.is_some();
         self.person = self.tracker.predict(now).or(self.person);
-        let usable = self.person.is_some_and(|person| person.status.is_usable());
-        match self.person {
-            Some(person) if usable => {
-                let target = person.world_from_person();
-                if seen_before {
-                    let (v, w) = (person.velocity, person.heading_rate);
-                    self.frame.retarget(target, Vector6::new(v.x, v.y, 0.0, 0.0, 0.0, w))?;
-                } else {
-                    self.frame.reset(target)?;
-                }
+        let usable = self.person.filter(|person| person.status.is_usable());
+        if let Some(person) = usable {
+            let target = person.world_from_person();
+            let (v, w) = (person.velocity, person.heading_rate);
+            let twist = Vector6::new(v.x, v.y, 0.0, 0.0, 0.0, w);
+            if seen_before {
+                self.frame.retarget(target, twist)?;
+            } else {
+                self.frame.reset(target)?;
             }
-            _ => self.frame.hold(),
+            self.moving.observe_person(target, twist, 0.0)?;
+        } else {
+            self.frame.hold();
         }
         self.frame.advance(period);
-        self.advance_lead(usable, period);
-        let attach = self.intention.intention().is_together() && self.person.is_some();
-        if attach {
-            self.workspace.place(*self.frame.pose(), self.frame.twist())?;
-            self.workspace.set_position(self.bounds.shifted(&self.lead));
-        } else if self.attached {
-            self.leave_around(desired)?;
+        self.carry(usable.is_some())?;
+        self.moving.advance(period)?;
+        Ok(())
+    }
+
+    /// Hands the workspace over when working together begins or ends.
+    fn carry(&mut self, usable: bool) -> Result<(), Error> {
+        let together = self.intention.intention().is_together() && self.person.is_some();
+        let wanted = match (together, &self.assigned) {
+            (true, _) => Carrier::Person,
+            (false, Some(_)) => Carrier::Assigned,
+            (false, None) => Carrier::Nothing,
+        };
+        // Of a person who is lost the workspace stays where it can stop.
+        let lost = wanted == Carrier::Person && !usable;
+        if lost && !matches!(self.moving.attachment(), Attachment::World(_)) {
+            self.moving.detach();
         }
-        self.attached = attach;
-        Ok(())
-    }
-
-    /// The lead grows and shrinks at a limited rate.
-    fn advance_lead(&mut self, usable: bool, period: f64) {
-        let direction = self.intention.intention().walking().filter(|_| usable);
-        let target = direction.map_or(Vector3::zeros(), |direction| {
+        let back = wanted == Carrier::Person
+            && usable
+            && !matches!(self.moving.attachment(), Attachment::Person(_));
+        if wanted != self.carrier || back {
+            match (wanted, &self.assigned) {
+                (Carrier::Person, _) if usable => {
+                    self.moving.attach(Attachment::Person(Isometry3::identity()))?;
+                }
+                (Carrier::Assigned, Some(attachment)) => self.moving.attach(attachment.clone())?,
+                _ => self.moving.detach(),
+            }
+            self.carrier = wanted;
+        }
+        let direction = self.intention.intention().walking().filter(|_| together && usable);
+        let lead = direction.map_or(Vector3::zeros(), |direction| {
             let unit = direction.unit();
-            Vector3::new(unit.x, unit.y, 0.0) * self.lead_target
+            Vector3::new(unit.x, unit.y, 0.0) * self.lead
         });
-        let gap = target - self.lead;
-        let step = self.lead_rate * period;
-        self.lead += if gap.norm() > step { gap * (step / gap.norm()) } else { gap };
-    }
-
-    /// Leaves the workspace around `tool`, at rest.
-    fn leave_around(&mut self, tool: &Isometry3<f64>) -> Result<(), Error> {
-        self.workspace.set_position(self.bounds);
-        let centre = (self.bounds.min() + self.bounds.max()) * 0.5;
-        let rotation = tool.rotation * self.workspace.reference().inverse();
-        let origin = tool.translation.vector - rotation * centre;
-        let frame = Isometry3::from_parts(Translation3::from(origin), rotation);
-        self.workspace.place(frame, Vector6::zeros())?;
-        Ok(())
+        Ok(self.moving.set_lead(lead)?)
     }
 
     /// The shared workspace.
     pub fn workspace(&self) -> &Workspace {
-        &self.workspace
+        self.moving.workspace()
+    }
+
+    /// What moves it, to reorient it.
+    pub fn moving_mut(&mut self) -> &mut MovingWorkspace {
+        &mut self.moving
     }
 
     /// What the person wants.
@@ -137,12 +199,17 @@ impl SharedSpace {
 
     /// Whether the workspace is the person's: they work with the robot, and were seen.
     pub fn is_shared(&self) -> bool {
-        self.attached
+        self.carrier == Carrier::Person
     }
 
     /// The person as tracked, if anybody was seen.
     pub fn person(&self) -> Option<&PersonPose> {
         self.person.as_ref()
+    }
+
+    /// The person as tracked at the time `now` \[s\], if anybody was seen.
+    pub fn person_at(&self, now: f64) -> Option<PersonPose> {
+        self.tracker.predict(now)
     }
 
     /// How long ago the person was seen \[s\]; infinite if never.
@@ -170,4 +237,8 @@ impl SharedSpace {
         let forward = pose.rotation * Vector3::x();
         Ok(ErgonomicPose::new(pose.translation.vector, forward.y.atan2(forward.x))?)
     }
+}
+
+fn check_room(what: &'static str, found: usize, limit: usize) -> Result<(), Error> {
+    if found > limit { Err(hrsw::Error::TooMany { what, found, limit }.into()) } else { Ok(()) }
 }

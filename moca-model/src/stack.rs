@@ -1,24 +1,29 @@
-//! The stack of tasks of the paper's Sec. III-E: inverse kinematics, workspace, then ergonomics
-//! or its benchmark, and a posture for what is left.
+//! The stack of tasks: safety, the paper's Sec. III-E (inverse kinematics, workspace, then
+//! ergonomics or its benchmark), and a posture for what is left.
 
 use ahqp_core::{
     AugmentedClik, AugmentedState, Hierarchy, Level, Rows, Settings, Solution, Solver,
     VelocityInterval,
 };
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::{SoftWorkspace, Workspace};
+use hrsw::{SoftWorkspace, Softening, Workspace};
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Vector3, Vector6};
 
 use crate::error::Error;
 use crate::motion_limits::MecanumBase;
+use crate::safety::SafetyRows;
 
 /// The levels, by priority.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Priority {
-    Kinematics = 0,
-    Workspace = 1,
-    Goal = 2,
-    Posture = 3,
+    SpeedCap = 0,
+    Separation = 1,
+    OwnBodies = 2,
+    Return = 3,
+    Kinematics = 4,
+    Workspace = 5,
+    Goal = 6,
+    Posture = 7,
 }
 
 /// What the third level minimises.
@@ -44,7 +49,24 @@ pub struct PostureTask {
     pub weight: Vec<f64>,
 }
 
-/// The hierarchy of the four levels and its solver; sized once, rewritten each tick.
+/// What does not change from tick to tick.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StackSettings {
+    /// The diagonal of K_p \[1/s\].
+    pub gain: Vector6<f64>,
+    /// Δt of the inverse kinematics \[s\].
+    pub period: f64,
+    /// τ of workspace and goal \[s\].
+    pub horizon: f64,
+    /// How the workspace gives way.
+    pub softening: Softening,
+    /// The wheel limit.
+    pub base: Option<MecanumBase>,
+    /// The last level.
+    pub posture: PostureTask,
+}
+
+/// The hierarchy of the levels and its solver; sized once, rewritten each tick.
 #[derive(Debug, Clone)]
 pub struct TaskStack {
     state: AugmentedState,
@@ -74,35 +96,47 @@ pub struct StackInput<'a> {
     pub goal: GoalTerms<'a>,
     /// Velocities that the joints may take, then those of ẋ_d.
     pub intervals: &'a [VelocityInterval],
+    /// Velocities that bring joints back within their position limits; infinite ends for those
+    /// that are within.
+    pub returns: &'a [VelocityInterval],
+    /// Separation from people and from the robot itself.
+    pub safety: SafetyRows<'a>,
 }
 
 impl TaskStack {
-    /// For n = `joints`, with the gain K_p and period Δt of the inverse kinematics and the
-    /// horizon τ of workspace and goal.
+    /// For n = `joints`, with blocks of the sizes of `safety`.
     ///
     /// # Errors
     /// Parameters out of range, or a posture of another size.
     pub fn new(
         joints: usize,
-        gain: Vector6<f64>,
-        period: f64,
-        horizon: f64,
-        base: Option<MecanumBase>,
-        posture: PostureTask,
+        settings: StackSettings,
+        safety: SafetyRows<'_>,
     ) -> Result<Self, Error> {
-        let state = AugmentedState { joints, task: 6, slack: 6 };
+        let StackSettings { gain, period, horizon, softening, base, posture } = settings;
+        let state = Self::layout(joints);
         let clik = AugmentedClik::new(state, gain, period)?;
-        let soft = SoftWorkspace::new(state, horizon)?;
+        let soft = SoftWorkspace::with_softening(state, horizon, softening)?;
         posture.check(joints)?;
         let mut hierarchy = Hierarchy::new(state.len())?;
         let wheels = base.map_or(Rows::zeros(0, state.len()), |base| base.rows(state));
-        hierarchy.push(Level::least_squares(clik.rows()).with_constraints(wheels))?;
+        hierarchy.push(Level::constraints_only(safety.cap.clone()))?;
+        let separation = Level::least_squares(safety.separation.clone());
+        hierarchy.push(separation.with_constraints(wheels))?;
+        hierarchy.push(Level::least_squares(safety.own.clone()))?;
+        hierarchy.push(Level::least_squares(return_rows(state)))?;
+        hierarchy.push(Level::least_squares(clik.rows()))?;
         hierarchy.push(soft.level()?)?;
         let zero = (DMatrix::zeros(state.len(), state.len()), DVector::zeros(state.len()));
         hierarchy.push(Level::quadratic(zero.0, zero.1)?)?;
         hierarchy.push(Level::least_squares(posture.rows(state)?))?;
         let solver = Solver::new(&hierarchy, Settings::default())?;
         Ok(Self { state, hierarchy, solver, clik, soft, base, posture, horizon })
+    }
+
+    /// The layout of χ for n = `joints`.
+    pub fn layout(joints: usize) -> AugmentedState {
+        AugmentedState { joints, task: 6, slack: 6 }
     }
 
     /// The layout of χ.
@@ -116,6 +150,7 @@ impl TaskStack {
     /// Data that are not finite or do not fit; the problem itself is always feasible.
     pub fn solve(&mut self, input: &StackInput<'_>) -> Result<&Solution, Error> {
         self.write_bounds(input.intervals);
+        self.write_safety(input)?;
         self.write_kinematics(input)?;
         let level = self.hierarchy.level_mut(Priority::Workspace as usize)?;
         self.soft.write(input.workspace, input.desired, level)?;
@@ -137,8 +172,31 @@ impl TaskStack {
         if let Some(rows) = level.least_squares_mut() {
             self.clik.write(input.jacobian, input.error, rows)?;
         }
+        Ok(())
+    }
+
+    fn write_safety(&mut self, input: &StackInput<'_>) -> Result<(), Error> {
+        let own = self.hierarchy.level_mut(Priority::OwnBodies as usize)?;
+        if let Some(rows) = own.least_squares_mut() {
+            copy(input.safety.own, rows);
+        }
+        let cap = self.hierarchy.level_mut(Priority::SpeedCap as usize)?;
+        copy(input.safety.cap, cap.constraints_mut());
+        let separation = self.hierarchy.level_mut(Priority::Separation as usize)?;
+        if let Some(rows) = separation.least_squares_mut() {
+            copy(input.safety.separation, rows);
+        }
         if let (Some(base), Some(&yaw)) = (&self.base, input.configuration.get(2)) {
-            base.write(yaw, input.intervals, level.constraints_mut());
+            base.write(yaw, input.intervals, separation.constraints_mut());
+        }
+        let level = self.hierarchy.level_mut(Priority::Return as usize)?;
+        if let Some(rows) = level.least_squares_mut() {
+            for (bound, interval) in rows.lower_mut().iter_mut().zip(input.returns) {
+                *bound = interval.lower;
+            }
+            for (bound, interval) in rows.upper_mut().iter_mut().zip(input.returns) {
+                *bound = interval.upper;
+            }
         }
         Ok(())
     }
@@ -189,6 +247,28 @@ impl TaskStack {
         }
         Ok(())
     }
+}
+
+/// The joints' velocities, within bounds still to be written.
+fn return_rows(state: AugmentedState) -> Rows {
+    let mut rows = Rows::zeros(state.joints, state.len());
+    for joint in 0..state.joints {
+        if let Some(entry) = rows.row_mut(joint).and_then(|row| row.get_mut(joint)) {
+            *entry = 1.0;
+        }
+    }
+    rows
+}
+
+/// Writes the rows of one block into another of the same shape.
+fn copy(from: &Rows, to: &mut Rows) {
+    for index in 0..from.len().min(to.len()) {
+        if let (Some(from), Some(to)) = (from.row(index), to.row_mut(index)) {
+            to.copy_from_slice(from);
+        }
+    }
+    to.lower_mut().iter_mut().zip(from.lower()).for_each(|(to, from)| *to = *from);
+    to.upper_mut().iter_mut().zip(from.upper()).for_each(|(to, from)| *to = *from);
 }
 
 impl PostureTask {

@@ -33,6 +33,10 @@ struct Options {
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     stature: Option<f64>,
 
+    /// Keep people at their protective distances, by stops where there is no other way
+    #[arg(long)]
+    separation: bool,
+
     /// Folder for the report
     #[arg(long, value_name = "FOLDER", default_value = "report")]
     report: PathBuf,
@@ -85,7 +89,8 @@ fn load(options: &Options) -> Result<Scenario> {
     };
     let map = ErgonomicsMap::build(&person, &MapOptions::default(), Some(&report))?;
     bar.finish_and_clear();
-    Scenario::new(percepts, &person, map)
+    let scenario = Scenario::new(percepts, &person, map)?;
+    Ok(if options.separation { scenario.with_separation() } else { scenario })
 }
 
 /// The camera frames, and the person's stature if the recording says it.

@@ -6,8 +6,8 @@ use anyhow::{Context, ensure};
 use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, Person, PersonPose};
 use hrsw::Workspace;
 use moca_model::{
-    Command, Controller, ControllerSettings, Goal, MOCA_HOME, RobotModel, SimulatedRobot,
-    SpaceSettings,
+    Command, Controller, ControllerSettings, Goal, MOCA_HOME, RobotModel, SafetySettings,
+    SimulatedRobot, SpaceSettings,
 };
 use nalgebra::Vector3;
 use vision_models::Percept;
@@ -67,7 +67,8 @@ struct Tally {
 }
 
 impl Scenario {
-    /// MOCA at its home configuration with these percepts and this map.
+    /// MOCA at its home configuration with these percepts and this map. Like the paper's, this
+    /// controller keeps no protective distance; see [`with_separation`](Self::with_separation).
     ///
     /// # Errors
     /// A map that cannot be fitted, or no percepts.
@@ -81,8 +82,16 @@ impl Scenario {
             map.fit(&ergo_map::FitOptions::default()).context("fitting the person's ergonomics")?;
         let model = RobotModel::moca()?;
         let space = SpaceSettings::default().for_person(person, map.side());
-        let settings = ControllerSettings { space, ..ControllerSettings::default() };
+        let safety = SafetySettings::off();
+        let settings = ControllerSettings { space, safety, ..ControllerSettings::default() };
         Ok(Self { percepts, map, comfort, model, start: MOCA_HOME.to_vec(), settings })
+    }
+
+    /// The same, with protective distances from the person, a speed cap near them, and stops.
+    #[must_use]
+    pub fn with_separation(mut self) -> Self {
+        self.settings.safety = SafetySettings::default();
+        self
     }
 
     /// How long it lasts \[s\].

@@ -20,6 +20,8 @@ pub struct Capsule {
     start: Vector3<f64>,
     end: Vector3<f64>,
     radius: f64,
+    /// The radius of the sphere around it.
+    reach: f64,
 }
 
 impl Capsule {
@@ -29,7 +31,8 @@ impl Capsule {
     /// [`Error::NotFinite`]; [`Error::Parameter`] for a negative radius.
     pub fn new(start: Vector3<f64>, end: Vector3<f64>, radius: f64) -> Result<Self, Error> {
         check_all("the segment of a capsule", start.iter().chain(end.iter()))?;
-        Ok(Self { start, end, radius: not_negative("the radius of a capsule", radius)? })
+        let radius = not_negative("the radius of a capsule", radius)?;
+        Ok(Self { start, end, radius, reach: 0.5 * (end - start).norm() + radius })
     }
 
     /// The sphere around `center` \[m\].
@@ -59,7 +62,7 @@ impl Capsule {
     #[must_use]
     pub fn placed(&self, pose: &Isometry3<f64>) -> Self {
         let place = |point: &Vector3<f64>| (pose * Point3::from(*point)).coords;
-        Self { start: place(&self.start), end: place(&self.end), radius: self.radius }
+        Self { start: place(&self.start), end: place(&self.end), ..*self }
     }
 
     /// The nearest point of the segment.
@@ -84,6 +87,18 @@ impl Capsule {
     /// The distance to the surface \[m\]; negative within.
     pub fn signed_distance(&self, point: &Vector3<f64>) -> f64 {
         (point - self.nearest_on_segment(point)).norm() - self.radius
+    }
+
+    /// The radius of the sphere around it, about its middle \[m\].
+    pub(crate) fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Whether the spheres around the two are farther apart than `distance` \[m\].
+    pub(crate) fn is_beyond(&self, other: &Self, distance: f64) -> bool {
+        let twice_apart = self.start + self.end - other.start - other.end;
+        let within = (distance + self.reach + other.reach).max(0.0);
+        twice_apart.norm_squared() > 4.0 * within * within
     }
 
     /// The half-space that touches the capsule where it is nearest to `point`.

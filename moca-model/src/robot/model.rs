@@ -157,6 +157,16 @@ impl RobotModel {
         })
     }
 
+    /// How many of the joints, from the first, move the link.
+    ///
+    /// # Errors
+    /// [`Error::ForeignLink`] if `link` is of another model.
+    pub fn joints_moving(&self, link: LinkId) -> Result<usize, Error> {
+        let foreign = Error::ForeignLink { index: link.0, count: self.links.len() };
+        let found = self.links.get(link.0).ok_or(foreign)?;
+        Ok(found.joint.map_or(0, |joint| joint + 1))
+    }
+
     /// All links at or below the root, with their names.
     pub fn links(&self) -> impl Iterator<Item = (LinkId, &str)> {
         self.links.iter().enumerate().map(|(index, link)| (LinkId(index), link.name.as_str()))

@@ -1,0 +1,30 @@
+//! The closed loop under everything that can go wrong, behind the program `soak`: random people
+//! who walk, jump, vanish and come back; workspaces that move, turn and change their shape; starts
+//! outside the joint limits; percepts that are late, noisy and incomplete.
+//!
+//! A soak is a row of episodes, each with a new robot, person and controller. What is promised is
+//! checked in every tick by [`Monitor`], from the commands, the robot's configuration and where
+//! the person truly is, with formulas of its own.
+//!
+//! ```
+//! use examples::soak::Soak;
+//!
+//! let summary = Soak::new(1, 500)?.run(|_| {})?;
+//! assert_eq!(summary.counts.infeasible, 0);
+//! assert_eq!(summary.ticks, 500);
+//! # Ok::<(), anyhow::Error>(())
+//! ```
+
+mod body;
+mod camera;
+mod distance;
+mod episode;
+mod limits;
+mod monitor;
+mod person;
+mod separation;
+mod summary;
+mod task;
+
+pub use monitor::{Counts, Monitor, Tick};
+pub use summary::{Soak, Summary};

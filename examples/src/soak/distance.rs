@@ -1,0 +1,64 @@
+//! The distance of two capsules, by itself: clamped closest points of two segments.
+
+use nalgebra::Vector3;
+
+/// A capsule: the points within a radius of a segment \[m\].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rod {
+    pub(super) ends: [Vector3<f64>; 2],
+    pub(super) radius: f64,
+}
+
+impl Rod {
+    /// Between the surfaces \[m\]; negative where they overlap.
+    pub(super) fn distance(&self, other: &Self) -> f64 {
+        segments(&self.ends, &other.ends) - self.radius - other.radius
+    }
+}
+
+/// For the parameter s on the first segment the best t on the second is explicit, and the squared
+/// distance is then convex in s, with at most two kinks where t reaches an end: its minimum is at
+/// an end, a kink, or where the lines are nearest.
+fn segments([a, b]: &[Vector3<f64>; 2], [c, d]: &[Vector3<f64>; 2]) -> f64 {
+    let (u, w, r) = (b - a, d - c, c - a);
+    let (uu, uw, ww) = (u.dot(&u), u.dot(&w), w.dot(&w));
+    let from = |s: f64| {
+        let point = a + u * s;
+        let t = if ww > 0.0 { ((point - c).dot(&w) / ww).clamp(0.0, 1.0) } else { 0.0 };
+        (point - (c + w * t)).norm()
+    };
+    let along = |target: f64| if uu > 0.0 { (target / uu).clamp(0.0, 1.0) } else { 0.0 };
+    // Nearest to the two ends of the second segment, and the lines' nearest point.
+    let mut candidates = [0.0, 1.0, along(r.dot(&u)), along((d - a).dot(&u)), 0.0];
+    let determinant = uu * ww - uw * uw;
+    if determinant > 0.0 {
+        candidates[4] = ((ww * r.dot(&u) - uw * r.dot(&w)) / determinant).clamp(0.0, 1.0);
+    }
+    candidates.into_iter().map(from).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point() -> impl Strategy<Value = Vector3<f64>> {
+        prop::array::uniform3(-1.0..1.0_f64).prop_map(Vector3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn no_points_of_a_fine_grid_are_nearer(a in point(), b in point(), c in point(), d in point()) {
+            let found = segments(&[a, b], &[c, d]);
+            let mut least = f64::INFINITY;
+            for i in 0..=60_i32 {
+                for j in 0..=60_i32 {
+                    let (s, t) = (f64::from(i) / 60.0, f64::from(j) / 60.0);
+                    least = least.min((a.lerp(&b, s) - c.lerp(&d, t)).norm());
+                }
+            }
+            prop_assert!(found <= least + 1e-12);
+            prop_assert!(found >= least - 0.05);
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! One robot, one person, one controller, for some seconds.
+
+use std::time::Instant;
+
+use anyhow::ensure;
+use ergo_map::ErgonomicsQuadratic;
+use moca_model::{
+    Controller, ControllerSettings, Goal, MOCA_HOME, RobotModel, SimulatedRobot, SpaceSettings,
+};
+use nalgebra::{Matrix3, Vector3};
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+use super::body::{self, Joints};
+use super::camera::Camera;
+use super::monitor::{Monitor, Tick};
+use super::person::Person;
+use super::task::{POSITION_ROWS, Task};
+
+/// What a generator is for.
+#[derive(Clone, Copy)]
+enum Stream {
+    Start,
+    Person,
+    Camera,
+    Task,
+}
+
+fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    generator.set_stream(stream as u64);
+    generator
+}
+
+/// The closed loop.
+#[derive(Debug)]
+pub(super) struct Episode {
+    controller: Controller,
+    robot: SimulatedRobot,
+    pub(super) monitor: Monitor,
+    person: Person,
+    camera: Camera,
+    task: Task,
+    tick: u64,
+    period: f64,
+    /// The person's joints at every tick; whether they jumped there.
+    history: Vec<(Joints, bool)>,
+    /// The tick at which the newest frame was taken that shows the person and has arrived.
+    known: Option<usize>,
+}
+
+impl Episode {
+    /// The episode of this seed.
+    pub(super) fn new(model: &RobotModel, seed: u64) -> anyhow::Result<Self> {
+        let mut draw = generator(seed, Stream::Start);
+        let start = start(model, &mut draw);
+        let goal = if draw.random_bool(0.8) { Goal::Ergonomics } else { Goal::LeastMotion };
+        let space = SpaceSettings { position_rows: POSITION_ROWS, ..SpaceSettings::default() };
+        let settings = ControllerSettings { goal, space, ..ControllerSettings::default() };
+        let robot = nalgebra::Vector2::new(start[0], start[1]);
+        Ok(Self {
+            monitor: Monitor::new(model, &settings, &start)?,
+            person: Person::new(generator(seed, Stream::Person), robot),
+            camera: Camera::new(generator(seed, Stream::Camera)),
+            task: Task::new(generator(seed, Stream::Task)),
+            robot: SimulatedRobot::new(model, &start)?,
+            period: settings.period,
+            controller: Controller::new(model.clone(), comfort()?, settings, &start)?,
+            tick: 0,
+            history: Vec::new(),
+            known: None,
+        })
+    }
+
+    /// One period; how long the controller took (µs).
+    pub(super) fn step(&mut self) -> anyhow::Result<f64> {
+        #[expect(clippy::cast_precision_loss, reason = "an episode lasts seconds")]
+        let now = self.tick as f64 * self.period;
+        let tool = *self.controller.actual();
+        self.person.advance(now, self.period, tool.translation.vector.xy());
+        self.history.push((self.person.joints(), self.person.jumped()));
+        self.check_person()?;
+        self.camera.look(self.tick, now, &self.person);
+        while let Some((tick, percept)) = self.camera.arrived(now) {
+            if percept.body.is_some() {
+                self.known = Some(usize::try_from(tick)?);
+            }
+            self.controller.observe(&percept)?;
+        }
+        self.task.advance(now, self.controller.space_mut(), &tool)?;
+
+        let started = Instant::now();
+        self.controller.step(now, self.robot.position())?;
+        let tick_us = started.elapsed().as_secs_f64() * 1e6;
+
+        let command = self.controller.command();
+        self.monitor.check(&Tick {
+            command,
+            configuration: self.robot.position(),
+            person: body_at(&self.history, self.history.len() - 1),
+            known: self.known.map(|tick| body_at(&self.history, tick)),
+            contact: self.controller.safety().contact_speed() > 0.0,
+        })?;
+        if command.joint_velocity.iter().all(|velocity| velocity.is_finite()) {
+            self.robot.step(&command.joint_velocity, self.period)?;
+        }
+        self.tick += 1;
+        Ok(tick_us)
+    }
+
+    /// People keep to the speed that the robot assumes where it measures none; who does not
+    /// would make the soak mean nothing.
+    fn check_person(&self) -> anyhow::Result<()> {
+        let (now, before) = body_at(&self.history, self.history.len() - 1);
+        let Some(before) = before else { return Ok(()) };
+        let largest = self.controller.settings().safety.separation.human_speed;
+        let ends = |joints| body::capsules(joints).into_iter().flat_map(|rod| rod.ends);
+        let speeds = ends(now).zip(ends(before)).map(|(to, from)| (to - from).norm() / self.period);
+        let fastest = speeds.fold(0.0, f64::max);
+        ensure!(
+            fastest <= largest,
+            "a simulated person's part moves at {fastest} m/s, above the {largest} m/s assumed"
+        );
+        Ok(())
+    }
+
+    /// The first tick with something wrong.
+    pub(super) fn first_wrong(&mut self) -> Option<String> {
+        let what = self.monitor.first_wrong.take()?;
+        self.monitor.first_wrong = Some(String::new());
+        let (time, safety) = (self.tick, self.controller.safety());
+        (!what.is_empty()).then(|| {
+            let person = safety.person_bodies().first();
+            format!(
+                "tick {time} of the episode: {what}; {:?}; nearest {:?}; person {:?}",
+                safety.supervisor().state(),
+                safety.nearest(),
+                person.map(|body| body.velocity),
+            )
+        })
+    }
+
+    /// Whether the robot moves.
+    pub(super) fn moves(&self) -> bool {
+        self.controller.command().joint_velocity.iter().any(|velocity| velocity.abs() > 1e-3)
+    }
+}
+
+/// The joints at a tick and at the one before, unless the person jumped between them.
+fn body_at(history: &[(Joints, bool)], tick: usize) -> (&Joints, Option<&Joints>) {
+    let (joints, jumped) = &history[tick];
+    let before = tick.checked_sub(1).filter(|_| !jumped).map(|tick| &history[tick].0);
+    (joints, before)
+}
+
+/// The home configuration, somewhere, and a little different; in some episodes outside the range
+/// of a joint.
+fn start(model: &RobotModel, draw: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut start = MOCA_HOME.to_vec();
+    for q in &mut start[..2] {
+        *q = draw.random_range(-3.0..3.0);
+    }
+    start[2] = draw.random_range(-6.0..6.0);
+    for q in &mut start[3..] {
+        *q += draw.random_range(-0.2..0.2);
+    }
+    if draw.random_bool(0.4) {
+        let limits = model.limits();
+        let beyond = draw.random_range(0.001..0.2);
+        // Joints that collide with nothing there.
+        match draw.random_range(0..4) {
+            0 => start[3] = limits[3].lower - beyond,
+            1 => start[6] = limits[6].upper + beyond,
+            2 => start[8] = limits[8].lower - beyond,
+            _ => start[9] = limits[9].upper + beyond,
+        }
+    }
+    start
+}
+
+/// Best with the hand before the person at the height of the elbow.
+fn comfort() -> anyhow::Result<ErgonomicsQuadratic> {
+    let hessian = Matrix3::from_diagonal(&Vector3::new(10.0, 5.0, 7.0));
+    let best = Vector3::new(0.4, -0.1, 1.1);
+    let least = 0.5 * best.dot(&(hessian * best));
+    Ok(ErgonomicsQuadratic::new(hessian, -(hessian * best), least)?)
+}

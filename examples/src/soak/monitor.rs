@@ -1,0 +1,222 @@
+//! The checks of every tick.
+
+use hrsw::{SafetyState, SeparationSettings};
+use moca_model::{
+    Command, ControllerSettings, JointLimits, LinkId, RobotData, RobotModel, forward_kinematics,
+    world_from_link,
+};
+use nalgebra::{Isometry3, Point3};
+
+use super::body;
+use super::body::Joints;
+use super::distance::Rod;
+use super::limits::LimitCheck;
+use super::separation::{self, Body, MOMENT, Robot, Verdict};
+
+/// Ticks with something wrong, by kind, and two kinds that are not wrong but worth counting.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// The hierarchy was not solved to its optimum.
+    pub infeasible: u64,
+    /// A number of the command is not finite.
+    pub not_finite: u64,
+    /// A limit of position or velocity is violated.
+    pub limit_violations: u64,
+    /// An acceleration limit of a joint is violated.
+    pub acceleration_violations: u64,
+    /// The robot moves towards a person who is too near, and is not the person's own doing.
+    pub separation_violations: u64,
+    /// The velocity of the desired pose changes faster than its limit.
+    pub discontinuities: u64,
+    /// Bodies of the robot that are to keep apart overlap.
+    pub self_collisions: u64,
+    /// As `separation_violations`, by the person's own motion.
+    pub person_caused: u64,
+    /// The robot comes nearer to the arms of a person who works with it.
+    pub contact: u64,
+}
+
+impl Counts {
+    /// The sum of all that must be zero.
+    pub fn wrong(&self) -> u64 {
+        self.infeasible
+            + self.not_finite
+            + self.limit_violations
+            + self.acceleration_violations
+            + self.separation_violations
+            + self.discontinuities
+            + self.self_collisions
+    }
+}
+
+impl std::ops::AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        self.infeasible += other.infeasible;
+        self.not_finite += other.not_finite;
+        self.limit_violations += other.limit_violations;
+        self.acceleration_violations += other.acceleration_violations;
+        self.separation_violations += other.separation_violations;
+        self.discontinuities += other.discontinuities;
+        self.self_collisions += other.self_collisions;
+        self.person_caused += other.person_caused;
+        self.contact += other.contact;
+    }
+}
+
+/// What happens in a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Tick<'a> {
+    /// The controller's answer.
+    pub command: &'a Command,
+    /// q before the command \[m, rad\].
+    pub configuration: &'a [f64],
+    /// The person's joints now, a period before (none after a jump) \[m\].
+    pub person: (&'a Joints, Option<&'a Joints>),
+    /// The same, when the newest frame was taken that shows the person and has arrived.
+    pub known: Option<(&'a Joints, Option<&'a Joints>)>,
+    /// Whether the arms of the person may touch what the robot holds.
+    pub contact: bool,
+}
+
+/// Checks every tick of an episode.
+#[derive(Clone, Debug)]
+pub struct Monitor {
+    model: RobotModel,
+    data: RobotData,
+    shapes: Vec<(LinkId, Rod)>,
+    own_pairs: Vec<(usize, usize)>,
+    separation: SeparationSettings,
+    joints: Vec<JointLimits>,
+    limits: LimitCheck,
+    period: f64,
+    velocity: Vec<f64>,
+    robot: Robot,
+    /// What was found so far.
+    pub counts: Counts,
+    /// The first tick with something wrong, and what is known of it.
+    pub first_wrong: Option<String>,
+}
+
+impl Monitor {
+    /// For a robot at rest.
+    ///
+    /// # Errors
+    /// Bodies on links that the robot does not have.
+    pub fn new(
+        model: &RobotModel,
+        settings: &ControllerSettings,
+        configuration: &[f64],
+    ) -> anyhow::Result<Self> {
+        let mut shapes = Vec::new();
+        for body in &settings.safety.bodies {
+            let capsule = body.capsule;
+            let rod = Rod { ends: [*capsule.start(), *capsule.end()], radius: capsule.radius() };
+            shapes.push((model.link(&body.link)?, rod));
+        }
+        let period = settings.period;
+        Ok(Self {
+            data: RobotData::new(model),
+            own_pairs: settings.safety.own_pairs.clone(),
+            separation: settings.safety.separation,
+            joints: model.limits().to_vec(),
+            limits: LimitCheck::new(model, settings.desired, period, configuration),
+            velocity: vec![0.0; configuration.len()],
+            robot: Robot::default(),
+            counts: Counts::default(),
+            first_wrong: None,
+            model: model.clone(),
+            shapes,
+            period,
+        })
+    }
+
+    /// Checks a tick.
+    ///
+    /// # Errors
+    /// A configuration that is not one of the robot.
+    pub fn check(&mut self, tick: &Tick<'_>) -> anyhow::Result<()> {
+        let command = tick.command;
+        let counts = &mut self.counts;
+        counts.infeasible += u64::from(!command.outcome.is_optimal());
+        if !is_finite(command) {
+            counts.not_finite += 1;
+            return Ok(());
+        }
+        let free = command.safety == SafetyState::Normal && tick.known.is_none();
+        let breaks = self.limits.check(command, tick.configuration, free);
+        counts.limit_violations += u64::from(breaks.limit);
+        counts.acceleration_violations += u64::from(breaks.acceleration);
+        counts.discontinuities += u64::from(breaks.discontinuity);
+
+        let velocity = &command.joint_velocity;
+        separation::emergency_stop(&self.joints, &mut self.velocity, self.period);
+        self.place(tick)?;
+        self.velocity.copy_from_slice(velocity);
+        let verdict = self.judge(tick);
+        let counts = &mut self.counts;
+        counts.separation_violations += u64::from(verdict.violation.is_some());
+        counts.person_caused += u64::from(verdict.person_caused);
+        counts.contact += u64::from(verdict.contact);
+        let now = &self.robot.now;
+        let collides = |&(i, j): &(usize, usize)| now[i].distance(&now[j]) < 0.0;
+        counts.self_collisions += u64::from(self.own_pairs.iter().any(collides));
+        if self.first_wrong.is_none() && self.counts.wrong() > 0 {
+            let blame = verdict.violation;
+            self.first_wrong = Some(format!("{breaks:?} {blame:?} {:?}", self.counts));
+        }
+        Ok(())
+    }
+
+    fn judge(&self, tick: &Tick<'_>) -> Verdict {
+        let body = |(now, before): (&Joints, Option<&Joints>)| Body {
+            now: body::capsules(now),
+            before: before.map(body::capsules),
+        };
+        let known = tick.known.map(body);
+        separation::judge(
+            &self.separation,
+            &self.robot,
+            &body(tick.person),
+            known.as_ref(),
+            tick.contact,
+            self.period,
+        )
+    }
+
+    /// The robot's bodies now, and as they move: commanded, and in an emergency stop.
+    fn place(&mut self, tick: &Tick<'_>) -> anyhow::Result<()> {
+        let Robot { now, commanded, stopping } = &mut self.robot;
+        let velocity = &tick.command.joint_velocity;
+        for (rods, velocity, time) in [
+            (now, velocity, 0.0),
+            (&mut commanded.before, velocity, -MOMENT),
+            (&mut commanded.after, velocity, MOMENT),
+            (&mut stopping.before, &self.velocity, -MOMENT),
+            (&mut stopping.after, &self.velocity, MOMENT),
+        ] {
+            let moved = tick.configuration.iter().zip(velocity).map(|(q, v)| q + v * time);
+            let q: Vec<f64> = moved.collect();
+            forward_kinematics(&self.model, &mut self.data, &q)?;
+            rods.clear();
+            for (link, rod) in &self.shapes {
+                let pose: Isometry3<f64> = world_from_link(&self.model, &self.data, *link)?;
+                let ends = rod.ends.map(|end| (pose * Point3::from(end)).coords);
+                rods.push(Rod { ends, ..*rod });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn is_finite(command: &Command) -> bool {
+    let numbers = command
+        .joint_velocity
+        .iter()
+        .chain(&command.joint_position)
+        .chain(&command.base_twist)
+        .chain(command.desired_twist.iter())
+        .chain(command.slack.iter())
+        .chain(command.desired.translation.vector.iter())
+        .chain(command.desired.rotation.coords.iter());
+    numbers.into_iter().all(|number| number.is_finite())
+}

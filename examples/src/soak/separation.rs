@@ -1,0 +1,178 @@
+//! Whether the robot keeps its distance from where the person truly is.
+//!
+//! A pair of capsules, one of the robot's and one of the person's, is **in breach** in a tick in
+//! which the robot moves towards the person, v_r > 0, at a distance below the protective one,
+//!
+//! S_p = v_h (T_r + v_r/a) + v_r T_r + v_r²/(2a) + C + Z_r,
+//!
+//! with v_r the speed at which the command brings the robot's capsule nearer to the person's, held
+//! still, and v_h the speed at which the person's comes nearer to the robot's, held still. Z_d, the
+//! uncertainty of the person's place, drops out: here the place is known.
+//!
+//! A breach is **the person's own** only
+//! - if it is none against the body, as it was and moved when the newest camera frame that had
+//!   reached the robot was taken: then the person has moved since; or
+//! - if the robot comes no nearer than in an emergency stop, in which every joint brakes at its
+//!   limit of acceleration: then the breach began before the robot could know of it.
+//!
+//! Every other breach is a **violation**. The arms of a person who works with the robot may touch
+//! what it holds: their pairs count apart, as contact.
+
+use hrsw::SeparationSettings;
+use moca_model::JointLimits;
+
+use super::body::{self, PART_COUNT};
+use super::distance::Rod;
+
+/// The robot moves towards a person from this speed on (m/s): rounding alone.
+const TOWARDS: f64 = 1e-6;
+/// Of the derivatives of distances (s).
+const STEP: f64 = 1e-6;
+/// Beyond this distance no speed of this robot is too fast (m).
+const FAR: f64 = 6.0;
+
+/// The robot's capsules a moment before and after, at some velocity.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Motion {
+    pub(super) before: Vec<Rod>,
+    pub(super) after: Vec<Rod>,
+}
+
+/// The robot's capsules now, and as they move: as commanded, and in an emergency stop.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Robot {
+    pub(super) now: Vec<Rod>,
+    pub(super) commanded: Motion,
+    pub(super) stopping: Motion,
+}
+
+impl Motion {
+    /// How fast a capsule comes nearer to one that is held still \[m/s\].
+    fn towards(&self, link: usize, person: &Rod) -> f64 {
+        (self.before[link].distance(person) - self.after[link].distance(person)) / (2.0 * STEP)
+    }
+}
+
+/// Half the time from `before` to `after` (s).
+pub(super) const MOMENT: f64 = STEP;
+
+/// The person's capsules, and those a period before.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Body {
+    pub(super) now: [Rod; PART_COUNT],
+    /// None after a jump: a jump has no speed.
+    pub(super) before: Option<[Rod; PART_COUNT]>,
+}
+
+/// What the pairs of a tick show.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Verdict {
+    /// The capsules of a pair that the robot is to blame for.
+    pub(super) violation: Option<Blame>,
+    pub(super) person_caused: bool,
+    pub(super) contact: bool,
+}
+
+/// What the robot is to blame for.
+#[derive(Clone, Copy, Debug)]
+#[expect(dead_code, reason = "read by people, in its debug form")]
+pub(super) struct Blame {
+    link: usize,
+    part: usize,
+    /// Of the robot towards the person \[m/s\].
+    speed: f64,
+    /// Distance and speed of the person towards the robot \[m, m/s\].
+    now: (f64, f64),
+    /// As the robot could know them.
+    known: Option<(f64, f64)>,
+}
+
+/// The formula above.
+fn protective_distance(settings: &SeparationSettings, person: f64, robot: f64) -> f64 {
+    let SeparationSettings { reaction_time, deceleration, intrusion, robot_uncertainty, .. } =
+        *settings;
+    let stopping_time = robot / deceleration;
+    person * (reaction_time + stopping_time)
+        + robot * reaction_time
+        + robot * robot / (2.0 * deceleration)
+        + intrusion
+        + robot_uncertainty
+}
+
+/// Whether a pair is in breach, for a body and a period \[s\].
+fn in_breach(
+    settings: &SeparationSettings,
+    robot: &Robot,
+    body: &Body,
+    (link, part): (usize, usize),
+    period: f64,
+) -> bool {
+    let person = &body.now[part];
+    let distance = robot.now[link].distance(person);
+    if distance > FAR {
+        return false;
+    }
+    let towards = robot.commanded.towards(link, person);
+    if towards <= TOWARDS {
+        return false;
+    }
+    let coming = body
+        .before
+        .map_or(0.0, |before| (robot.now[link].distance(&before[part]) - distance) / period);
+    distance < protective_distance(settings, coming.max(0.0), towards)
+}
+
+/// Judges a tick: the body now, and as the newest frame that had arrived shows it; `contact` says
+/// that the arms may touch.
+pub(super) fn judge(
+    settings: &SeparationSettings,
+    robot: &Robot,
+    now: &Body,
+    known: Option<&Body>,
+    contact: bool,
+    period: f64,
+) -> Verdict {
+    let mut verdict = Verdict::default();
+    for link in 0..robot.now.len() {
+        for part in 0..PART_COUNT {
+            let pair = (link, part);
+            if !in_breach(settings, robot, now, pair, period) {
+                continue;
+            }
+            if contact && body::is_arm(part) {
+                verdict.contact = true;
+            } else if !known.is_some_and(|known| in_breach(settings, robot, known, pair, period))
+                || stops(robot, now, pair)
+            {
+                verdict.person_caused = true;
+            } else {
+                let (speed, closing) =
+                    (robot.commanded.towards(link, &now.now[part]), |body: &Body| {
+                        let gap = robot.now[link].distance(&body.now[part]);
+                        let before =
+                            body.before.map(|before| robot.now[link].distance(&before[part]));
+                        (gap, before.map_or(0.0, |before| (before - gap) / period))
+                    });
+                let known = known.map(closing);
+                let now = closing(now);
+                verdict.violation = Some(Blame { link, part, speed, now, known });
+            }
+        }
+    }
+    verdict
+}
+
+/// Whether a pair comes no nearer than in an emergency stop.
+fn stops(robot: &Robot, body: &Body, (link, part): (usize, usize)) -> bool {
+    let person = &body.now[part];
+    let least = robot.stopping.towards(link, person);
+    robot.commanded.towards(link, person) <= least.max(0.0) + TOWARDS
+}
+
+/// The velocities one period into an emergency stop.
+pub(super) fn emergency_stop(limits: &[JointLimits], velocity: &mut [f64], period: f64) {
+    for (limits, velocity) in limits.iter().zip(velocity) {
+        let change = limits.acceleration * period;
+        *velocity -= velocity.clamp(-change, change);
+    }
+}

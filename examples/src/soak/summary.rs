@@ -1,0 +1,163 @@
+//! A whole soak, and what it found.
+
+use std::fmt;
+
+use anyhow::ensure;
+use moca_model::RobotModel;
+use rand::{Rng, RngCore};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use serde::Serialize;
+
+use super::episode::Episode;
+use super::monitor::Counts;
+
+/// Ticks of an episode.
+const EPISODE: std::ops::Range<u64> = 4_000..25_000;
+
+/// Episodes until a number of ticks is reached. The same seed gives the same ticks.
+#[derive(Clone, Copy, Debug)]
+pub struct Soak {
+    seed: u64,
+    ticks: u64,
+}
+
+/// What a soak found.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// Ticks run.
+    pub ticks: u64,
+    /// Episodes begun.
+    pub episodes: u64,
+    /// Ticks with something wrong.
+    pub counts: Counts,
+    /// The first of them in each episode, in words.
+    pub findings: Vec<String>,
+    /// Ticks in which the robot moves.
+    pub moving: u64,
+    /// How long the controller took for a tick: median, and 99.9th percentile \[µs\].
+    pub tick_us: [f64; 2],
+}
+
+/// The last line of the program's output.
+#[derive(Serialize)]
+struct Line {
+    ticks: u64,
+    infeasible: u64,
+    not_finite: u64,
+    limit_violations: u64,
+    acceleration_violations: u64,
+    separation_violations: u64,
+    discontinuities: u64,
+    tick_us_p50: f64,
+    tick_us_p999: f64,
+    self_collisions: u64,
+    person_caused: u64,
+    contact: u64,
+    moving: u64,
+    episodes: u64,
+}
+
+impl Soak {
+    /// A soak of `ticks` milliseconds.
+    ///
+    /// # Errors
+    /// No ticks at all.
+    pub fn new(seed: u64, ticks: u64) -> anyhow::Result<Self> {
+        ensure!(ticks > 0, "0 ticks are no soak; give at least 1");
+        Ok(Self { seed, ticks })
+    }
+
+    /// Runs it; `each` is told how many ticks are done, after each thousand.
+    ///
+    /// # Errors
+    /// A controller that refuses its settings or what it measures.
+    pub fn run(self, mut each: impl FnMut(u64)) -> anyhow::Result<Summary> {
+        let model = RobotModel::moca()?;
+        let mut draw = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut summary = Summary {
+            ticks: 0,
+            episodes: 0,
+            counts: Counts::default(),
+            findings: Vec::new(),
+            moving: 0,
+            tick_us: [0.0; 2],
+        };
+        let mut times = Vec::with_capacity(usize::try_from(self.ticks)?);
+        while summary.ticks < self.ticks {
+            let (seed, length) = (draw.next_u64(), draw.random_range(EPISODE));
+            let mut episode = Episode::new(&model, seed)?;
+            for _ in 0..length.min(self.ticks - summary.ticks) {
+                times.push(episode.step()?);
+                if let Some(what) = episode.first_wrong() {
+                    summary.findings.push(format!("episode {}, {what}", summary.episodes + 1));
+                }
+                summary.moving += u64::from(episode.moves());
+                summary.ticks += 1;
+                if summary.ticks.is_multiple_of(1000) {
+                    each(summary.ticks);
+                }
+            }
+            summary.counts += episode.monitor.counts;
+            summary.episodes += 1;
+        }
+        times.sort_by(f64::total_cmp);
+        let quantile = |thousandths: usize| {
+            let index = (times.len() * thousandths / 1000).min(times.len().saturating_sub(1));
+            times.get(index).copied().unwrap_or_default()
+        };
+        summary.tick_us = [quantile(500), quantile(999)];
+        Ok(summary)
+    }
+}
+
+impl Summary {
+    /// One JSON object.
+    ///
+    /// # Errors
+    /// None for numbers that are finite.
+    pub fn json(&self) -> serde_json::Result<String> {
+        let counts = &self.counts;
+        serde_json::to_string(&Line {
+            ticks: self.ticks,
+            infeasible: counts.infeasible,
+            not_finite: counts.not_finite,
+            limit_violations: counts.limit_violations,
+            acceleration_violations: counts.acceleration_violations,
+            separation_violations: counts.separation_violations,
+            discontinuities: counts.discontinuities,
+            tick_us_p50: self.tick_us[0],
+            tick_us_p999: self.tick_us[1],
+            self_collisions: counts.self_collisions,
+            person_caused: counts.person_caused,
+            contact: counts.contact,
+            moving: self.moving,
+            episodes: self.episodes,
+        })
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let counts = &self.counts;
+        for (what, count) in [
+            ("ticks", self.ticks),
+            ("  of them with the robot moving", self.moving),
+            ("episodes", self.episodes),
+            ("problems not solved", counts.infeasible),
+            ("commands not finite", counts.not_finite),
+            ("limits of position or velocity violated", counts.limit_violations),
+            ("limits of acceleration violated", counts.acceleration_violations),
+            ("protective distance violated by the robot", counts.separation_violations),
+            ("jumps of the desired velocity", counts.discontinuities),
+            ("self-collisions", counts.self_collisions),
+            ("protective distance undercut by the person", counts.person_caused),
+            ("coming nearer to arms in collaboration", counts.contact),
+        ] {
+            writeln!(f, "{what:46} {count:>10}")?;
+        }
+        let [median, worst] = self.tick_us;
+        writeln!(f, "{:46} {median:>10.1}", "tick, median [µs]")?;
+        write!(f, "{:46} {worst:>10.1}", "tick, 99.9th percentile [µs]")
+    }
+}

@@ -1,0 +1,206 @@
+//! What keeps the robot away from people and from itself: rows for the stack, and a supervisor.
+
+mod person_bodies;
+mod robot_bodies;
+mod settings;
+
+use ahqp_core::{AugmentedState, Rows};
+use hrsw::{
+    ApproachRows, Cause, JointMotion, Nearest, Observation, PersonBody, RobotBody, SafetyState,
+    SeparationSettings, SpeedCap, Supervisor,
+};
+use nalgebra::Vector3;
+use vision_models::{Percept, PersonPose};
+
+use crate::error::{Error, check_count};
+use crate::robot::{RobotData, RobotModel};
+use person_bodies::PersonBodies;
+use robot_bodies::RobotBodies;
+pub use settings::{LinkCapsule, PersonBodySettings, SafetySettings};
+
+/// The rows of the safety levels, for [`TaskStack`](crate::TaskStack).
+#[derive(Debug, Clone, Copy)]
+pub struct SafetyRows<'a> {
+    /// Hard: the tool's speed near people. Braking is always admitted.
+    pub cap: &'a Rows,
+    /// The first objective: the robot keeps its protective distances.
+    pub separation: &'a Rows,
+    /// The second: the robot's own bodies keep apart.
+    pub own: &'a Rows,
+}
+
+/// Speed and separation monitoring of the robot's bodies against the person's, self-collision,
+/// the speed cap and the supervisor.
+///
+/// Every tick: [`watch`](Self::watch) finds the distances and tells the supervisor, which says
+/// how fast the robot may be; from that follow the velocities that the joints may take, and
+/// [`bound`](Self::bound) gives the rows, of which the hard ones must admit the slowest of them.
+#[derive(Debug, Clone)]
+pub struct Safety {
+    settings: SafetySettings,
+    period: f64,
+    robot: RobotBodies,
+    person: PersonBodies,
+    last_frame: f64,
+    contact_speed: f64,
+    person_velocity: Vector3<f64>,
+    nearest: Option<Nearest>,
+    supervisor: Supervisor,
+    separation: ApproachRows,
+    own: ApproachRows,
+    separation_rows: Rows,
+    own_rows: Rows,
+    cap_rows: Rows,
+}
+
+impl Safety {
+    /// For the robot and the layout of χ, with the control period \[s\].
+    ///
+    /// # Errors
+    /// Settings out of range; [`Error::UnknownLink`] for a body on a link that the robot does
+    /// not have; [`Error::JointCount`] for a layout of another robot.
+    pub fn new(
+        model: &RobotModel,
+        state: AugmentedState,
+        settings: SafetySettings,
+        period: f64,
+    ) -> Result<Self, Error> {
+        settings.validate()?;
+        check_count("the layout of χ", state.joints, model.joint_count())?;
+        let separation = ApproachRows::new(state, settings.separation, settings.pairs)?;
+        let SafetySettings { own_deceleration, own_margin, .. } = settings;
+        let between = SeparationSettings::between_own_bodies(period, own_deceleration, own_margin);
+        let own = ApproachRows::new(state, between, settings.own_rows)?;
+        let count = settings.bodies.len();
+        for &(first, second) in &settings.own_pairs {
+            if first.max(second) >= count {
+                let found = first.max(second);
+                return Err(
+                    hrsw::Error::Size { what: "a body's index", found, expected: count }.into()
+                );
+            }
+        }
+        Ok(Self {
+            robot: RobotBodies::new(model, &settings.bodies)?,
+            person: PersonBodies::new(settings.person),
+            last_frame: f64::NEG_INFINITY,
+            contact_speed: 0.0,
+            person_velocity: Vector3::zeros(),
+            nearest: None,
+            supervisor: Supervisor::new(settings.supervisor)?,
+            separation_rows: separation.rows(),
+            own_rows: own.rows(),
+            cap_rows: SpeedCap::rows(state),
+            separation,
+            own,
+            period,
+            settings,
+        })
+    }
+
+    /// Takes a camera frame, and the person as tracked at its time.
+    pub fn observe(&mut self, percept: &Percept, tracked: Option<&PersonPose>) {
+        self.last_frame = self.last_frame.max(percept.time);
+        self.person.observe(percept, tracked);
+    }
+
+    /// Measures the distances at the time `now` \[s\], with the person as `tracked` and whether
+    /// person and robot work together, and tells the supervisor. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::ForeignData`]; [`Error::Workspace`] for numbers that are not finite.
+    pub fn watch(
+        &mut self,
+        model: &RobotModel,
+        data: &RobotData,
+        velocity: &[f64],
+        now: f64,
+        tracked: Option<&PersonPose>,
+        together: bool,
+    ) -> Result<(), Error> {
+        let step = self.settings.contact_acceleration * self.period;
+        let change = if together { step } else { -step };
+        self.contact_speed = (self.contact_speed + change).clamp(0.0, self.settings.contact_speed);
+        self.robot.place(model, data)?;
+        self.person_velocity = self.person.velocity(now, tracked);
+        let separation = *self.separation.settings();
+        let person = self.person.place(now, tracked, &separation, self.contact_speed);
+        let motion = motion(data, velocity, None);
+        let rows = &mut self.separation_rows;
+        let (robot, pairs) = (self.robot.placed(), &self.settings.own_pairs);
+        self.nearest = self.separation.write(&motion, robot, person, rows)?;
+        self.own.write_own(&motion, robot, pairs, &mut self.own_rows)?;
+        let age = (now - self.last_frame).max(0.0);
+        let observation = Observation { nearest: self.nearest, age, fault: None };
+        self.supervisor.update(&observation, self.period);
+        Ok(())
+    }
+
+    /// The rows of the tick; the hard ones admit `braking`, the velocities nearest to rest that the
+    /// joints may take. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::Workspace`] for numbers that are not finite.
+    pub fn bound(
+        &mut self,
+        data: &RobotData,
+        velocity: &[f64],
+        braking: &[f64],
+    ) -> Result<SafetyRows<'_>, Error> {
+        let motion = motion(data, velocity, Some(braking));
+        let cap = self.settings.speed_cap.limit(self.separation.least_distance());
+        SpeedCap::write(&motion, &self.person_velocity, cap, &mut self.cap_rows)?;
+        let (cap, own) = (&self.cap_rows, &self.own_rows);
+        Ok(SafetyRows { cap, separation: &self.separation_rows, own })
+    }
+
+    /// The share of their speeds that the joints may use: at once zero when a protective
+    /// distance is undercut, else the supervisor's.
+    pub fn speed_scale(&self) -> f64 {
+        let too_close = matches!(self.supervisor.cause(), Some(Cause::TooClose(_)));
+        if too_close && self.supervisor.state() == SafetyState::ProtectiveStop {
+            0.0
+        } else {
+            self.supervisor.speed_scale()
+        }
+    }
+
+    /// The safety state and what brought it there.
+    pub fn supervisor(&self) -> &Supervisor {
+        &self.supervisor
+    }
+
+    /// The same, to acknowledge a stop.
+    pub fn supervisor_mut(&mut self) -> &mut Supervisor {
+        &mut self.supervisor
+    }
+
+    /// The pair with the least room above its protective distance.
+    pub fn nearest(&self) -> Option<&Nearest> {
+        self.nearest.as_ref()
+    }
+
+    /// How fast the robot may now come nearer to the arms of the person it works with \[m/s\].
+    pub fn contact_speed(&self) -> f64 {
+        self.contact_speed
+    }
+
+    /// The robot's bodies, in the world.
+    pub fn robot_bodies(&self) -> &[RobotBody] {
+        self.robot.placed()
+    }
+
+    /// The person's bodies as they are taken to be, in the world.
+    pub fn person_bodies(&self) -> &[PersonBody] {
+        self.person.placed()
+    }
+}
+
+fn motion<'a>(
+    data: &'a RobotData,
+    velocity: &'a [f64],
+    braking: Option<&'a [f64]>,
+) -> JointMotion<'a> {
+    let origin = data.world_from_tool().translation.vector;
+    JointMotion { jacobian: data.jacobian(), origin, velocity, braking }
+}

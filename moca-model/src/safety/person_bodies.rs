@@ -1,0 +1,250 @@
+//! The person's capsules, from the keypoints that the camera sees.
+
+use hrsw::{Capsule, PersonBody, SeparationSettings};
+use nalgebra::{Vector2, Vector3};
+use vision_models::{Body, Body25, Percept, PersonPose, TrackStatus};
+
+use super::settings::PersonBodySettings;
+
+/// How a part of the body moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Limb {
+    /// With the pelvis.
+    Body,
+    /// On its own, and it may touch what the robot holds.
+    Arm,
+}
+
+/// A capsule between two joints, continued past the second by a length \[m\].
+struct Part {
+    from: Body25,
+    to: Body25,
+    beyond: f64,
+    radius: f64,
+    limb: Limb,
+}
+
+const fn part(from: Body25, to: Body25, beyond: f64, radius: f64, limb: Limb) -> Part {
+    Part { from, to, beyond, radius, limb }
+}
+
+/// Radii are those of a large adult. Hands and feet are the continuation of forearm and shank.
+const PARTS: [Part; 12] = {
+    use Body25::{
+        LeftAnkle, LeftElbow, LeftHip, LeftKnee, LeftShoulder, LeftWrist, MidHip, Neck, Nose,
+        RightAnkle, RightElbow, RightHip, RightKnee, RightShoulder, RightWrist,
+    };
+    [
+        part(Neck, Nose, 0.0, 0.13, Limb::Body),
+        part(Neck, MidHip, 0.0, 0.15, Limb::Body),
+        part(LeftShoulder, RightShoulder, 0.0, 0.08, Limb::Body),
+        part(LeftHip, RightHip, 0.0, 0.12, Limb::Body),
+        part(LeftShoulder, LeftElbow, 0.0, 0.06, Limb::Arm),
+        part(RightShoulder, RightElbow, 0.0, 0.06, Limb::Arm),
+        part(LeftElbow, LeftWrist, 0.15, 0.06, Limb::Arm),
+        part(RightElbow, RightWrist, 0.15, 0.06, Limb::Arm),
+        part(LeftHip, LeftKnee, 0.0, 0.09, Limb::Body),
+        part(RightHip, RightKnee, 0.0, 0.09, Limb::Body),
+        part(LeftKnee, LeftAnkle, 0.05, 0.08, Limb::Body),
+        part(RightKnee, RightAnkle, 0.05, 0.08, Limb::Body),
+    ]
+};
+
+/// How far a standing trunk may seem to move from frame to frame \[m\].
+const NOISE: f64 = 0.03;
+
+/// Joints that move with the pelvis.
+const ROOT: [Body25; 6] = {
+    use Body25::{LeftHip, LeftShoulder, MidHip, Neck, RightHip, RightShoulder};
+    [Neck, MidHip, LeftShoulder, RightShoulder, LeftHip, RightHip]
+};
+
+/// A joint where it was seen last, and when \[m, s\].
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    place: Vector3<f64>,
+    time: f64,
+    /// Where it was seen in the newest frame, too far away to believe at once.
+    doubtful: Option<Vector3<f64>>,
+}
+
+impl Seen {
+    /// Takes where the joint is in a frame, if it is there; `moved` is how far the trunk moved
+    /// since the frame before. A joint that is missing or doubted moves along with the trunk.
+    fn update(&mut self, place: Option<Vector3<f64>>, time: f64, moved: &Vector3<f64>, gate: f64) {
+        self.place += moved;
+        let expected = self.doubtful.take().map(|doubtful| doubtful + moved);
+        let Some(place) = place else { return };
+        let near = |other: &Vector3<f64>| (place - other).norm() <= gate;
+        if near(&self.place) || expected.as_ref().is_some_and(near) {
+            *self = Self { place, time, doubtful: None };
+        } else {
+            self.doubtful = Some(place);
+        }
+    }
+}
+
+/// The person's capsules, and what is known of their motion.
+#[derive(Debug, Clone)]
+pub(super) struct PersonBodies {
+    settings: PersonBodySettings,
+    joints: [Option<Seen>; Body25::COUNT],
+    newest: f64,
+    /// Since when the tracked person has been where the person is seen.
+    agrees_since: Option<f64>,
+    bodies: Vec<PersonBody>,
+}
+
+impl PersonBodies {
+    pub(super) fn new(settings: PersonBodySettings) -> Self {
+        Self {
+            settings,
+            joints: [None; Body25::COUNT],
+            newest: f64::NEG_INFINITY,
+            agrees_since: None,
+            bodies: Vec::with_capacity(PARTS.len()),
+        }
+    }
+
+    /// Takes a camera frame, and the tracked person at its time. Joints that it misses move along
+    /// with the trunk.
+    pub(super) fn observe(&mut self, percept: &Percept, tracked: Option<&PersonPose>) {
+        let Some(body) = &percept.body else { return };
+        let time = percept.time;
+        let moved = self.displacement(body);
+        let elapsed = time - self.newest;
+        let jumped = moved.norm() > self.settings.jump_speed * elapsed + NOISE;
+        let unsettled = jumped || elapsed > self.settings.gap;
+        for (joint, seen) in Body25::ALL.into_iter().zip(&mut self.joints) {
+            let place = place(body, joint, self.settings.least_confidence);
+            match seen {
+                Some(seen) => seen.update(place, time, &moved, self.settings.limb_gate),
+                None => *seen = place.map(|place| Seen { place, time, doubtful: None }),
+            }
+            if seen.is_some_and(|seen| seen.time == time) {
+                self.newest = time;
+            }
+        }
+        let root = self.root();
+        let agrees = tracked.zip(root).is_some_and(|(person, root)| {
+            person.status == TrackStatus::Tracked
+                && (person.floor.coords - root).norm() <= self.settings.agreement
+        });
+        self.agrees_since =
+            if agrees && !unsettled { self.agrees_since.or(Some(time)) } else { None };
+    }
+
+    /// The capsules at the time `now`; `contact_speed` is for the arms.
+    pub(super) fn place(
+        &mut self,
+        now: f64,
+        tracked: Option<&PersonPose>,
+        separation: &SeparationSettings,
+        contact_speed: f64,
+    ) -> &[PersonBody] {
+        self.bodies.clear();
+        if now - self.newest > self.settings.forget_after {
+            self.joints = [None; Body25::COUNT];
+            return &self.bodies;
+        }
+        let motion = tracked.filter(|person| self.is_measured(person, now));
+        for part in &PARTS {
+            let ends = (self.joints[part.from as usize], self.joints[part.to as usize]);
+            let (Some(from), Some(to)) = ends else { continue };
+            let middle = (from.place + to.place) * 0.5;
+            let velocity = motion.and_then(|person| part.velocity(person, &middle, contact_speed));
+            let fastest = velocity
+                .map_or(separation.human_speed, |v| v.norm() + separation.human_speed_uncertainty);
+            // The reaction time covers the age of a frame; what is older may be anywhere near.
+            let age = (now - from.time.min(to.time) - separation.reaction_time).max(0.0);
+            let along = to.place - from.place;
+            let beyond = along.try_normalize(1e-9).unwrap_or_default() * part.beyond;
+            let radius = part.radius + fastest * age;
+            if let Ok(capsule) = Capsule::new(from.place, to.place + beyond, radius) {
+                let contact_speed = if part.limb == Limb::Arm { contact_speed } else { 0.0 };
+                self.bodies.push(PersonBody { capsule, velocity, contact_speed });
+            }
+        }
+        &self.bodies
+    }
+
+    /// As placed last.
+    pub(super) fn placed(&self) -> &[PersonBody] {
+        &self.bodies
+    }
+
+    /// Where the velocity of a person counts as measured, that of the floor point below them
+    /// \[m/s\]; else zero.
+    pub(super) fn velocity(&self, now: f64, tracked: Option<&PersonPose>) -> Vector3<f64> {
+        let person = tracked.filter(|person| self.is_measured(person, now));
+        person.map_or(Vector3::zeros(), |person| person.velocity.push(0.0))
+    }
+
+    fn is_measured(&self, person: &PersonPose, now: f64) -> bool {
+        person.status.is_usable()
+            && person.age <= self.settings.believed_for
+            && self.agrees_since.is_some_and(|since| now - since >= self.settings.settling)
+    }
+
+    /// How far the trunk moved since the frame before: the median of its joints, by axis, so that
+    /// one that is misplaced does not count.
+    fn displacement(&self, body: &Body) -> Vector3<f64> {
+        let mut moved = [Vector3::zeros(); ROOT.len()];
+        let mut count = 0;
+        for joint in ROOT {
+            let now = place(body, joint, self.settings.least_confidence);
+            if let (Some(now), Some(before)) = (now, self.joints[joint as usize])
+                && let Some(slot) = moved.get_mut(count)
+            {
+                *slot = now - before.place;
+                count += 1;
+            }
+        }
+        let Some(moved) = moved.get_mut(..count).filter(|moved| !moved.is_empty()) else {
+            return Vector3::zeros();
+        };
+        Vector3::from_fn(|axis, _| {
+            moved.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
+            moved[moved.len() / 2][axis]
+        })
+    }
+
+    /// Below the middle of the trunk, of the joints in the newest frame.
+    fn root(&self) -> Option<Vector2<f64>> {
+        let (mut sum, mut count) = (Vector2::zeros(), 0.0);
+        for seen in ROOT.iter().filter_map(|&joint| self.joints[joint as usize]) {
+            if seen.time == self.newest {
+                sum += seen.place.xy();
+                count += 1.0;
+            }
+        }
+        (count > 0.0).then(|| sum / count)
+    }
+}
+
+impl Part {
+    /// Of its middle, with the person's walking and turning; none where it is not known.
+    fn velocity(
+        &self,
+        person: &PersonPose,
+        middle: &Vector3<f64>,
+        contact_speed: f64,
+    ) -> Option<Vector3<f64>> {
+        let arm = middle.xy() - person.floor.coords;
+        let turning = Vector2::new(-arm.y, arm.x) * person.heading_rate;
+        let carried = (person.velocity + turning).push(0.0);
+        match self.limb {
+            Limb::Body => Some(carried),
+            Limb::Arm => (contact_speed > 0.0).then_some(carried),
+        }
+    }
+}
+
+/// Where a joint is seen, if it is seen well enough.
+fn place(body: &Body, joint: Body25, least_confidence: f64) -> Option<Vector3<f64>> {
+    let keypoint = body.get(joint)?;
+    let place = keypoint.position.coords;
+    let good = keypoint.confidence.value() >= least_confidence
+        && place.iter().all(|coordinate| coordinate.is_finite());
+    good.then_some(place)
+}
