@@ -42,7 +42,7 @@ pub trait Sheet: Default + 'static {
 /// let mut scored = Vec::new();
 /// assert_eq!(score_table::<Worksheet>(table.as_bytes(), &mut scored)?, 1);
 /// let scored = String::from_utf8(scored)?;
-/// assert!(scored.ends_with("\n70,10,0,30,80,0,1,4,1,2,1,1,3,3,1,1,2,2,1,2,0.827_968_75\n"));
+/// assert!(scored.ends_with("\n70,10,0,30,80,0,1,4,1,2,1,1,3,3,1,1,2,2,1,2,0.8279687499999999\n"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
