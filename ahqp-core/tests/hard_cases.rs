@@ -115,29 +115,25 @@ fn equalities_repeated_within_and_across_levels() {
 #[test]
 fn directions_between_levels_that_differ_little() {
     // aᵀx = 1, then (a + εd)ᵀx = 1.5 with a, d orthonormal: x = a + (0.5/ε)d, if within ±10.
-    for exponent in [3, 5, 7, 9] {
-        let epsilon = 10.0_f64.powi(-exponent);
+    let solve = |epsilon: f64| {
         let (a, d) = (dmatrix![0.6, 0.8, 0.0], dmatrix![0.0, 0.0, 1.0]);
         let levels = [
             equalities(&a, &dvector![1.0]),
             equalities(&(&a + &d * epsilon), &dvector![1.5]),
             towards(&DVector::zeros(3)),
         ];
-        let solution = solved(&boxed(hierarchy(3, levels), 10.0));
+        solved(&boxed(hierarchy(3, levels), 10.0))
+    };
+    for exponent in [3, 5, 7, 9] {
+        let epsilon = 10.0_f64.powi(-exponent);
+        let solution = solve(epsilon);
         // The bound stops it long before.
         assert_near(solution.x(), &[0.6, 0.8, 10.0], 1e-6);
         assert!((solution.violations()[1] - (0.5 - 10.0 * epsilon)).abs() < 1e-9);
     }
     // Below the rank tolerance the second level is told nothing new, and gives up.
     for exponent in [11, 13] {
-        let epsilon = 10.0_f64.powi(-exponent);
-        let (a, d) = (dmatrix![0.6, 0.8, 0.0], dmatrix![0.0, 0.0, 1.0]);
-        let levels = [
-            equalities(&a, &dvector![1.0]),
-            equalities(&(&a + &d * epsilon), &dvector![1.5]),
-            towards(&DVector::zeros(3)),
-        ];
-        let solution = solved(&boxed(hierarchy(3, levels), 10.0));
+        let solution = solve(10.0_f64.powi(-exponent));
         assert_near(solution.x(), &[0.6, 0.8, 0.0], 1e-9);
     }
 }

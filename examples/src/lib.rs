@@ -3,6 +3,7 @@
 pub mod ergonomics;
 pub mod follow;
 pub mod hqp_file;
+mod random;
 pub mod recording;
 pub mod report;
 pub mod score_rows;

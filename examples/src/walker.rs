@@ -27,7 +27,7 @@ use std::io::Write;
 
 use nalgebra::{Point2, Vector2};
 use rand::Rng;
-use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use vision_models::{Action, Percept, Tool};
 
 pub use camera::CameraSettings;
@@ -35,6 +35,7 @@ pub use error::WalkerError;
 pub use path::{WalkingPath, Waypoint};
 pub use settings::WalkerSettings;
 
+use crate::random;
 use crate::recording::{Header, RecordingError, Writer};
 use camera::Camera;
 use motion::Motion;
@@ -188,7 +189,5 @@ enum Stream {
 }
 
 fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    generator.set_stream(stream as u64);
-    generator
+    random::generator(seed, stream as u64)
 }

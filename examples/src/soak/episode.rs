@@ -10,13 +10,13 @@ use moca_model::{
 use nalgebra::{Matrix3, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 
 use super::body::{self, Joints};
 use super::camera::Camera;
 use super::monitor::{Monitor, Tick};
 use super::person::Person;
 use super::task::{POSITION_ROWS, Task};
+use crate::random;
 
 /// What a generator is for.
 #[derive(Clone, Copy)]
@@ -28,9 +28,7 @@ enum Stream {
 }
 
 fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    generator.set_stream(stream as u64);
-    generator
+    random::generator(seed, stream as u64)
 }
 
 /// The closed loop.
