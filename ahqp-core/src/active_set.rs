@@ -83,8 +83,8 @@ pub(crate) struct ActiveSet {
     pub(crate) least_squares: LeastSquares,
     pub(crate) x: Vec<f64>,
     pub(crate) state: Vec<RowState>,
-    /// Hard rows in play that are not fixed.
-    pub(crate) hard: Vec<usize>,
+    /// Runs of rows among which hard ones are in play: inside, or in the working set.
+    pub(crate) in_play: Vec<Range<usize>>,
     /// aᵢx for the rows in play.
     pub(crate) value: Vec<f64>,
     /// w of rows of the objective that are inside, on its way to zero.
@@ -121,7 +121,7 @@ impl ActiveSet {
             least_squares: LeastSquares::new(most.unwrap_or(0), n),
             x: vec![0.0; n],
             state: vec![RowState::Absent; count],
-            hard: Vec::with_capacity(count),
+            in_play: Vec::with_capacity(2 * table.levels.len() + 1),
             value: vec![0.0; count],
             residual: vec![0.0; count],
             multipliers: vec![0.0; n],
@@ -145,7 +145,8 @@ impl ActiveSet {
     /// active in the hint are active from the start.
     pub(crate) fn reset(&mut self, start: &[f64]) {
         self.pulled.clear(false);
-        self.hard.clear();
+        self.in_play.clear();
+        self.in_play.push(0..self.table.n);
         self.state.fill(RowState::Absent);
         self.iterations = 0;
         for (i, near) in start.iter().enumerate() {
@@ -156,7 +157,6 @@ impl ActiveSet {
                 _ => near.clamp(lower, upper),
             };
             if lower.is_finite() || upper.is_finite() {
-                self.hard.push(i);
                 self.state[i] = RowState::Inside;
                 self.value[i] = self.x[i];
             }
@@ -203,9 +203,12 @@ impl ActiveSet {
     /// Puts hard rows in play that hold at x.
     pub(crate) fn place_hard(&mut self, rows: Range<usize>) {
         self.table.multiply(rows.clone(), &self.x, &mut self.value);
+        if !rows.is_empty() {
+            self.in_play.push(rows.clone());
+        }
         for id in rows {
             self.state[id] = RowState::Inside;
-            self.hard.push(id);
+            self.residual[id] = 0.0;
             if self.table.is_equality(id) {
                 self.activate(id, RowState::Equal);
             } else if self.is_at_hint(id) {

@@ -121,11 +121,10 @@ impl Basis {
     /// Puts a row that lies in the active directions and the first free one into the working set;
     /// that direction becomes active.
     pub(crate) fn append_active(&mut self, id: usize, row: RowView<'_>) {
-        let count = self.active.len();
-        for j in 0..=count {
-            let value = row.dot(self.vector(self.fixed + j));
-            self.triangular[count * self.n + j] = value;
-        }
+        let (n, count) = (self.n, self.active.len());
+        let mut triangular = std::mem::take(&mut self.triangular);
+        self.coordinates_from(self.fixed, row, &mut triangular[count * n..=count * n + count]);
+        self.triangular = triangular;
         self.active.push(id);
     }
 
@@ -194,6 +193,17 @@ impl Basis {
         self.coordinates_from(self.fixed, row, &mut out[..self.active.len()]);
     }
 
+    /// Begins a run of [`rotate_with_active`](Self::rotate_with_active): the triangular factor is
+    /// copied with its columns in one piece.
+    pub(crate) fn begin_turning(&mut self) {
+        let (n, count) = (self.n, self.active.len());
+        for (i, row) in self.triangular.chunks_exact(n).enumerate().take(count) {
+            for (column, &entry) in self.spare.chunks_exact_mut(n).zip(&row[..=i]) {
+                column[i] = entry;
+            }
+        }
+    }
+
     /// Rotates free direction `free` with active direction `i`. `fill` holds what the rows of the
     /// working set have along the free one; zero before `i`.
     pub(crate) fn rotate_with_active(
@@ -205,15 +215,25 @@ impl Basis {
         fill: &mut [f64],
     ) {
         let (n, count) = (self.n, self.active.len());
-        for (row, x) in self.triangular[i * n..count * n].chunks_exact_mut(n).zip(&mut fill[i..]) {
-            let y = row[i];
-            (*x, row[i]) = (cosine * *x + sine * y, cosine * y - sine * *x);
+        let column = &mut self.spare[i * n + i..i * n + count];
+        for (x, y) in fill[i..count].iter_mut().zip(column) {
+            (*x, *y) = (cosine * *x + sine * *y, cosine * *y - sine * *x);
         }
         self.rotations.push(Rotation { first: count + free, second: i, cosine, sine });
     }
 
     /// Ends a run of [`rotate_with_active`](Self::rotate_with_active).
-    pub(crate) fn apply_rotations(&mut self) {
+    pub(crate) fn end_turning(&mut self) {
+        let (n, count) = (self.n, self.active.len());
+        for (i, row) in self.triangular.chunks_exact_mut(n).enumerate().take(count) {
+            for (column, entry) in self.spare.chunks_exact(n).zip(&mut row[..=i]) {
+                *entry = column[i];
+            }
+        }
+        self.apply_rotations();
+    }
+
+    fn apply_rotations(&mut self) {
         let data = &mut self.vectors[self.fixed * self.n..];
         rotate_rows(&mut RowsMut { data, stride: self.n }, &self.rotations);
         self.rotations.clear();

@@ -6,11 +6,30 @@
 //! coordinates y = Qᵀx which a level decides are those that no level above has used. Coordinates
 //! that no level decides stay zero: the least norm.
 
+mod point;
+#[cfg(test)]
+mod tests;
+mod update;
+
+use std::ops::Range;
+
 use crate::active_set::{RowState, bound};
-use crate::kernels::{FourReflections, RowsMut, reflect_rows, reflect_rows_four};
+use crate::kernels::{
+    BlockFactor, FourReflections, Rotation, RowsMut, reflect_rows, reflect_rows_four,
+};
 use crate::table::RowTable;
-use crate::tall::solve_tall;
-use crate::vector::{add_scaled, dot, norm, reflector};
+use crate::vector::{dot, reflector};
+
+/// Rotations kept, in numbers of variables, before everything is factored anew.
+const ROTATIONS: usize = 24;
+
+/// Numbers that the kernels take at a time.
+const LANES: usize = 4;
+
+/// Where the lanes begin in which `index` lies.
+fn aligned(index: usize) -> usize {
+    index - index % LANES
+}
 
 /// What a group of stacked rows is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,16 +59,20 @@ pub(crate) struct Group {
 #[derive(Debug, Clone)]
 pub(crate) struct Factorisation {
     n: usize,
-    /// Variables that are not at a bound.
+    /// Entries from row to row: n, and zeros up to whole lanes.
+    stride: usize,
+    /// Variables that are not at a bound, in the order of the columns.
     pub(crate) free: Vec<usize>,
     /// Variables that are, in the order of the variables.
     pub(crate) bounded: Vec<usize>,
     /// Rows of the table, stacked; pivots of a group stand first in it.
     pub(crate) stacked: Vec<usize>,
     pub(crate) groups: Vec<Group>,
-    /// L, a stacked row in `n` entries.
+    /// L, a stacked row in `stride` entries.
     rows: Vec<f64>,
     target: Vec<f64>,
+    /// What the variables at a bound add to each row of the table.
+    known: Vec<f64>,
     /// Of stacked rows, the square of what no pivot has taken, and what it was when computed last.
     rest: Vec<f64>,
     measured: Vec<f64>,
@@ -59,6 +82,15 @@ pub(crate) struct Factorisation {
     pub(crate) pivots: Vec<usize>,
     reflectors: Vec<f64>,
     tau: Vec<f64>,
+    /// What makes one of four reflections, for every four of them.
+    blocks: Vec<BlockFactor>,
+    /// Variables behind the free ones in order, in the places of those at a bound.
+    moved: Vec<usize>,
+    /// How many variables were free, how many reflections there are, and by what the coordinates
+    /// have been rotated since.
+    reflected: usize,
+    reflections: usize,
+    rotations: Vec<Rotation>,
     y: Vec<f64>,
     turned: Vec<f64>,
     tall: Vec<f64>,
@@ -71,22 +103,30 @@ pub(crate) struct Factorisation {
 impl Factorisation {
     pub(crate) fn new(table: &RowTable) -> Self {
         let (n, count) = (table.n, table.len());
+        let stride = n.next_multiple_of(LANES);
         Self {
             n,
+            stride,
             free: Vec::with_capacity(n),
             bounded: Vec::with_capacity(n),
             stacked: Vec::with_capacity(count),
             groups: Vec::with_capacity(2 * table.levels.len()),
-            rows: vec![0.0; count * n],
+            rows: vec![0.0; count * stride],
             target: vec![0.0; count],
+            known: vec![0.0; count],
             rest: vec![0.0; count],
             measured: vec![0.0; count],
             square: vec![0.0; count],
             pivots: Vec::with_capacity(n),
-            reflectors: vec![0.0; n * n],
+            reflectors: vec![0.0; n * stride],
             tau: vec![0.0; n],
+            blocks: Vec::with_capacity(n / LANES),
+            moved: Vec::with_capacity(n),
+            reflected: 0,
+            reflections: 0,
+            rotations: Vec::with_capacity(ROTATIONS * n),
             y: vec![0.0; n],
-            turned: vec![0.0; n],
+            turned: vec![0.0; stride],
             tall: vec![0.0; count * n],
             tall_target: vec![0.0; count],
             linear: vec![0.0; table.levels.len() * n],
@@ -105,14 +145,13 @@ impl Factorisation {
         self.take_bounds(table, state);
         self.stack(table, state);
         self.pivots.clear();
+        self.blocks.clear();
+        self.rotations.clear();
         for group in 0..self.groups.len() {
             self.eliminate(group, tolerance);
-            if !self.decide(table, group, tolerance) {
-                return false;
-            }
         }
-        self.turn_back();
-        true
+        (self.reflected, self.reflections) = (self.free.len(), self.pivots.len());
+        self.find_point(table, tolerance)
     }
 
     fn take_bounds(&mut self, table: &RowTable, state: &[RowState]) {
@@ -120,14 +159,21 @@ impl Factorisation {
         self.bounded.clear();
         self.x.fill(0.0);
         for i in 0..self.n {
-            match state[i] {
-                RowState::Lower | RowState::Upper | RowState::Equal => {
-                    self.x[i] = bound(table, state, i);
-                    self.bounded.push(i);
-                }
-                _ => self.free.push(i),
+            if state[i].is_active() {
+                self.x[i] = bound(table, state, i);
+                self.bounded.push(i);
             }
         }
+        // Free variables keep their places, but for the last, which fill the places of the others.
+        let k = self.n - self.bounded.len();
+        self.free.extend(0..k);
+        self.moved.clear();
+        self.moved.extend((k..self.n).filter(|&i| !state[i].is_active()));
+        for (&place, &variable) in self.bounded.iter().zip(&self.moved) {
+            self.free[place] = variable;
+        }
+        // x is zero but for the variables at a bound.
+        table.multiply(self.n..table.len(), &self.x, &mut self.known);
     }
 
     fn stack(&mut self, table: &RowTable, state: &[RowState]) {
@@ -139,12 +185,14 @@ impl Factorisation {
                 (Purpose::Held, rows.constraints.clone(), None),
                 (Purpose::Minimised, rows.used_objective(), linear_of),
             ] {
-                let start = self.stacked.len();
+                let (start, of_level) = (self.stacked.len(), ids.clone());
                 for id in ids.filter(|&id| state[id].is_active() && table.row(id).norm() > 0.0) {
                     self.push(table, state, id);
                 }
                 let end = self.stacked.len();
-                if end > start || linear_of.is_some() {
+                // Bounds that become active later join the first group.
+                let first = purpose == Purpose::Held && level == 0;
+                if first || !of_level.is_empty() || linear_of.is_some() {
                     let (rank, first_pivot) = (0, 0);
                     self.groups.push(Group {
                         level,
@@ -163,22 +211,25 @@ impl Factorisation {
     fn push(&mut self, table: &RowTable, state: &[RowState], id: usize) {
         let at = self.stacked.len();
         let coefficients = table.coefficients(id);
-        let row = &mut self.rows[at * self.n..at * self.n + self.free.len()];
-        for (entry, &variable) in row.iter_mut().zip(&self.free) {
-            *entry = coefficients[variable];
+        let row = &mut self.rows[at * self.stride..(at + 1) * self.stride];
+        row[..self.n].copy_from_slice(coefficients);
+        for (&place, &variable) in self.bounded.iter().zip(&self.moved) {
+            row[place] = coefficients[variable];
         }
-        let known: f64 = self.bounded.iter().map(|&i| coefficients[i] * self.x[i]).sum();
-        self.target[at] = bound(table, state, id) - known;
+        row[self.free.len()..].fill(0.0);
+        self.target[at] = bound(table, state, id) - self.known[id];
         self.square[at] = table.row(id).norm().powi(2);
         self.stacked.push(id);
     }
 
     /// Reflections that turn the group's rows onto coordinates of their own.
     fn eliminate(&mut self, group: usize, tolerance: f64) {
-        let (n, k) = (self.n, self.free.len());
+        let (n, k) = (self.stride, self.free.len());
+        let whole = k.next_multiple_of(LANES);
         let Group { start, end, .. } = self.groups[group];
         let first_pivot = self.pivots.len();
         self.groups[group].first_pivot = first_pivot;
+        self.turn_rows(start..end);
         self.measure(start..end, first_pivot);
         for at in start..end {
             let step = self.pivots.len();
@@ -189,60 +240,66 @@ impl Factorisation {
             self.swap(at, pivot);
             let (above, below) = self.rows.split_at_mut((at + 1) * n);
             let row = &mut above[at * n + step..at * n + k];
-            let reflection = &mut self.reflectors[step * n..step * n + k];
-            reflection[first_pivot..step].fill(0.0);
-            let v = &mut reflection[step..];
+            let reflection = &mut self.reflectors[step * n..step * n + whole];
+            reflection[aligned(step)..step].fill(0.0);
+            reflection[k..].fill(0.0);
+            let v = &mut reflection[step..k];
             v.copy_from_slice(row);
             let (tau, image) = reflector(v);
             row[0] = image;
             self.tau[step] = tau;
             let data = &mut below[..(end - at - 1) * n];
-            reflect_rows(&mut RowsMut { data, stride: n }, step, v, tau);
+            let first = aligned(step);
+            reflect_rows(&mut RowsMut { data, stride: n }, first, &reflection[first..], tau);
             let taken = self.rows.iter().skip((at + 1) * n + step).step_by(n);
             for (rest, entry) in self.rest[at + 1..end].iter_mut().zip(taken) {
                 *rest -= entry * entry;
             }
             self.pivots.push(at);
             self.groups[group].rank += 1;
+            if self.pivots.len().is_multiple_of(LANES) {
+                let block = self.pivots.len() / LANES - 1;
+                self.blocks.push(BlockFactor::new(self.block(block), &self.tau[block * LANES..]));
+            }
         }
-        self.turn_below(end, first_pivot);
     }
 
-    /// Turns the rows of later groups by the reflections from `first` on.
-    fn turn_below(&mut self, end: usize, first: usize) {
-        let (n, k, rank) = (self.n, self.free.len(), self.pivots.len());
-        let stride = n;
-        let data = &mut self.rows[end * n..self.stacked.len() * n];
-        let mut step = first;
-        while step + 4 <= rank {
-            let v = |i: usize| &self.reflectors[(step + i) * n + step..(step + i) * n + k];
-            let tau = std::array::from_fn(|i| self.tau[step + i]);
-            let four = FourReflections::new([v(0), v(1), v(2), v(3)], tau);
-            reflect_rows_four(&mut RowsMut { data, stride }, step, &four);
-            step += 4;
+    /// Turns rows by the reflections so far.
+    fn turn_rows(&mut self, rows: Range<usize>) {
+        let stride = self.stride;
+        let whole = self.free.len().next_multiple_of(LANES);
+        let mut all = std::mem::take(&mut self.rows);
+        let data = &mut all[rows.start * stride..rows.end * stride];
+        for (block, factor) in self.blocks.iter().enumerate() {
+            let four = FourReflections::new(self.block(block), factor);
+            reflect_rows_four(&mut RowsMut { data, stride }, block * LANES, &four);
         }
-        for step in step..rank {
-            let v = &self.reflectors[step * n + step..step * n + k];
-            reflect_rows(&mut RowsMut { data, stride }, step, v, self.tau[step]);
+        for step in self.blocks.len() * LANES..self.pivots.len() {
+            let from = aligned(step);
+            let v = &self.reflectors[step * stride..][from..whole];
+            reflect_rows(&mut RowsMut { data, stride }, from, v, self.tau[step]);
         }
+        self.rows = all;
+    }
+
+    /// Four reflectors, over the lanes from the first one's on.
+    fn block(&self, block: usize) -> [&[f64]; LANES] {
+        let whole = self.free.len().next_multiple_of(LANES);
+        let first = block * LANES;
+        std::array::from_fn(|i| &self.reflectors[(first + i) * self.stride..][first..whole])
     }
 
     /// Squares of what remains of rows from column `step` on.
-    fn measure(&mut self, rows: std::ops::Range<usize>, step: usize) {
+    fn measure(&mut self, rows: Range<usize>, step: usize) {
         for at in rows {
-            let row = &self.rows[at * self.n + step..at * self.n + self.free.len()];
+            let row = &self.rows[at * self.stride + step..at * self.stride + self.free.len()];
             self.rest[at] = dot(row, row);
             self.measured[at] = self.rest[at];
         }
     }
 
     /// The row with the largest remainder relative to its norm.
-    fn best_row(
-        &mut self,
-        rows: std::ops::Range<usize>,
-        step: usize,
-        tolerance: f64,
-    ) -> Option<usize> {
+    fn best_row(&mut self, rows: Range<usize>, step: usize, tolerance: f64) -> Option<usize> {
         // Of a remainder that has shrunk much, little is left but rounding.
         let shrunk = |(rest, measured): (&f64, &f64)| *rest < 1e-4 * *measured;
         let first = rows.start;
@@ -268,7 +325,7 @@ impl Factorisation {
 
     fn swap(&mut self, i: usize, j: usize) {
         if i != j {
-            let n = self.n;
+            let n = self.stride;
             let (head, tail) = self.rows.split_at_mut(j * n);
             head[i * n..(i + 1) * n].swap_with_slice(&mut tail[..n]);
             self.target.swap(i, j);
@@ -277,130 +334,5 @@ impl Factorisation {
             self.measured.swap(i, j);
             self.square.swap(i, j);
         }
-    }
-
-    /// The coordinates that the group decides; false if its linear term has no minimum.
-    fn decide(&mut self, table: &RowTable, group: usize, tolerance: f64) -> bool {
-        let n = self.n;
-        let Group { purpose, start, end, rank, first_pivot, linear_of, .. } = self.groups[group];
-        if let Some(level) = linear_of {
-            let decided = first_pivot + rank;
-            let size = self.turn_linear(table, level);
-            if norm(&self.linear[level * n + decided..level * n + self.free.len()])
-                > tolerance * size
-            {
-                return false;
-            }
-            self.decide_tall(start, end, rank, first_pivot, linear_of);
-        } else if purpose == Purpose::Held || rank == end - start {
-            for (offset, at) in (start..start + rank).enumerate() {
-                let pivot = first_pivot + offset;
-                let row = &self.rows[at * n..(at + 1) * n];
-                let known = dot(&row[..pivot], &self.y[..pivot]);
-                self.y[pivot] = (self.target[at] - known) / row[pivot];
-            }
-        } else if rank > 0 {
-            self.decide_tall(start, end, rank, first_pivot, None);
-        }
-        true
-    }
-
-    /// Takes a level's linear term into the coordinates y; its size.
-    fn turn_linear(&mut self, table: &RowTable, level: usize) -> f64 {
-        let (n, k) = (self.n, self.free.len());
-        let source = &table.levels[level].linear;
-        let linear = &mut self.linear[level * n..level * n + k];
-        for (entry, &variable) in linear.iter_mut().zip(&self.free) {
-            *entry = source[variable];
-        }
-        for step in 0..self.pivots.len() {
-            let v = &self.reflectors[step * n + step..step * n + k];
-            let part = &mut linear[step..];
-            let weight = self.tau[step] * dot(part, v);
-            add_scaled(part, -weight, v);
-        }
-        norm(source)
-    }
-
-    /// min ½‖L t − c‖² + d₁ᵀt over the group's own coordinates t, L tall.
-    fn decide_tall(
-        &mut self,
-        start: usize,
-        end: usize,
-        rank: usize,
-        first: usize,
-        linear_of: Option<usize>,
-    ) {
-        let (n, m) = (self.n, end - start);
-        for (i, at) in (start..end).enumerate() {
-            let row = &self.rows[at * n..at * n + first + rank];
-            self.tall_target[i] = self.target[at] - dot(&row[..first], &self.y[..first]);
-            for (column, &entry) in row[first..].iter().enumerate() {
-                self.tall[column * m + i] = if column <= i { entry } else { 0.0 };
-            }
-        }
-        let linear = linear_of.map(|level| {
-            let from = &self.linear[level * n + first..level * n + first + rank];
-            let to = &mut self.turned[..rank];
-            to.copy_from_slice(from);
-            to
-        });
-        let out = &mut self.y[first..first + rank];
-        solve_tall(&mut self.tall[..rank * m], &mut self.tall_target[..m], linear, out);
-    }
-
-    /// x from y.
-    fn turn_back(&mut self) {
-        let (n, k, rank) = (self.n, self.free.len(), self.pivots.len());
-        // y is read again for multipliers: turn a copy.
-        let z = &mut self.turned;
-        z[..rank].copy_from_slice(&self.y[..rank]);
-        z[rank..k].fill(0.0);
-        for step in (0..rank).rev() {
-            let v = &self.reflectors[step * n + step..step * n + k];
-            reflect_rows(&mut RowsMut { data: &mut z[..k], stride: k }, step, v, self.tau[step]);
-        }
-        for (&variable, &value) in self.free.iter().zip(z.iter()) {
-            self.x[variable] = value;
-        }
-    }
-}
-
-impl Factorisation {
-    /// Multipliers μ of the pivots before `first_pivot` that balance a gradient whose
-    /// coordinates stand in `coordinates`: Σ μᵢ Lᵢ = −coordinates. Overwrites it with μ.
-    pub(crate) fn balance(&self, coordinates: &mut [f64]) {
-        let n = self.n;
-        for pivot in (0..coordinates.len()).rev() {
-            let at = self.pivots[pivot];
-            let row = &self.rows[at * n..(at + 1) * n];
-            let multiplier = -coordinates[pivot] / row[pivot];
-            add_scaled(&mut coordinates[..pivot], multiplier, &row[..pivot]);
-            coordinates[pivot] = multiplier;
-        }
-    }
-
-    /// Adds `weight` times the first coordinates of a stacked row.
-    pub(crate) fn add_row(&self, at: usize, weight: f64, coordinates: &mut [f64]) {
-        let row = &self.rows[at * self.n..at * self.n + coordinates.len()];
-        add_scaled(coordinates, weight, row);
-    }
-
-    /// Adds `weight` times the entries of a row that belong to variables at a bound.
-    pub(crate) fn add_at_bounds(&self, row: &[f64], weight: f64, gradient: &mut [f64]) {
-        for &variable in &self.bounded {
-            gradient[variable] += weight * row[variable];
-        }
-    }
-
-    /// Adds the first coordinates of a level's linear term.
-    pub(crate) fn add_linear(&self, level: usize, coordinates: &mut [f64]) {
-        let linear = &self.linear[level * self.n..level * self.n + coordinates.len()];
-        add_scaled(coordinates, 1.0, linear);
-    }
-
-    /// y, the coordinates decided.
-    pub(crate) fn decided(&self) -> &[f64] {
-        &self.y[..self.pivots.len()]
     }
 }

@@ -26,28 +26,38 @@ pub(crate) struct Rotation {
     pub(crate) sine: f64,
 }
 
-/// Four reflections as one, I − V T Vᵀ = H₀ H₁ H₂ H₃ (Schreiber & Van Loan, SIAM Journal on
-/// Scientific and Statistical Computing 10, 1989): the columns of V, all of one length, and T,
-/// row after row.
-#[derive(Debug)]
-pub(crate) struct FourReflections<'a> {
-    v: [&'a [f64]; 4],
-    t: [[f64; 4]; 4],
-}
+/// T of four reflections as one, I − V T Vᵀ = H₀ H₁ H₂ H₃ (Schreiber & Van Loan, SIAM Journal on
+/// Scientific and Statistical Computing 10, 1989), row after row.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BlockFactor([[f64; 4]; 4]);
 
-impl<'a> FourReflections<'a> {
-    pub(crate) fn new(v: [&'a [f64]; 4], tau: [f64; 4]) -> Self {
+impl BlockFactor {
+    /// From the columns of V, all of one length.
+    pub(crate) fn new(v: [&[f64]; 4], tau: &[f64]) -> Self {
         let mut t = [[0.0; 4]; 4];
-        for j in 0..4 {
+        for (j, &tau) in tau.iter().enumerate().take(4) {
             let along: [f64; 4] =
                 std::array::from_fn(|i| if i < j { crate::vector::dot(v[i], v[j]) } else { 0.0 });
             for (i, row) in t.iter_mut().enumerate().take(j) {
                 let sum: f64 = (i..j).map(|l| row[l] * along[l]).sum();
-                row[j] = -tau[j] * sum;
+                row[j] = -tau * sum;
             }
-            t[j][j] = tau[j];
+            t[j][j] = tau;
         }
-        Self { v, t }
+        Self(t)
+    }
+}
+
+/// Four reflections as one: V and T.
+#[derive(Debug)]
+pub(crate) struct FourReflections<'a> {
+    v: [&'a [f64]; 4],
+    t: &'a [[f64; 4]; 4],
+}
+
+impl<'a> FourReflections<'a> {
+    pub(crate) fn new(v: [&'a [f64]; 4], factor: &'a BlockFactor) -> Self {
+        Self { v, t: &factor.0 }
     }
 }
 
@@ -200,7 +210,8 @@ mod tests {
             for (length, left) in [(columns - start, false), (rows, true)] {
                 let v: [&[f64]; 4] = std::array::from_fn(|i| &vectors[i * 23..i * 23 + length]);
                 let tau = v.map(|v| 2.0 / v.iter().map(|x| x * x).sum::<f64>());
-                let four = FourReflections::new(v, tau);
+                let factor = BlockFactor::new(v, &tau);
+                let four = FourReflections::new(v, &factor);
                 let mut expected = matrix.to_vec();
                 let (mut plain, mut fast) = (matrix.to_vec(), matrix.to_vec());
                 for (v, tau) in v.into_iter().zip(tau) {

@@ -10,7 +10,9 @@
 //! but not rounding, the rows are given up and the caller factors with pivoting instead.
 
 use crate::basis::Basis;
-use crate::kernels::{FourReflections, Rotation, RowsMut, reflect_rows};
+use crate::kernels::{
+    BlockFactor, FourReflections, Rotation, RowsMut, multiply_rows, reflect_rows,
+};
 use crate::table::{RowTable, RowView};
 use crate::vector::{add_scaled, dot, length, norm, reflector, solve_positive_definite};
 
@@ -55,7 +57,7 @@ impl Pulled {
             coordinates: vec![0.0; n],
             rotations: Vec::with_capacity(n),
             target: vec![0.0; rows],
-            weights: vec![0.0; rows * n],
+            weights: vec![0.0; (rows + 1) * n],
             system: vec![0.0; n * n],
             step: vec![0.0; n],
             reflections: vec![0.0; n * n],
@@ -124,8 +126,9 @@ impl Pulled {
         let fours = self.rank / 4 * 4;
         for first in (0..fours).step_by(4) {
             let v = |i: usize| &self.reflections[(first + i) * n + first..(first + i) * n + k];
-            let tau = std::array::from_fn(|i| self.tau[first + i]);
-            let four = FourReflections::new([v(0), v(1), v(2), v(3)], tau);
+            let v = [v(0), v(1), v(2), v(3)];
+            let factor = BlockFactor::new(v, &self.tau[first..]);
+            let four = FourReflections::new(v, &factor);
             basis.reflect_free_four(first, &four);
         }
         for j in fours..self.rank {
@@ -286,28 +289,34 @@ impl Pulled {
     /// Turns the pulled directions so that the pivots have no part along the directions of weak
     /// rows of the working set.
     fn turn_from_weak(&mut self, basis: &mut Basis, table: &RowTable, weak: &[bool]) {
-        let (n, rank, count) = (self.coordinates.len(), self.rank, basis.active().len());
-        for (along, &id) in self.weights.chunks_exact_mut(n).zip(&self.rows[..rank]) {
+        let (rank, count) = (self.rank, basis.active().len());
+        // Of every weak row of the working set, what the pivots have along its direction.
+        let along_weak = &mut self.weights[..count * rank];
+        for (row, &id) in self.rows[..rank].iter().enumerate() {
+            let along = &mut self.coordinates[..count];
             basis.active_coordinates(table.row(id), along);
+            for (entries, &entry) in along_weak.chunks_exact_mut(rank).zip(along.iter()) {
+                entries[row] = entry;
+            }
         }
+        basis.begin_turning();
         for j in 0..rank {
             let fill = &mut self.coordinates;
             fill.fill(0.0);
+            let column = &mut self.columns[j * self.stride + j..j * self.stride + rank];
             // From the last to the first, so that the weak rows stay triangular.
             for i in (0..count).rev().filter(|&i| weak[i]) {
-                let column = &mut self.columns[j * self.stride..j * self.stride + rank];
-                let (a, b) = (column[j], self.weights[j * n + i]);
+                let along = &mut self.weights[i * rank + j..(i + 1) * rank];
+                let (a, b) = (column[0], along[0]);
                 let radius = length(a, b);
                 let (cosine, sine) = (a / radius, b / radius);
-                let along = self.weights.iter_mut().skip(i).step_by(n);
-                for (x, other) in column.iter_mut().zip(along).skip(j) {
-                    let y = *other;
-                    (*x, *other) = (cosine * *x + sine * y, cosine * y - sine * *x);
+                for (x, y) in column.iter_mut().zip(along) {
+                    (*x, *y) = (cosine * *x + sine * *y, cosine * *y - sine * *x);
                 }
                 basis.rotate_with_active(j, i, cosine, sine, fill);
             }
         }
-        basis.apply_rotations();
+        basis.end_turning();
     }
 
     /// Makes pivot `index` the first of the dependent rows, and returns where it stands; the last
@@ -403,16 +412,18 @@ impl Pulled {
 
     /// E with D = E L; false if its entries are so large that digits are lost.
     fn weigh_dependent(&mut self, dependent: usize) -> bool {
-        let (rank, stride) = (self.rank, self.stride);
-        for (i, weights) in self.weights.chunks_exact_mut(rank).take(dependent).enumerate() {
-            for j in (0..rank).rev() {
-                let column = &self.columns[j * stride..(j + 1) * stride];
-                let known = dot(&weights[j + 1..], &column[j + 1..rank]);
-                let weight = (column[rank + i] - known) / column[j];
-                if weight.abs() > LARGEST_WEIGHT {
+        let (n, rank, stride) = (self.coordinates.len(), self.rank, self.stride);
+        let known = &mut self.carry[..dependent];
+        for j in (0..rank).rev() {
+            let column = &self.columns[j * stride..(j + 1) * stride];
+            let later = &self.weights[j + 1..j + 1 + dependent * n];
+            multiply_rows(later, n, &column[j + 1..rank], known);
+            let entries = self.weights.iter_mut().skip(j).step_by(n);
+            for ((entry, &part), &known) in entries.zip(&column[rank..]).zip(known.iter()) {
+                *entry = (part - known) / column[j];
+                if entry.abs() > LARGEST_WEIGHT {
                     return false;
                 }
-                weights[j] = weight;
             }
         }
         true
@@ -420,21 +431,21 @@ impl Pulled {
 
     /// min ‖u − c₁‖² + ‖E u − c₂‖²: leaves u in place of c₁.
     fn balance_dependent(&mut self, dependent: usize) {
-        let rank = self.rank;
+        let (n, rank) = (self.coordinates.len(), self.rank);
         let (c1, c2) = self.target.split_at_mut(rank);
         let c2 = &mut c2[..dependent];
-        let weights = &self.weights[..dependent * rank];
+        let rows = || self.weights.chunks_exact(n).take(dependent).map(|row| &row[..rank]);
         if dependent <= rank {
             // u = c₁ + Eᵀs with (I + EEᵀ) s = c₂ − E c₁.
             let system = &mut self.system[..dependent * dependent];
-            for (i, row) in weights.chunks_exact(rank).enumerate() {
+            for (i, row) in rows().enumerate() {
                 c2[i] -= dot(row, c1);
-                for (j, other) in weights.chunks_exact(rank).take(i + 1).enumerate() {
+                for (j, other) in rows().take(i + 1).enumerate() {
                     system[i * dependent + j] = dot(row, other) + f64::from(u8::from(i == j));
                 }
             }
             solve_positive_definite(system, c2);
-            for (row, &s) in weights.chunks_exact(rank).zip(c2.iter()) {
+            for (row, &s) in rows().zip(c2.iter()) {
                 add_scaled(c1, s, row);
             }
         } else {
@@ -445,7 +456,7 @@ impl Pulled {
                 debug_assert!(i < rank);
                 *entry = 1.0;
             }
-            for (row, &c) in weights.chunks_exact(rank).zip(c2.iter()) {
+            for (row, &c) in rows().zip(c2.iter()) {
                 add_scaled(c1, c, row);
                 for (i, &weight) in row.iter().enumerate() {
                     add_scaled(&mut system[i * rank..=i * rank + i], weight, &row[..=i]);

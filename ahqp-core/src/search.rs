@@ -6,9 +6,14 @@
 //! The objective never rises; when it stalls, rows are taken by least index (Bland), which
 //! cannot cycle.
 
+use std::ops::Range;
+
 use crate::active_set::{ActiveSet, End, Goal, RowState};
 use crate::least_squares::Minimum;
 use crate::vector::{add_scaled, norm};
+
+/// Rows that are looked through at a time.
+const BLOCK: usize = u64::BITS as usize;
 
 /// A row in the way of a step: the room left before its bound, and how fast that shrinks.
 #[derive(Debug, Clone, Copy)]
@@ -112,12 +117,18 @@ impl ActiveSet {
 
     /// By how much the values of the rows in play change along `direction`.
     fn set_slopes(&mut self, goal: &Goal) {
-        for &id in &self.hard {
-            self.slope[id] = if self.state[id] == RowState::Inside {
-                self.table.row(id).dot(&self.direction)
+        let n = self.table.n;
+        for rows in &self.in_play {
+            if rows.start < n {
+                self.slope[..n].copy_from_slice(&self.direction);
             } else {
-                0.0
-            };
+                self.table.multiply(rows.clone(), &self.direction, &mut self.slope);
+            }
+            for (slope, &state) in
+                self.slope[rows.clone()].iter_mut().zip(&self.state[rows.clone()])
+            {
+                *slope = if state == RowState::Inside { *slope } else { 0.0 };
+            }
         }
         if let Goal::Rows { rows, .. } = goal {
             self.table.multiply(rows.clone(), &self.direction, &mut self.slope);
@@ -127,32 +138,55 @@ impl ActiveSet {
     /// The rows whose bounds the direction meets within `full` of its length.
     fn find_candidates(&mut self, goal: &Goal, full: f64) {
         let least = self.dependence_tolerance() * norm(&self.direction);
-        let (table, found) = (&self.table, &mut self.candidates);
-        found.clear();
-        let mut consider = |id: usize, value: f64, slope: f64| {
-            let (state, room) = if slope > 0.0 {
-                (RowState::Upper, table.upper[id] - value)
-            } else {
-                (RowState::Lower, value - table.lower[id])
-            };
-            let slope = slope.abs();
-            if room < full * slope && slope > least * table.row(id).norm() {
-                found.push(Candidate { id, state, room: room.max(0.0), slope });
-            }
-        };
-        for &id in &self.hard {
-            if self.state[id] == RowState::Inside {
-                consider(id, self.value[id], self.slope[id]);
-            }
+        self.candidates.clear();
+        for block in 0..self.in_play.len() {
+            self.find_candidates_among(self.in_play[block].clone(), full, least);
         }
         if let Goal::Rows { rows, .. } = goal {
-            for id in rows.clone() {
-                if self.state[id] == RowState::Inside {
-                    let residual = self.residual[id];
-                    consider(id, self.value[id] - residual, self.slope[id] + residual);
+            self.find_candidates_among(rows.clone(), full, least);
+        }
+    }
+
+    fn find_candidates_among(&mut self, rows: Range<usize>, full: f64, least: f64) {
+        let table = &self.table;
+        for first in rows.clone().step_by(BLOCK) {
+            let block = first..rows.end.min(first + BLOCK);
+            let mut met = self.rows_ahead(block, full);
+            while met != 0 {
+                let id = first + met.trailing_zeros() as usize;
+                met &= met - 1;
+                let residual = self.residual[id];
+                let (value, slope) = (self.value[id] - residual, self.slope[id] + residual);
+                let (state, room) = if slope > 0.0 {
+                    (RowState::Upper, table.upper[id] - value)
+                } else {
+                    (RowState::Lower, value - table.lower[id])
+                };
+                let slope = slope.abs();
+                if room < full * slope && slope > least * table.row(id).norm() {
+                    self.candidates.push(Candidate { id, state, room: room.max(0.0), slope });
                 }
             }
         }
+    }
+
+    /// Which of the inside rows of a block are outside their bounds at `full` of the direction, a
+    /// bit a row. Written without branches: most rows are far away, and nobody can guess which.
+    #[expect(clippy::needless_bitwise_bool, reason = "no branches")]
+    fn rows_ahead(&self, block: Range<usize>, full: f64) -> u64 {
+        let [value, slope, residual] =
+            [&self.value, &self.slope, &self.residual].map(|of_rows| &of_rows[block.clone()]);
+        let [lower, upper] =
+            [&self.table.lower, &self.table.upper].map(|of_rows| &of_rows[block.clone()]);
+        let moving = value.iter().zip(slope).zip(residual);
+        let rows = self.state[block.clone()].iter().zip(moving).zip(lower.iter().zip(upper));
+        let mut met = 0;
+        for (bit, ((&state, ((value, slope), residual)), (lower, upper))) in rows.enumerate() {
+            let ahead = value - residual + full * (slope + residual);
+            let outside = (ahead > *upper) | (ahead < *lower);
+            met |= u64::from(outside & (state == RowState::Inside)) << bit;
+        }
+        met
     }
 
     /// x ← x + length · direction.
@@ -162,13 +196,13 @@ impl ActiveSet {
         }
         add_scaled(&mut self.x, length, &self.direction);
         self.farthest = self.farthest.max(norm(&self.x));
-        for &id in &self.hard {
-            self.value[id] += length * self.slope[id];
+        for rows in &self.in_play {
+            add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
         }
         if let Goal::Rows { rows, .. } = goal {
-            for id in rows.clone() {
-                self.value[id] += length * self.slope[id];
-                self.residual[id] *= 1.0 - length.min(1.0);
+            add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
+            for residual in &mut self.residual[rows.clone()] {
+                *residual *= 1.0 - length.min(1.0);
             }
         }
     }

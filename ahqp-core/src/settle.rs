@@ -46,7 +46,6 @@ impl ActiveSet {
             }
         }
         self.pulled.clear(false);
-        self.hard.retain(|&id| self.state[id] != RowState::Fixed);
         for index in 0..self.left.len() {
             let (id, state) = self.left[index];
             if self.state[id] != RowState::Fixed && !self.basis.active().contains(&id) {
@@ -70,7 +69,8 @@ impl ActiveSet {
     /// ranges, are hard rows from here on.
     fn settle_objective(&mut self, rows: Range<usize>, activity: &mut [RowState]) {
         let x_norm = norm(&self.x);
-        for id in rows {
+        let mut any_inside = false;
+        for id in rows.clone() {
             let pulled = self.state[id].is_active();
             let held = pulled
                 && (self.table.is_equality(id)
@@ -84,8 +84,12 @@ impl ActiveSet {
                 }
                 activity[id] = RowState::Inside;
                 self.state[id] = RowState::Inside;
-                self.hard.push(id);
+                self.residual[id] = 0.0;
+                any_inside = true;
             }
+        }
+        if any_inside {
+            self.in_play.push(rows);
         }
     }
 

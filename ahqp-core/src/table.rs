@@ -7,7 +7,7 @@ use crate::hierarchy::{ConstraintSource, Hierarchy, Objective};
 use crate::kernels::{add_rows, multiply_rows, square_rows};
 use crate::quadratic::QuadraticFactor;
 use crate::rows::Rows;
-use crate::vector::{dot, norm, norm_max};
+use crate::vector::{norm, norm_max};
 
 /// Above this, products of the solver's numbers overflow.
 const MODERATE: f64 = 1e100;
@@ -43,7 +43,11 @@ impl<'a> RowView<'a> {
     pub(crate) fn dot(self, x: &[f64]) -> f64 {
         match self.coefficients {
             Coefficients::Unit(variable) => x[variable],
-            Coefficients::Dense(coefficients) => dot(coefficients, x),
+            Coefficients::Dense(coefficients) => {
+                let mut product = [0.0];
+                multiply_rows(coefficients, coefficients.len(), x, &mut product);
+                product[0]
+            }
         }
     }
 
@@ -182,9 +186,7 @@ impl RowTable {
         self.check_shape(hierarchy)?;
         self.lower[..self.n].copy_from_slice(hierarchy.lower());
         self.upper[..self.n].copy_from_slice(hierarchy.upper());
-        for variable in 0..self.n {
-            self.check_range(variable)?;
-        }
+        self.check_ranges(0..self.n)?;
         for (level, data) in hierarchy.levels().iter().enumerate() {
             let constraints = self.levels[level].constraints.start;
             self.load_rows(constraints, data.constraints())?;
@@ -237,8 +239,8 @@ impl RowTable {
         square_rows(block, self.n, &mut self.norms[ids.clone()]);
         self.lower[ids.clone()].copy_from_slice(rows.lower());
         self.upper[ids.clone()].copy_from_slice(rows.upper());
+        self.check_ranges(ids.clone())?;
         for id in ids {
-            self.check_range(id)?;
             let square = self.norms[id];
             if !(square > 0.0 && square < 1e200) {
                 self.check_row(id)?;
@@ -265,6 +267,20 @@ impl RowTable {
         } else {
             Err(Error::TooLarge { source_of_row: self.sources[id], value })
         }
+    }
+
+    #[expect(clippy::needless_bitwise_bool, reason = "no branches")]
+    fn check_ranges(&self, ids: Range<usize>) -> Result<(), Error> {
+        // Written without branches, for the usual case that all are in order.
+        let bounds = self.lower[ids.clone()].iter().zip(&self.upper[ids.clone()]);
+        let fine = bounds.fold(true, |fine, (&lower, &upper)| {
+            let nearer = if lower > 0.0 { lower } else { upper.min(0.0) };
+            fine & (lower <= upper)
+                & (lower < f64::INFINITY)
+                & (upper > f64::NEG_INFINITY)
+                & (nearer.abs() <= MODERATE)
+        });
+        if fine { Ok(()) } else { ids.into_iter().try_for_each(|id| self.check_range(id)) }
     }
 
     fn check_range(&self, id: usize) -> Result<(), Error> {

@@ -6,11 +6,16 @@
 //! level at which its multiplier differs from zero gives it the right sign (Dimitrov, Sherikov,
 //! Wieber; Escande, Mansard, Wieber, IJRR 33, 2014).
 
+use std::ops::Range;
+
 use crate::active_set::{NOISE, RowState, bound};
 use crate::factorisation::{Factorisation, Purpose};
 use crate::settings::Settings;
 use crate::table::RowTable;
 use crate::vector::{add_scaled, norm};
+
+/// Up to one change in so many variables, a factorisation is updated and not made anew.
+const UPDATED: usize = 4;
 
 /// An active set of the whole hierarchy, its factorisation, and the check; sized once.
 #[derive(Debug, Clone)]
@@ -20,8 +25,7 @@ pub(crate) struct Verifier {
     pub(crate) activity: Vec<RowState>,
     /// aᵢx.
     value: Vec<f64>,
-    /// Active inequalities whose sign is known to be right.
-    settled: Vec<bool>,
+    signs: Signs,
     /// Whether the last active set asked for was far from the right one.
     pub(crate) far: bool,
     multipliers: Vec<f64>,
@@ -45,7 +49,7 @@ impl Verifier {
             factorisation: Factorisation::new(table),
             activity: vec![RowState::Inside; table.len()],
             value: vec![0.0; table.len()],
-            settled: vec![false; table.len()],
+            signs: Signs::new(table.len()),
             far: false,
             multipliers: vec![0.0; table.n],
             gradient: vec![0.0; table.n],
@@ -53,14 +57,13 @@ impl Verifier {
         }
     }
 
-    /// Solves from the present active set, which fits the data, mending it for up to `rounds` rounds; how many it
-    /// took, or none if it did not come to an end.
+    /// Solves from the present active set, which fits the data, mending it for up to `rounds`
+    /// rounds; how many it took, or none if it did not come to an end.
     pub(crate) fn solve(&mut self, table: &RowTable, rounds: usize) -> Option<usize> {
         self.far = true;
         let mut before = usize::MAX;
         for round in 1..=rounds {
-            let tolerance = self.settings.rank_tolerance;
-            if !self.factorisation.factorise(table, &self.activity, tolerance) {
+            if !self.follow(table, round == 1) {
                 return None;
             }
             let repairs = self.repair(table)?;
@@ -78,6 +81,15 @@ impl Verifier {
             before = changes;
         }
         None
+    }
+
+    /// Brings the factorisation to the present active set; false if that gives no point.
+    fn follow(&mut self, table: &RowTable, anew: bool) -> bool {
+        let tolerance = self.settings.rank_tolerance;
+        let few = !anew && self.signs.changed.len() <= table.n / UPDATED;
+        let (factorisation, activity) = (&mut self.factorisation, &self.activity);
+        let updated = few && factorisation.update(table, activity, &self.signs.changed, tolerance);
+        updated || factorisation.factorise(table, activity, tolerance)
     }
 
     /// The multipliers that are not rounding of one level, or of the least norm behind the last,
@@ -113,7 +125,7 @@ impl Verifier {
         let mut all = Vec::new();
         for (pivot, &multiplier) in coordinates.iter().enumerate() {
             let id = factorisation.stacked[factorisation.pivots[pivot]];
-            factorisation.add_at_bounds(table.coefficients(id), multiplier, &mut self.gradient);
+            factorisation.add_at_bounds(table.row(id), multiplier, &mut self.gradient);
             all.push((id, multiplier));
         }
         all.extend(factorisation.bounded.iter().map(|&id| (id, -self.gradient[id])));
@@ -145,9 +157,12 @@ impl Verifier {
         if !x_norm.is_finite() {
             return None;
         }
-        self.settled.fill(false);
+        self.signs.begin(&self.activity);
         let taken = self.take_violated(table, x_norm)?;
         for group in 0..self.factorisation.groups.len() {
+            if self.signs.unsettled == 0 {
+                return Some(Repairs { taken, released: 0 });
+            }
             if self.factorisation.groups[group].purpose == Purpose::Minimised {
                 let released = self.check_level(table, group, x_norm);
                 // Signs below a level that is not at its optimum yet mean nothing.
@@ -170,43 +185,42 @@ impl Verifier {
         let n = table.n;
         self.value[..n].copy_from_slice(&self.factorisation.x);
         table.multiply(n..table.len(), &self.factorisation.x, &mut self.value);
-        for id in 0..n {
-            taken += usize::from(self.take_if_violated(table, id, x_norm));
-        }
+        taken += self.take_violated_among(table, 0..n, x_norm);
         for level in &table.levels {
             for id in level.constraints.clone() {
-                if self.activity[id] == RowState::Inside {
-                    taken += usize::from(self.take_if_violated(table, id, x_norm));
-                } else {
+                if self.activity[id].is_active() {
                     let gap = self.value[id] - bound(table, &self.activity, id);
                     if gap.abs() > self.tolerance(table, id, x_norm) {
                         return None;
                     }
                 }
             }
-            for id in level.used_objective() {
-                taken += usize::from(self.take_if_violated(table, id, x_norm));
-            }
+            taken += self.take_violated_among(table, level.constraints.clone(), x_norm);
+            taken += self.take_violated_among(table, level.used_objective(), x_norm);
         }
         Some(taken)
     }
 
-    fn take_if_violated(&mut self, table: &RowTable, id: usize, x_norm: f64) -> bool {
-        let value = self.value[id];
-        if self.activity[id] != RowState::Inside {
-            return false;
+    fn take_violated_among(&mut self, table: &RowTable, rows: Range<usize>, x_norm: f64) -> usize {
+        let mut taken = 0;
+        let [value, lower, upper] =
+            [&self.value, &table.lower, &table.upper].map(|of_rows| &of_rows[rows.clone()]);
+        for (((id, &value), &lower), &upper) in rows.clone().zip(value).zip(lower).zip(upper) {
+            let outside = value > upper || value < lower;
+            if outside && self.activity[id] == RowState::Inside {
+                let tolerance = self.tolerance(table, id, x_norm);
+                if value > upper + tolerance {
+                    self.activity[id] = RowState::Upper;
+                } else if value < lower - tolerance {
+                    self.activity[id] = RowState::Lower;
+                } else {
+                    continue;
+                }
+                self.signs.changed.push(id);
+                taken += 1;
+            }
         }
-        let tolerance = self.tolerance(table, id, x_norm);
-        if value > table.upper[id] + tolerance {
-            self.activity[id] = RowState::Upper;
-        } else if value < table.lower[id] - tolerance {
-            self.activity[id] = RowState::Lower;
-        } else {
-            return false;
-        }
-        // A row taken in this check has no multiplier yet.
-        self.settled[id] = true;
-        true
+        taken
     }
 
     /// Checks the signs that the level of `group`, the rows of its objective, gives.
@@ -219,7 +233,7 @@ impl Verifier {
             let id = factorisation.stacked[at];
             // Each row is asked before it may change.
             let force = (self.value[id] - bound(table, &self.activity, id)) * table.row(id).norm();
-            released += check_sign(&mut self.activity, &mut self.settled, id, force, threshold);
+            released += usize::from(self.signs.check(&mut self.activity, id, force, threshold));
         }
         let pivots = group.first_pivot;
         released + self.check_multipliers(table, pivots, threshold)
@@ -241,7 +255,7 @@ impl Verifier {
             size += row.norm() * residual.abs();
             noise += row.norm() * table.magnitude(id, x_norm);
             factorisation.add_row(at, residual, coordinates);
-            factorisation.add_at_bounds(table.coefficients(id), residual, &mut self.gradient);
+            factorisation.add_at_bounds(table.row(id), residual, &mut self.gradient);
         }
         if let Some(level) = group.linear_of {
             let linear = &table.levels[level].linear;
@@ -278,35 +292,56 @@ impl Verifier {
         let mut released = 0;
         for (pivot, &multiplier) in coordinates.iter().enumerate() {
             let id = factorisation.stacked[factorisation.pivots[pivot]];
-            factorisation.add_at_bounds(table.coefficients(id), multiplier, &mut self.gradient);
+            factorisation.add_at_bounds(table.row(id), multiplier, &mut self.gradient);
             let force = multiplier * table.row(id).norm();
-            released += check_sign(&mut self.activity, &mut self.settled, id, force, threshold);
+            released += usize::from(self.signs.check(&mut self.activity, id, force, threshold));
         }
-        for &variable in &factorisation.bounded {
-            let force = -self.gradient[variable];
-            released +=
-                check_sign(&mut self.activity, &mut self.settled, variable, force, threshold);
+        for &id in &factorisation.bounded {
+            let force = -self.gradient[id];
+            released += usize::from(self.signs.check(&mut self.activity, id, force, threshold));
         }
         released
     }
 }
 
-/// The first multiplier that differs from zero decides: right, and the row is settled; wrong,
-/// and it is let go. How many were let go.
-fn check_sign(
-    activity: &mut [RowState],
-    settled: &mut [bool],
-    id: usize,
-    force: f64,
-    threshold: f64,
-) -> usize {
-    if settled[id] || force.abs() <= threshold {
-        return 0;
+/// Which active inequalities have shown that their sign is right: the first multiplier that
+/// differs from zero decides.
+#[derive(Debug, Clone)]
+struct Signs {
+    /// All rows but the active inequalities whose sign has yet to be seen.
+    settled: Vec<bool>,
+    /// How many those are.
+    unsettled: usize,
+    /// Rows whose activity the check at hand has changed.
+    changed: Vec<usize>,
+}
+
+impl Signs {
+    fn new(rows: usize) -> Self {
+        Self { settled: vec![false; rows], unsettled: 0, changed: Vec::with_capacity(rows) }
     }
-    settled[id] = true;
-    if activity[id].is_wrong(force, threshold) {
-        activity[id] = RowState::Inside;
-        return 1;
+
+    fn begin(&mut self, activity: &[RowState]) {
+        self.changed.clear();
+        self.unsettled = 0;
+        for (settled, &state) in self.settled.iter_mut().zip(activity) {
+            *settled = !matches!(state, RowState::Lower | RowState::Upper);
+            self.unsettled += usize::from(!*settled);
+        }
     }
-    0
+
+    /// Looks at a multiplier times its row's norm. A wrong one lets its row go; whether it did.
+    fn check(&mut self, activity: &mut [RowState], id: usize, force: f64, threshold: f64) -> bool {
+        if self.settled[id] || force.abs() <= threshold {
+            return false;
+        }
+        self.settled[id] = true;
+        self.unsettled -= 1;
+        let wrong = activity[id].is_wrong(force, threshold);
+        if wrong {
+            activity[id] = RowState::Inside;
+            self.changed.push(id);
+        }
+        wrong
+    }
 }

@@ -56,7 +56,7 @@ pub(super) fn reflect_rows_four<L: Lanes>(
         let Some(part) = row.get_mut(start..start + length) else { continue };
         let along = dots::<L>(four.v, part);
         let mut weights = [0.0; 4];
-        for (along, t) in along.iter().zip(&four.t) {
+        for (along, t) in along.iter().zip(four.t) {
             for (weight, t) in weights.iter_mut().zip(t) {
                 *weight -= along * t;
             }
@@ -163,7 +163,7 @@ fn mix_columns_four<L: Lanes, const B: usize>(
         }
     }
     let mut turned = [[L::splat(0.0); B]; 4];
-    for (image, t) in images.iter().zip(&four.t) {
+    for (image, t) in images.iter().zip(four.t) {
         for (turned, &t) in turned.iter_mut().zip(t) {
             let t = L::splat(-t);
             for (turned, image) in turned.iter_mut().zip(image) {

@@ -1,0 +1,172 @@
+//! The point that a factorisation gives, and multipliers.
+
+use super::{Factorisation, Group, LANES, Purpose, aligned};
+use crate::kernels::{Rotation, RowsMut, reflect_rows};
+use crate::table::{Coefficients, RowTable, RowView};
+use crate::tall::solve_tall;
+use crate::vector::{add_scaled, dot, norm};
+
+impl Factorisation {
+    /// The coordinates that the levels decide, and x; false if a linear term falls for ever along
+    /// what they leave open.
+    pub(super) fn find_point(&mut self, table: &RowTable, tolerance: f64) -> bool {
+        for group in 0..self.groups.len() {
+            if !self.decide(table, group, tolerance) {
+                return false;
+            }
+        }
+        self.turn_back();
+        true
+    }
+
+    /// The coordinates that the group decides; false if its linear term has no minimum.
+    fn decide(&mut self, table: &RowTable, group: usize, tolerance: f64) -> bool {
+        let n = self.stride;
+        let Group { purpose, start, end, rank, first_pivot, linear_of, .. } = self.groups[group];
+        if let Some(level) = linear_of {
+            let decided = first_pivot + rank;
+            let size = self.turn_linear(table, level);
+            if norm(&self.linear[level * self.n + decided..level * self.n + self.free.len()])
+                > tolerance * size
+            {
+                return false;
+            }
+            self.decide_tall(start, end, rank, first_pivot, linear_of);
+        } else if purpose == Purpose::Held || rank == end - start {
+            for (offset, at) in (start..start + rank).enumerate() {
+                let pivot = first_pivot + offset;
+                let row = &self.rows[at * n..(at + 1) * n];
+                let known = dot(&row[..pivot], &self.y[..pivot]);
+                self.y[pivot] = (self.target[at] - known) / row[pivot];
+            }
+        } else if rank > 0 {
+            self.decide_tall(start, end, rank, first_pivot, None);
+        }
+        true
+    }
+
+    /// Takes a level's linear term into the coordinates y; its size.
+    fn turn_linear(&mut self, table: &RowTable, level: usize) -> f64 {
+        let (n, k) = (self.n, self.free.len());
+        let source = &table.levels[level].linear;
+        let linear = &mut self.linear[level * n..level * n + k];
+        for (entry, &variable) in linear.iter_mut().zip(&self.free) {
+            *entry = source[variable];
+        }
+        let mut turned = std::mem::take(&mut self.turned);
+        turned[..k].copy_from_slice(linear);
+        turned[k..].fill(0.0);
+        self.turn(&mut turned);
+        self.linear[level * n..level * n + k].copy_from_slice(&turned[..k]);
+        self.turned = turned;
+        norm(source)
+    }
+
+    /// min ½‖L t − c‖² + d₁ᵀt over the group's own coordinates t, L tall.
+    fn decide_tall(
+        &mut self,
+        start: usize,
+        end: usize,
+        rank: usize,
+        first: usize,
+        linear_of: Option<usize>,
+    ) {
+        let (n, m) = (self.stride, end - start);
+        for (i, at) in (start..end).enumerate() {
+            let row = &self.rows[at * n..at * n + first + rank];
+            self.tall_target[i] = self.target[at] - dot(&row[..first], &self.y[..first]);
+            for (column, &entry) in row[first..].iter().enumerate() {
+                self.tall[column * m + i] = if column <= i { entry } else { 0.0 };
+            }
+        }
+        let linear = linear_of.map(|level| {
+            let from = &self.linear[level * self.n + first..level * self.n + first + rank];
+            let to = &mut self.turned[..rank];
+            to.copy_from_slice(from);
+            to
+        });
+        let out = &mut self.y[first..first + rank];
+        solve_tall(&mut self.tall[..rank * m], &mut self.tall_target[..m], linear, out);
+    }
+
+    /// Takes a vector over the free variables, with zeros behind it, into the coordinates of Q.
+    pub(super) fn turn(&self, vector: &mut [f64]) {
+        for step in 0..self.reflections {
+            self.reflect(step, vector);
+        }
+        for &Rotation { first, second, cosine, sine } in &self.rotations {
+            let (x, y) = (vector[first], vector[second]);
+            (vector[first], vector[second]) = (cosine * x + sine * y, cosine * y - sine * x);
+        }
+    }
+
+    /// x from y.
+    fn turn_back(&mut self) {
+        let rank = self.pivots.len();
+        // y is read again for multipliers: turn a copy.
+        let mut z = std::mem::take(&mut self.turned);
+        z[..rank].copy_from_slice(&self.y[..rank]);
+        z[rank..].fill(0.0);
+        for &Rotation { first, second, cosine, sine } in self.rotations.iter().rev() {
+            let (x, y) = (z[first], z[second]);
+            (z[first], z[second]) = (cosine * x - sine * y, sine * x + cosine * y);
+        }
+        for step in (0..self.reflections).rev() {
+            self.reflect(step, &mut z);
+        }
+        for (&variable, &value) in self.free.iter().zip(&z) {
+            self.x[variable] = value;
+        }
+        self.turned = z;
+    }
+
+    /// Applies one of the reflections to a vector.
+    fn reflect(&self, step: usize, vector: &mut [f64]) {
+        let lanes = aligned(step)..self.reflected.next_multiple_of(LANES);
+        let v = &self.reflectors[step * self.stride..][lanes.clone()];
+        let data = &mut vector[lanes];
+        reflect_rows(&mut RowsMut { stride: data.len(), data }, 0, v, self.tau[step]);
+    }
+}
+
+impl Factorisation {
+    /// Multipliers μ of the pivots before `first_pivot` that balance a gradient whose
+    /// coordinates stand in `coordinates`: Σ μᵢ Lᵢ = −coordinates. Overwrites it with μ.
+    pub(crate) fn balance(&self, coordinates: &mut [f64]) {
+        let n = self.stride;
+        for pivot in (0..coordinates.len()).rev() {
+            let at = self.pivots[pivot];
+            let row = &self.rows[at * n..(at + 1) * n];
+            let multiplier = -coordinates[pivot] / row[pivot];
+            add_scaled(&mut coordinates[..pivot], multiplier, &row[..pivot]);
+            coordinates[pivot] = multiplier;
+        }
+    }
+
+    /// Adds `weight` times the first coordinates of a stacked row.
+    pub(crate) fn add_row(&self, at: usize, weight: f64, coordinates: &mut [f64]) {
+        let row = &self.rows[at * self.stride..at * self.stride + coordinates.len()];
+        add_scaled(coordinates, weight, row);
+    }
+
+    /// Adds `weight` times the entries of a row that belong to variables at a bound.
+    pub(crate) fn add_at_bounds(&self, row: RowView<'_>, weight: f64, gradient: &mut [f64]) {
+        // A bound in the stack is one of a variable that counts as free.
+        if let Coefficients::Dense(coefficients) = row.coefficients() {
+            for &variable in &self.bounded {
+                gradient[variable] += weight * coefficients[variable];
+            }
+        }
+    }
+
+    /// Adds the first coordinates of a level's linear term.
+    pub(crate) fn add_linear(&self, level: usize, coordinates: &mut [f64]) {
+        let linear = &self.linear[level * self.n..level * self.n + coordinates.len()];
+        add_scaled(coordinates, 1.0, linear);
+    }
+
+    /// y, the coordinates decided.
+    pub(crate) fn decided(&self) -> &[f64] {
+        &self.y[..self.pivots.len()]
+    }
+}

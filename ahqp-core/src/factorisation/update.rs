@@ -1,0 +1,388 @@
+//! A factorisation that follows its active set.
+//!
+//! A row that comes or goes moves the pivots below it by one coordinate, which a chain of plane
+//! rotations does (Gill, Golub, Murray, Saunders, Mathematics of Computation 28, 1974): L stays
+//! triangular level by level, and a level gains or loses a pivot where a direction has become
+//! free or has been used up. A bound that becomes active is a row of the first group; one that
+//! was active from the start and is let go makes its variable free.
+//!
+//! Ranks are taken for granted only where they are beyond doubt; elsewhere the caller factors
+//! anew, with pivoting.
+
+use std::ops::Range;
+
+use super::{Factorisation, Group, Purpose};
+use crate::active_set::{RowState, bound};
+use crate::kernels::Rotation;
+use crate::table::{Coefficients, RowTable};
+use crate::vector::{length, norm};
+
+/// A part of a row below this fraction of it is rounding.
+const NOTHING: f64 = 1e-12;
+/// A part of a row above this fraction of it is beyond doubt.
+const CLEAR: f64 = 1e-6;
+
+/// A change that would leave a rank in doubt.
+#[derive(Debug)]
+struct Doubt;
+
+/// Whether a part of a row, relative to the row, is there.
+fn is_there(part: f64) -> Result<bool, Doubt> {
+    if part >= CLEAR {
+        Ok(true)
+    } else if part <= NOTHING {
+        Ok(false)
+    } else {
+        Err(Doubt)
+    }
+}
+
+impl Factorisation {
+    /// Follows the rows in `changed` into or out of the active set, and finds the point. False if
+    /// that cannot be done: [`factorise`](Self::factorise) has to be called then.
+    pub(crate) fn update(
+        &mut self,
+        table: &RowTable,
+        state: &[RowState],
+        changed: &[usize],
+        tolerance: f64,
+    ) -> bool {
+        for &id in changed.iter().filter(|&&id| table.row(id).norm() > 0.0) {
+            if self.rotations.len() + 3 * self.n > self.rotations.capacity() {
+                return false;
+            }
+            let done = if state[id].is_active() {
+                self.insert(table, state, id)
+            } else if let Some(at) = self.stacked.iter().position(|&row| row == id) {
+                self.remove(table, at)
+            } else {
+                self.free_variable(table, id)
+            };
+            if done.is_err() {
+                return false;
+            }
+        }
+        self.find_point(table, tolerance)
+    }
+
+    /// Adds a row behind the pivots of its group, as one of them if it is independent.
+    fn insert(&mut self, table: &RowTable, state: &[RowState], id: usize) -> Result<(), Doubt> {
+        let group = self.group_of(table, id).ok_or(Doubt)?;
+        let (n, k) = (self.stride, self.free.len());
+        let mut row = std::mem::take(&mut self.turned);
+        let target = bound(table, state, id) - self.gather(table, id, &mut row);
+        row[k..].fill(0.0);
+        self.turn(&mut row);
+        let at = self.make_room(table, group, &mut row[..k], table.row(id).norm());
+        if let Ok(at) = at {
+            self.rows[at * n..at * n + k].copy_from_slice(&row[..k]);
+            self.target[at] = target;
+            self.stacked[at] = id;
+        }
+        self.turned = row;
+        at.map(|_| ())
+    }
+
+    /// Turns the coordinates so that a row, given in them, is triangular behind the pivots of
+    /// `group`. Returns its place in the stack, which is left open.
+    fn make_room(
+        &mut self,
+        table: &RowTable,
+        group: usize,
+        row: &mut [f64],
+        size: f64,
+    ) -> Result<usize, Doubt> {
+        let Group { start, end, rank, first_pivot, .. } = self.groups[group];
+        let (place, decided) = (first_pivot + rank, self.pivots.len());
+        if !is_there(norm(&row[place..]) / size)? {
+            self.open(end, group);
+            return Ok(end);
+        }
+        let last = if is_there(norm(&row[decided..]) / size)? {
+            self.turn_towards(row, decided..row.len() - 1);
+            decided
+        } else {
+            let parts = row[place..decided].iter().map(|entry| entry.abs() / size);
+            let (last, part) = parts.enumerate().rfind(|&(_, part)| part > NOTHING).ok_or(Doubt)?;
+            is_there(part)?;
+            place + last
+        };
+        let from = self.rotations.len();
+        self.turn_towards(row, place..last);
+        self.shift_pivots(table, group, place..last, from)?;
+        if last < decided {
+            self.demote(last);
+        }
+        // The dependent ones of the group have nothing along the coordinate it gains.
+        for at in start + rank..self.groups[group].end {
+            self.rows[at * self.stride + place] = 0.0;
+        }
+        self.open(start + rank, group);
+        self.groups[group].rank += 1;
+        self.renumber();
+        Ok(start + rank)
+    }
+
+    /// Rotates neighbouring coordinates, from the last to the first, so that what `row` has in
+    /// `planes` and one entry behind them comes to stand in the first entry.
+    fn turn_towards(&mut self, row: &mut [f64], planes: Range<usize>) {
+        for first in planes.rev() {
+            let (a, b) = (row[first], row[first + 1]);
+            let radius = length(a, b);
+            if radius > 0.0 {
+                let (cosine, sine) = (a / radius, b / radius);
+                self.rotations.push(Rotation { first, second: first + 1, cosine, sine });
+                (row[first], row[first + 1]) = (radius, 0.0);
+            } else {
+                self.rotations.push(Rotation { first, second: first + 1, cosine: 1.0, sine: 0.0 });
+            }
+        }
+    }
+
+    /// Turns the rows behind the pivots of `group` by the rotations from `from` on, which are in
+    /// `planes` from the last to the first; pivots there move up by a coordinate.
+    fn shift_pivots(
+        &mut self,
+        table: &RowTable,
+        group: usize,
+        planes: Range<usize>,
+        from: usize,
+    ) -> Result<(), Doubt> {
+        let (n, chain) = (self.stride, &self.rotations[from..]);
+        for group in &self.groups[group + 1..] {
+            for at in group.start..group.end {
+                let width = group.width(at);
+                let row = &mut self.rows[at * n..(at + 1) * n];
+                let skipped = planes.end - planes.end.min(width);
+                if width <= planes.end {
+                    row[width] = 0.0;
+                    let Some(rotation) = chain.get(skipped) else { continue };
+                    let pivot = rotation.sine * row[width - 1];
+                    let is_pivot = at < group.start + group.rank;
+                    if is_pivot && !is_there(pivot.abs() / table.row(self.stacked[at]).norm())? {
+                        return Err(Doubt);
+                    }
+                }
+                let mut upper = row[planes.end - skipped];
+                for &Rotation { first, cosine, sine, .. } in &chain[skipped..] {
+                    let lower = row[first];
+                    row[first + 1] = cosine * upper - sine * lower;
+                    upper = cosine * lower + sine * upper;
+                }
+                row[planes.start] = upper;
+            }
+        }
+        Ok(())
+    }
+
+    /// The row whose pivot is `coordinate` joins the dependent ones of its group.
+    fn demote(&mut self, coordinate: usize) {
+        let (n, at) = (self.stride, self.pivots[coordinate]);
+        let Some(group) = self.groups.iter_mut().find(|g| (g.start..g.end).contains(&at)) else {
+            return;
+        };
+        let pivots = at..group.start + group.rank;
+        // What stands behind a pivot was never made zero.
+        self.rows[at * n + coordinate + 1..at * n + group.first_pivot + group.rank].fill(0.0);
+        group.rank -= 1;
+        self.rows[pivots.start * n..pivots.end * n].rotate_left(n);
+        self.target[pivots.clone()].rotate_left(1);
+        self.stacked[pivots].rotate_left(1);
+    }
+
+    /// Takes a row out of the stack.
+    fn remove(&mut self, table: &RowTable, at: usize) -> Result<(), Doubt> {
+        let group = self.groups.iter().position(|g| (g.start..g.end).contains(&at)).ok_or(Doubt)?;
+        let Group { start, rank, first_pivot, .. } = self.groups[group];
+        let (is_pivot, coordinate) = (at < start + rank, first_pivot + at - start);
+        self.close(at, group);
+        if is_pivot {
+            self.groups[group].rank -= 1;
+            self.move_down(table, group, at, coordinate)?;
+            self.renumber();
+        }
+        Ok(())
+    }
+
+    /// Turns the rows from `at` on, whose pivots move down by a coordinate from `free` on, which
+    /// has none any more, until a dependent row takes what is left.
+    fn move_down(
+        &mut self,
+        table: &RowTable,
+        group: usize,
+        at: usize,
+        free: usize,
+    ) -> Result<(), Doubt> {
+        let (n, from) = (self.stride, self.rotations.len());
+        let mut at = at;
+        let mut adopted = false;
+        for group in group..self.groups.len() {
+            let Group { start, end, rank, .. } = self.groups[group];
+            while at < end {
+                let row = &mut self.rows[at * n..(at + 1) * n];
+                let mut carry = row[free];
+                for &Rotation { first, cosine, sine, .. } in &self.rotations[from..] {
+                    let upper = row[first + 1];
+                    row[first] = cosine * carry + sine * upper;
+                    carry = cosine * upper - sine * carry;
+                }
+                let first = free + self.rotations.len() - from;
+                if !adopted && at < start + rank {
+                    let radius = length(carry, row[first + 1]);
+                    let (cosine, sine) = (carry / radius, row[first + 1] / radius);
+                    self.rotations.push(Rotation { first, second: first + 1, cosine, sine });
+                    carry = radius;
+                }
+                row[first] = carry;
+                at += 1;
+            }
+            let coordinate = free + self.rotations.len() - from;
+            adopted = adopted || self.adopt(table, group, coordinate)?;
+        }
+        Ok(())
+    }
+
+    /// Makes a dependent row of `group` the pivot of a coordinate that none has, if one is there.
+    fn adopt(&mut self, table: &RowTable, group: usize, coordinate: usize) -> Result<bool, Doubt> {
+        let (n, Group { start, end, rank, .. }) = (self.stride, self.groups[group].clone());
+        let (mut best, mut largest) = (start + rank, 0.0);
+        for at in start + rank..end {
+            let part = self.rows[at * n + coordinate].abs() / table.row(self.stacked[at]).norm();
+            if part > largest {
+                (best, largest) = (at, part);
+            }
+        }
+        if !is_there(largest)? {
+            return Ok(false);
+        }
+        self.swap(start + rank, best);
+        self.groups[group].rank += 1;
+        Ok(true)
+    }
+
+    /// Lets a variable go that was at a bound from the start: a coordinate more.
+    fn free_variable(&mut self, table: &RowTable, variable: usize) -> Result<(), Doubt> {
+        let place = self.bounded.iter().position(|&i| i == variable).ok_or(Doubt)?;
+        self.bounded.remove(place);
+        let (n, carried, from) = (self.stride, self.free.len(), self.rotations.len());
+        self.free.push(variable);
+        let mut adopted = None;
+        for group in 0..self.groups.len() {
+            let Group { start, end, rank, first_pivot, .. } = self.groups[group];
+            for at in start..end {
+                let id = self.stacked[at];
+                let coefficient = if id < self.n { 0.0 } else { table.coefficients(id)[variable] };
+                self.target[at] += coefficient * self.x[variable];
+                let width = self.groups[group].width(at);
+                let row = &mut self.rows[at * n..(at + 1) * n];
+                let mut carry = coefficient;
+                let turns = adopted.map_or(self.rotations.len(), |(turns, _)| turns);
+                for &Rotation { first, cosine, sine, .. } in &self.rotations[from..turns] {
+                    let lower = row[first];
+                    row[first] = cosine * lower + sine * carry;
+                    carry = cosine * carry - sine * lower;
+                }
+                if let Some((_, place)) = adopted {
+                    for coordinate in (place..width).rev() {
+                        row[coordinate + 1] = -row[coordinate];
+                    }
+                    row[place] = carry;
+                } else if at < start + rank {
+                    let first = width - 1;
+                    let radius = length(row[first], carry);
+                    let (cosine, sine) = (row[first] / radius, carry / radius);
+                    self.rotations.push(Rotation { first, second: carried, cosine, sine });
+                    row[first] = radius;
+                } else {
+                    row[first_pivot + rank] = carry;
+                }
+            }
+            let place = first_pivot + rank;
+            if adopted.is_none() && self.adopt(table, group, place)? {
+                let turns = self.rotations.len();
+                adopted = Some((turns, place));
+                // The new coordinate moves to its place, the others make room.
+                let quarter = |first| Rotation { first, second: first + 1, cosine: 0.0, sine: 1.0 };
+                self.rotations.extend((place..carried).rev().map(quarter));
+            }
+        }
+        self.renumber();
+        Ok(())
+    }
+
+    /// The group to which an active row belongs.
+    fn group_of(&self, table: &RowTable, id: usize) -> Option<usize> {
+        if id < self.n {
+            return (!self.groups.is_empty()).then_some(0);
+        }
+        self.groups.iter().position(|group| {
+            let rows = &table.levels[group.level];
+            match group.purpose {
+                Purpose::Held => rows.constraints.contains(&id),
+                Purpose::Minimised => rows.objective.contains(&id),
+            }
+        })
+    }
+
+    /// A row over the free variables; returns what the others add to it.
+    fn gather(&self, table: &RowTable, id: usize, row: &mut [f64]) -> f64 {
+        match table.row(id).coefficients() {
+            Coefficients::Unit(variable) => {
+                for (entry, &free) in row.iter_mut().zip(&self.free) {
+                    *entry = f64::from(u8::from(free == variable));
+                }
+                0.0
+            }
+            Coefficients::Dense(coefficients) => {
+                for (entry, &variable) in row.iter_mut().zip(&self.free) {
+                    *entry = coefficients[variable];
+                }
+                self.bounded.iter().map(|&i| coefficients[i] * self.x[i]).sum()
+            }
+        }
+    }
+
+    /// Opens a place in the stack, in `group`.
+    fn open(&mut self, at: usize, group: usize) {
+        let (n, count) = (self.stride, self.stacked.len());
+        self.stacked.insert(at, 0);
+        self.rows.copy_within(at * n..count * n, (at + 1) * n);
+        self.target.copy_within(at..count, at + 1);
+        self.groups[group].end += 1;
+        for later in &mut self.groups[group + 1..] {
+            later.start += 1;
+            later.end += 1;
+        }
+        self.renumber();
+    }
+
+    /// Closes a place in the stack, in `group`.
+    fn close(&mut self, at: usize, group: usize) {
+        let (n, count) = (self.stride, self.stacked.len());
+        self.stacked.remove(at);
+        self.rows.copy_within((at + 1) * n..count * n, at * n);
+        self.target.copy_within(at + 1..count, at);
+        self.groups[group].end -= 1;
+        for later in &mut self.groups[group + 1..] {
+            later.start -= 1;
+            later.end -= 1;
+        }
+        self.renumber();
+    }
+
+    /// The places of the pivots, from the ranks of the groups.
+    fn renumber(&mut self) {
+        self.pivots.clear();
+        for group in &mut self.groups {
+            group.first_pivot = self.pivots.len();
+            self.pivots.extend(group.start..group.start + group.rank);
+        }
+    }
+}
+
+impl Group {
+    /// How many coordinates stacked row `at`, one of the group, has entries along.
+    fn width(&self, at: usize) -> usize {
+        self.first_pivot + self.rank.min(at + 1 - self.start)
+    }
+}
