@@ -17,6 +17,8 @@ use crate::vector::{add_scaled, norm};
 
 /// Multipliers above this fraction of the numbers that they are made of are no rounding.
 pub(crate) const NOISE: f64 = 1e-13;
+/// The same of multipliers that balance a gradient together: large ones may cancel each other.
+pub(crate) const BALANCE_NOISE: f64 = 1e-12;
 
 /// What a row of the table does at the moment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -366,6 +368,9 @@ impl ActiveSet {
         self.threshold = self.set_gradient(goal);
         if self.threshold.is_finite() {
             self.basis.multipliers(&self.gradient, &mut self.multipliers);
+            let forces = self.multipliers.iter().zip(self.basis.active());
+            let size: f64 = forces.map(|(m, &id)| m.abs() * self.table.row(id).norm()).sum();
+            self.threshold += BALANCE_NOISE * size;
         }
         self.threshold
     }

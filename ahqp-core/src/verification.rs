@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use crate::active_set::{NOISE, RowState, bound};
+use crate::active_set::{BALANCE_NOISE, NOISE, RowState, bound};
 use crate::factorisation::{Factorisation, Purpose};
 use crate::settings::Settings;
 use crate::table::RowTable;
@@ -289,11 +289,16 @@ impl Verifier {
         let factorisation = &self.factorisation;
         let coordinates = &mut self.multipliers[..pivots];
         factorisation.balance(coordinates);
-        let mut released = 0;
-        for (pivot, &multiplier) in coordinates.iter().enumerate() {
-            let id = factorisation.stacked[factorisation.pivots[pivot]];
-            factorisation.add_at_bounds(table.row(id), multiplier, &mut self.gradient);
-            let force = multiplier * table.row(id).norm();
+        let (mut released, mut size) = (0, 0.0);
+        for (force, &pivot) in coordinates.iter_mut().zip(&factorisation.pivots) {
+            let row = table.row(factorisation.stacked[pivot]);
+            factorisation.add_at_bounds(row, *force, &mut self.gradient);
+            *force *= row.norm();
+            size += force.abs();
+        }
+        let threshold = threshold + BALANCE_NOISE * size;
+        for (&force, &pivot) in coordinates.iter().zip(&factorisation.pivots) {
+            let id = factorisation.stacked[pivot];
             released += usize::from(self.signs.check(&mut self.activity, id, force, threshold));
         }
         for &id in &factorisation.bounded {
