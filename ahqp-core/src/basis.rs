@@ -88,6 +88,13 @@ impl Basis {
         self.coordinates_from(self.free_start(), row, &mut out[..self.n - self.free_start()]);
     }
 
+    /// Whether `row` lies in the fixed directions, but for a part below `tolerance` of it.
+    pub(crate) fn is_fixed(&self, row: RowView<'_>, tolerance: f64) -> bool {
+        let others = self.vectors[self.fixed * self.n..].chunks_exact(self.n);
+        let rest = others.map(|direction| row.dot(direction).powi(2)).sum::<f64>().sqrt();
+        rest <= tolerance * row.norm()
+    }
+
     /// Coordinates of `row` along the directions from `start` on, as many as `out` has entries.
     fn coordinates_from(&self, start: usize, row: RowView<'_>, out: &mut [f64]) {
         let n = self.n;

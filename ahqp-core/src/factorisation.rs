@@ -154,6 +154,12 @@ impl Factorisation {
         self.find_point(table, tolerance)
     }
 
+    /// Bounds that became active after the factorisation was made: rows of the first group.
+    pub(crate) fn bounds_in_stack(&self) -> impl Iterator<Item = usize> {
+        let first = self.groups.first().map_or(0, |group| group.end);
+        self.stacked[..first].iter().copied().filter(|&id| id < self.n)
+    }
+
     fn take_bounds(&mut self, table: &RowTable, state: &[RowState]) {
         self.free.clear();
         self.bounded.clear();

@@ -15,6 +15,10 @@ use crate::verification::Verifier;
 
 /// Rows nearer to a bound than this, relative to their size, may push.
 const AT_BOUND: f64 = 1e-9;
+/// Multipliers that leave more of a gradient, relative to its size, miss a row.
+const IMBALANCE: f64 = 1e-10;
+/// Rows that depend on each other up to this balance a gradient together, with large multipliers.
+const NEARLY_DEPENDENT: f64 = 1e-13;
 
 /// Multipliers of a level: rows of the table, and what they push with.
 type Multipliers = Vec<(usize, f64)>;
@@ -48,8 +52,11 @@ impl<'a> Proof<'a> {
             }
         }
         let mut multipliers = self.verifier.multipliers_of(self.table, level, self.x);
-        if multipliers.iter().any(|&(id, multiplier)| !self.may_push(id, multiplier)) {
-            // Where active rows depend on each other, another choice may have the right signs.
+        // Where active rows depend on each other, another choice may have the right signs; where
+        // one nearly does, it may be missing.
+        if multipliers.iter().any(|&(id, multiplier)| !self.may_push(id, multiplier))
+            || self.imbalance(level, &multipliers) > IMBALANCE
+        {
             multipliers = self.signed(level)?;
         }
         for &(id, _) in &multipliers {
@@ -62,6 +69,22 @@ impl<'a> Proof<'a> {
     fn may_push(&self, id: usize, multiplier: f64) -> bool {
         let state = self.verifier.activity[id];
         self.settled[id] || !state.is_wrong(multiplier, 0.0)
+    }
+
+    /// What the multipliers leave of the gradient, relative to the numbers that both are made of.
+    fn imbalance(&self, level: Option<usize>, multipliers: &Multipliers) -> f64 {
+        let mut balance = self.gradient(level);
+        let mut size = norm(&balance);
+        let objective = level.map_or(0..0, |level| self.table.levels[level].used_objective());
+        for id in objective {
+            size += self.table.row(id).norm() * self.violation(id).1;
+        }
+        for &(id, multiplier) in multipliers {
+            let row = self.table.row(id);
+            row.add_to(&mut balance, multiplier);
+            size += (multiplier * row.norm()).abs();
+        }
+        norm(&balance) / size.max(f64::MIN_POSITIVE)
     }
 
     fn violation(&self, id: usize) -> (f64, f64) {
@@ -99,7 +122,8 @@ impl<'a> Proof<'a> {
         }
         let target = DVector::from_vec(gradient);
         problem.push(Level::least_squares(Rows::equalities(&columns, &target)?))?;
-        let mut solver = Solver::new(&problem, Settings::default())?;
+        let settings = Settings { rank_tolerance: NEARLY_DEPENDENT, ..Settings::default() };
+        let mut solver = Solver::new(&problem, settings)?;
         let found = solver.solve(&problem)?.x();
         let multipliers = candidates.iter().zip(found).filter(|(_, value)| value.abs() > 1e-12);
         Ok(multipliers

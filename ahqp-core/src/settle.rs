@@ -43,6 +43,7 @@ impl ActiveSet {
             self.release_weak();
             if !self.pulled.fix(&mut self.basis, &self.table, &self.weak) {
                 self.fix_by_rank(goal, linear);
+                self.take_down_decided(activity);
             }
         }
         self.pulled.clear(false);
@@ -53,6 +54,17 @@ impl ActiveSet {
                 if !kept {
                     self.activate(id, state);
                 }
+            }
+        }
+    }
+
+    /// What the level decided in doubt of a rank may rest on rows that looked weak: those that
+    /// cannot move any more are active.
+    fn take_down_decided(&self, activity: &mut [RowState]) {
+        let tolerance = self.dependence_tolerance();
+        for &(id, state) in &self.left {
+            if self.basis.is_fixed(self.table.row(id), tolerance) {
+                activity[id] = state;
             }
         }
     }

@@ -260,6 +260,10 @@ impl Solver {
         if !idle && self.set.search(&Goal::Norm) == End::OutOfIterations {
             return LevelEnd::OutOfIterations;
         }
+        if norm(&self.set.x) <= 10.0 * f64::EPSILON * self.set.farthest {
+            // Nothing but the rounding of the way there and back.
+            self.set.x.fill(0.0);
+        }
         self.remember_active();
         LevelEnd::Solved
     }

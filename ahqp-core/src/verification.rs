@@ -185,20 +185,25 @@ impl Verifier {
         let n = table.n;
         self.value[..n].copy_from_slice(&self.factorisation.x);
         table.multiply(n..table.len(), &self.factorisation.x, &mut self.value);
+        if self.factorisation.bounds_in_stack().any(|id| self.is_missed(table, id, x_norm)) {
+            return None;
+        }
         taken += self.take_violated_among(table, 0..n, x_norm);
         for level in &table.levels {
-            for id in level.constraints.clone() {
-                if self.activity[id].is_active() {
-                    let gap = self.value[id] - bound(table, &self.activity, id);
-                    if gap.abs() > self.tolerance(table, id, x_norm) {
-                        return None;
-                    }
-                }
+            let mut constraints = level.constraints.clone();
+            if constraints.any(|id| self.is_missed(table, id, x_norm)) {
+                return None;
             }
             taken += self.take_violated_among(table, level.constraints.clone(), x_norm);
             taken += self.take_violated_among(table, level.used_objective(), x_norm);
         }
         Some(taken)
+    }
+
+    /// Whether a row is active, but x is not at its bound.
+    fn is_missed(&self, table: &RowTable, id: usize, x_norm: f64) -> bool {
+        let gap = || self.value[id] - bound(table, &self.activity, id);
+        self.activity[id].is_active() && gap().abs() > self.tolerance(table, id, x_norm)
     }
 
     fn take_violated_among(&mut self, table: &RowTable, rows: Range<usize>, x_norm: f64) -> usize {
