@@ -260,7 +260,8 @@ impl Solver {
         if !idle && self.set.search(&Goal::Norm) == End::OutOfIterations {
             return LevelEnd::OutOfIterations;
         }
-        if norm(&self.set.x) <= 10.0 * f64::EPSILON * self.set.farthest {
+        let rounding = 10.0 * f64::EPSILON * self.set.farthest;
+        if rounding.is_finite() && norm(&self.set.x) <= rounding {
             // Nothing but the rounding of the way there and back.
             self.set.x.fill(0.0);
         }
