@@ -118,7 +118,7 @@ kernel! {
 }
 
 kernel! {
-    /// out ← out + Σᵢ weightᵢ row i.
+    /// out ← out + Σᵢ weightᵢ row i, in the first entries of the rows.
     add_rows(data: &[f64], stride: usize, weights: &[f64], out: &mut [f64])
 }
 

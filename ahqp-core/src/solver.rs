@@ -14,10 +14,10 @@ use crate::vector::norm;
 use crate::verification::Verifier;
 
 /// Rounds of mending the previous active set after which the search starts from nothing.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 10;
 
 /// Changes of the active set from solve to solve up to which it is mended, not searched for.
-const FEW: usize = 2;
+const FEW: usize = 4;
 
 /// A change of more than this part of the variables is a jump, not a habit.
 const JUMP: usize = 3;

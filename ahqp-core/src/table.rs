@@ -166,7 +166,7 @@ impl RowTable {
     /// y ← y + Σ weight · row over the rows in `ids`, none of them a bound.
     pub(crate) fn add_rows(&self, ids: Range<usize>, weights: &[f64], y: &mut [f64]) {
         let data = &self.coefficients[(ids.start - self.n) * self.n..];
-        add_rows(data, self.n, &weights[..ids.len()], y);
+        add_rows(data, self.n, &weights[..ids.len()], &mut y[..self.n]);
     }
 
     pub(crate) fn is_equality(&self, id: usize) -> bool {

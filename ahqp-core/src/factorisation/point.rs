@@ -1,8 +1,10 @@
 //! The point that a factorisation gives, and multipliers.
 
+use std::ops::Range;
+
 use super::{Factorisation, Group, LANES, Purpose, aligned};
-use crate::kernels::{Rotation, RowsMut, reflect_rows};
-use crate::table::{Coefficients, RowTable, RowView};
+use crate::kernels::{Rotation, RowsMut, add_rows, reflect_rows};
+use crate::table::RowTable;
 use crate::tall::solve_tall;
 use crate::vector::{add_scaled, dot, norm};
 
@@ -143,20 +145,9 @@ impl Factorisation {
         }
     }
 
-    /// Adds `weight` times the first coordinates of a stacked row.
-    pub(crate) fn add_row(&self, at: usize, weight: f64, coordinates: &mut [f64]) {
-        let row = &self.rows[at * self.stride..at * self.stride + coordinates.len()];
-        add_scaled(coordinates, weight, row);
-    }
-
-    /// Adds `weight` times the entries of a row that belong to variables at a bound.
-    pub(crate) fn add_at_bounds(&self, row: RowView<'_>, weight: f64, gradient: &mut [f64]) {
-        // A bound in the stack is one of a variable that counts as free.
-        if let Coefficients::Dense(coefficients) = row.coefficients() {
-            for &variable in &self.bounded {
-                gradient[variable] += weight * coefficients[variable];
-            }
-        }
+    /// Adds the first coordinates of stacked rows, times their weights.
+    pub(crate) fn add_rows(&self, rows: Range<usize>, weights: &[f64], coordinates: &mut [f64]) {
+        add_rows(&self.rows[rows.start * self.stride..], self.stride, weights, coordinates);
     }
 
     /// Adds the first coordinates of a level's linear term.

@@ -198,7 +198,7 @@ pub(super) fn multiply_rows<L: Lanes>(data: &[f64], stride: usize, x: &[f64], ou
 
 #[inline(always)]
 pub(super) fn add_rows<L: Lanes>(data: &[f64], stride: usize, weights: &[f64], out: &mut [f64]) {
-    let whole = stride - stride % 4;
+    let whole = out.len() - out.len() % 4;
     let mut start = 0;
     while start + 16 <= whole {
         add_columns::<L, 4>(data, stride, start, weights, out);
@@ -208,7 +208,7 @@ pub(super) fn add_rows<L: Lanes>(data: &[f64], stride: usize, weights: &[f64], o
         add_columns::<L, 1>(data, stride, start, weights, out);
         start += 4;
     }
-    for start in whole..stride {
+    for start in whole..out.len() {
         let sum: f64 = data.chunks_exact(stride).zip(weights).map(|(row, w)| row[start] * w).sum();
         out[start] += sum;
     }
