@@ -147,10 +147,11 @@ impl Factorisation {
         self.pivots.clear();
         self.blocks.clear();
         self.rotations.clear();
+        self.reflected = self.free.len();
         for group in 0..self.groups.len() {
             self.eliminate(group, tolerance);
         }
-        (self.reflected, self.reflections) = (self.free.len(), self.pivots.len());
+        self.reflections = self.pivots.len();
         self.find_point(table, tolerance)
     }
 
@@ -231,7 +232,7 @@ impl Factorisation {
     /// Reflections that turn the group's rows onto coordinates of their own.
     fn eliminate(&mut self, group: usize, tolerance: f64) {
         let (n, k) = (self.stride, self.free.len());
-        let whole = k.next_multiple_of(LANES);
+        let whole = self.reflected_lanes();
         let Group { start, end, .. } = self.groups[group];
         let first_pivot = self.pivots.len();
         self.groups[group].first_pivot = first_pivot;
@@ -273,7 +274,7 @@ impl Factorisation {
     /// Turns rows by the reflections so far.
     fn turn_rows(&mut self, rows: Range<usize>) {
         let stride = self.stride;
-        let whole = self.free.len().next_multiple_of(LANES);
+        let whole = self.reflected_lanes();
         let mut all = std::mem::take(&mut self.rows);
         let data = &mut all[rows.start * stride..rows.end * stride];
         for (block, factor) in self.blocks.iter().enumerate() {
@@ -288,9 +289,14 @@ impl Factorisation {
         self.rows = all;
     }
 
+    /// How many entries whole lanes of reflectors have.
+    fn reflected_lanes(&self) -> usize {
+        self.reflected.next_multiple_of(LANES)
+    }
+
     /// Four reflectors, over the lanes from the first one's on.
     fn block(&self, block: usize) -> [&[f64]; LANES] {
-        let whole = self.free.len().next_multiple_of(LANES);
+        let whole = self.reflected_lanes();
         let first = block * LANES;
         std::array::from_fn(|i| &self.reflectors[(first + i) * self.stride..][first..whole])
     }

@@ -52,12 +52,19 @@ impl BlockFactor {
 #[derive(Debug)]
 pub(crate) struct FourReflections<'a> {
     v: [&'a [f64]; 4],
-    t: &'a [[f64; 4]; 4],
+    t: [[f64; 4]; 4],
 }
 
 impl<'a> FourReflections<'a> {
-    pub(crate) fn new(v: [&'a [f64]; 4], factor: &'a BlockFactor) -> Self {
-        Self { v, t: &factor.0 }
+    /// H₀ H₁ H₂ H₃.
+    pub(crate) fn new(v: [&'a [f64]; 4], factor: &BlockFactor) -> Self {
+        Self { v, t: factor.0 }
+    }
+
+    /// H₃ H₂ H₁ H₀.
+    pub(crate) fn reversed(v: [&'a [f64]; 4], factor: &BlockFactor) -> Self {
+        let t = std::array::from_fn(|i| std::array::from_fn(|j| factor.0[j][i]));
+        Self { v, t }
     }
 }
 

@@ -3,7 +3,9 @@
 use std::ops::Range;
 
 use super::{Factorisation, Group, LANES, Purpose, aligned};
-use crate::kernels::{Rotation, RowsMut, add_rows, reflect_rows};
+use crate::kernels::{
+    FourReflections, Rotation, RowsMut, add_rows, reflect_rows, reflect_rows_four,
+};
 use crate::table::RowTable;
 use crate::tall::solve_tall;
 use crate::vector::{add_scaled, dot, norm};
@@ -93,7 +95,11 @@ impl Factorisation {
 
     /// Takes a vector over the free variables, with zeros behind it, into the coordinates of Q.
     pub(super) fn turn(&self, vector: &mut [f64]) {
-        for step in 0..self.reflections {
+        for (block, factor) in self.blocks.iter().enumerate() {
+            let four = FourReflections::new(self.block(block), factor);
+            reflect_rows_four(&mut only_row(vector), block * LANES, &four);
+        }
+        for step in self.blocks.len() * LANES..self.reflections {
             self.reflect(step, vector);
         }
         for &Rotation { first, second, cosine, sine } in &self.rotations {
@@ -113,8 +119,12 @@ impl Factorisation {
             let (x, y) = (z[first], z[second]);
             (z[first], z[second]) = (cosine * x - sine * y, sine * x + cosine * y);
         }
-        for step in (0..self.reflections).rev() {
+        for step in (self.blocks.len() * LANES..self.reflections).rev() {
             self.reflect(step, &mut z);
+        }
+        for (block, factor) in self.blocks.iter().enumerate().rev() {
+            let four = FourReflections::reversed(self.block(block), factor);
+            reflect_rows_four(&mut only_row(&mut z), block * LANES, &four);
         }
         for (&variable, &value) in self.free.iter().zip(&z) {
             self.x[variable] = value;
@@ -124,11 +134,15 @@ impl Factorisation {
 
     /// Applies one of the reflections to a vector.
     fn reflect(&self, step: usize, vector: &mut [f64]) {
-        let lanes = aligned(step)..self.reflected.next_multiple_of(LANES);
-        let v = &self.reflectors[step * self.stride..][lanes.clone()];
-        let data = &mut vector[lanes];
-        reflect_rows(&mut RowsMut { stride: data.len(), data }, 0, v, self.tau[step]);
+        let first = aligned(step);
+        let v = &self.reflectors[step * self.stride..][first..self.reflected_lanes()];
+        reflect_rows(&mut only_row(vector), first, v, self.tau[step]);
     }
+}
+
+/// A vector as a matrix of one row.
+fn only_row(vector: &mut [f64]) -> RowsMut<'_> {
+    RowsMut { stride: vector.len(), data: vector }
 }
 
 impl Factorisation {

@@ -164,7 +164,7 @@ fn mix_columns_four<L: Lanes, const B: usize>(
     }
     let mut turned = [[L::splat(0.0); B]; 4];
     for (image, t) in images.iter().zip(four.t) {
-        for (turned, &t) in turned.iter_mut().zip(t) {
+        for (turned, t) in turned.iter_mut().zip(t) {
             let t = L::splat(-t);
             for (turned, image) in turned.iter_mut().zip(image) {
                 *turned = t.multiply_add(*image, *turned);
