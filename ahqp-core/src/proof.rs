@@ -17,6 +17,9 @@ use crate::verification::Verifier;
 const AT_BOUND: f64 = 1e-9;
 /// Multipliers that leave more of a gradient, relative to its size, miss a row.
 const IMBALANCE: f64 = 1e-10;
+/// Below this, relative to the size of its level, a multiplier says nothing; above what the check
+/// of a certificate calls rounding.
+const ROUNDING: f64 = 2e-13;
 /// Rows that depend on each other up to this balance a gradient together, with large multipliers.
 const NEARLY_DEPENDENT: f64 = 1e-13;
 
@@ -52,15 +55,17 @@ impl<'a> Proof<'a> {
             }
         }
         let mut multipliers = self.verifier.multipliers_of(self.table, level, self.x);
+        let (mut size, balance) = self.balance(level, &multipliers);
         // Where active rows depend on each other, another choice may have the right signs; where
         // one nearly does, it may be missing.
         if multipliers.iter().any(|&(id, multiplier)| !self.may_push(id, multiplier))
-            || self.imbalance(level, &multipliers) > IMBALANCE
+            || balance > IMBALANCE * size
         {
             multipliers = self.signed(level)?;
+            (size, _) = self.balance(level, &multipliers);
         }
-        for &(id, _) in &multipliers {
-            self.settled[id] = true;
+        for &(id, multiplier) in &multipliers {
+            self.settled[id] |= (multiplier * self.table.row(id).norm()).abs() > ROUNDING * size;
         }
         Ok(multipliers)
     }
@@ -71,20 +76,22 @@ impl<'a> Proof<'a> {
         self.settled[id] || !state.is_wrong(multiplier, 0.0)
     }
 
-    /// What the multipliers leave of the gradient, relative to the numbers that both are made of.
-    fn imbalance(&self, level: Option<usize>, multipliers: &Multipliers) -> f64 {
+    /// The size of the numbers that a level's gradient and these multipliers are made of, and what
+    /// the multipliers leave of the gradient.
+    fn balance(&self, level: Option<usize>, multipliers: &Multipliers) -> (f64, f64) {
         let mut balance = self.gradient(level);
         let mut size = norm(&balance);
         let objective = level.map_or(0..0, |level| self.table.levels[level].used_objective());
         for id in objective {
-            size += self.table.row(id).norm() * self.violation(id).1;
+            let (violation, magnitude) = self.violation(id);
+            size += self.table.row(id).norm() * (violation.abs() + magnitude);
         }
         for &(id, multiplier) in multipliers {
             let row = self.table.row(id);
             row.add_to(&mut balance, multiplier);
             size += (multiplier * row.norm()).abs();
         }
-        norm(&balance) / size.max(f64::MIN_POSITIVE)
+        (size, norm(&balance))
     }
 
     fn violation(&self, id: usize) -> (f64, f64) {
