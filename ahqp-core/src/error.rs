@@ -149,7 +149,7 @@ pub enum Error {
     ///
     /// [`Solver::conflict`](crate::Solver::conflict) lists a subset that cannot hold together.
     #[error(
-        "the hard constraints of level {level} cannot hold together with those above it: {worst} stays violated by {violation:e}; relax one of the {members} constraints that Solver::conflict lists, or make the level's constraints soft"
+        "the hard constraints of level {level} cannot hold together with those above it: {worst} stays violated by {violation:e}; relax one of the {members} rows that Solver::conflict lists, or make the level's constraints soft"
     )]
     Infeasible {
         /// The level whose constraints cannot be met.

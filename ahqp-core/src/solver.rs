@@ -79,8 +79,9 @@ impl Solver {
         self.warm = false;
     }
 
-    /// Constraints that cannot hold together with what the levels above hold, after
-    /// [`Error::Infeasible`]; empty otherwise.
+    /// What cannot hold together, after [`Error::Infeasible`]; empty otherwise: constraints,
+    /// bounds, and rows of objectives above, at the values to which these levels brought them. A
+    /// quadratic objective is there by rows of its factor.
     pub fn conflict(&self) -> &[ConstraintSource] {
         &self.conflict
     }
@@ -235,17 +236,16 @@ impl Solver {
             return Ok(());
         };
         let threshold = self.set.refresh_multipliers(goal);
-        for id in rows {
+        for id in rows.clone() {
             if excess(&self.set, id) > 1.0 {
                 self.conflict.push(self.set.table.sources[id]);
             }
         }
-        for position in 0..self.set.basis.active().len() {
-            if self.set.is_strongly_active(position, threshold) {
-                let id = self.set.basis.active()[position];
-                self.conflict.push(self.set.table.sources[id]);
-            }
-        }
+        self.remember_active();
+        let Self { set, verifier, conflict, .. } = self;
+        let forces = verifier.forces_against(&set.table, rows, |id| set.violation(id));
+        let pushing = forces.filter(|&(_, force)| force.abs() > threshold);
+        conflict.extend(pushing.map(|(id, _)| set.table.sources[id]));
         Err(Error::Infeasible {
             level,
             worst: self.set.table.sources[worst],

@@ -401,6 +401,23 @@ fn the_conflicting_subset_cannot_hold_alone() {
 }
 
 #[test]
+fn a_conflict_with_an_objective_above_names_it() {
+    // x + y = 2 and z = 1 are wanted first; then x + y ≥ 3 must hold.
+    let mut hierarchy = Hierarchy::new(3).unwrap();
+    let wanted = Rows::equalities(&dmatrix![0.0, 0.0, 1.0; 1.0, 1.0, 0.0], &dvector![1.0, 2.0]);
+    hierarchy.push(Level::least_squares(wanted.unwrap())).unwrap();
+    let sum = Rows::ranges(&dmatrix![1.0, 1.0, 0.0], &dvector![3.0], &dvector![f64::INFINITY]);
+    hierarchy.push(Level::constraints_only(sum.unwrap())).unwrap();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    assert!(matches!(solver.solve(&hierarchy), Err(Error::Infeasible { level: 1, .. })));
+    let expected = [
+        ConstraintSource::Constraint { level: 1, row: 0 },
+        ConstraintSource::Objective { level: 0, row: 1 },
+    ];
+    assert_eq!(solver.conflict(), expected);
+}
+
+#[test]
 fn an_empty_hierarchy_has_the_least_norm_within_its_bounds() {
     let mut hierarchy = Hierarchy::new(3).unwrap();
     hierarchy.set_bounds(&dvector![-1.0, 2.0, -5.0], &dvector![1.0, 3.0, -4.0]).unwrap();

@@ -53,16 +53,9 @@ impl Factorisation {
     fn turn_linear(&mut self, table: &RowTable, level: usize) -> f64 {
         let (n, k) = (self.n, self.free.len());
         let source = &table.levels[level].linear;
-        let linear = &mut self.linear[level * n..level * n + k];
-        for (entry, &variable) in linear.iter_mut().zip(&self.free) {
-            *entry = source[variable];
-        }
-        let mut turned = std::mem::take(&mut self.turned);
-        turned[..k].copy_from_slice(linear);
-        turned[k..].fill(0.0);
-        self.turn(&mut turned);
-        self.linear[level * n..level * n + k].copy_from_slice(&turned[..k]);
-        self.turned = turned;
+        let mut linear = std::mem::take(&mut self.linear);
+        self.coordinates(source, &mut linear[level * n..level * n + k]);
+        self.linear = linear;
         norm(source)
     }
 
@@ -157,6 +150,18 @@ impl Factorisation {
             add_scaled(&mut coordinates[..pivot], multiplier, &row[..pivot]);
             coordinates[pivot] = multiplier;
         }
+    }
+
+    /// The first coordinates of a vector over all variables.
+    pub(crate) fn coordinates(&mut self, vector: &[f64], out: &mut [f64]) {
+        let (mut turned, k) = (std::mem::take(&mut self.turned), self.free.len());
+        for (entry, &variable) in turned.iter_mut().zip(&self.free) {
+            *entry = vector[variable];
+        }
+        turned[k..].fill(0.0);
+        self.turn(&mut turned);
+        out.copy_from_slice(&turned[..out.len()]);
+        self.turned = turned;
     }
 
     /// Adds the first coordinates of stacked rows, times their weights.

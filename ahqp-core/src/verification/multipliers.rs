@@ -1,5 +1,7 @@
 //! Multipliers of the active rows, level by level, and what their signs say.
 
+use std::ops::Range;
+
 use super::Verifier;
 use crate::active_set::{BALANCE_NOISE, NOISE, bound};
 use crate::factorisation::Purpose;
@@ -45,6 +47,30 @@ impl Verifier {
             (multiplier * table.row(id).norm()).abs() > 1e-3 * threshold
         });
         all
+    }
+
+    /// What the active rows push with against hard rows that stay violated: multipliers times the
+    /// norms of their rows.
+    pub(crate) fn forces_against(
+        &mut self,
+        table: &RowTable,
+        violated: Range<usize>,
+        violation: impl Fn(usize) -> f64,
+    ) -> impl Iterator<Item = (usize, f64)> {
+        self.factorisation.factorise(table, &self.activity, self.settings.rank_tolerance);
+        for id in violated.clone() {
+            self.weights[id] = violation(id);
+        }
+        self.gradient.fill(0.0);
+        table.add_rows(violated.clone(), &self.weights[violated], &mut self.gradient);
+        let pivots = self.factorisation.decided().len();
+        self.factorisation.coordinates(&self.gradient, &mut self.multipliers[..pivots]);
+        self.balance(table, pivots);
+        let factorisation = &self.factorisation;
+        let ids = factorisation.pivots.iter().map(|&pivot| factorisation.stacked[pivot]);
+        ids.zip(&self.multipliers)
+            .map(|(id, multiplier)| (id, multiplier * table.row(id).norm()))
+            .chain(factorisation.bounded.iter().map(|&id| (id, -self.gradient[id])))
     }
 
     /// Checks the signs that the level of `group`, the rows of its objective, gives.
