@@ -9,6 +9,7 @@ use std::ops::Range;
 
 use crate::basis::Basis;
 use crate::least_squares::{LeastSquares, Minimum};
+use crate::list::List;
 use crate::pulled::Pulled;
 use crate::search::Candidate;
 use crate::settings::Settings;
@@ -86,7 +87,7 @@ pub(crate) struct ActiveSet {
     pub(crate) x: Vec<f64>,
     pub(crate) state: Vec<RowState>,
     /// Runs of rows among which hard ones are in play: inside, or in the working set.
-    pub(crate) in_play: Vec<Range<usize>>,
+    pub(crate) in_play: List<Range<usize>>,
     /// aᵢx for the rows in play.
     pub(crate) value: Vec<f64>,
     /// w of rows of the objective that are inside, on its way to zero.
@@ -98,11 +99,11 @@ pub(crate) struct ActiveSet {
     /// The largest ‖x‖ of this solve.
     pub(crate) farthest: f64,
     /// Rows of the working set that the level at hand leaves to the next.
-    pub(crate) left: Vec<(usize, RowState)>,
+    pub(crate) left: List<(usize, RowState)>,
     /// Of each row of the working set, whether the level at hand does not need it.
     pub(crate) weak: Vec<bool>,
     pub(crate) slope: Vec<f64>,
-    pub(crate) candidates: Vec<Candidate>,
+    pub(crate) candidates: List<Candidate>,
     /// Weights of rows of the objective in its gradient.
     weights: Vec<f64>,
     /// Above which size a multiplier counted when they were computed last.
@@ -123,17 +124,17 @@ impl ActiveSet {
             least_squares: LeastSquares::new(most.unwrap_or(0), n),
             x: vec![0.0; n],
             state: vec![RowState::Absent; count],
-            in_play: Vec::with_capacity(2 * table.levels.len() + 1),
+            in_play: List::with_capacity(2 * table.levels.len() + 1),
             value: vec![0.0; count],
             residual: vec![0.0; count],
             multipliers: vec![0.0; n],
             iterations: 0,
             hint: vec![RowState::Inside; count],
             farthest: 0.0,
-            left: Vec::with_capacity(n),
+            left: List::with_capacity(n),
             weak: vec![false; n],
             slope: vec![0.0; count],
-            candidates: Vec::with_capacity(count),
+            candidates: List::with_capacity(count),
             weights: vec![0.0; most.unwrap_or(0)],
             threshold: f64::INFINITY,
             direction: vec![0.0; n],

@@ -8,6 +8,7 @@ use crate::kernels::{
     FourReflections, Rotation, RowsMut, add_rows, mix_rows, mix_rows_four, multiply_rows,
     rotate_rows,
 };
+use crate::list::List;
 use crate::table::{Coefficients, RowView};
 use crate::vector::{add_scaled, length, norm, reflector};
 
@@ -19,11 +20,11 @@ pub(crate) struct Basis {
     vectors: Vec<f64>,
     fixed: usize,
     /// Rows of the working set in the order of the triangular factor.
-    active: Vec<usize>,
+    active: List<usize>,
     /// Row i: the coordinates of active row i along active directions 0 to i.
     triangular: Vec<f64>,
     coordinates: Vec<f64>,
-    rotations: Vec<Rotation>,
+    rotations: List<Rotation>,
     spare: Vec<f64>,
 }
 
@@ -33,10 +34,10 @@ impl Basis {
             n,
             vectors: vec![0.0; n * n],
             fixed: 0,
-            active: Vec::with_capacity(n),
+            active: List::with_capacity(n),
             triangular: vec![0.0; n * n],
             coordinates: vec![0.0; n],
-            rotations: Vec::with_capacity(n * n),
+            rotations: List::with_capacity(n * n),
             spare: vec![0.0; n * n],
         };
         basis.reset(|_| false);

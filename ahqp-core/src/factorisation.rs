@@ -17,6 +17,7 @@ use crate::active_set::{RowState, bound};
 use crate::kernels::{
     BlockFactor, FourReflections, Rotation, RowsMut, reflect_rows, reflect_rows_four,
 };
+use crate::list::List;
 use crate::table::RowTable;
 use crate::vector::{dot, reflector};
 
@@ -62,12 +63,12 @@ pub(crate) struct Factorisation {
     /// Entries from row to row: n, and zeros up to whole lanes.
     stride: usize,
     /// Variables that are not at a bound, in the order of the columns.
-    pub(crate) free: Vec<usize>,
+    pub(crate) free: List<usize>,
     /// Variables that are, in the order of the variables.
-    pub(crate) bounded: Vec<usize>,
+    pub(crate) bounded: List<usize>,
     /// Rows of the table, stacked; pivots of a group stand first in it.
-    pub(crate) stacked: Vec<usize>,
-    pub(crate) groups: Vec<Group>,
+    pub(crate) stacked: List<usize>,
+    pub(crate) groups: List<Group>,
     /// L, a stacked row in `stride` entries.
     rows: Vec<f64>,
     target: Vec<f64>,
@@ -79,18 +80,18 @@ pub(crate) struct Factorisation {
     /// Of stacked rows, the square of the norm.
     square: Vec<f64>,
     /// Stacked row of each pivot.
-    pub(crate) pivots: Vec<usize>,
+    pub(crate) pivots: List<usize>,
     reflectors: Vec<f64>,
     tau: Vec<f64>,
     /// What makes one of four reflections, for every four of them.
-    blocks: Vec<BlockFactor>,
+    blocks: List<BlockFactor>,
     /// Variables behind the free ones in order, in the places of those at a bound.
-    moved: Vec<usize>,
+    moved: List<usize>,
     /// How many variables were free, how many reflections there are, and by what the coordinates
     /// have been rotated since.
     reflected: usize,
     reflections: usize,
-    rotations: Vec<Rotation>,
+    rotations: List<Rotation>,
     y: Vec<f64>,
     turned: Vec<f64>,
     tall: Vec<f64>,
@@ -107,24 +108,24 @@ impl Factorisation {
         Self {
             n,
             stride,
-            free: Vec::with_capacity(n),
-            bounded: Vec::with_capacity(n),
-            stacked: Vec::with_capacity(count),
-            groups: Vec::with_capacity(2 * table.levels.len()),
+            free: List::with_capacity(n),
+            bounded: List::with_capacity(n),
+            stacked: List::with_capacity(count),
+            groups: List::with_capacity(2 * table.levels.len()),
             rows: vec![0.0; count * stride],
             target: vec![0.0; count],
             known: vec![0.0; count],
             rest: vec![0.0; count],
             measured: vec![0.0; count],
             square: vec![0.0; count],
-            pivots: Vec::with_capacity(n),
+            pivots: List::with_capacity(n),
             reflectors: vec![0.0; n * stride],
             tau: vec![0.0; n],
-            blocks: Vec::with_capacity(n / LANES),
-            moved: Vec::with_capacity(n),
+            blocks: List::with_capacity(n / LANES),
+            moved: List::with_capacity(n),
             reflected: 0,
             reflections: 0,
-            rotations: Vec::with_capacity(ROTATIONS * n),
+            rotations: List::with_capacity(ROTATIONS * n),
             y: vec![0.0; n],
             turned: vec![0.0; stride],
             tall: vec![0.0; count * n],
@@ -266,7 +267,8 @@ impl Factorisation {
             self.groups[group].rank += 1;
             if self.pivots.len().is_multiple_of(LANES) {
                 let block = self.pivots.len() / LANES - 1;
-                self.blocks.push(BlockFactor::new(self.block(block), &self.tau[block * LANES..]));
+                let factor = BlockFactor::new(self.block(block), &self.tau[block * LANES..]);
+                self.blocks.push(factor);
             }
         }
     }

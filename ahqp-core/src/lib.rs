@@ -25,6 +25,7 @@ mod hierarchy;
 mod kernels;
 mod least_squares;
 mod limits;
+mod list;
 mod proof;
 mod pulled;
 mod quadratic;

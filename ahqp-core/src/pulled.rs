@@ -13,6 +13,7 @@ use crate::basis::Basis;
 use crate::kernels::{
     BlockFactor, FourReflections, Rotation, RowsMut, multiply_rows, reflect_rows,
 };
+use crate::list::List;
 use crate::table::{RowTable, RowView};
 use crate::vector::{add_scaled, dot, length, norm, reflector, solve_positive_definite};
 
@@ -28,14 +29,14 @@ const LARGEST_WEIGHT: f64 = 1e2;
 pub(crate) struct Pulled {
     stride: usize,
     /// Pivots first, in the order of L, then dependent rows.
-    rows: Vec<usize>,
+    rows: List<usize>,
     rank: usize,
     sound: bool,
     /// Column j: the coordinates of all rows along pulled direction j.
     columns: Vec<f64>,
     carry: Vec<f64>,
     coordinates: Vec<f64>,
-    rotations: Vec<Rotation>,
+    rotations: List<Rotation>,
     target: Vec<f64>,
     weights: Vec<f64>,
     system: Vec<f64>,
@@ -49,13 +50,13 @@ impl Pulled {
     pub(crate) fn new(rows: usize, n: usize) -> Self {
         Self {
             stride: rows,
-            rows: Vec::with_capacity(rows),
+            rows: List::with_capacity(rows),
             rank: 0,
             sound: false,
             columns: vec![0.0; rows * (n + 1)],
             carry: vec![0.0; rows],
             coordinates: vec![0.0; n],
-            rotations: Vec::with_capacity(n),
+            rotations: List::with_capacity(n),
             target: vec![0.0; rows],
             weights: vec![0.0; (rows + 1) * n],
             system: vec![0.0; n * n],

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
 use crate::hierarchy::ConstraintSource;
+use crate::list::List;
 use crate::vector::dot;
 
 /// Pivots below this fraction of the largest diagonal entry count as zero.
@@ -24,7 +25,7 @@ pub(crate) struct QuadraticFactor {
     /// R, row after row.
     factor: Vec<f64>,
     target: Vec<f64>,
-    pivots: Vec<usize>,
+    pivots: List<usize>,
     /// What of the diagonal is not factored yet.
     diagonal: Vec<f64>,
     linear: Vec<f64>,
@@ -38,7 +39,7 @@ impl QuadraticFactor {
             rank: 0,
             factor: vec![0.0; n * n],
             target: vec![0.0; n],
-            pivots: Vec::with_capacity(n),
+            pivots: List::with_capacity(n),
             diagonal: vec![0.0; n],
             linear: vec![0.0; n],
             gradient_size: 0.0,

@@ -6,6 +6,7 @@ use crate::active_set::{ActiveSet, End, Goal, RowState};
 use crate::certificate::Certificate;
 use crate::error::Error;
 use crate::hierarchy::{ConstraintSource, Hierarchy};
+use crate::list::List;
 use crate::proof::Proof;
 use crate::settings::{Settings, WarmStart};
 use crate::solution::{Solution, Status};
@@ -39,7 +40,7 @@ pub struct Solver {
     warm: bool,
     /// Whether the active set has changed so little lately that asking it first pays.
     settled: bool,
-    conflict: Vec<ConstraintSource>,
+    conflict: List<ConstraintSource>,
 }
 
 /// How a level ended, if it did not fail.
@@ -68,7 +69,7 @@ impl Solver {
             verifier: Verifier::new(&table, settings),
             warm: false,
             settled: true,
-            conflict: Vec::with_capacity(count),
+            conflict: List::with_capacity(count),
             set: ActiveSet::new(table, settings),
             settings,
         })

@@ -13,6 +13,7 @@ use std::ops::Range;
 
 use crate::active_set::{RowState, bound};
 use crate::factorisation::{Factorisation, Purpose};
+use crate::list::List;
 use crate::settings::Settings;
 use crate::table::RowTable;
 use crate::vector::norm;
@@ -36,7 +37,7 @@ pub(crate) struct Verifier {
     /// aᵢx at the point reached, which violates no row that is not active.
     reached: Vec<f64>,
     /// Rows that are violated, and how.
-    violated: Vec<(usize, RowState)>,
+    violated: List<(usize, RowState)>,
     /// Whether the last active set asked for was far from the right one.
     pub(crate) far: bool,
     multipliers: Vec<f64>,
@@ -56,7 +57,7 @@ impl Verifier {
             value: vec![0.0; table.len()],
             signs: Signs::new(table.len()),
             reached: vec![0.0; table.len()],
-            violated: Vec::with_capacity(table.len()),
+            violated: List::with_capacity(table.len()),
             far: false,
             multipliers: vec![0.0; table.n],
             weights: vec![0.0; table.len()],

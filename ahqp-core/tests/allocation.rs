@@ -73,11 +73,14 @@ proptest! {
     ) {
         let warm_start = if warm { WarmStart::PreviousActiveSet } else { WarmStart::Cold };
         let settings = Settings { warm_start, max_iterations, ..Settings::default() };
-        let mut solver = Solver::new(&sequence[0], settings).unwrap();
-        for hierarchy in &sequence {
-            let (calls, solved) = allocations(|| solver.solve(hierarchy).is_ok());
-            prop_assert!(solved);
-            prop_assert_eq!(calls, 0);
+        let new = Solver::new(&sequence[0], settings).unwrap();
+        let clone = new.clone();
+        for mut solver in [new, clone] {
+            for hierarchy in &sequence {
+                let (calls, solved) = allocations(|| solver.solve(hierarchy).is_ok());
+                prop_assert!(solved);
+                prop_assert_eq!(calls, 0);
+            }
         }
     }
 }

@@ -5,11 +5,12 @@ use super::data::Data;
 use super::plan::{Entry, Plan};
 use super::{LevelId, Place};
 use crate::error::Error;
+use crate::list::List;
 use crate::settings::Settings;
 
 #[derive(Debug)]
 pub(super) struct Blend {
-    pub(super) changes: Vec<Change>,
+    pub(super) changes: List<Change>,
     /// One for each set of changes made: bit i of the index is change i.
     pub(super) plans: Vec<Plan>,
     settings: Settings,
@@ -22,7 +23,7 @@ impl Blend {
     pub(super) fn new(data: &Data, settings: Settings) -> Result<Self, Error> {
         let order = data.levels.iter().map(|&(id, _)| Entry { id, active: true }).collect();
         Ok(Self {
-            changes: Vec::with_capacity(Self::MAX_CHANGES),
+            changes: List::with_capacity(Self::MAX_CHANGES),
             plans: vec![Plan::new(order, data, settings)?],
             settings,
         })

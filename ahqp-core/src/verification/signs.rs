@@ -1,6 +1,7 @@
 //! Signs of multipliers.
 
 use crate::active_set::RowState;
+use crate::list::List;
 
 /// Of the rows whose multipliers have the wrong sign, those with this part of the largest are let
 /// go together: all at once would have to come back one by one, one at a time takes more rounds.
@@ -15,9 +16,9 @@ pub(super) struct Signs {
     /// How many those are.
     pub(super) unsettled: usize,
     /// Rows whose sign is wrong, and their multipliers times their norms.
-    wrong: Vec<(usize, f64)>,
+    wrong: List<(usize, f64)>,
     /// Rows whose activity the check at hand has changed.
-    pub(super) changed: Vec<usize>,
+    pub(super) changed: List<usize>,
 }
 
 impl Signs {
@@ -25,8 +26,8 @@ impl Signs {
         Self {
             settled: vec![false; rows],
             unsettled: 0,
-            wrong: Vec::with_capacity(rows),
-            changed: Vec::with_capacity(rows),
+            wrong: List::with_capacity(rows),
+            changed: List::with_capacity(rows),
         }
     }
 
