@@ -9,6 +9,7 @@
 //! Ranks are taken for granted only where they are beyond doubt; elsewhere the caller factors
 //! anew, with pivoting.
 
+use std::cell::Cell;
 use std::ops::Range;
 
 use super::{Factorisation, Group, Purpose};
@@ -164,9 +165,12 @@ impl Factorisation {
                     }
                 }
                 let mut upper = row[planes.end - skipped];
-                for &Rotation { first, cosine, sine, .. } in &chain[skipped..] {
-                    let lower = row[first];
-                    row[first + 1] = cosine * upper - sine * lower;
+                let entries = &mut row[planes.start..=planes.end - skipped];
+                for (pair, &Rotation { cosine, sine, .. }) in
+                    pairs(entries).rev().zip(&chain[skipped..])
+                {
+                    let lower = pair[0].get();
+                    pair[1].set(cosine * upper - sine * lower);
                     upper = cosine * lower + sine * upper;
                 }
                 row[planes.start] = upper;
@@ -221,9 +225,10 @@ impl Factorisation {
             while at < end {
                 let row = &mut self.rows[at * n..(at + 1) * n];
                 let mut carry = row[free];
-                for &Rotation { first, cosine, sine, .. } in &self.rotations[from..] {
-                    let upper = row[first + 1];
-                    row[first] = cosine * carry + sine * upper;
+                let chain = &self.rotations[from..];
+                for (pair, &Rotation { cosine, sine, .. }) in pairs(&mut row[free..]).zip(chain) {
+                    let upper = pair[1].get();
+                    pair[0].set(cosine * carry + sine * upper);
                     carry = cosine * upper - sine * carry;
                 }
                 let first = free + self.rotations.len() - from;
@@ -277,9 +282,11 @@ impl Factorisation {
                 let row = &mut self.rows[at * n..(at + 1) * n];
                 let mut carry = coefficient;
                 let turns = adopted.map_or(self.rotations.len(), |(turns, _)| turns);
-                for &Rotation { first, cosine, sine, .. } in &self.rotations[from..turns] {
-                    let lower = row[first];
-                    row[first] = cosine * lower + sine * carry;
+                // One rotation a pivot, from the first on.
+                let chain = &self.rotations[from..turns];
+                for (entry, &Rotation { cosine, sine, .. }) in row.iter_mut().zip(chain) {
+                    let lower = *entry;
+                    *entry = cosine * lower + sine * carry;
                     carry = cosine * carry - sine * lower;
                 }
                 if let Some((_, place)) = adopted {
@@ -378,6 +385,11 @@ impl Factorisation {
             self.pivots.extend(group.start..group.start + group.rank);
         }
     }
+}
+
+/// Neighbouring entries.
+fn pairs(entries: &mut [f64]) -> std::slice::Windows<'_, Cell<f64>> {
+    Cell::from_mut(entries).as_slice_of_cells().windows(2)
 }
 
 impl Group {

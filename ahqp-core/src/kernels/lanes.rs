@@ -8,6 +8,11 @@ pub(super) trait Lanes: Copy {
     /// self · b + c.
     fn multiply_add(self, b: Self, c: Self) -> Self;
     fn sum(self) -> f64;
+
+    /// The sums of four.
+    fn sums(four: [Self; 4]) -> [f64; 4] {
+        four.map(Self::sum)
+    }
 }
 
 /// For every machine.
@@ -46,8 +51,9 @@ mod x86 {
 
     use super::Lanes;
     use std::arch::x86_64::{
-        __m256d, _mm_add_pd, _mm_add_sd, _mm_cvtsd_f64, _mm_unpackhi_pd, _mm256_castpd256_pd128,
-        _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_loadu_pd, _mm256_set1_pd, _mm256_storeu_pd,
+        __m256d, _mm_add_pd, _mm_add_sd, _mm_cvtsd_f64, _mm_unpackhi_pd, _mm256_add_pd,
+        _mm256_castpd256_pd128, _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_hadd_pd,
+        _mm256_loadu_pd, _mm256_permute2f128_pd, _mm256_set1_pd, _mm256_storeu_pd,
     };
 
     /// For AVX2 with fused multiply-add. Values may be made only where both are known to be there.
@@ -89,6 +95,19 @@ mod x86 {
                 let two = _mm_add_pd(low, _mm256_extractf128_pd::<1>(self.0));
                 _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)))
             }
+        }
+
+        #[inline(always)]
+        fn sums([a, b, c, d]: [Self; 4]) -> [f64; 4] {
+            let mut sums = [0.0; 4];
+            // SAFETY: the machine has AVX (see the type).
+            let total = unsafe {
+                let (ab, cd) = (_mm256_hadd_pd(a.0, b.0), _mm256_hadd_pd(c.0, d.0));
+                let low = _mm256_permute2f128_pd::<0x20>(ab, cd);
+                _mm256_add_pd(low, _mm256_permute2f128_pd::<0x31>(ab, cd))
+            };
+            Self(total).store(&mut sums);
+            sums
         }
     }
 }

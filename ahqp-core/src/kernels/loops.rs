@@ -107,13 +107,13 @@ fn mix_columns<L: Lanes, const B: usize>(
     let mut image = [L::splat(0.0); B];
     for (row, &weight) in rows.data.chunks_exact(rows.stride).zip(v) {
         let weight = L::splat(weight);
-        for (image, part) in image.iter_mut().zip(row[start..].as_chunks::<4>().0) {
+        for (image, part) in image.iter_mut().zip(row[start..start + 4 * B].as_chunks::<4>().0) {
             *image = weight.multiply_add(L::load(part), *image);
         }
     }
     for (row, &weight) in rows.data.chunks_exact_mut(rows.stride).zip(v) {
         let weight = L::splat(-tau * weight);
-        for (image, part) in image.iter().zip(row[start..].as_chunks_mut::<4>().0) {
+        for (image, part) in image.iter().zip(row[start..start + 4 * B].as_chunks_mut::<4>().0) {
             weight.multiply_add(*image, L::load(part)).store(part);
         }
     }
@@ -154,7 +154,7 @@ fn mix_columns_four<L: Lanes, const B: usize>(
     let weights = || a.iter().zip(b).zip(c).zip(d).map(|(((a, b), c), d)| [*a, *b, *c, *d]);
     let mut images = [[L::splat(0.0); B]; 4];
     for (row, weights) in rows.data.chunks_exact(rows.stride).zip(weights()) {
-        let parts = row[start..].as_chunks::<4>().0;
+        let parts = row[start..start + 4 * B].as_chunks::<4>().0;
         for (image, weight) in images.iter_mut().zip(weights) {
             let weight = L::splat(weight);
             for (image, part) in image.iter_mut().zip(parts) {
@@ -172,7 +172,7 @@ fn mix_columns_four<L: Lanes, const B: usize>(
         }
     }
     for (row, weights) in rows.data.chunks_exact_mut(rows.stride).zip(weights()) {
-        let parts = row[start..].as_chunks_mut::<4>().0;
+        let parts = row[start..start + 4 * B].as_chunks_mut::<4>().0;
         for (block, part) in parts.iter_mut().enumerate().take(B) {
             let mut value = L::load(part);
             for (turned, &weight) in turned.iter().zip(&weights) {
@@ -200,13 +200,19 @@ pub(super) fn multiply_rows<L: Lanes>(data: &[f64], stride: usize, x: &[f64], ou
 pub(super) fn add_rows<L: Lanes>(data: &[f64], stride: usize, weights: &[f64], out: &mut [f64]) {
     let whole = out.len() - out.len() % 4;
     let mut start = 0;
-    while start + 16 <= whole {
-        add_columns::<L, 4>(data, stride, start, weights, out);
-        start += 16;
-    }
     while start < whole {
-        add_columns::<L, 1>(data, stride, start, weights, out);
-        start += 4;
+        // As many columns at once as are left, up to what the registers hold.
+        match (whole - start) / 4 {
+            1 => add_columns::<L, 1>(data, stride, start, weights, out),
+            2 => add_columns::<L, 2>(data, stride, start, weights, out),
+            3 => add_columns::<L, 3>(data, stride, start, weights, out),
+            4 => add_columns::<L, 4>(data, stride, start, weights, out),
+            5 => add_columns::<L, 5>(data, stride, start, weights, out),
+            6 => add_columns::<L, 6>(data, stride, start, weights, out),
+            7 => add_columns::<L, 7>(data, stride, start, weights, out),
+            _ => add_columns::<L, 8>(data, stride, start, weights, out),
+        }
+        start += 32;
     }
     for start in whole..out.len() {
         let sum: f64 = data.chunks_exact(stride).zip(weights).map(|(row, w)| row[start] * w).sum();
@@ -225,12 +231,12 @@ fn add_columns<L: Lanes, const B: usize>(
     let mut sums = [L::splat(0.0); B];
     for (row, &weight) in data.chunks_exact(stride).zip(weights) {
         let weight = L::splat(weight);
-        for (sum, part) in sums.iter_mut().zip(row[start..].as_chunks::<4>().0) {
+        for (sum, part) in sums.iter_mut().zip(row[start..start + 4 * B].as_chunks::<4>().0) {
             *sum = weight.multiply_add(L::load(part), *sum);
         }
     }
     let one = L::splat(1.0);
-    for (sum, part) in sums.into_iter().zip(out[start..].as_chunks_mut::<4>().0) {
+    for (sum, part) in sums.into_iter().zip(out[start..start + 4 * B].as_chunks_mut::<4>().0) {
         one.multiply_add(sum, L::load(part)).store(part);
     }
 }
@@ -255,6 +261,9 @@ fn dots<L: Lanes>(rows: [&[f64]; 4], v: &[f64]) -> [f64; 4] {
         sb = x.multiply_add(L::load(q), sb);
         sc = x.multiply_add(L::load(r), sc);
         sd = x.multiply_add(L::load(s), sd);
+    }
+    if rest.is_empty() {
+        return L::sums([sa, sb, sc, sd]);
     }
     let mut total = [sa.sum(), sb.sum(), sc.sum(), sd.sum()];
     let done = v.len() - rest.len();
