@@ -20,7 +20,7 @@ use crate::vector::norm;
 use signs::Signs;
 
 /// Up to one change in so many variables, a factorisation is updated and not made anew.
-const UPDATED: usize = 4;
+const UPDATED: usize = 8;
 
 /// An active set that needs more changes at once than this part of the variables is far away.
 const FAR: usize = 6;
