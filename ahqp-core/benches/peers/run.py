@@ -17,6 +17,7 @@ WORKSPACE = HERE.parents[2]
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--limit", type=int, default=400, help="most problems of a set")
+    parser.add_argument("--rounds", type=int, default=3, help="how often each solver runs")
     parser.add_argument("--sets", nargs="*", default=[], help="sets of your own (.hqp)")
     parser.add_argument("--keep", help="folder to keep and to use again")
     parser.add_argument("--no-cascade", action="store_true", help="leave the cascades out")
@@ -28,6 +29,7 @@ def main():
         hqp = build()
         sets = options.sets or written_problems(folder / "problems")
         command = [python, HERE / "compare.py", "--hqp", hqp, "--limit", str(options.limit)]
+        command += ["--rounds", str(options.rounds)]
         command += ["--no-cascade"] if options.no_cascade else []
         # One thread for everybody.
         threads = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
