@@ -20,11 +20,21 @@ const IMBALANCE: f64 = 1e-10;
 /// Below this, relative to the size of its level, a multiplier says nothing; above what the check
 /// of a certificate calls rounding.
 const ROUNDING: f64 = 2e-13;
+/// Multipliers this much larger than a gradient may drown others in rounding.
+const LARGE: f64 = 1e6;
 /// Rows that depend on each other up to this balance a gradient together, with large multipliers.
 const NEARLY_DEPENDENT: f64 = 1e-13;
 
 /// Multipliers of a level: rows of the table, and what they push with.
 type Multipliers = Vec<(usize, f64)>;
+
+/// The size of the numbers that a level's gradient is made of, of these and its multipliers, and
+/// what the multipliers leave of the gradient.
+struct Balance {
+    gradient: f64,
+    size: f64,
+    rest: f64,
+}
 
 /// Goes down the levels, and remembers which inequalities may push either way from here on.
 pub(crate) struct Proof<'a> {
@@ -54,15 +64,23 @@ impl<'a> Proof<'a> {
                 self.settled[id] |= violation.abs() > AT_BOUND * magnitude;
             }
         }
+        // Where active rows depend on each other, another choice than the factorisation's may have
+        // the right signs or be smaller; where one nearly does, it may be missing.
         let mut multipliers = self.verifier.multipliers_of(self.table, level, self.x);
-        let (mut size, balance) = self.balance(level, &multipliers);
-        // Where active rows depend on each other, another choice may have the right signs; where
-        // one nearly does, it may be missing.
-        if multipliers.iter().any(|&(id, multiplier)| !self.may_push(id, multiplier))
-            || balance > IMBALANCE * size
-        {
-            multipliers = self.signed(level)?;
-            (size, _) = self.balance(level, &multipliers);
+        let mut size = self.balance(level, &multipliers).size;
+        if !self.is_sound(level, &multipliers, LARGE) {
+            for tolerance in [Settings::default().rank_tolerance, NEARLY_DEPENDENT] {
+                let other = self.signed(level, tolerance)?;
+                let other_size = self.balance(level, &other).size;
+                let [is_sound, other_is_sound] =
+                    [&multipliers, &other].map(|m| self.is_sound(level, m, f64::INFINITY));
+                if !is_sound || (other_is_sound && other_size < size) {
+                    (multipliers, size) = (other, other_size);
+                }
+                if is_sound || other_is_sound {
+                    break;
+                }
+            }
         }
         for &(id, multiplier) in &multipliers {
             self.settled[id] |= (multiplier * self.table.row(id).norm()).abs() > ROUNDING * size;
@@ -76,22 +94,30 @@ impl<'a> Proof<'a> {
         self.settled[id] || !state.is_wrong(multiplier, 0.0)
     }
 
-    /// The size of the numbers that a level's gradient and these multipliers are made of, and what
-    /// the multipliers leave of the gradient.
-    fn balance(&self, level: Option<usize>, multipliers: &Multipliers) -> (f64, f64) {
-        let mut balance = self.gradient(level);
-        let mut size = norm(&balance);
+    /// Whether multipliers have the right signs, balance their level, and are no larger than
+    /// `largest` times its gradient.
+    fn is_sound(&self, level: Option<usize>, multipliers: &Multipliers, largest: f64) -> bool {
+        let Balance { gradient, size, rest } = self.balance(level, multipliers);
+        multipliers.iter().all(|&(id, multiplier)| self.may_push(id, multiplier))
+            && rest <= IMBALANCE * size
+            && size <= largest * gradient
+    }
+
+    fn balance(&self, level: Option<usize>, multipliers: &Multipliers) -> Balance {
+        let mut rest = self.gradient(level);
+        let mut gradient = norm(&rest);
         let objective = level.map_or(0..0, |level| self.table.levels[level].used_objective());
         for id in objective {
             let (violation, magnitude) = self.violation(id);
-            size += self.table.row(id).norm() * (violation.abs() + magnitude);
+            gradient += self.table.row(id).norm() * (violation.abs() + magnitude);
         }
+        let mut size = gradient;
         for &(id, multiplier) in multipliers {
             let row = self.table.row(id);
-            row.add_to(&mut balance, multiplier);
+            row.add_to(&mut rest, multiplier);
             size += (multiplier * row.norm()).abs();
         }
-        (size, norm(&balance))
+        Balance { gradient, size, rest: norm(&rest) }
     }
 
     fn violation(&self, id: usize) -> (f64, f64) {
@@ -103,7 +129,7 @@ impl<'a> Proof<'a> {
 
     /// min ‖gradient + Σ λᵢ aᵢ‖ over the rows at their bounds, each λᵢ with the sign that its row
     /// may have: a hierarchy of one level.
-    fn signed(&self, level: Option<usize>) -> Result<Multipliers, Error> {
+    fn signed(&self, level: Option<usize>, rank_tolerance: f64) -> Result<Multipliers, Error> {
         let mut gradient = self.gradient(level);
         let scale = norm(&gradient).max(f64::MIN_POSITIVE);
         for entry in &mut gradient {
@@ -129,7 +155,7 @@ impl<'a> Proof<'a> {
         }
         let target = DVector::from_vec(gradient);
         problem.push(Level::least_squares(Rows::equalities(&columns, &target)?))?;
-        let settings = Settings { rank_tolerance: NEARLY_DEPENDENT, ..Settings::default() };
+        let settings = Settings { rank_tolerance, ..Settings::default() };
         let mut solver = Solver::new(&problem, settings)?;
         let found = solver.solve(&problem)?.x();
         let multipliers = candidates.iter().zip(found).filter(|(_, value)| value.abs() > 1e-12);
