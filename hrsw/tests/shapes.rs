@@ -138,7 +138,7 @@ proptest! {
     fn a_box_by_half_spaces_or_by_corners_is_the_box(
         bounds in bounds(), pose in pose(0.5, 1.5), point in vector(1.5),
     ) {
-        prop_assume!((bounds.max() - bounds.min()).min() > 1e-3);
+        prop_assume!((bounds.max() - bounds.min()).min() > 1e-4);
         let oriented = PositionShape::from(OrientedBox::new(pose, bounds).unwrap());
         let faces: Vec<HalfSpace> =
             (0..6).map(|i| oriented.half_space(i, &point).unwrap()).collect();
@@ -279,4 +279,16 @@ fn bad_shapes_are_named() {
     assert!(workspace.set_reference(doubled, zero).is_err());
     assert!(workspace.set_reference(UnitQuaternion::identity(), nan).is_err());
     assert_eq!(workspace, before);
+}
+
+#[test]
+fn a_thin_plate_is_no_plane() {
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.988_322);
+    for thickness in [1e-2, 1e-3, 1e-4] {
+        let half = Bounds::symmetric(Vector3::new(thickness / 2.0, 0.5, 0.43)).unwrap();
+        let pose = Isometry3::from_parts(Vector3::new(-0.38, 0.0, 0.1).into(), turn);
+        let plate = PositionShape::from(OrientedBox::new(pose, half).unwrap());
+        let hull = Polytope::hull(&plate.mesh().vertices).unwrap();
+        assert_eq!((hull.faces().len(), hull.vertices().len()), (6, 8));
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query::PointQuery;
 use parry3d_f64::shape::Triangle;
@@ -89,12 +89,12 @@ impl Polytope {
     pub fn hull(points: &[Vector3<f64>]) -> Result<Self, Error> {
         check_all("a point of the hull", points.iter().flat_map(|point| point.iter()))?;
         let no_volume = Error::NoVolume { faces: points.len() };
-        if points.len() < 4 || spans_no_volume(points) {
-            return Err(no_volume);
-        }
-        let points: Vec<Vector> = points.iter().map(to_parry).collect();
-        let (vertices, triangles) = try_convex_hull(&points).map_err(|_| no_volume.clone())?;
-        let corner = |index: u32| vertices.get(index as usize).map(from_parry);
+        let Some(rounding) = Rounding::of(points) else { return Err(no_volume) };
+        let round: Vec<Vector> = points.iter().map(|p| to_parry(&rounding.apply(p))).collect();
+        let (vertices, triangles) = try_convex_hull(&round).map_err(|_| no_volume.clone())?;
+        let vertices: Vec<Vector3<f64>> =
+            vertices.iter().map(|v| rounding.undo(&from_parry(v))).collect();
+        let corner = |index: u32| vertices.get(index as usize);
         let mut planes = Vec::new();
         for [a, b, c] in triangles {
             let (Some(a), Some(b), Some(c)) = (corner(a), corner(b), corner(c)) else {
@@ -102,8 +102,7 @@ impl Polytope {
             };
             // Slivers have no reliable normal; their neighbours bound the same set.
             if let Some(normal) = (b - a).cross(&(c - a)).try_normalize(1e-12) {
-                let offset =
-                    vertices.iter().map(|v| normal.dot(&from_parry(v))).fold(f64::MIN, f64::max);
+                let offset = vertices.iter().map(|v| normal.dot(v)).fold(f64::MIN, f64::max);
                 planes.push(HalfSpace { normal, offset });
             }
         }
@@ -225,12 +224,40 @@ fn corners_in_order(plane: &HalfSpace, vertices: &[Vector3<f64>]) -> Vec<usize> 
     corners.into_iter().map(|(i, _)| i).collect()
 }
 
-/// Whether the points lie in a plane, by the least variance along any axis.
-fn spans_no_volume(points: &[Vector3<f64>]) -> bool {
-    let center = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
-    let scatter: Matrix3<f64> =
-        points.iter().map(|p| (p - center) * (p - center).transpose()).sum();
-    scatter.symmetric_eigenvalues().min() < MIN_DEPTH * MIN_DEPTH
+/// An affine map that spreads points evenly in all directions, which does not change which of them
+/// are the corners of their hull. Without it a thin plate would count as flat.
+struct Rounding {
+    center: Vector3<f64>,
+    axes: Matrix3<f64>,
+    extents: Vector3<f64>,
+}
+
+impl Rounding {
+    /// None for points that lie in a plane, by the least variance along any axis, or for fewer than
+    /// four.
+    fn of(points: &[Vector3<f64>]) -> Option<Self> {
+        if points.len() < 4 {
+            return None;
+        }
+        let center = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+        let scatter: Matrix3<f64> =
+            points.iter().map(|p| (p - center) * (p - center).transpose()).sum();
+        let SymmetricEigen { eigenvectors, eigenvalues } = scatter.symmetric_eigen();
+        if eigenvalues.min() < MIN_DEPTH * MIN_DEPTH {
+            return None;
+        }
+        Some(Self { center, axes: eigenvectors, extents: eigenvalues.map(f64::sqrt) })
+    }
+
+    fn apply(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        let along = self.axes.tr_mul(&(point - self.center));
+        self.axes * along.component_div(&self.extents)
+    }
+
+    fn undo(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        let along = self.axes.tr_mul(point);
+        self.center + self.axes * along.component_mul(&self.extents)
+    }
 }
 
 fn to_parry(v: &Vector3<f64>) -> Vector {
