@@ -34,12 +34,12 @@ pub(crate) struct BlockFactor([[f64; 4]; 4]);
 impl BlockFactor {
     /// From the columns of V, all of one length.
     pub(crate) fn new(v: [&[f64]; 4], tau: &[f64]) -> Self {
+        let mut along = [[0.0; 4]; 4];
+        products(v, &mut along);
         let mut t = [[0.0; 4]; 4];
         for (j, &tau) in tau.iter().enumerate().take(4) {
-            let along: [f64; 4] =
-                std::array::from_fn(|i| if i < j { crate::vector::dot(v[i], v[j]) } else { 0.0 });
             for (i, row) in t.iter_mut().enumerate().take(j) {
-                let sum: f64 = (i..j).map(|l| row[l] * along[l]).sum();
+                let sum: f64 = (i..j).map(|l| row[l] * along[l][j]).sum();
                 row[j] = -tau * sum;
             }
             t[j][j] = tau;
@@ -106,6 +106,11 @@ kernel! {
 kernel! {
     /// row ← row H₀ H₁ H₂ H₃ for every row, on the entries from `start` on.
     reflect_rows_four(rows: &mut RowsMut<'_>, start: usize, four: &FourReflections<'_>)
+}
+
+kernel! {
+    /// The products of four vectors of one length with those after them: entry (i, j) for i < j.
+    products(v: [&[f64]; 4], out: &mut [[f64; 4]; 4])
 }
 
 kernel! {
@@ -217,6 +222,10 @@ mod tests {
             for (length, left) in [(columns - start, false), (rows, true)] {
                 let v: [&[f64]; 4] = std::array::from_fn(|i| &vectors[i * 23..i * 23 + length]);
                 let tau = v.map(|v| 2.0 / v.iter().map(|x| x * x).sum::<f64>());
+                let (mut plain, mut fast) = ([[0.0; 4]; 4], [[0.0; 4]; 4]);
+                with::products::<Portable>(v, &mut plain);
+                products(v, &mut fast);
+                prop_assert!(close(plain.as_flattened(), fast.as_flattened()));
                 let factor = BlockFactor::new(v, &tau);
                 let four = FourReflections::new(v, &factor);
                 let mut expected = matrix.to_vec();

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{Factorisation, Group, LANES, Purpose, aligned};
 use crate::kernels::{
-    FourReflections, Rotation, RowsMut, add_rows, reflect_rows, reflect_rows_four,
+    FourReflections, Rotation, RowsMut, add_rows, multiply_rows, reflect_rows, reflect_rows_four,
 };
 use crate::table::RowTable;
 use crate::tall::solve_tall;
@@ -69,10 +69,11 @@ impl Factorisation {
         linear_of: Option<usize>,
     ) {
         let (n, m) = (self.stride, end - start);
+        multiply_rows(&self.rows[start * n..], n, &self.y[..first], &mut self.tall_target[..m]);
         for (i, at) in (start..end).enumerate() {
-            let row = &self.rows[at * n..at * n + first + rank];
-            self.tall_target[i] = self.target[at] - dot(&row[..first], &self.y[..first]);
-            for (column, &entry) in row[first..].iter().enumerate() {
+            let row = &self.rows[at * n + first..at * n + first + rank];
+            self.tall_target[i] = self.target[at] - self.tall_target[i];
+            for (column, &entry) in row.iter().enumerate() {
                 self.tall[column * m + i] = if column <= i { entry } else { 0.0 };
             }
         }

@@ -75,6 +75,33 @@ pub(super) fn reflect_rows_four<L: Lanes>(
 }
 
 #[inline(always)]
+pub(super) fn products<L: Lanes>(v: [&[f64]; 4], out: &mut [[f64; 4]; 4]) {
+    let [(a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)] = v.map(|v| v.as_chunks::<4>());
+    let zero = L::splat(0.0);
+    let (mut ab, mut ac, mut ad, mut bc, mut bd, mut cd) = (zero, zero, zero, zero, zero, zero);
+    for (((p, q), r), s) in a.iter().zip(b).zip(c).zip(d) {
+        let (p, q, r, s) = (L::load(p), L::load(q), L::load(r), L::load(s));
+        ab = p.multiply_add(q, ab);
+        ac = p.multiply_add(r, ac);
+        ad = p.multiply_add(s, ad);
+        bc = q.multiply_add(r, bc);
+        bd = q.multiply_add(s, bd);
+        cd = r.multiply_add(s, cd);
+    }
+    out[0] = [0.0, ab.sum(), ac.sum(), ad.sum()];
+    out[1] = [0.0, 0.0, bc.sum(), bd.sum()];
+    out[2] = [0.0, 0.0, 0.0, cd.sum()];
+    for (((p, q), r), s) in a_rest.iter().zip(b_rest).zip(c_rest).zip(d_rest) {
+        let entries = [*p, *q, *r, *s];
+        for (i, row) in out.iter_mut().enumerate() {
+            for (entry, other) in row.iter_mut().zip(&entries).skip(i + 1) {
+                *entry += entries[i] * other;
+            }
+        }
+    }
+}
+
+#[inline(always)]
 pub(super) fn mix_rows<L: Lanes>(rows: &mut RowsMut<'_>, v: &[f64], tau: f64) {
     let (stride, whole) = (rows.stride, rows.stride - rows.stride % 4);
     let mut start = 0;
