@@ -6,6 +6,7 @@
 //! coordinates y = Qᵀx which a level decides are those that no level above has used. Coordinates
 //! that no level decides stay zero: the least norm.
 
+mod moves;
 mod point;
 #[cfg(test)]
 mod tests;
@@ -20,6 +21,7 @@ use crate::kernels::{
 use crate::list::List;
 use crate::table::RowTable;
 use crate::vector::{dot, reflector};
+use moves::Move;
 
 /// Rotations kept, in numbers of variables, before everything is factored anew.
 const ROTATIONS: usize = 24;
@@ -92,6 +94,7 @@ pub(crate) struct Factorisation {
     reflected: usize,
     reflections: usize,
     rotations: List<Rotation>,
+    moves: List<Move>,
     y: Vec<f64>,
     turned: Vec<f64>,
     tall: Vec<f64>,
@@ -126,6 +129,7 @@ impl Factorisation {
             reflected: 0,
             reflections: 0,
             rotations: List::with_capacity(ROTATIONS * n),
+            moves: List::with_capacity(ROTATIONS * n),
             y: vec![0.0; n],
             turned: vec![0.0; stride],
             tall: vec![0.0; count * n],
@@ -148,6 +152,7 @@ impl Factorisation {
         self.pivots.clear();
         self.blocks.clear();
         self.rotations.clear();
+        self.moves.clear();
         self.reflected = self.free.len();
         for group in 0..self.groups.len() {
             self.eliminate(group, tolerance);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{Factorisation, Group, LANES, Purpose, aligned};
 use crate::kernels::{
-    FourReflections, Rotation, RowsMut, add_rows, multiply_rows, reflect_rows, reflect_rows_four,
+    FourReflections, RowsMut, add_rows, multiply_rows, reflect_rows, reflect_rows_four,
 };
 use crate::table::RowTable;
 use crate::tall::solve_tall;
@@ -96,9 +96,8 @@ impl Factorisation {
         for step in self.blocks.len() * LANES..self.reflections {
             self.reflect(step, vector);
         }
-        for &Rotation { first, second, cosine, sine } in &self.rotations {
-            let (x, y) = (vector[first], vector[second]);
-            (vector[first], vector[second]) = (cosine * x + sine * y, cosine * y - sine * x);
+        for step in &self.moves {
+            step.apply(&self.rotations, vector);
         }
     }
 
@@ -109,9 +108,8 @@ impl Factorisation {
         let mut z = std::mem::take(&mut self.turned);
         z[..rank].copy_from_slice(&self.y[..rank]);
         z[rank..].fill(0.0);
-        for &Rotation { first, second, cosine, sine } in self.rotations.iter().rev() {
-            let (x, y) = (z[first], z[second]);
-            (z[first], z[second]) = (cosine * x - sine * y, sine * x + cosine * y);
+        for step in self.moves.iter().rev() {
+            step.undo(&self.rotations, &mut z);
         }
         for step in (self.blocks.len() * LANES..self.reflections).rev() {
             self.reflect(step, &mut z);

@@ -9,9 +9,9 @@
 //! Ranks are taken for granted only where they are beyond doubt; elsewhere the caller factors
 //! anew, with pivoting.
 
-use std::cell::Cell;
 use std::ops::Range;
 
+use super::moves::{Move, carry_aside, carry_down, carry_up};
 use super::{Factorisation, Group, Purpose};
 use crate::active_set::{RowState, bound};
 use crate::kernels::Rotation;
@@ -49,7 +49,9 @@ impl Factorisation {
         tolerance: f64,
     ) -> bool {
         for &id in changed.iter().filter(|&&id| table.row(id).norm() > 0.0) {
-            if self.rotations.len() + 3 * self.n > self.rotations.capacity() {
+            if self.rotations.len() + 3 * self.n > self.rotations.capacity()
+                || self.moves.len() + 2 > self.moves.capacity()
+            {
                 return false;
             }
             let done = if state[id].is_active() {
@@ -94,7 +96,8 @@ impl Factorisation {
         size: f64,
     ) -> Result<usize, Doubt> {
         let Group { start, end, rank, first_pivot, .. } = self.groups[group];
-        let (place, decided) = (first_pivot + rank, self.pivots.len());
+        let (place, decided, before) =
+            (first_pivot + rank, self.pivots.len(), self.rotations.len());
         if !is_there(norm(&row[place..]) / size)? {
             self.open(end, group);
             return Ok(end);
@@ -110,6 +113,7 @@ impl Factorisation {
         };
         let from = self.rotations.len();
         self.turn_towards(row, place..last);
+        self.moves.push(Move::Down(before..self.rotations.len()));
         self.shift_pivots(table, group, place..last, from)?;
         if last < decided {
             self.demote(last);
@@ -127,16 +131,18 @@ impl Factorisation {
     /// Rotates neighbouring coordinates, from the last to the first, so that what `row` has in
     /// `planes` and one entry behind them comes to stand in the first entry.
     fn turn_towards(&mut self, row: &mut [f64], planes: Range<usize>) {
-        for first in planes.rev() {
-            let (a, b) = (row[first], row[first + 1]);
-            let radius = length(a, b);
-            if radius > 0.0 {
-                let (cosine, sine) = (a / radius, b / radius);
-                self.rotations.push(Rotation { first, second: first + 1, cosine, sine });
-                (row[first], row[first + 1]) = (radius, 0.0);
-            } else {
-                self.rotations.push(Rotation { first, second: first + 1, cosine: 1.0, sine: 0.0 });
-            }
+        let (mut square, mut behind) = (row[planes.end].powi(2), row[planes.end]);
+        for first in planes.clone().rev() {
+            square += row[first].powi(2);
+            let radius = square.sqrt();
+            let (cosine, sine) =
+                if radius > 0.0 { (row[first] / radius, behind / radius) } else { (1.0, 0.0) };
+            self.rotations.push(Rotation { first, second: first + 1, cosine, sine });
+            behind = radius;
+        }
+        if !planes.is_empty() {
+            row[planes.start] = behind;
+            row[planes.start + 1..=planes.end].fill(0.0);
         }
     }
 
@@ -164,16 +170,8 @@ impl Factorisation {
                         return Err(Doubt);
                     }
                 }
-                let mut upper = row[planes.end - skipped];
                 let entries = &mut row[planes.start..=planes.end - skipped];
-                for (pair, &Rotation { cosine, sine, .. }) in
-                    pairs(entries).rev().zip(&chain[skipped..])
-                {
-                    let lower = pair[0].get();
-                    pair[1].set(cosine * upper - sine * lower);
-                    upper = cosine * lower + sine * upper;
-                }
-                row[planes.start] = upper;
+                carry_down(entries, &chain[skipped..]);
             }
         }
         Ok(())
@@ -224,26 +222,21 @@ impl Factorisation {
             let Group { start, end, rank, .. } = self.groups[group];
             while at < end {
                 let row = &mut self.rows[at * n..(at + 1) * n];
-                let mut carry = row[free];
                 let chain = &self.rotations[from..];
-                for (pair, &Rotation { cosine, sine, .. }) in pairs(&mut row[free..]).zip(chain) {
-                    let upper = pair[1].get();
-                    pair[0].set(cosine * carry + sine * upper);
-                    carry = cosine * upper - sine * carry;
-                }
-                let first = free + self.rotations.len() - from;
+                let first = free + chain.len();
+                carry_up(&mut row[free..=first], chain);
                 if !adopted && at < start + rank {
-                    let radius = length(carry, row[first + 1]);
-                    let (cosine, sine) = (carry / radius, row[first + 1] / radius);
+                    let radius = length(row[first], row[first + 1]);
+                    let (cosine, sine) = (row[first] / radius, row[first + 1] / radius);
                     self.rotations.push(Rotation { first, second: first + 1, cosine, sine });
-                    carry = radius;
+                    row[first] = radius;
                 }
-                row[first] = carry;
                 at += 1;
             }
             let coordinate = free + self.rotations.len() - from;
             adopted = adopted || self.adopt(table, group, coordinate)?;
         }
+        self.moves.push(Move::Up(from..self.rotations.len()));
         Ok(())
     }
 
@@ -281,18 +274,11 @@ impl Factorisation {
                 let width = self.groups[group].width(at);
                 let row = &mut self.rows[at * n..(at + 1) * n];
                 let mut carry = coefficient;
-                let turns = adopted.map_or(self.rotations.len(), |(turns, _)| turns);
+                let chain = &self.rotations[from..];
                 // One rotation a pivot, from the first on.
-                let chain = &self.rotations[from..turns];
-                for (entry, &Rotation { cosine, sine, .. }) in row.iter_mut().zip(chain) {
-                    let lower = *entry;
-                    *entry = cosine * lower + sine * carry;
-                    carry = cosine * carry - sine * lower;
-                }
-                if let Some((_, place)) = adopted {
-                    for coordinate in (place..width).rev() {
-                        row[coordinate + 1] = -row[coordinate];
-                    }
+                carry_aside(row, &mut carry, chain);
+                if let Some(place) = adopted {
+                    row.copy_within(place..width, place + 1);
                     row[place] = carry;
                 } else if at < start + rank {
                     let first = width - 1;
@@ -306,12 +292,12 @@ impl Factorisation {
             }
             let place = first_pivot + rank;
             if adopted.is_none() && self.adopt(table, group, place)? {
-                let turns = self.rotations.len();
-                adopted = Some((turns, place));
-                // The new coordinate moves to its place, the others make room.
-                let quarter = |first| Rotation { first, second: first + 1, cosine: 0.0, sine: 1.0 };
-                self.rotations.extend((place..carried).rev().map(quarter));
+                adopted = Some(place);
             }
+        }
+        self.moves.push(Move::Aside(from..self.rotations.len()));
+        if let Some(to) = adopted {
+            self.moves.push(Move::Insert { from: carried, to });
         }
         self.renumber();
         Ok(())
@@ -385,11 +371,6 @@ impl Factorisation {
             self.pivots.extend(group.start..group.start + group.rank);
         }
     }
-}
-
-/// Neighbouring entries.
-fn pairs(entries: &mut [f64]) -> std::slice::Windows<'_, Cell<f64>> {
-    Cell::from_mut(entries).as_slice_of_cells().windows(2)
 }
 
 impl Group {
