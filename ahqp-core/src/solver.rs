@@ -15,7 +15,7 @@ use crate::vector::norm;
 use crate::verification::Verifier;
 
 /// Rounds of mending the previous active set after which the search starts from nothing.
-const ROUNDS: usize = 10;
+const ROUNDS: usize = 14;
 
 /// Changes of the active set from solve to solve up to which it is mended, not searched for.
 const FEW: usize = 4;
