@@ -213,9 +213,9 @@ impl ActiveSet {
             self.state[id] = RowState::Inside;
             self.residual[id] = 0.0;
             if self.table.is_equality(id) {
-                self.activate(id, RowState::Equal);
+                self.hold(id, RowState::Equal);
             } else if self.is_at_hint(id) {
-                self.activate(id, self.hint[id]);
+                self.hold(id, self.hint[id]);
             }
         }
     }
@@ -260,9 +260,18 @@ impl ActiveSet {
         self.state[id] = RowState::Inside;
     }
 
-    /// Adds a hard row to the working set; false if it depends on the rows there.
+    /// Adds a hard row that is in the way to the working set; false if it depends on the rows
+    /// there.
     pub(crate) fn activate(&mut self, id: usize, state: RowState) -> bool {
-        let tolerance = self.dependence_tolerance();
+        self.add(id, state, self.dependence_tolerance())
+    }
+
+    /// Adds a hard row that is at its bound to the working set, unless it depends on the rows there.
+    pub(crate) fn hold(&mut self, id: usize, state: RowState) {
+        self.add(id, state, self.settings.rank_tolerance);
+    }
+
+    fn add(&mut self, id: usize, state: RowState, tolerance: f64) -> bool {
         let added = self.pulled.activate(&mut self.basis, &self.table, id, tolerance);
         if added {
             self.state[id] = state;

@@ -23,7 +23,7 @@ const ROUNDING: f64 = 2e-13;
 /// Multipliers this much larger than a gradient may drown others in rounding.
 const LARGE: f64 = 1e6;
 /// Rows that depend on each other up to this balance a gradient together, with large multipliers.
-const NEARLY_DEPENDENT: f64 = 1e-13;
+const NEARLY_DEPENDENT: f64 = 1e-12;
 
 /// Multipliers of a level: rows of the table, and what they push with.
 type Multipliers = Vec<(usize, f64)>;

@@ -52,7 +52,7 @@ impl ActiveSet {
             if self.state[id] != RowState::Fixed && !self.basis.active().contains(&id) {
                 self.state[id] = RowState::Inside;
                 if !kept {
-                    self.activate(id, state);
+                    self.hold(id, state);
                 }
             }
         }

@@ -262,7 +262,7 @@ impl Solver {
             return LevelEnd::OutOfIterations;
         }
         let rounding = 10.0 * f64::EPSILON * self.set.farthest;
-        if rounding.is_finite() && norm(&self.set.x) <= rounding {
+        if rounding > 0.0 && rounding.is_finite() && norm(&self.set.x) <= rounding {
             // Nothing but the rounding of the way there and back.
             self.set.x.fill(0.0);
         }
