@@ -89,12 +89,12 @@ pub(crate) struct Factorisation {
     blocks: List<BlockFactor>,
     /// Variables behind the free ones in order, in the places of those at a bound.
     moved: List<usize>,
-    /// How many variables were free, how many reflections there are, and by what the coordinates
-    /// have been rotated since.
+    /// How many variables were free when the reflections were made, and how many these are.
     reflected: usize,
     reflections: usize,
-    rotations: List<Rotation>,
+    /// What the coordinates have been through since, and the rotations in it.
     moves: List<Move>,
+    rotations: List<Rotation>,
     y: Vec<f64>,
     turned: Vec<f64>,
     tall: Vec<f64>,
