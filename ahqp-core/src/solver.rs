@@ -133,7 +133,8 @@ impl Solver {
             self.verifier.fit(&self.set.table);
             self.set.hint.copy_from_slice(&self.verifier.activity);
             if self.settled {
-                if let Some(rounds) = self.verifier.solve(&self.set.table, ROUNDS) {
+                let rounds = ROUNDS.min(self.settings.max_iterations);
+                if let Some(rounds) = self.verifier.solve(&self.set.table, rounds) {
                     self.set.x.copy_from_slice(&self.verifier.factorisation.x);
                     self.warm = true;
                     self.read_out(Status::Solved, rounds);
