@@ -208,6 +208,7 @@ proptest! {
             Controller::new(model, comfort(), ControllerSettings::default(), &start).unwrap();
         let person = person_at(2.0, 0.5, 3.0);
         let mut robot = SimulatedRobot::new(&RobotModel::moca().unwrap(), &start).unwrap();
+        let mut fastest = 0.0_f64;
         for tick in 0..600_u32 {
             let now = f64::from(tick) * PERIOD;
             if tick.is_multiple_of(FRAME) {
@@ -220,10 +221,11 @@ proptest! {
             prop_assert!((cosine * b[0] - sine * b[1] - v[0]).abs() < 1e-12);
             prop_assert!((sine * b[0] + cosine * b[1] - v[1]).abs() < 1e-12);
             prop_assert_eq!(b[2], v[2]);
+            fastest = v.iter().take(3).fold(fastest, |most, v| most.max(v.abs()));
             let velocity = v.clone();
             robot.step(&velocity, PERIOD).unwrap();
         }
-        prop_assert!(controller.command().joint_velocity.iter().any(|v| v.abs() > 1e-3));
+        prop_assert!(fastest > 1e-2, "the base moves: {fastest}");
     }
 }
 
