@@ -21,6 +21,7 @@ mod continuous_stack;
 mod damping;
 mod error;
 mod factorisation;
+mod habits;
 mod hierarchy;
 mod kernels;
 mod least_squares;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::active_set::{ActiveSet, End, Goal, RowState};
 use crate::certificate::Certificate;
 use crate::error::Error;
+use crate::habits::Habits;
 use crate::hierarchy::{ConstraintSource, Hierarchy};
 use crate::list::List;
 use crate::proof::Proof;
@@ -35,6 +36,7 @@ const JUMP: usize = 3;
 pub struct Solver {
     set: ActiveSet,
     verifier: Verifier,
+    habits: Habits,
     settings: Settings,
     solution: Solution,
     warm: bool,
@@ -67,6 +69,7 @@ impl Solver {
                 violations: vec![0.0; levels],
             },
             verifier: Verifier::new(&table, settings),
+            habits: Habits::new(count, n),
             warm: false,
             settled: true,
             conflict: List::with_capacity(count),
@@ -130,18 +133,16 @@ impl Solver {
         self.set.table.load(hierarchy)?;
         let mut near = warm;
         if warm {
-            self.verifier.fit(&self.set.table);
-            self.set.hint.copy_from_slice(&self.verifier.activity);
-            if self.settled {
-                let rounds = ROUNDS.min(self.settings.max_iterations);
-                if let Some(rounds) = self.verifier.solve(&self.set.table, rounds) {
-                    self.set.x.copy_from_slice(&self.verifier.factorisation.x);
-                    self.warm = true;
-                    self.read_out(Status::Solved, rounds);
-                    return Ok(&self.solution);
-                }
-                near = !self.verifier.far;
+            if let Some(rounds) = self.mend() {
+                self.habits.learn(&self.verifier.activity);
+                self.set.x.copy_from_slice(&self.verifier.factorisation.x);
+                self.warm = true;
+                self.read_out(Status::Solved, rounds);
+                return Ok(&self.solution);
             }
+            near = !(self.settled && self.verifier.far);
+        } else {
+            self.habits.forget();
         }
         if !near {
             self.set.hint.fill(RowState::Inside);
@@ -154,8 +155,33 @@ impl Solver {
             return Err(Error::Overflow);
         }
         self.warm = status == Status::Solved;
+        if self.warm {
+            self.habits.learn(&self.verifier.activity);
+        }
         self.read_out(status, self.set.iterations);
         Ok(&self.solution)
+    }
+
+    /// Mends what the last active sets make one expect, if that is likely to pay; in how many
+    /// rounds, or none where it came to no end.
+    fn mend(&mut self) -> Option<usize> {
+        let Self { set, verifier, habits, .. } = self;
+        let guessed = habits.guess(&mut verifier.activity);
+        verifier.fit(&set.table);
+        set.hint.copy_from_slice(&verifier.activity);
+        if !self.settled {
+            return None;
+        }
+        let rounds = ROUNDS.min(self.settings.max_iterations);
+        let found = verifier.solve(&set.table, rounds);
+        if found.is_some() || !guessed || !verifier.far {
+            return found;
+        }
+        // What each row does most of the time need not go together.
+        habits.repeat(&mut verifier.activity);
+        verifier.fit(&set.table);
+        set.hint.copy_from_slice(&verifier.activity);
+        verifier.solve(&set.table, rounds)
     }
 
     /// How many rows are active where the search was not told so, or the other way round.

@@ -265,8 +265,9 @@ proptest! {
         sequence in hierarchy_sequences(Sizes { variables: 1..=24, ..Sizes::default() }, 4),
     ) {
         let mut warm = Solver::new(&sequence[0], Settings::default()).unwrap();
-        // Back to an earlier problem, too.
-        for hierarchy in sequence.iter().chain(&sequence[..1]) {
+        // Mostly back to the first problem, so that there are habits to go by, too.
+        let odd = sequence.iter().chain(&sequence).flat_map(|other| [other, &sequence[0]]);
+        for hierarchy in odd {
             let warm = warm.solve(hierarchy).unwrap();
             prop_assert_eq!(warm.status(), Status::Solved);
             let cold = solve(hierarchy);
@@ -438,4 +439,31 @@ fn the_reference_refuses_what_the_solver_refuses() {
         hierarchy.push(Level::constraints_only(rows)).unwrap();
     }
     assert!(matches!(solve_reference(&hierarchy), Err(Error::Reference { level: 1, .. })));
+}
+
+#[test]
+fn a_row_that_comes_now_and_then_costs_nothing_where_it_does_not() {
+    let aim = |first: f64| {
+        let mut hierarchy = Hierarchy::new(6).unwrap();
+        let (lower, upper) = hierarchy.bounds_mut();
+        lower.fill(-1.0);
+        upper.fill(1.0);
+        let mut target = DVector::from_element(6, 0.3);
+        target[0] = first;
+        let rows = Rows::equalities(&DMatrix::identity(6, 6), &target).unwrap();
+        hierarchy.push(Level::least_squares(rows)).unwrap();
+        hierarchy
+    };
+    let (usual, odd) = (aim(0.9), aim(1.1));
+    let mut solver = Solver::new(&usual, Settings::default()).unwrap();
+    let mut rounds = Vec::new();
+    for _ in 0..20 {
+        for (hierarchy, first) in [(&usual, 0.9), (&usual, 0.9), (&odd, 1.0), (&usual, 0.9)] {
+            let solution = solver.solve(hierarchy).unwrap();
+            assert_eq!(solution.status(), Status::Solved);
+            assert!((solution.x()[0] - first).abs() < 1e-12);
+            rounds.push(solution.iterations());
+        }
+    }
+    assert_eq!(rounds[40..44], [1, 1, 2, 1]);
 }
