@@ -274,11 +274,7 @@ impl RowTable {
         // Written without branches, for the usual case that all are in order.
         let bounds = self.lower[ids.clone()].iter().zip(&self.upper[ids.clone()]);
         let fine = bounds.fold(true, |fine, (&lower, &upper)| {
-            let nearer = if lower > 0.0 { lower } else { upper.min(0.0) };
-            fine & (lower <= upper)
-                & (lower < f64::INFINITY)
-                & (upper > f64::NEG_INFINITY)
-                & (nearer.abs() <= MODERATE)
+            fine & (lower <= upper) & (lower <= MODERATE) & (upper >= -MODERATE)
         });
         if fine { Ok(()) } else { ids.into_iter().try_for_each(|id| self.check_range(id)) }
     }
@@ -310,6 +306,9 @@ impl RowTable {
             self.lower[id] = target;
             self.upper[id] = target;
         }
+        let unused = entry.used_objective().end..entry.objective.end;
+        self.lower[unused.clone()].fill(f64::NEG_INFINITY);
+        self.upper[unused].fill(f64::INFINITY);
     }
 }
 

@@ -9,8 +9,6 @@
 mod multipliers;
 mod signs;
 
-use std::ops::Range;
-
 use crate::active_set::{RowState, bound};
 use crate::factorisation::{Factorisation, Purpose};
 use crate::list::List;
@@ -99,18 +97,14 @@ impl Verifier {
     }
 
     /// Makes the active set fit the data: equalities are active, sides without a bound are not.
+    #[expect(clippy::needless_bitwise_bool, reason = "no branches")]
     pub(crate) fn fit(&mut self, table: &RowTable) {
-        for (id, state) in self.activity.iter_mut().enumerate() {
-            let fits = match *state {
-                RowState::Lower => table.lower[id].is_finite(),
-                RowState::Upper => table.upper[id].is_finite(),
-                _ => false,
-            };
-            if table.is_equality(id) {
-                *state = RowState::Equal;
-            } else if !fits {
-                *state = RowState::Inside;
-            }
+        let bounds = table.lower.iter().zip(&table.upper);
+        for (state, (&lower, &upper)) in self.activity.iter_mut().zip(bounds) {
+            let fits = (*state == RowState::Lower) & (lower > f64::NEG_INFINITY)
+                | (*state == RowState::Upper) & (upper < f64::INFINITY);
+            let otherwise = if fits { *state } else { RowState::Inside };
+            *state = if lower == upper { RowState::Equal } else { otherwise };
         }
     }
 
@@ -170,14 +164,23 @@ impl Verifier {
         if self.factorisation.bounds_in_stack().any(|id| self.is_missed(table, id, x_norm)) {
             return None;
         }
-        self.find_violated_among(table, 0..n, x_norm);
         for level in &table.levels {
             let mut constraints = level.constraints.clone();
             if constraints.any(|id| self.is_missed(table, id, x_norm)) {
                 return None;
             }
-            self.find_violated_among(table, level.constraints.clone(), x_norm);
-            self.find_violated_among(table, level.used_objective(), x_norm);
+        }
+        let bounds = table.lower.iter().zip(&table.upper);
+        for (id, (&value, (&lower, &upper))) in self.value.iter().zip(bounds).enumerate() {
+            let outside = value > upper || value < lower;
+            if outside && self.activity[id] == RowState::Inside {
+                let tolerance = self.tolerance(table, id, x_norm);
+                if value > upper + tolerance {
+                    self.violated.push((id, RowState::Upper));
+                } else if value < lower - tolerance {
+                    self.violated.push((id, RowState::Lower));
+                }
+            }
         }
         Some(())
     }
@@ -204,21 +207,5 @@ impl Verifier {
     fn is_missed(&self, table: &RowTable, id: usize, x_norm: f64) -> bool {
         let gap = || self.value[id] - bound(table, &self.activity, id);
         self.activity[id].is_active() && gap().abs() > self.tolerance(table, id, x_norm)
-    }
-
-    fn find_violated_among(&mut self, table: &RowTable, rows: Range<usize>, x_norm: f64) {
-        let [value, lower, upper] =
-            [&self.value, &table.lower, &table.upper].map(|of_rows| &of_rows[rows.clone()]);
-        for (((id, &value), &lower), &upper) in rows.clone().zip(value).zip(lower).zip(upper) {
-            let outside = value > upper || value < lower;
-            if outside && self.activity[id] == RowState::Inside {
-                let tolerance = self.tolerance(table, id, x_norm);
-                if value > upper + tolerance {
-                    self.violated.push((id, RowState::Upper));
-                } else if value < lower - tolerance {
-                    self.violated.push((id, RowState::Lower));
-                }
-            }
-        }
     }
 }
