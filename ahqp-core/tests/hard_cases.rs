@@ -397,3 +397,36 @@ fn a_warm_start_after_everything_turned_round() {
         assert_near(warm.x(), solved(&problem).x(), 1e-9);
     }
 }
+
+#[test]
+fn a_row_that_rounding_alone_seems_to_leave_open() {
+    // The second constraint lies in what the quadratic decides, but for rounding.
+    let first = dmatrix![-0.09375, -0.0625, -0.0390625, -0.0546875, -0.015625, 0.203125];
+    let first = Rows::ranges(&first, &dvector![0.1373291], &dvector![0.5748291]).unwrap();
+    let second = dmatrix![0.0, 15.0, -34.0, 21.0, -10.0, 21.0];
+    let second = upper_limits(&second, &dvector![-17.60938]);
+    #[rustfmt::skip]
+    let hessian = dmatrix![
+        6351.37451171875, -3034.5849609375, -5582.6402587890625, 3716.1026611328125, -1980.573486328125, 2021.827392578125;
+        -3034.5849609375, 1920.130859375, 2659.644287109375, -1242.479248046875, 304.43896484375, -1211.89404296875;
+        -5582.6402587890625, 2659.644287109375, 5867.9261474609375, -3280.248291015625, 2913.5467529296875, -2077.54833984375;
+        3716.1026611328125, -1242.479248046875, -3280.248291015625, 2778.6539306640625, -1892.6236572265625, 906.046142578125;
+        -1980.573486328125, 304.43896484375, 2913.5467529296875, -1892.6236572265625, 2899.52783203125, -663.070556640625;
+        2021.827392578125, -1211.89404296875, -2077.54833984375, 906.046142578125, -663.070556640625, 868.74853515625
+    ];
+    let gradient = dvector![
+        -4088.9156131744385,
+        1969.2513999938965,
+        3604.112009048462,
+        -2374.801612854004,
+        1266.239309310913,
+        -1313.1487426757813
+    ];
+    let quadratic = Level::quadratic(hessian, gradient).unwrap().with_constraints(second);
+    let problem = hierarchy(6, [Level::constraints_only(first), quadratic]);
+    let mut with_norm = problem.clone();
+    with_norm.push(towards(&DVector::zeros(6))).unwrap();
+    let expected = solve_reference(&with_norm).unwrap();
+    assert_near(solved(&problem).x(), expected.as_slice(), 1e-6);
+    assert_near(solved(&with_norm).x(), expected.as_slice(), 1e-6);
+}
