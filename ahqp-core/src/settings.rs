@@ -31,7 +31,8 @@ pub struct Settings {
 /// Where a solve starts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WarmStart {
-    /// From the active set at which the previous solve ended.
+    /// From the active set at which the previous solve ended, or, where rows come and go, from what
+    /// each has done most of the time.
     #[default]
     PreviousActiveSet,
     /// From nothing.
