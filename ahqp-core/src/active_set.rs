@@ -175,7 +175,7 @@ impl ActiveSet {
     /// By how much row `id` may be violated and still hold.
     pub(crate) fn tolerance(&self, id: usize, x_norm: f64) -> f64 {
         // Steps through larger x leave rounding of their size behind.
-        let rounding = 1e-14 * self.table.row(id).norm() * self.farthest;
+        let rounding = 1e-14 * self.table.norm(id) * self.farthest;
         self.settings.feasibility_tolerance * self.table.magnitude(id, x_norm) + rounding
     }
 
@@ -351,7 +351,7 @@ impl ActiveSet {
                 for (weight, id) in self.weights.iter_mut().zip(rows.clone()) {
                     *weight = 0.0;
                     if self.state[id].is_active() {
-                        let row_norm = self.table.row(id).norm();
+                        let row_norm = self.table.norm(id);
                         *weight = self.value[id] - bound(&self.table, &self.state, id);
                         size += row_norm * weight.abs();
                         noise += row_norm * self.table.magnitude(id, x_norm);
@@ -379,7 +379,7 @@ impl ActiveSet {
         if self.threshold.is_finite() {
             self.basis.multipliers(&self.gradient, &mut self.multipliers);
             let forces = self.multipliers.iter().zip(self.basis.active());
-            let size: f64 = forces.map(|(m, &id)| m.abs() * self.table.row(id).norm()).sum();
+            let size: f64 = forces.map(|(m, &id)| m.abs() * self.table.norm(id)).sum();
             self.threshold += BALANCE_NOISE * size;
         }
         self.threshold

@@ -199,7 +199,7 @@ impl Factorisation {
                 (Purpose::Minimised, rows.used_objective(), linear_of),
             ] {
                 let (start, of_level) = (self.stacked.len(), ids.clone());
-                for id in ids.filter(|&id| state[id].is_active() && table.row(id).norm() > 0.0) {
+                for id in ids.filter(|&id| state[id].is_active() && table.norm(id) > 0.0) {
                     self.push(table, state, id);
                 }
                 let end = self.stacked.len();
@@ -231,7 +231,7 @@ impl Factorisation {
         }
         row[self.free.len()..].fill(0.0);
         self.target[at] = bound(table, state, id) - self.known[id];
-        self.square[at] = table.row(id).norm().powi(2);
+        self.square[at] = table.norm(id).powi(2);
         self.stacked.push(id);
     }
 

@@ -83,7 +83,7 @@ impl<'a> Proof<'a> {
             }
         }
         for &(id, multiplier) in &multipliers {
-            self.settled[id] |= (multiplier * self.table.row(id).norm()).abs() > ROUNDING * size;
+            self.settled[id] |= (multiplier * self.table.norm(id)).abs() > ROUNDING * size;
         }
         Ok(multipliers)
     }
@@ -109,7 +109,7 @@ impl<'a> Proof<'a> {
         let objective = level.map_or(0..0, |level| self.table.levels[level].used_objective());
         for id in objective {
             let (violation, magnitude) = self.violation(id);
-            gradient += self.table.row(id).norm() * (violation.abs() + magnitude);
+            gradient += self.table.norm(id) * (violation.abs() + magnitude);
         }
         let mut size = gradient;
         for &(id, multiplier) in multipliers {
@@ -159,9 +159,7 @@ impl<'a> Proof<'a> {
         let mut solver = Solver::new(&problem, settings)?;
         let found = solver.solve(&problem)?.x();
         let multipliers = candidates.iter().zip(found).filter(|(_, value)| value.abs() > 1e-12);
-        Ok(multipliers
-            .map(|(&(id, _), value)| (id, value * scale / self.table.row(id).norm()))
-            .collect())
+        Ok(multipliers.map(|(&(id, _), value)| (id, value * scale / self.table.norm(id))).collect())
     }
 
     fn gradient(&self, level: Option<usize>) -> Vec<f64> {
@@ -201,7 +199,7 @@ impl<'a> Proof<'a> {
             }
         };
         ids.into_iter()
-            .filter(|&id| self.table.row(id).norm() > 0.0)
+            .filter(|&id| self.table.norm(id) > 0.0)
             .filter_map(|id| side(id).map(|state| (id, state)))
             .collect()
     }

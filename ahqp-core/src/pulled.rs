@@ -86,7 +86,7 @@ impl Pulled {
         ids: impl Iterator<Item = usize>,
     ) {
         self.clear(true);
-        self.rows.extend(ids.filter(|&id| table.row(id).norm() > 0.0));
+        self.rows.extend(ids.filter(|&id| table.norm(id) > 0.0));
         let (n, k, m) = (self.coordinates.len(), basis.free_count(), self.rows.len());
         for (along, &id) in self.weights.chunks_exact_mut(n).zip(&self.rows) {
             basis.free_coordinates(table.row(id), along);
@@ -95,7 +95,7 @@ impl Pulled {
             let rank = self.rank;
             let (above, below) = self.weights[..m * n].split_at_mut((index + 1) * n);
             let along = &mut above[index * n..index * n + k];
-            let part = norm(&along[rank..]) / table.row(self.rows[index]).norm();
+            let part = norm(&along[rank..]) / table.norm(self.rows[index]);
             if part > NOTHING && part < CLEAR {
                 return self.give_up();
             }
@@ -271,7 +271,7 @@ impl Pulled {
     pub(crate) fn fix(&mut self, basis: &mut Basis, table: &RowTable, weak: &[bool]) -> bool {
         let count = basis.active().len();
         let dependent = self.rows.len() > self.rank && weak[..count].contains(&true);
-        if !self.sound || dependent || !basis.is_clear(CLEAR, |id| table.row(id).norm()) {
+        if !self.sound || dependent || !basis.is_clear(CLEAR, |id| table.norm(id)) {
             return false;
         }
         if weak[..count].contains(&true) {
@@ -280,7 +280,7 @@ impl Pulled {
         }
         basis.fix_ahead(weak, self.rank);
         for position in (0..basis.active().len()).rev() {
-            if !basis.is_clear_at(position, CLEAR, |id| table.row(id).norm()) {
+            if !basis.is_clear_at(position, CLEAR, |id| table.norm(id)) {
                 basis.remove_active(position);
             }
         }
@@ -353,7 +353,7 @@ impl Pulled {
         let column = &self.columns[self.rank * self.stride..];
         let (mut best, mut largest) = (None, NOTHING);
         for (index, &id) in self.rows.iter().enumerate().skip(self.rank) {
-            let part = column[index].abs() / table.row(id).norm();
+            let part = column[index].abs() / table.norm(id);
             if part > largest {
                 (best, largest) = (Some(index), part);
             }
@@ -371,7 +371,7 @@ impl Pulled {
     fn mend(&mut self, basis: &mut Basis, table: &RowTable) {
         for _ in 0..self.rank {
             let small = (0..self.rank).find(|&j| {
-                self.columns[j * self.stride + j].abs() < CLEAR * table.row(self.rows[j]).norm()
+                self.columns[j * self.stride + j].abs() < CLEAR * table.norm(self.rows[j])
             });
             let Some(index) = small else { return };
             self.demote(basis, index);

@@ -99,7 +99,7 @@ impl ActiveSet {
         let mut best: Option<(f64, f64, usize, RowState)> = None;
         for &Candidate { id, state, room, slope } in &self.candidates {
             let ratio = room / slope;
-            let pivot = slope / self.table.row(id).norm().max(f64::MIN_POSITIVE);
+            let pivot = slope / self.table.norm(id).max(f64::MIN_POSITIVE);
             let better = best.is_none_or(
                 |(_, largest, least, _)| {
                     if careful { id < least } else { pivot > largest }
@@ -163,7 +163,7 @@ impl ActiveSet {
                     (RowState::Lower, value - table.lower[id])
                 };
                 let slope = slope.abs();
-                if room < full * slope && slope > least * table.row(id).norm() {
+                if room < full * slope && slope > least * table.norm(id) {
                     self.candidates.push(Candidate { id, state, room: room.max(0.0), slope });
                 }
             }
@@ -222,7 +222,7 @@ impl ActiveSet {
             }
         };
         for (position, &id) in self.basis.active().iter().enumerate() {
-            let force = self.multipliers[position] * self.table.row(id).norm();
+            let force = self.multipliers[position] * self.table.norm(id);
             match self.state[id] {
                 RowState::Upper => consider(-force, id, Release::Hard(position)),
                 RowState::Lower => consider(force, id, Release::Hard(position)),
@@ -231,7 +231,7 @@ impl ActiveSet {
         }
         if let Goal::Rows { rows, .. } = goal {
             for id in rows.clone() {
-                let force = (self.value[id] - self.bound(id)) * self.table.row(id).norm();
+                let force = (self.value[id] - self.bound(id)) * self.table.norm(id);
                 match self.state[id] {
                     RowState::Upper => consider(-force, id, Release::Soft(id)),
                     RowState::Lower => consider(force, id, Release::Soft(id)),

@@ -74,7 +74,7 @@ impl ActiveSet {
     pub(crate) fn is_strongly_active(&self, position: usize, threshold: f64) -> bool {
         let id = self.basis.active()[position];
         self.state[id] == RowState::Equal
-            || self.multipliers[position].abs() * self.table.row(id).norm() > threshold
+            || self.multipliers[position].abs() * self.table.norm(id) > threshold
     }
 
     /// Rows of a minimised objective that are pulled keep their values; the others, within their

@@ -151,6 +151,11 @@ impl RowTable {
         }
     }
 
+    /// The norm of row `id`.
+    pub(crate) fn norm(&self, id: usize) -> f64 {
+        self.norms[id]
+    }
+
     /// The coefficients of row `id`, which is no bound.
     pub(crate) fn coefficients(&self, id: usize) -> &[f64] {
         let start = (id - self.n) * self.n;
@@ -177,8 +182,7 @@ impl RowTable {
     pub(crate) fn magnitude(&self, id: usize, x_norm: f64) -> f64 {
         // The nearer bound: a far one counts by way of x where x is near it.
         let nearer = self.lower[id].abs().min(self.upper[id].abs());
-        let norm = if id < self.n { 1.0 } else { self.norms[id] };
-        (if nearer.is_finite() { nearer } else { 0.0 }) + norm * x_norm
+        (if nearer.is_finite() { nearer } else { 0.0 }) + self.norms[id] * x_norm
     }
 
     /// Copies and checks the data of a hierarchy of the same shape.

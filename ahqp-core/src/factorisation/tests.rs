@@ -25,7 +25,7 @@ fn worst_row(factorisation: &Factorisation, table: &RowTable) -> f64 {
         let stored = &factorisation.rows[at * factorisation.stride..][..width];
         let (along, behind) = row.split_at(width);
         let off = along.iter().zip(stored).map(|(a, b)| (a - b).abs()).fold(norm(behind), f64::max);
-        worst = worst.max(off / table.row(id).norm());
+        worst = worst.max(off / table.norm(id));
     }
     worst
 }

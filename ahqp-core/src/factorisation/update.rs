@@ -48,7 +48,7 @@ impl Factorisation {
         changed: &[usize],
         tolerance: f64,
     ) -> bool {
-        for &id in changed.iter().filter(|&&id| table.row(id).norm() > 0.0) {
+        for &id in changed.iter().filter(|&&id| table.norm(id) > 0.0) {
             if self.rotations.len() + 3 * self.n > self.rotations.capacity()
                 || self.moves.len() + 2 > self.moves.capacity()
             {
@@ -76,7 +76,7 @@ impl Factorisation {
         let target = bound(table, state, id) - self.gather(table, id, &mut row);
         row[k..].fill(0.0);
         self.turn(&mut row);
-        let at = self.make_room(table, group, &mut row[..k], table.row(id).norm());
+        let at = self.make_room(table, group, &mut row[..k], table.norm(id));
         if let Ok(at) = at {
             self.rows[at * n..at * n + k].copy_from_slice(&row[..k]);
             self.target[at] = target;
@@ -166,7 +166,7 @@ impl Factorisation {
                     let Some(rotation) = chain.get(skipped) else { continue };
                     let pivot = rotation.sine * row[width - 1];
                     let is_pivot = at < group.start + group.rank;
-                    if is_pivot && !is_there(pivot.abs() / table.row(self.stacked[at]).norm())? {
+                    if is_pivot && !is_there(pivot.abs() / table.norm(self.stacked[at]))? {
                         return Err(Doubt);
                     }
                 }
@@ -245,7 +245,7 @@ impl Factorisation {
         let (n, Group { start, end, rank, .. }) = (self.stride, self.groups[group].clone());
         let (mut best, mut largest) = (start + rank, 0.0);
         for at in start + rank..end {
-            let part = self.rows[at * n + coordinate].abs() / table.row(self.stacked[at]).norm();
+            let part = self.rows[at * n + coordinate].abs() / table.norm(self.stacked[at]);
             if part > largest {
                 (best, largest) = (at, part);
             }

@@ -43,9 +43,7 @@ impl Verifier {
         let ids = factorisation.pivots.iter().map(|&pivot| factorisation.stacked[pivot]);
         let mut all: Vec<_> = ids.zip(self.multipliers[..pivots].iter().copied()).collect();
         all.extend(factorisation.bounded.iter().map(|&id| (id, -self.gradient[id])));
-        all.retain(|&(id, multiplier)| {
-            (multiplier * table.row(id).norm()).abs() > 1e-3 * threshold
-        });
+        all.retain(|&(id, multiplier)| (multiplier * table.norm(id)).abs() > 1e-3 * threshold);
         all
     }
 
@@ -69,7 +67,7 @@ impl Verifier {
         let factorisation = &self.factorisation;
         let ids = factorisation.pivots.iter().map(|&pivot| factorisation.stacked[pivot]);
         ids.zip(&self.multipliers)
-            .map(|(id, multiplier)| (id, multiplier * table.row(id).norm()))
+            .map(|(id, multiplier)| (id, multiplier * table.norm(id)))
             .chain(factorisation.bounded.iter().map(|&id| (id, -self.gradient[id])))
     }
 
@@ -79,7 +77,7 @@ impl Verifier {
         let group = &self.factorisation.groups[group];
         let pivots = group.first_pivot;
         for &id in &self.factorisation.stacked[group.start..group.end] {
-            let force = self.weights[id] * table.row(id).norm();
+            let force = self.weights[id] * table.norm(id);
             self.signs.check(id, self.activity[id], force, threshold);
         }
         self.check_multipliers(table, pivots, threshold);
@@ -105,8 +103,8 @@ impl Verifier {
             if self.activity[id].is_active() {
                 let residual = self.value[id] - bound(table, &self.activity, id);
                 self.weights[id] = residual;
-                size += table.row(id).norm() * residual.abs();
-                noise += table.row(id).norm() * table.magnitude(id, x_norm);
+                size += table.norm(id) * residual.abs();
+                noise += table.norm(id) * table.magnitude(id, x_norm);
             }
         }
         let linear = group.linear_of.map(|level| &table.levels[level].linear);
@@ -169,7 +167,7 @@ impl Verifier {
         let factorisation = &self.factorisation;
         let mut size = 0.0;
         for (force, &pivot) in self.multipliers[..pivots].iter_mut().zip(&factorisation.pivots) {
-            *force *= table.row(factorisation.stacked[pivot]).norm();
+            *force *= table.norm(factorisation.stacked[pivot]);
             size += force.abs();
         }
         let threshold = threshold + BALANCE_NOISE * size;
