@@ -12,7 +12,7 @@ const NEWEST: f32 = 0.15;
 /// The same of how often the guesses are wrong.
 const NEWEST_SCORE: f64 = 0.1;
 /// A change of more than this part of the variables is a jump to another problem.
-const JUMP: usize = 3;
+pub(crate) const JUMP: usize = 3;
 
 /// What the rows of a table did in the last solves.
 #[derive(Debug, Clone)]

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::active_set::{ActiveSet, End, Goal, RowState};
 use crate::certificate::Certificate;
 use crate::error::Error;
-use crate::habits::Habits;
+use crate::habits::{Habits, JUMP};
 use crate::hierarchy::{ConstraintSource, Hierarchy};
 use crate::list::List;
 use crate::proof::Proof;
@@ -15,14 +15,11 @@ use crate::table::RowTable;
 use crate::vector::norm;
 use crate::verification::Verifier;
 
-/// Rounds of mending the previous active set after which the search starts from nothing.
+/// Rounds of mending an active set after which it is searched for.
 const ROUNDS: usize = 14;
 
-/// Changes of the active set from solve to solve up to which it is mended, not searched for.
+/// Rows up to which a guess at the active set may be wrong for the next to be mended.
 const FEW: usize = 4;
-
-/// A change of more than this part of the variables is a jump, not a habit.
-const JUMP: usize = 3;
 
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
@@ -40,7 +37,7 @@ pub struct Solver {
     settings: Settings,
     solution: Solution,
     warm: bool,
-    /// Whether the active set has changed so little lately that asking it first pays.
+    /// Whether the active set has been guessed so well lately that asking the guess first pays.
     settled: bool,
     conflict: List<ConstraintSource>,
 }
@@ -140,7 +137,7 @@ impl Solver {
                 self.read_out(Status::Solved, rounds);
                 return Ok(&self.solution);
             }
-            near = !(self.settled && self.verifier.far);
+            near = !self.verifier.far;
         } else {
             self.habits.forget();
         }
@@ -165,23 +162,26 @@ impl Solver {
     /// Mends what the last active sets make one expect, if that is likely to pay; in how many
     /// rounds, or none where it came to no end.
     fn mend(&mut self) -> Option<usize> {
-        let Self { set, verifier, habits, .. } = self;
-        let guessed = habits.guess(&mut verifier.activity);
-        verifier.fit(&set.table);
-        set.hint.copy_from_slice(&verifier.activity);
-        if !self.settled {
-            return None;
-        }
-        let rounds = ROUNDS.min(self.settings.max_iterations);
-        let found = verifier.solve(&set.table, rounds);
-        if found.is_some() || !guessed || !verifier.far {
+        let guessed = self.habits.guess(&mut self.verifier.activity);
+        let found = self.mend_activity();
+        if found.is_some() || !guessed || !self.verifier.far {
             return found;
         }
         // What each row does most of the time need not go together.
-        habits.repeat(&mut verifier.activity);
+        self.habits.repeat(&mut self.verifier.activity);
+        self.mend_activity()
+    }
+
+    fn mend_activity(&mut self) -> Option<usize> {
+        let Self { set, verifier, .. } = self;
         verifier.fit(&set.table);
         set.hint.copy_from_slice(&verifier.activity);
-        verifier.solve(&set.table, rounds)
+        if self.settled {
+            verifier.solve(&set.table, ROUNDS.min(self.settings.max_iterations))
+        } else {
+            verifier.far = false;
+            None
+        }
     }
 
     /// How many rows are active where the search was not told so, or the other way round.

@@ -36,7 +36,7 @@ pub(crate) struct Verifier {
     reached: Vec<f64>,
     /// Rows that are violated, and how.
     violated: List<(usize, RowState)>,
-    /// Whether the last active set asked for was far from the right one.
+    /// Whether the active set was asked and turned out far from the right one.
     pub(crate) far: bool,
     multipliers: Vec<f64>,
     /// Weights of the rows of the table in a sum, and the same in the order of the stack.

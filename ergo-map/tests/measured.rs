@@ -117,9 +117,33 @@ fn a_bad_table_is_an_error_with_line_and_column() {
     assert!(read_samples(&b"\xff\xfe\x00"[..]).is_err());
 }
 
+const TABLE: &str = "hand_x_m,hand_y_m,hand_z_m,elbow_deg\n0.4,-0.2,1.1,80\n0.5,-0.1,1.2,45\n";
+
 proptest! {
     #[test]
-    fn no_table_panics(text in "[a-z_0-9,.\\-\n ]{0,200}") {
-        let _ = read_samples(text.as_bytes());
+    fn a_damaged_table_is_read_or_refused(
+        at in 0..TABLE.len(), cut in 0..20_usize, put in "[a-z_0-9,.\\-\n ]{0,8}",
+    ) {
+        let end = (at + cut).min(TABLE.len());
+        let text = format!("{}{put}{}", &TABLE[..at], &TABLE[end..]);
+        match read_samples(text.as_bytes()) {
+            Ok(samples) => {
+                prop_assert!(!samples.is_empty());
+                for sample in samples {
+                    prop_assert!(sample.hand.iter().all(|value| value.is_finite()));
+                    prop_assert!(sample.angles.to_array().iter().all(|angle| angle.is_finite()));
+                }
+            }
+            Err(Error::Samples { line, problem, .. }) => {
+                prop_assert!((1..=text.lines().count()).contains(&line), "line {line}");
+                prop_assert!(!problem.is_empty());
+            }
+            Err(error) => prop_assert!(matches!(error, Error::TooFewSamples { .. }), "{error}"),
+        }
+    }
+
+    #[test]
+    fn text_that_is_no_table_is_refused(text in "[a-z_0-9,.\\-\n ]{0,200}") {
+        prop_assert!(read_samples(text.as_bytes()).is_err());
     }
 }

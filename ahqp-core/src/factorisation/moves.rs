@@ -23,17 +23,18 @@ impl Move {
         match self {
             Self::Down(chain) => {
                 let chain = &rotations[chain.clone()];
-                carry_down(touched(vector, chain), chain);
+                carry_down(touched(vector, chain), chain.iter().map(angle));
             }
             Self::Up(chain) => {
                 let chain = &rotations[chain.clone()];
-                carry_up(touched(vector, chain), chain);
+                carry_up(touched(vector, chain), chain.iter().map(angle));
             }
             Self::Aside(chain) => {
                 let chain = &rotations[chain.clone()];
                 let Some(&Rotation { first, second, .. }) = chain.first() else { return };
                 let mut carry = vector[second];
-                carry_aside(&mut vector[first..first + chain.len()], &mut carry, chain);
+                let entries = vector[first..first + chain.len()].iter_mut();
+                carry_aside(entries, &mut carry, chain.iter().map(angle));
                 vector[second] = carry;
             }
             &Self::Insert { from, to } => vector[to..=from].rotate_right(1),
@@ -45,46 +46,32 @@ impl Move {
         match self {
             Self::Down(chain) => {
                 let chain = &rotations[chain.clone()];
-                let entries = touched(vector, chain);
-                let Some(&first) = entries.first() else { return };
-                let mut carry = first;
-                for (pair, &Rotation { cosine, sine, .. }) in pairs(entries).zip(chain.iter().rev())
-                {
-                    let upper = pair[1].get();
-                    pair[0].set(cosine * carry - sine * upper);
-                    carry = cosine * upper + sine * carry;
-                }
-                entries.last_mut().into_iter().for_each(|last| *last = carry);
+                carry_up(touched(vector, chain), chain.iter().rev().map(opposite));
             }
             Self::Up(chain) => {
                 let chain = &rotations[chain.clone()];
-                let entries = touched(vector, chain);
-                let Some(&last) = entries.last() else { return };
-                let mut carry = last;
-                for (pair, &Rotation { cosine, sine, .. }) in
-                    pairs(entries).rev().zip(chain.iter().rev())
-                {
-                    let lower = pair[0].get();
-                    pair[1].set(cosine * carry + sine * lower);
-                    carry = cosine * lower - sine * carry;
-                }
-                entries.first_mut().into_iter().for_each(|first| *first = carry);
+                carry_down(touched(vector, chain), chain.iter().rev().map(opposite));
             }
             Self::Aside(chain) => {
                 let chain = &rotations[chain.clone()];
                 let Some(&Rotation { first, second, .. }) = chain.first() else { return };
                 let mut carry = vector[second];
-                let entries = vector[first..first + chain.len()].iter_mut();
-                for (entry, &Rotation { cosine, sine, .. }) in entries.zip(chain).rev() {
-                    let lower = *entry;
-                    *entry = cosine * lower - sine * carry;
-                    carry = cosine * carry + sine * lower;
-                }
+                let entries = vector[first..first + chain.len()].iter_mut().rev();
+                carry_aside(entries, &mut carry, chain.iter().rev().map(opposite));
                 vector[second] = carry;
             }
             &Self::Insert { from, to } => vector[to..=from].rotate_left(1),
         }
     }
+}
+
+/// The cosine and the sine of a rotation.
+pub(super) fn angle(rotation: &Rotation) -> (f64, f64) {
+    (rotation.cosine, rotation.sine)
+}
+
+fn opposite(rotation: &Rotation) -> (f64, f64) {
+    (rotation.cosine, -rotation.sine)
 }
 
 /// The entries that a chain of rotations of neighbours touches.
@@ -94,10 +81,10 @@ fn touched<'a>(vector: &'a mut [f64], chain: &[Rotation]) -> &'a mut [f64] {
 }
 
 /// Rotates neighbours from the last to the first.
-pub(super) fn carry_down(entries: &mut [f64], chain: &[Rotation]) {
+pub(super) fn carry_down(entries: &mut [f64], angles: impl Iterator<Item = (f64, f64)>) {
     let Some(&last) = entries.last() else { return };
     let mut carry = last;
-    for (pair, &Rotation { cosine, sine, .. }) in pairs(entries).rev().zip(chain) {
+    for (pair, (cosine, sine)) in pairs(entries).rev().zip(angles) {
         let lower = pair[0].get();
         pair[1].set(cosine * carry - sine * lower);
         carry = cosine * lower + sine * carry;
@@ -106,10 +93,10 @@ pub(super) fn carry_down(entries: &mut [f64], chain: &[Rotation]) {
 }
 
 /// Rotates neighbours from the first to the last.
-pub(super) fn carry_up(entries: &mut [f64], chain: &[Rotation]) {
+pub(super) fn carry_up(entries: &mut [f64], angles: impl Iterator<Item = (f64, f64)>) {
     let Some(&first) = entries.first() else { return };
     let mut carry = first;
-    for (pair, &Rotation { cosine, sine, .. }) in pairs(entries).zip(chain) {
+    for (pair, (cosine, sine)) in pairs(entries).zip(angles) {
         let upper = pair[1].get();
         pair[0].set(cosine * carry + sine * upper);
         carry = cosine * upper - sine * carry;
@@ -118,8 +105,12 @@ pub(super) fn carry_up(entries: &mut [f64], chain: &[Rotation]) {
 }
 
 /// Rotates each entry with `carry`.
-pub(super) fn carry_aside(entries: &mut [f64], carry: &mut f64, chain: &[Rotation]) {
-    for (entry, &Rotation { cosine, sine, .. }) in entries.iter_mut().zip(chain) {
+pub(super) fn carry_aside<'a>(
+    entries: impl Iterator<Item = &'a mut f64>,
+    carry: &mut f64,
+    angles: impl Iterator<Item = (f64, f64)>,
+) {
+    for (entry, (cosine, sine)) in entries.zip(angles) {
         let lower = *entry;
         *entry = cosine * lower + sine * *carry;
         *carry = cosine * *carry - sine * lower;

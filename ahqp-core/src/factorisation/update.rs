@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use super::moves::{Move, carry_aside, carry_down, carry_up};
+use super::moves::{Move, angle, carry_aside, carry_down, carry_up};
 use super::{Factorisation, Group, Purpose};
 use crate::active_set::{RowState, bound};
 use crate::kernels::Rotation;
@@ -171,7 +171,7 @@ impl Factorisation {
                     }
                 }
                 let entries = &mut row[planes.start..=planes.end - skipped];
-                carry_down(entries, &chain[skipped..]);
+                carry_down(entries, chain[skipped..].iter().map(angle));
             }
         }
         Ok(())
@@ -224,7 +224,7 @@ impl Factorisation {
                 let row = &mut self.rows[at * n..(at + 1) * n];
                 let chain = &self.rotations[from..];
                 let first = free + chain.len();
-                carry_up(&mut row[free..=first], chain);
+                carry_up(&mut row[free..=first], chain.iter().map(angle));
                 if !adopted && at < start + rank {
                     let radius = length(row[first], row[first + 1]);
                     let (cosine, sine) = (row[first] / radius, row[first + 1] / radius);
@@ -276,7 +276,7 @@ impl Factorisation {
                 let mut carry = coefficient;
                 let chain = &self.rotations[from..];
                 // One rotation a pivot, from the first on.
-                carry_aside(row, &mut carry, chain);
+                carry_aside(row.iter_mut(), &mut carry, chain.iter().map(angle));
                 if let Some(place) = adopted {
                     row.copy_within(place..width, place + 1);
                     row[place] = carry;

@@ -39,12 +39,18 @@ impl Verifier {
             }
         };
         self.balance(table, pivots);
+        let counts = |&(id, multiplier): &(usize, f64)| {
+            (multiplier * table.norm(id)).abs() > 1e-3 * threshold
+        };
+        self.balancing(pivots).filter(counts).collect()
+    }
+
+    /// The rows that balance a gradient, and their multipliers.
+    fn balancing(&self, pivots: usize) -> impl Iterator<Item = (usize, f64)> {
         let factorisation = &self.factorisation;
         let ids = factorisation.pivots.iter().map(|&pivot| factorisation.stacked[pivot]);
-        let mut all: Vec<_> = ids.zip(self.multipliers[..pivots].iter().copied()).collect();
-        all.extend(factorisation.bounded.iter().map(|&id| (id, -self.gradient[id])));
-        all.retain(|&(id, multiplier)| (multiplier * table.norm(id)).abs() > 1e-3 * threshold);
-        all
+        let bounds = factorisation.bounded.iter().map(|&id| (id, -self.gradient[id]));
+        ids.zip(self.multipliers[..pivots].iter().copied()).chain(bounds)
     }
 
     /// What the active rows push with against hard rows that stay violated: multipliers times the
@@ -64,11 +70,7 @@ impl Verifier {
         let pivots = self.factorisation.decided().len();
         self.factorisation.coordinates(&self.gradient, &mut self.multipliers[..pivots]);
         self.balance(table, pivots);
-        let factorisation = &self.factorisation;
-        let ids = factorisation.pivots.iter().map(|&pivot| factorisation.stacked[pivot]);
-        ids.zip(&self.multipliers)
-            .map(|(id, multiplier)| (id, multiplier * table.norm(id)))
-            .chain(factorisation.bounded.iter().map(|&id| (id, -self.gradient[id])))
+        self.balancing(pivots).map(|(id, multiplier)| (id, multiplier * table.norm(id)))
     }
 
     /// Checks the signs that the level of `group`, the rows of its objective, gives.

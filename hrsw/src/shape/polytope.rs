@@ -225,7 +225,8 @@ fn corners_in_order(plane: &HalfSpace, vertices: &[Vector3<f64>]) -> Vec<usize> 
 }
 
 /// An affine map that spreads points evenly in all directions, which does not change which of them
-/// are the corners of their hull. Without it a thin plate would count as flat.
+/// are the corners of their hull. Without it a thin plate would count as flat. It is symmetric and
+/// positive, so that faces keep their orientation.
 struct Rounding {
     center: Vector3<f64>,
     axes: Matrix3<f64>,
