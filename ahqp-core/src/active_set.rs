@@ -13,7 +13,7 @@ use crate::list::List;
 use crate::pulled::Pulled;
 use crate::search::Candidate;
 use crate::settings::Settings;
-use crate::table::RowTable;
+use crate::table::{ROUNDING, RowTable};
 use crate::vector::{add_scaled, norm};
 
 /// Multipliers above this fraction of the numbers that they are made of are no rounding.
@@ -104,6 +104,8 @@ pub(crate) struct ActiveSet {
     pub(crate) weak: Vec<bool>,
     pub(crate) slope: Vec<f64>,
     pub(crate) candidates: List<Candidate>,
+    /// Rows that came back at once when they were let go, since x moved last.
+    pub(crate) kept: List<usize>,
     /// Weights of rows of the objective in its gradient.
     weights: Vec<f64>,
     /// Above which size a multiplier counted when they were computed last.
@@ -135,6 +137,7 @@ impl ActiveSet {
             weak: vec![false; n],
             slope: vec![0.0; count],
             candidates: List::with_capacity(count),
+            kept: List::with_capacity(count),
             weights: vec![0.0; most.unwrap_or(0)],
             threshold: f64::INFINITY,
             direction: vec![0.0; n],
@@ -151,7 +154,6 @@ impl ActiveSet {
         self.in_play.clear();
         self.in_play.push(0..self.table.n);
         self.state.fill(RowState::Absent);
-        self.iterations = 0;
         for (i, near) in start.iter().enumerate() {
             let (lower, upper) = (self.table.lower[i], self.table.upper[i]);
             self.x[i] = match self.hint[i] {
@@ -173,10 +175,16 @@ impl ActiveSet {
     }
 
     /// By how much row `id` may be violated and still hold.
-    pub(crate) fn tolerance(&self, id: usize, x_norm: f64) -> f64 {
+    pub(crate) fn tolerance(&self, id: usize) -> f64 {
         // Steps through larger x leave rounding of their size behind.
-        let rounding = 1e-14 * self.table.norm(id) * self.farthest;
-        self.settings.feasibility_tolerance * self.table.magnitude(id, x_norm) + rounding
+        let rounding = ROUNDING * self.table.norm(id) * self.farthest;
+        self.settings.feasibility_tolerance * self.table.size(id, &self.x) + rounding
+    }
+
+    /// Whether row `id` holds.
+    pub(crate) fn holds(&self, id: usize) -> bool {
+        let tolerance = self.settings.feasibility_tolerance;
+        self.table.is_closed(id, self.violation(id), &self.x, self.farthest, tolerance)
     }
 
     /// aᵢx − bound: positive above the upper bound, negative below the lower, else zero.
@@ -227,7 +235,8 @@ impl ActiveSet {
             RowState::Upper => self.table.upper[id],
             _ => return false,
         };
-        (self.value[id] - bound).abs() <= self.tolerance(id, norm(&self.x))
+        let (gap, tolerance) = (self.value[id] - bound, self.settings.feasibility_tolerance);
+        self.table.is_closed(id, gap, &self.x, self.farthest, tolerance)
     }
 
     /// Begins to keep the rows of `goal` that are pulled in a factor of their own.

@@ -114,20 +114,32 @@ struct RowAt {
     upper: f64,
     /// What rounding in a x is relative to.
     magnitude: f64,
+    /// The size of the terms of a x, and of the nearer bound.
+    size: f64,
     norm: f64,
+}
+
+impl RowAt {
+    /// A gap to a bound, relative to the row's terms at x, but for what rounding explains in a
+    /// vector as long as x.
+    fn relative(&self, gap: f64, x_norm: f64) -> f64 {
+        let rest = (gap.abs() - crate::table::ROUNDING * self.norm * x_norm).max(0.0);
+        rest / self.size.max(f64::MIN_POSITIVE)
+    }
 }
 
 impl Check<'_> {
     fn feasibility(&mut self) {
         let mut worst = 0.0_f64;
+        let x_norm = norm(self.x);
         for variable in 0..self.x.len() {
             let row = self.bound(variable);
-            worst = worst.max(row.violation.abs() / row.magnitude.max(f64::MIN_POSITIVE));
+            worst = worst.max(row.relative(row.violation, x_norm));
         }
         for level in self.hierarchy.levels() {
             for index in 0..level.constraints().len() {
                 if let Some(row) = self.row(level.constraints(), index) {
-                    worst = worst.max(row.violation.abs() / row.magnitude.max(f64::MIN_POSITIVE));
+                    worst = worst.max(row.relative(row.violation, x_norm));
                 }
             }
         }
@@ -157,19 +169,18 @@ impl Check<'_> {
                 continue;
             }
             settled.insert(source);
-            let magnitude = row.magnitude.max(f64::MIN_POSITIVE);
             let bound = if multiplier > 0.0 { row.upper } else { row.lower };
             if bound.is_infinite() {
                 self.residuals.sign = self.residuals.sign.max(share);
                 continue;
             }
-            let gap = (row.value - bound).abs() / magnitude;
+            let gap = (row.value - bound).abs();
             let other = if multiplier > 0.0 { row.lower } else { row.upper };
-            if (row.value - other).abs() / magnitude < gap {
+            if (row.value - other).abs() < gap {
                 // It stands at its other bound and pushes the wrong way.
                 self.residuals.sign = self.residuals.sign.max(share);
             } else {
-                let gap = gap.min(share);
+                let gap = row.relative(gap, norm(self.x)).min(share);
                 self.residuals.complementarity = self.residuals.complementarity.max(gap);
             }
         }
@@ -193,7 +204,7 @@ impl Check<'_> {
                     let Some(row) = self.row(rows, index) else { continue };
                     add_scaled(&mut gradient, row.violation, &row.coefficients);
                     size += row.norm * (row.violation.abs() + row.magnitude);
-                    if row.violation.abs() > ZERO * row.magnitude {
+                    if row.relative(row.violation, norm(self.x)) > ZERO {
                         settled.insert(ConstraintSource::Objective { level, row: index });
                     }
                 }
@@ -249,8 +260,11 @@ impl Check<'_> {
         let value = dot(&coefficients, self.x);
         let length = norm(&coefficients);
         let nearer = lower.abs().min(upper.abs());
-        let magnitude = if nearer.is_finite() { nearer } else { 0.0 } + length * norm(self.x);
+        let nearer = if nearer.is_finite() { nearer } else { 0.0 };
+        let magnitude = nearer + length * norm(self.x);
+        let size =
+            nearer + coefficients.iter().zip(self.x).map(|(a, x)| (a * x).abs()).sum::<f64>();
         let violation = (value - upper).max(0.0) + (value - lower).min(0.0);
-        RowAt { coefficients, value, violation, lower, upper, magnitude, norm: length }
+        RowAt { coefficients, value, violation, lower, upper, magnitude, size, norm: length }
     }
 }

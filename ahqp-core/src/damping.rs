@@ -70,6 +70,10 @@ impl Damping {
     /// Damps the targets of `rows` where its matrix is nearly singular, and returns the μ used;
     /// zero where it is not. Does not allocate.
     ///
+    /// The targets are overwritten: in a control loop write them anew each tick, also where only the
+    /// matrix changes, or they are damped again and again. A zero row, and rows more than
+    /// variables, leave a pivot of zero: the damping is then the largest throughout.
+    ///
     /// # Errors
     /// [`Error::Size`] for more rows than sized for; [`Error::NotAnEquality`] for a row whose bounds
     /// differ; [`Error::NotFiniteDamping`] for rows that are not finite.

@@ -51,6 +51,15 @@ pub struct VelocityInterval {
     pub upper: f64,
 }
 
+impl VelocityInterval {
+    /// What follows from a number that is none: as bounds of a variable, refused by
+    /// [`Solver::solve`](crate::Solver::solve).
+    const UNKNOWN: Self = Self { lower: f64::NAN, upper: f64::NAN };
+}
+
+/// What rounding may add to a motion, relative to it.
+const ROUNDING: f64 = 1e-12;
+
 impl Limits {
     /// With the position range `lower` to `upper` (either may be infinite), the velocity limit
     /// and the acceleration limit, in consistent units.
@@ -112,32 +121,38 @@ impl Limits {
         self.acceleration
     }
 
-    /// The same limits with the velocity limit times `scale`, clamped to [0, 1]: the interval
-    /// then shrinks as fast as the acceleration limit allows.
+    /// The same limits with the velocity limit times `scale`, clamped to [0, 1], NaN to 0: the
+    /// interval then shrinks as fast as the acceleration limit allows.
     #[must_use]
     pub fn slowed(mut self, scale: f64) -> Self {
-        self.velocity *= scale.clamp(0.0, 1.0);
+        self.velocity *= if scale > 0.0 { scale.min(1.0) } else { 0.0 };
         self
     }
 
-    /// Whether `state` obeys the limits and can go on obeying them.
+    /// Whether `state` obeys the limits, up to rounding, and can go on obeying them.
     pub fn admits(&self, state: MotionState) -> bool {
         let MotionState { position, velocity } = state;
-        let stop = velocity * velocity / (2.0 * self.acceleration);
-        let end = position + stop.copysign(velocity);
+        let stop = velocity * velocity / (2.0 * self.acceleration) * (1.0 - ROUNDING);
+        let fits = |overrun: f64, distance: f64, limit: f64| {
+            let rounding = 4.0 * f64::EPSILON * (position.abs() + limit.abs());
+            overrun <= distance + rounding
+        };
         velocity.abs() <= self.velocity
-            && (self.lower..=self.upper).contains(&position)
-            && end <= self.upper
-            && end >= self.lower
+            && fits(if velocity > 0.0 { stop } else { 0.0 }, self.upper - position, self.upper)
+            && fits(if velocity < 0.0 { stop } else { 0.0 }, position - self.lower, self.lower)
     }
 
     /// The velocities for the next `period` seconds.
     ///
     /// The acceleration limit always holds; the velocity limit holds, or is returned to at full
-    /// acceleration; position limits are met whenever they can be. From an admitted state every velocity of the interval leads to an admitted state.
-    /// From outside, the interval leads back as fast as velocity and acceleration allow. It is
-    /// never empty.
+    /// acceleration; position limits are met whenever they can be. From an admitted state every
+    /// velocity of the interval leads to an admitted state. From outside, the interval leads back
+    /// as fast as velocity and acceleration allow. It is never empty; of a state that holds NaN,
+    /// or a period that is not positive, both ends are NaN.
     pub fn velocity_interval(&self, state: MotionState, period: f64) -> VelocityInterval {
+        if state.position.is_nan() || state.velocity.is_nan() || !is_positive(period) {
+            return VelocityInterval::UNKNOWN;
+        }
         let change = self.acceleration * period;
         let slowest = (state.velocity - change).max(-self.velocity);
         let fastest = (state.velocity + change).min(self.velocity);
@@ -165,8 +180,12 @@ impl Limits {
     }
 
     /// The velocities from which the position limits leave room to brake, whatever the velocity
-    /// is now: what the limits allow in the long run. It is never empty.
+    /// is now: what the limits allow in the long run. It is never empty; of NaN, or a period that
+    /// is not positive, both ends are NaN.
     pub fn cruising_interval(&self, position: f64, period: f64) -> VelocityInterval {
+        if position.is_nan() || !is_positive(period) {
+            return VelocityInterval::UNKNOWN;
+        }
         let within = |velocity: f64| velocity.min(self.velocity).max(-self.velocity);
         let upper = within(self.approach(self.upper - position, period));
         let lower = within(-self.approach(position - self.lower, period));
@@ -190,6 +209,10 @@ impl Limits {
             distance / period
         }
     }
+}
+
+fn is_positive(period: f64) -> bool {
+    period > 0.0
 }
 
 #[cfg(test)]
@@ -217,21 +240,27 @@ mod tests {
 
         #[test]
         fn from_an_admitted_state_every_later_state_is_admitted(
-            limits in limits(), start in 0.0..1.0_f64,
-            choices in prop::collection::vec(
-                prop_oneof![Just(0.0), Just(1.0), 0.0..1.0_f64], 1000),
+            limits in limits(), start in 0.0..1.0_f64, speed in -1.0..1.0_f64,
+            runs in prop::collection::vec(
+                (prop_oneof![Just(0.0), Just(1.0), 0.0..1.0_f64], 1..2000_usize), 60),
         ) {
             let position = limits.lower + start * (limits.upper - limits.lower);
-            let mut state = MotionState { position, velocity: 0.0 };
-            for choice in choices {
-                // Repeating a choice drives the state to its limits.
+            let mut state = MotionState { position, velocity: speed * limits.velocity };
+            if !limits.admits(state) {
+                // The fastest that can still stop.
+                let room = if speed > 0.0 { limits.upper - position } else { position - limits.lower };
+                let fastest = (2.0 * limits.acceleration * room).sqrt();
+                state.velocity = fastest.min(limits.velocity).copysign(speed);
+            }
+            prop_assert!(limits.admits(state), "{state:?}");
+            // Repeating a choice drives the state to its limits.
+            let choices = runs.iter().flat_map(|&(choice, ticks)| std::iter::repeat_n(choice, ticks));
+            for choice in choices.cycle().take(100_000) {
                 let (interval, next) = step(&limits, state, choice);
                 prop_assert!(interval.lower <= interval.upper);
                 prop_assert!((next.velocity - state.velocity).abs()
                     <= limits.acceleration * PERIOD * (1.0 + 1e-9));
-                prop_assert!(next.velocity.abs() <= limits.velocity);
-                prop_assert!(next.position <= limits.upper + 1e-12);
-                prop_assert!(next.position >= limits.lower - 1e-12);
+                prop_assert!(limits.admits(next), "{next:?} from {state:?}");
                 state = next;
             }
         }

@@ -60,8 +60,8 @@ impl<'a> Proof<'a> {
     fn level(&mut self, level: Option<usize>) -> Result<Multipliers, Error> {
         if let Some(level) = level {
             for id in self.table.levels[level].used_objective() {
-                let (violation, magnitude) = self.violation(id);
-                self.settled[id] |= violation.abs() > AT_BOUND * magnitude;
+                let (violation, _) = self.violation(id);
+                self.settled[id] |= !self.is_closed(id, violation);
             }
         }
         // Where active rows depend on each other, another choice than the factorisation's may have
@@ -127,6 +127,10 @@ impl<'a> Proof<'a> {
         (violation, self.table.magnitude(id, norm(self.x)))
     }
 
+    fn is_closed(&self, id: usize, gap: f64) -> bool {
+        self.table.is_closed(id, gap, self.x, norm(self.x), AT_BOUND)
+    }
+
     /// min ‖gradient + Σ λᵢ aᵢ‖ over the rows at their bounds, each λᵢ with the sign that its row
     /// may have: a hierarchy of one level.
     fn signed(&self, level: Option<usize>, rank_tolerance: f64) -> Result<Multipliers, Error> {
@@ -187,12 +191,11 @@ impl<'a> Proof<'a> {
         }
         let side = |id: usize| {
             let value = self.table.row(id).dot(self.x);
-            let near = AT_BOUND * self.table.magnitude(id, norm(self.x));
             if self.settled[id] {
                 Some(RowState::Equal)
-            } else if (value - self.table.upper[id]).abs() <= near {
+            } else if self.is_closed(id, value - self.table.upper[id]) {
                 Some(RowState::Upper)
-            } else if (value - self.table.lower[id]).abs() <= near {
+            } else if self.is_closed(id, value - self.table.lower[id]) {
                 Some(RowState::Lower)
             } else {
                 None

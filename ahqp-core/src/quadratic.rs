@@ -7,12 +7,17 @@ use crate::hierarchy::ConstraintSource;
 use crate::list::List;
 use crate::vector::dot;
 
-/// Pivots below this fraction of the largest diagonal entry count as zero.
+/// Pivots below this fraction of their diagonal entry count as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
+/// Diagonal entries below this fraction of the largest count as zero: curvatures of rows 1e8 apart
+/// are 1e16 apart.
+const SMALLEST_CURVATURE: f64 = 1e-18;
 /// Above this, products of the solver's numbers overflow.
 const MODERATE: f64 = 1e100;
 /// Asymmetry and negative curvature up to this fraction of the largest entry are rounding.
 const SHAPE_TOLERANCE: f64 = 1e-9;
+/// Of the terms it is made of, less of a linear part is rounding.
+const LINEAR_TOLERANCE: f64 = 1e-9;
 
 /// ½xᵀHx + gᵀx = ½‖Rx − b‖² + linearᵀx + constant.
 ///
@@ -29,7 +34,6 @@ pub(crate) struct QuadraticFactor {
     /// What of the diagonal is not factored yet.
     diagonal: Vec<f64>,
     linear: Vec<f64>,
-    gradient_size: f64,
 }
 
 impl QuadraticFactor {
@@ -42,7 +46,6 @@ impl QuadraticFactor {
             pivots: List::with_capacity(n),
             diagonal: vec![0.0; n],
             linear: vec![0.0; n],
-            gradient_size: 0.0,
         }
     }
 
@@ -56,11 +59,8 @@ impl QuadraticFactor {
 
     /// Copies the linear part; whether there is one.
     pub(crate) fn linear(&self, out: &mut [f64]) -> bool {
-        let any = crate::vector::norm_max(&self.linear) > SHAPE_TOLERANCE * self.gradient_size;
-        for (to, from) in out.iter_mut().zip(&self.linear) {
-            *to = if any { *from } else { 0.0 };
-        }
-        any
+        out.copy_from_slice(&self.linear);
+        self.linear.iter().any(|entry| *entry != 0.0)
     }
 
     /// Multipliers of rows of R as multipliers of rows of H: `(row of H, multiplier)`.
@@ -97,17 +97,20 @@ impl QuadraticFactor {
             self.diagonal[i] = hessian[(i, i)];
         }
         while self.rank < n {
-            let pivot = (0..n)
-                .max_by(|&i, &j| self.diagonal[i].total_cmp(&self.diagonal[j]))
-                .unwrap_or_default();
-            if self.diagonal[pivot] <= RANK_TOLERANCE * scale {
-                break;
-            }
+            let Some(pivot) = self.best_pivot(hessian, scale) else { break };
             self.eliminate(hessian, pivot);
         }
         self.check_remainder(level, hessian, scale)?;
         self.split_gradient(gradient);
         Ok(())
+    }
+
+    /// The variable with the largest share of its curvature left, whatever its unit.
+    fn best_pivot(&self, hessian: &DMatrix<f64>, scale: f64) -> Option<usize> {
+        let share = |i: usize| self.diagonal[i] / hessian[(i, i)];
+        (0..self.n)
+            .filter(|&i| hessian[(i, i)] > SMALLEST_CURVATURE * scale && share(i) > RANK_TOLERANCE)
+            .max_by(|&i, &j| share(i).total_cmp(&share(j)))
     }
 
     fn eliminate(&mut self, hessian: &DMatrix<f64>, pivot: usize) {
@@ -157,15 +160,19 @@ impl QuadraticFactor {
     /// b with (Rᵀb)ᵢ = −gᵢ at the pivots; the rest of g is linear.
     fn split_gradient(&mut self, gradient: &DVector<f64>) {
         let n = self.n;
-        self.gradient_size = gradient.amax();
         for (i, &pivot) in self.pivots.iter().enumerate() {
             let known: f64 =
                 (0..i).map(|above| self.factor[above * n + pivot] * self.target[above]).sum();
             self.target[i] = (-gradient[pivot] - known) / self.factor[i * n + pivot];
         }
         for j in 0..n {
-            let range: f64 = (0..self.rank).map(|i| self.factor[i * n + j] * self.target[i]).sum();
-            self.linear[j] = if self.pivots.contains(&j) { 0.0 } else { gradient[j] + range };
+            let terms = (0..self.rank).map(|i| self.factor[i * n + j] * self.target[i]);
+            let (range, size) = terms.fold((0.0, gradient[j].abs()), |(range, size), term| {
+                (range + term, size + term.abs())
+            });
+            let rest: f64 = gradient[j] + range;
+            let is_linear = !self.pivots.contains(&j) && rest.abs() > LINEAR_TOLERANCE * size;
+            self.linear[j] = if is_linear { rest } else { 0.0 };
         }
     }
 }

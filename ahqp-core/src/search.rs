@@ -4,7 +4,8 @@
 //! first row in the way, or lets go of a row whose multiplier has the wrong sign (Nocedal &
 //! Wright, Numerical Optimization, algorithm 16.3, with w as variables that are never formed).
 //! The objective never rises; when it stalls, rows are taken by least index (Bland), which
-//! cannot cycle.
+//! cannot cycle. A row that is let go leaves its bound with the next step; one that stops that step
+//! was let go by rounding, and stays until x moves.
 
 use std::ops::Range;
 
@@ -35,7 +36,8 @@ impl ActiveSet {
     /// Searches from x.
     pub(crate) fn search(&mut self, goal: &Goal) -> End {
         self.begin_pulling(goal);
-        let mut stalled = 0;
+        self.kept.clear();
+        let (mut stalled, mut released) = (0, None);
         loop {
             if self.iterations >= self.settings.max_iterations {
                 return End::OutOfIterations;
@@ -46,12 +48,17 @@ impl ActiveSet {
             let minimum = self.equality_step(goal);
             let (length, blocking) = self.first_in_the_way(goal, minimum, careful);
             self.advance(goal, length);
-            stalled = if length * norm(&self.direction) > 1e-14 * (1.0 + norm(&self.x)) {
-                0
+            if length * norm(&self.direction) > 1e-14 * (1.0 + norm(&self.x)) {
+                stalled = 0;
+                self.kept.clear();
             } else {
-                stalled + 1
-            };
+                stalled += 1;
+            }
             if let Some((id, state)) = blocking {
+                if stalled > 0 && released == Some(id) {
+                    self.kept.push(id);
+                }
+                released = None;
                 if goal.has_row(id) {
                     self.pull(id, state);
                 } else {
@@ -65,9 +72,11 @@ impl ActiveSet {
             match self.wrong_sign(goal, careful) {
                 None => return End::Optimal,
                 Some(Release::Hard(position)) => {
+                    released = Some(self.basis.active()[position]);
                     self.release(position);
                 }
                 Some(Release::Soft(id)) => {
+                    released = Some(id);
                     self.residual[id] = self.value[id] - self.bound(id);
                     self.let_go(id);
                 }
@@ -88,9 +97,8 @@ impl ActiveSet {
         // Two passes: the bound relaxed by the tolerance finds how far x may go, and among the
         // rows met by then the one most across the direction is taken.
         let mut reach = full;
-        let x_norm = norm(&self.x);
         for candidate in &self.candidates {
-            let slack = if careful { 0.0 } else { self.tolerance(candidate.id, x_norm) };
+            let slack = if careful { 0.0 } else { self.tolerance(candidate.id) };
             reach = reach.min((candidate.room + slack) / candidate.slope);
         }
         if reach >= full {
@@ -217,7 +225,7 @@ impl ActiveSet {
         let mut consider = |wrongness: f64, id: usize, release: Release| {
             let better = worst
                 .is_none_or(|(most, least, _)| if careful { id < least } else { wrongness > most });
-            if wrongness > threshold && better {
+            if wrongness > threshold && better && !self.kept.contains(&id) {
                 worst = Some((wrongness, id, release));
             }
         };

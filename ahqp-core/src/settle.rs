@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::active_set::{ActiveSet, Goal, RowState};
+use crate::active_set::{ActiveSet, Goal, NOISE, RowState};
 use crate::vector::norm;
 
 /// A multiplier this many times above the noise marks its row as active at every optimum.
@@ -80,13 +80,15 @@ impl ActiveSet {
     /// Rows of a minimised objective that are pulled keep their values; the others, within their
     /// ranges, are hard rows from here on.
     fn settle_objective(&mut self, rows: Range<usize>, activity: &mut [RowState]) {
-        let x_norm = norm(&self.x);
+        let force = |set: &Self, id: usize| set.table.norm(id) * set.violation(id).abs();
+        let pulled = rows.clone().filter(|&id| self.state[id].is_active());
+        // What rounding in the pull of all may leave of that of one.
+        let rounding = 10.0 * NOISE * pulled.map(|id| force(self, id)).sum::<f64>();
         let mut any_inside = false;
         for id in rows.clone() {
             let pulled = self.state[id].is_active();
-            let held = pulled
-                && (self.table.is_equality(id)
-                    || self.violation(id).abs() > self.tolerance(id, x_norm));
+            let is_violated = force(self, id) > rounding && !self.holds(id);
+            let held = pulled && (self.table.is_equality(id) || is_violated);
             if held {
                 activity[id] = self.state[id];
                 self.state[id] = RowState::Fixed;

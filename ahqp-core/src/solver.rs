@@ -21,6 +21,13 @@ const ROUNDS: usize = 14;
 /// Rows up to which a guess at the active set may be wrong for the next to be mended.
 const FEW: usize = 4;
 
+/// Searches of one solve: each but the first begins where the one before ended, as that came from
+/// so far away that little of x is left but rounding.
+const PASSES: usize = 4;
+
+/// How many times longer than the solution x may have been on the way.
+const FAR_AWAY: f64 = 1e3;
+
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
 /// Level by level: make the new hard constraints hold, minimise the objective inside what the
@@ -36,10 +43,19 @@ pub struct Solver {
     habits: Habits,
     settings: Settings,
     solution: Solution,
-    warm: bool,
+    memory: Memory,
     /// Whether the active set has been guessed so well lately that asking the guess first pays.
     settled: bool,
     conflict: List<ConstraintSource>,
+}
+
+/// What is known of the last solve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Memory {
+    Nothing,
+    /// How far it came within its iterations.
+    Part,
+    Optimum,
 }
 
 /// How a level ended, if it did not fail.
@@ -67,7 +83,7 @@ impl Solver {
             },
             verifier: Verifier::new(&table, settings),
             habits: Habits::new(count, n),
-            warm: false,
+            memory: Memory::Nothing,
             settled: true,
             conflict: List::with_capacity(count),
             set: ActiveSet::new(table, settings),
@@ -77,7 +93,7 @@ impl Solver {
 
     /// Forgets the previous active set: the next solve starts from nothing.
     pub fn forget(&mut self) {
-        self.warm = false;
+        self.memory = Memory::Nothing;
     }
 
     /// What cannot hold together, after [`Error::Infeasible`]; empty otherwise: constraints,
@@ -94,7 +110,7 @@ impl Solver {
     /// Those of [`solve`](Self::solve) for data that make no problem; [`Error::NotSolved`] when
     /// the last solve did not end at the optimum.
     pub fn certificate(&mut self, hierarchy: &Hierarchy) -> Result<Certificate, Error> {
-        if !self.warm {
+        if self.memory != Memory::Optimum {
             return Err(Error::NotSolved);
         }
         self.set.table.load(hierarchy)?;
@@ -124,23 +140,29 @@ impl Solver {
     /// [`Error::AsymmetricHessian`], [`Error::IndefiniteHessian`], [`Error::ShapeChanged`]), or
     /// a problem that has no solution ([`Error::Infeasible`], [`Error::Unbounded`]).
     pub fn solve(&mut self, hierarchy: &Hierarchy) -> Result<&Solution, Error> {
-        let warm = self.warm && self.settings.warm_start == WarmStart::PreviousActiveSet;
-        self.warm = false;
+        let memory = std::mem::replace(&mut self.memory, Memory::Nothing);
         self.conflict.clear();
+        self.set.iterations = 0;
         self.set.table.load(hierarchy)?;
-        let mut near = warm;
-        if warm {
-            if let Some(rounds) = self.mend() {
-                self.habits.learn(&self.verifier.activity);
-                self.set.x.copy_from_slice(&self.verifier.factorisation.x);
-                self.warm = true;
-                self.read_out(Status::Solved, rounds);
-                return Ok(&self.solution);
+        let near = match (self.settings.warm_start, memory) {
+            (WarmStart::PreviousActiveSet, Memory::Optimum) => {
+                if self.mend() {
+                    self.set.x.copy_from_slice(&self.verifier.factorisation.x);
+                    self.finish(Status::Solved);
+                    return Ok(&self.solution);
+                }
+                !self.verifier.far
             }
-            near = !self.verifier.far;
-        } else {
-            self.habits.forget();
-        }
+            (WarmStart::PreviousActiveSet, Memory::Part) => {
+                self.verifier.fit(&self.set.table);
+                self.set.hint.copy_from_slice(&self.verifier.activity);
+                true
+            }
+            _ => {
+                self.habits.forget();
+                false
+            }
+        };
         if !near {
             self.set.hint.fill(RowState::Inside);
             self.solution.x.fill(0.0);
@@ -148,40 +170,67 @@ impl Solver {
         let status = self.search_levels(hierarchy.levels().len())?;
         let (changes, n) = (self.changes(), self.set.table.n);
         self.settled = !near || changes <= FEW || changes > n / JUMP;
+        let status = self.search_again(status, hierarchy.levels().len())?;
         if !norm(&self.set.x).is_finite() {
             return Err(Error::Overflow);
         }
-        self.warm = status == Status::Solved;
-        if self.warm {
-            self.habits.learn(&self.verifier.activity);
-        }
-        self.read_out(status, self.set.iterations);
+        self.finish(status);
         Ok(&self.solution)
     }
 
-    /// Mends what the last active sets make one expect, if that is likely to pay; in how many
-    /// rounds, or none where it came to no end.
-    fn mend(&mut self) -> Option<usize> {
+    fn finish(&mut self, status: Status) {
+        if status == Status::Solved {
+            self.memory = Memory::Optimum;
+            self.habits.learn(&self.verifier.activity);
+        } else {
+            self.memory = Memory::Part;
+        }
+        self.read_out(status);
+    }
+
+    /// Searches again from where a search ended that came from far away: what rounding on the way
+    /// left open is then near.
+    fn search_again(&mut self, mut status: Status, levels: usize) -> Result<Status, Error> {
+        for _ in 1..PASSES {
+            let x_norm = norm(&self.set.x);
+            let is_near = self.set.farthest <= FAR_AWAY * x_norm || x_norm == 0.0;
+            if status != Status::Solved || is_near {
+                break;
+            }
+            self.solution.x.copy_from_slice(&self.set.x);
+            self.set.hint.fill(RowState::Inside);
+            status = self.search_levels(levels)?;
+        }
+        Ok(status)
+    }
+
+    /// Mends what the last active sets make one expect, if that is likely to pay; whether it came
+    /// to an end.
+    fn mend(&mut self) -> bool {
         let guessed = self.habits.guess(&mut self.verifier.activity);
-        let found = self.mend_activity();
-        if found.is_some() || !guessed || !self.verifier.far {
-            return found;
+        if self.mend_activity() {
+            return true;
+        }
+        if !guessed || !self.verifier.far {
+            return false;
         }
         // What each row does most of the time need not go together.
         self.habits.repeat(&mut self.verifier.activity);
         self.mend_activity()
     }
 
-    fn mend_activity(&mut self) -> Option<usize> {
+    fn mend_activity(&mut self) -> bool {
         let Self { set, verifier, .. } = self;
         verifier.fit(&set.table);
         set.hint.copy_from_slice(&verifier.activity);
-        if self.settled {
-            verifier.solve(&set.table, ROUNDS.min(self.settings.max_iterations))
-        } else {
+        if !self.settled {
             verifier.far = false;
-            None
+            return false;
         }
+        let left = self.settings.max_iterations.saturating_sub(set.iterations);
+        let solved = verifier.solve(&set.table, ROUNDS.min(left));
+        set.iterations += verifier.rounds;
+        solved
     }
 
     /// How many rows are active where the search was not told so, or the other way round.
@@ -196,6 +245,7 @@ impl Solver {
         self.verifier.activity.fill(RowState::Inside);
         for level in 0..levels {
             if let LevelEnd::OutOfIterations = self.solve_level(level)? {
+                self.remember_active();
                 return Ok(Status::IterationLimit { level });
             }
         }
@@ -231,10 +281,7 @@ impl Solver {
     /// above, by minimising their violation.
     fn make_feasible(&mut self, level: usize, rows: Range<usize>) -> Result<LevelEnd, Error> {
         self.set.place_soft(rows.clone());
-        let x_norm = norm(&self.set.x);
-        let holds =
-            rows.clone().all(|id| self.set.violation(id).abs() <= self.set.tolerance(id, x_norm));
-        if !holds {
+        if !rows.clone().all(|id| self.set.holds(id)) {
             self.solution.x.copy_from_slice(&self.set.x);
             let goal = Goal::Rows { rows: rows.clone(), linear_of: None };
             match self.set.search(&goal) {
@@ -253,9 +300,10 @@ impl Solver {
 
     fn expect_feasible(&mut self, level: usize, goal: &Goal) -> Result<(), Error> {
         let rows = self.set.table.levels[level].constraints.clone();
-        let x_norm = norm(&self.set.x);
-        let excess =
-            |set: &ActiveSet, id: usize| set.violation(id).abs() / set.tolerance(id, x_norm);
+        let excess = |set: &ActiveSet, id: usize| match set.violation(id).abs() {
+            0.0 => 0.0,
+            violation => violation / set.tolerance(id),
+        };
         let Some(worst) = rows
             .clone()
             .max_by(|&i, &j| excess(&self.set, i).total_cmp(&excess(&self.set, j)))
@@ -277,7 +325,7 @@ impl Solver {
         Err(Error::Infeasible {
             level,
             worst: self.set.table.sources[worst],
-            violation: self.set.violation(worst).abs(),
+            violation: self.set.violation(worst).abs() / self.set.table.scale(worst),
             members: self.conflict.len(),
         })
     }
@@ -304,10 +352,10 @@ impl Solver {
         }
     }
 
-    fn read_out(&mut self, status: Status, iterations: usize) {
+    fn read_out(&mut self, status: Status) {
         let table = &self.set.table;
         self.solution.status = status;
-        self.solution.iterations = iterations;
+        self.solution.iterations = self.set.iterations;
         for (i, (to, &from)) in self.solution.x.iter_mut().zip(&self.set.x).enumerate() {
             *to = from.clamp(table.lower[i], table.upper[i]);
         }
@@ -356,6 +404,7 @@ fn named(
         }
     }
     let plain = |id: usize| !matches!(table.sources[id], ConstraintSource::Objective { .. });
-    all.extend(found.iter().filter(|(id, _)| plain(*id)).map(|&(id, m)| (table.sources[id], m)));
+    let plain = found.iter().filter(|(id, _)| plain(*id));
+    all.extend(plain.map(|&(id, m)| (table.sources[id], m * table.scale(id))));
     Ok(all)
 }

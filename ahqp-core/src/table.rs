@@ -11,6 +11,10 @@ use crate::vector::{norm, norm_max};
 
 /// Above this, products of the solver's numbers overflow.
 const MODERATE: f64 = 1e100;
+/// Norms of hard constraints of which none hides another.
+const NEAR_ONE: Range<f64> = 0.0625..32.0;
+/// What of ‖a‖‖x‖ rounding may leave in a x: rotations mix the entries of x.
+pub(crate) const ROUNDING: f64 = 1e-14;
 
 /// A row seen by the algebra: a unit vector for a bound, coefficients otherwise.
 #[derive(Debug, Clone, Copy)]
@@ -94,6 +98,11 @@ pub(crate) struct RowTable {
     pub(crate) lower: Vec<f64>,
     pub(crate) upper: Vec<f64>,
     norms: Vec<f64>,
+    /// What hard constraints were multiplied by, a power of two: their units have no meaning, but
+    /// where some must be made to hold together, those of large ones would hide small ones.
+    scales: Vec<f64>,
+    /// Whether any was multiplied.
+    scaled: bool,
     pub(crate) sources: Vec<ConstraintSource>,
     pub(crate) levels: Vec<LevelRows>,
     factor: QuadraticFactor,
@@ -132,6 +141,8 @@ impl RowTable {
             lower: vec![0.0; count],
             upper: vec![0.0; count],
             norms: vec![1.0; count],
+            scales: vec![1.0; count],
+            scaled: false,
             sources,
             levels,
             factor: QuadraticFactor::new(n),
@@ -178,11 +189,41 @@ impl RowTable {
         self.lower[id] == self.upper[id]
     }
 
-    /// The size that numbers in row `id` have at x: what rounding is relative to.
+    /// The size that numbers in row `id` have at most at x: what rounding is relative to.
     pub(crate) fn magnitude(&self, id: usize, x_norm: f64) -> f64 {
-        // The nearer bound: a far one counts by way of x where x is near it.
+        self.nearer_bound(id) + self.norms[id] * x_norm
+    }
+
+    /// The size of the terms of row `id` at x. Entries of x that the row does not see, however
+    /// large, have no part in it.
+    pub(crate) fn size(&self, id: usize, x: &[f64]) -> f64 {
+        let terms = match self.row(id).coefficients() {
+            Coefficients::Unit(variable) => x[variable].abs(),
+            Coefficients::Dense(row) => row.iter().zip(x).map(|(a, x)| (a * x).abs()).sum(),
+        };
+        self.nearer_bound(id) + terms
+    }
+
+    /// A far bound counts by way of x where x is near it.
+    fn nearer_bound(&self, id: usize) -> f64 {
         let nearer = self.lower[id].abs().min(self.upper[id].abs());
-        (if nearer.is_finite() { nearer } else { 0.0 }) + self.norms[id] * x_norm
+        if nearer.is_finite() { nearer } else { 0.0 }
+    }
+
+    /// Whether a `gap` between row `id` and its bound is none: within `tolerance` of the row's
+    /// terms at x, or what is left of vectors as long as `farthest`, ‖x‖ or more, by rounding.
+    pub(crate) fn is_closed(
+        &self,
+        id: usize,
+        gap: f64,
+        x: &[f64],
+        farthest: f64,
+        tolerance: f64,
+    ) -> bool {
+        let gap = gap.abs() - ROUNDING * self.norms[id] * farthest;
+        gap <= 0.0
+            || (gap <= tolerance * self.magnitude(id, farthest)
+                && gap <= tolerance * self.size(id, x))
     }
 
     /// Copies and checks the data of a hierarchy of the same shape.
@@ -194,6 +235,7 @@ impl RowTable {
         for (level, data) in hierarchy.levels().iter().enumerate() {
             let constraints = self.levels[level].constraints.start;
             self.load_rows(constraints, data.constraints())?;
+            self.scale_rows(constraints..constraints + data.constraints().len());
             let start = self.levels[level].objective.start;
             match data.objective() {
                 Objective::None => {}
@@ -226,7 +268,10 @@ impl RowTable {
         }
         for (level, (data, rows)) in levels.iter().zip(&self.levels).enumerate() {
             let quadratic = matches!(data.objective(), Objective::Quadratic { .. });
+            let is_narrow = |rows: &Rows| !rows.is_empty() && rows.columns() != self.n;
             if data.constraints().len() != rows.constraints.len()
+                || is_narrow(data.constraints())
+                || matches!(data.objective(), Objective::LeastSquares(rows) if is_narrow(rows))
                 || quadratic != rows.quadratic
                 || objective_rows(data.objective(), self.n) != rows.objective.len()
             {
@@ -252,6 +297,34 @@ impl RowTable {
             self.norms[id] = square.sqrt();
         }
         Ok(())
+    }
+
+    /// Brings rows whose norms are far from 1 near it, without rounding.
+    fn scale_rows(&mut self, ids: Range<usize>) {
+        let norms = self.norms[ids.clone()].iter();
+        let fine = norms.fold(true, |fine, &norm| fine & NEAR_ONE.contains(&norm));
+        if fine && !self.scaled {
+            return;
+        }
+        self.scaled = true;
+        for id in ids {
+            let scale = to_near_one(self.norms[id]);
+            self.scales[id] = scale;
+            if scale != 1.0 {
+                let start = (id - self.n) * self.n;
+                for entry in &mut self.coefficients[start..start + self.n] {
+                    *entry *= scale;
+                }
+                self.norms[id] *= scale;
+                self.lower[id] *= scale;
+                self.upper[id] *= scale;
+            }
+        }
+    }
+
+    /// What row `id` was multiplied by.
+    pub(crate) fn scale(&self, id: usize) -> f64 {
+        self.scales[id]
     }
 
     /// A row whose squares are zero, not finite or very large.
@@ -313,6 +386,19 @@ impl RowTable {
         let unused = entry.used_objective().end..entry.objective.end;
         self.lower[unused.clone()].fill(f64::NEG_INFINITY);
         self.upper[unused].fill(f64::INFINITY);
+    }
+}
+
+/// The power of two that brings a number to between 1 and 2; 1 for zero, and for numbers near one.
+fn to_near_one(number: f64) -> f64 {
+    const FRACTION: u32 = f64::MANTISSA_DIGITS - 1;
+    const BIAS: u64 = 1023;
+    // The bits of a positive number are its exponent and its fraction.
+    let exponent = number.to_bits() >> FRACTION;
+    if exponent == 0 || NEAR_ONE.contains(&number) {
+        1.0
+    } else {
+        f64::from_bits((2 * BIAS).saturating_sub(exponent) << FRACTION)
     }
 }
 

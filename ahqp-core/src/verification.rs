@@ -38,6 +38,8 @@ pub(crate) struct Verifier {
     violated: List<(usize, RowState)>,
     /// Whether the active set was asked and turned out far from the right one.
     pub(crate) far: bool,
+    /// How many rounds the last solve took.
+    pub(crate) rounds: usize,
     multipliers: Vec<f64>,
     /// Weights of the rows of the table in a sum, and the same in the order of the stack.
     weights: Vec<f64>,
@@ -57,6 +59,7 @@ impl Verifier {
             reached: vec![0.0; table.len()],
             violated: List::with_capacity(table.len()),
             far: false,
+            rounds: 0,
             multipliers: vec![0.0; table.n],
             weights: vec![0.0; table.len()],
             of_stack: vec![0.0; table.len()],
@@ -66,25 +69,28 @@ impl Verifier {
     }
 
     /// Solves from the present active set, which fits the data, mending it for up to `rounds`
-    /// rounds; how many it took, or none if it did not come to an end.
-    pub(crate) fn solve(&mut self, table: &RowTable, rounds: usize) -> Option<usize> {
+    /// rounds; whether it came to an end.
+    pub(crate) fn solve(&mut self, table: &RowTable, rounds: usize) -> bool {
         self.far = true;
-        for round in 1..=rounds {
-            if !self.follow(table, round == 1) {
-                return None;
+        self.rounds = 0;
+        while self.rounds < rounds {
+            self.rounds += 1;
+            let first = self.rounds == 1;
+            if !self.follow(table, first) {
+                return false;
             }
-            let changes = self.repair(table, round == 1)?;
+            let Some(changes) = self.repair(table, first) else { return false };
             if changes == 0 {
-                return Some(round);
+                return true;
             }
-            if round == 1 {
+            if first {
                 self.far = changes > table.n / FAR + 1;
             }
             if self.far {
-                return None;
+                return false;
             }
         }
-        None
+        false
     }
 
     /// Brings the factorisation to the present active set; false if that gives no point.
@@ -151,8 +157,10 @@ impl Verifier {
         self.signs.release(&mut self.activity);
     }
 
-    fn tolerance(&self, table: &RowTable, id: usize, x_norm: f64) -> f64 {
-        self.settings.feasibility_tolerance * table.magnitude(id, x_norm)
+    /// Whether a gap between a row and its bound is none.
+    fn is_closed(&self, table: &RowTable, id: usize, gap: f64, x_norm: f64) -> bool {
+        let tolerance = self.settings.feasibility_tolerance;
+        table.is_closed(id, gap, &self.factorisation.x, x_norm, tolerance)
     }
 
     /// Finds the rows that are violated; none if a row that should hold does not.
@@ -174,11 +182,13 @@ impl Verifier {
         for (id, (&value, (&lower, &upper))) in self.value.iter().zip(bounds).enumerate() {
             let outside = value > upper || value < lower;
             if outside && self.activity[id] == RowState::Inside {
-                let tolerance = self.tolerance(table, id, x_norm);
-                if value > upper + tolerance {
-                    self.violated.push((id, RowState::Upper));
-                } else if value < lower - tolerance {
-                    self.violated.push((id, RowState::Lower));
+                let (gap, state) = if value > upper {
+                    (value - upper, RowState::Upper)
+                } else {
+                    (lower - value, RowState::Lower)
+                };
+                if !self.is_closed(table, id, gap, x_norm) {
+                    self.violated.push((id, state));
                 }
             }
         }
@@ -206,6 +216,6 @@ impl Verifier {
     /// Whether a row is active, but x is not at its bound.
     fn is_missed(&self, table: &RowTable, id: usize, x_norm: f64) -> bool {
         let gap = || self.value[id] - bound(table, &self.activity, id);
-        self.activity[id].is_active() && gap().abs() > self.tolerance(table, id, x_norm)
+        self.activity[id].is_active() && !self.is_closed(table, id, gap(), x_norm)
     }
 }

@@ -75,11 +75,11 @@ fn random(seed: u64) -> TestRng {
     TestRng::from_seed(RngAlgorithm::XorShift, &[seed.to_le_bytes(), [1; 8]].concat())
 }
 
-/// The same cases on every run; `AHQP_SEED` and `AHQP_CASES` ask for others and for more.
+/// The same cases on every run; `PROPTEST_RNG_SEED` and `AHQP_CASES` ask for others and for more.
 fn config() -> ProptestConfig {
-    let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse().ok());
+    let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
     ProptestConfig {
-        rng_seed: RngSeed::Fixed(number("AHQP_SEED").unwrap_or(1)),
+        rng_seed: RngSeed::Fixed(1),
         cases: number("AHQP_CASES").map_or(20, |cases| u32::try_from(cases).unwrap()),
         failure_persistence: None,
         ..ProptestConfig::default()

@@ -40,7 +40,7 @@ impl Data {
     }
 
     /// Writes the bounds of the variables; with `narrow` within the bounds of the output, which
-    /// win where the two have nothing in common.
+    /// win where the two have nothing in common. NaN stays, for the solver to refuse.
     pub(super) fn write_bounds(&self, narrow: bool, hierarchy: &mut Hierarchy) {
         let (lower, upper) = hierarchy.bounds_mut();
         for (to, from) in [(lower, &self.bounds.lower), (upper, &self.bounds.upper)] {
@@ -48,11 +48,13 @@ impl Data {
             if narrow {
                 let output = self.output.lower.iter().zip(&self.output.upper);
                 for (bound, (least, greatest)) in to.iter_mut().zip(output) {
-                    if *bound < *least {
-                        *bound = *least;
-                    } else if *bound > *greatest {
-                        *bound = *greatest;
-                    }
+                    *bound = if least.is_nan() || *bound < *least {
+                        *least
+                    } else if greatest.is_nan() || *bound > *greatest {
+                        *greatest
+                    } else {
+                        *bound
+                    };
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! The velocity interval when the jerk is limited too.
 
 use super::braking::Braking;
-use super::{Limits, MotionState, VelocityInterval};
+use super::{Limits, MotionState, VelocityInterval, is_positive};
 use crate::error::Error;
 
 /// What rounding may add to a state, relative to the limits.
@@ -82,8 +82,8 @@ impl JerkLimits {
         self.jerk
     }
 
-    /// The same limits with the velocity limit times `scale`, clamped to [0, 1]: the interval
-    /// then shrinks as fast as acceleration and jerk allow, to braking for `scale` zero.
+    /// The same limits with the velocity limit times `scale`, clamped to [0, 1], NaN to 0: the
+    /// interval then shrinks as fast as acceleration and jerk allow, to braking for `scale` zero.
     #[must_use]
     pub fn slowed(self, scale: f64) -> Self {
         Self { limits: self.limits.slowed(scale), ..self }
@@ -118,9 +118,14 @@ impl JerkLimits {
     /// from at the jerk limit. The velocity limit holds, or is returned to within those two.
     /// From an admitted state every velocity of the interval leads to an admitted state, whatever
     /// the periods. From outside the position limits the interval leads back as fast as the other
-    /// limits allow, and from within, but too fast to stop, it brakes. It is never empty.
+    /// limits allow, and from within, but too fast to stop, it brakes. It is never empty; of a
+    /// state that holds NaN, or a period that is not positive, both ends are NaN.
     pub fn velocity_interval(&self, state: AcceleratedState, period: f64) -> VelocityInterval {
         let AcceleratedState { position, velocity, acceleration } = state;
+        let any_nan = position.is_nan() || velocity.is_nan() || acceleration.is_nan();
+        if any_nan || !is_positive(period) {
+            return VelocityInterval::UNKNOWN;
+        }
         if self.jerk.is_infinite() {
             return self.limits.velocity_interval(MotionState { position, velocity }, period);
         }
