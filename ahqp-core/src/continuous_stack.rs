@@ -322,7 +322,8 @@ impl ContinuousStack {
         &self.x
     }
 
-    /// How the last solve ended: [`Status::Solved`] if all its parts did.
+    /// How the last solve ended: [`Status::Solved`] if all its parts did, else the status of the first
+    /// that did not, whose levels [`parts`](Self::parts) names.
     pub fn status(&self) -> Status {
         self.status
     }

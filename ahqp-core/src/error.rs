@@ -149,7 +149,7 @@ pub enum Error {
     ///
     /// [`Solver::conflict`](crate::Solver::conflict) lists a subset that cannot hold together.
     #[error(
-        "the hard constraints of level {level} cannot hold together with those above it: {worst} stays violated by {violation:e}; relax one of the {members} rows that Solver::conflict lists, or make the level's constraints soft"
+        "the hard constraints of level {level} cannot hold together with those above it: {worst} stays violated by {violation:e}; relax what Solver::conflict lists ({members} rows), or make the level's constraints soft"
     )]
     Infeasible {
         /// The level whose constraints cannot be met.
@@ -172,7 +172,9 @@ pub enum Error {
     },
 
     /// A certificate was asked for, but there is no optimum to certify.
-    #[error("the last solve did not end at the optimum; certify after a solve with Status::Solved")]
+    #[error(
+        "no solve ended at the optimum since the solver was made or told to forget; certify after one with Status::Solved"
+    )]
     NotSolved,
 
     /// A setting is out of its range.

@@ -13,10 +13,12 @@ use crate::Error;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Active-set iterations over all levels of one solve, at least 1 \[-\]. Default 1000.
+    /// Iterations of one solve, at least 1 \[-\]: rounds of mending the last active set, and steps
+    /// of searches over all levels. Default 1000.
     pub max_iterations: usize,
-    /// A constraint holds when it is violated by less than this, relative to its size at the
-    /// solution \[-\]. Default 1e-10.
+    /// A constraint holds when it is violated by less than this, relative to the size of its terms
+    /// and of its nearer bound at the solution \[-\]. Default 1e-10. What the rounding of x explains,
+    /// 1e-14 of ‖a‖‖x‖, counts as none.
     pub feasibility_tolerance: f64,
     /// A row depends on others when what they leave of it is below this fraction of its norm
     /// \[-\]. Default 1e-10.

@@ -7,9 +7,11 @@ pub enum Status {
     /// Every level is at its optimum.
     Solved,
     /// The iterations ran out within `level`: levels above it are at their optimum, all their
-    /// constraints hold, and the levels from it down are as good as they got.
+    /// constraints hold, and the levels from it down are as good as they got. The next warm solve
+    /// goes on from there.
     IterationLimit {
-        /// The level in which the iterations ran out.
+        /// The level in which the iterations ran out; the number of levels stands for the choice of
+        /// least norm behind the last, as in a [`Certificate`](crate::Certificate).
         level: usize,
     },
 }
@@ -34,7 +36,7 @@ impl Solution {
         self.status
     }
 
-    /// Active-set iterations spent, over all levels.
+    /// Iterations spent: rounds of mending and steps of searches, over all levels.
     pub fn iterations(&self) -> usize {
         self.iterations
     }

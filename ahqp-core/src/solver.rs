@@ -108,7 +108,7 @@ impl Solver {
     ///
     /// # Errors
     /// Those of [`solve`](Self::solve) for data that make no problem; [`Error::NotSolved`] when
-    /// the last solve did not end at the optimum.
+    /// the last solve did not end at the optimum, or was [forgotten](Self::forget).
     pub fn certificate(&mut self, hierarchy: &Hierarchy) -> Result<Certificate, Error> {
         if self.memory != Memory::Optimum {
             return Err(Error::NotSolved);
@@ -136,9 +136,10 @@ impl Solver {
     /// Solves `hierarchy`, of the shape given at construction.
     ///
     /// # Errors
-    /// Data that make no problem ([`Error::NotFinite`], [`Error::EmptyRange`],
+    /// Data that make no problem ([`Error::NotFinite`], [`Error::TooLarge`], [`Error::EmptyRange`],
     /// [`Error::AsymmetricHessian`], [`Error::IndefiniteHessian`], [`Error::ShapeChanged`]), or
-    /// a problem that has no solution ([`Error::Infeasible`], [`Error::Unbounded`]).
+    /// a problem that has no solution ([`Error::Infeasible`], [`Error::Unbounded`]), or one beyond
+    /// double precision ([`Error::Overflow`]).
     pub fn solve(&mut self, hierarchy: &Hierarchy) -> Result<&Solution, Error> {
         let memory = std::mem::replace(&mut self.memory, Memory::Nothing);
         self.conflict.clear();
@@ -334,6 +335,7 @@ impl Solver {
     fn choose_least_norm(&mut self) -> LevelEnd {
         let idle = self.set.basis.free_count() + self.set.basis.active().len() == 0;
         if !idle && self.set.search(&Goal::Norm) == End::OutOfIterations {
+            self.remember_active();
             return LevelEnd::OutOfIterations;
         }
         let rounding = 10.0 * f64::EPSILON * self.set.farthest;

@@ -299,6 +299,37 @@ fn a_hessian_resized_between_two_solves() {
 }
 
 #[test]
+fn rows_of_another_width_put_in_place() {
+    let other = Rows::zeros(1, 3);
+    let constrained = || {
+        let mut hierarchy = sound();
+        hierarchy.push(Level::constraints_only(range())).unwrap();
+        hierarchy
+    };
+    let mut solver = Solver::new(&constrained(), Settings::default()).unwrap();
+    let replace: [fn(&mut Hierarchy, Rows) -> usize; 3] = [
+        |hierarchy, rows| {
+            *hierarchy.level_mut(2).unwrap().constraints_mut() = rows;
+            2
+        },
+        |hierarchy, rows| {
+            *hierarchy.level_mut(0).unwrap().least_squares_mut().unwrap() = rows;
+            0
+        },
+        |hierarchy, rows| {
+            *hierarchy.level_mut(0).unwrap() = Level::least_squares(rows);
+            0
+        },
+    ];
+    for replace in replace {
+        let mut hierarchy = constrained();
+        let level = replace(&mut hierarchy, other.clone());
+        assert_eq!(solver.solve(&hierarchy).unwrap_err(), Error::ShapeChanged { level });
+        assert!(solver.solve(&constrained()).is_ok());
+    }
+}
+
+#[test]
 fn a_level_that_is_not_there() {
     let error = sound().level_mut(2).unwrap_err();
     assert_eq!(error, Error::NoSuchLevel { level: 2, levels: 2 });

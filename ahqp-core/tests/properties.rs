@@ -429,6 +429,36 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(config())]
+
+    /// The budget is kept whatever the start, and what is left is done in the next ticks.
+    #[test]
+    fn a_budget_is_kept_and_goes_on_from_tick_to_tick(
+        sequence in hierarchy_sequences(small(), 2), spare in 1..20_usize,
+    ) {
+        // A level takes a step for its constraints and one for its objective.
+        let max_iterations = 2 * sequence[0].levels().len() + 2 + spare;
+        let mut solver =
+            Solver::new(&sequence[0], Settings { max_iterations, ..Settings::default() }).unwrap();
+        for hierarchy in &sequence {
+            let mut ticks = 0;
+            loop {
+                let solution = solver.solve(hierarchy)?;
+                prop_assert!(solution.iterations() <= max_iterations);
+                if solution.status() == Status::Solved {
+                    break;
+                }
+                ticks += 1;
+                prop_assert!(ticks <= 20, "{solution:?}");
+            }
+            let x = solver.solve(hierarchy)?.x().to_vec();
+            let complete = solve(hierarchy);
+            prop_assert!(largest_difference(&x, &complete) < 1e-6, "{x:?} {complete:?}");
+        }
+    }
+}
+
 #[test]
 fn the_reference_refuses_what_the_solver_refuses() {
     let mut hierarchy = Hierarchy::new(1).unwrap();

@@ -102,6 +102,14 @@ struct Plan {
     seed: u64,
 }
 
+/// Rounding lets go of a row that at once comes back: this went on until the iterations ran out.
+#[test]
+fn a_row_that_comes_back_at_once_stays() {
+    let (nearness, seed) = (-7.254860562231021, 1177438555435173584);
+    let plan = Plan { variables: 7, levels: 3, bounded: false, nearness, units: 0.0, seed };
+    expect_proof(&plan.build()).unwrap();
+}
+
 fn nearly_dependent() -> impl Strategy<Value = Plan> {
     (2..9_usize, 1..6_usize, any::<bool>(), -6.0..-1.0_f64, any::<u64>().no_shrink()).prop_map(
         |(variables, levels, bounded, nearness, seed)| Plan {

@@ -127,6 +127,25 @@ fn a_new_constraint_is_violated_less_and_less() {
 }
 
 #[test]
+fn rows_of_another_width_and_bounds_that_are_no_numbers_are_refused() {
+    let (mut stack, zero) = line();
+    *stack.level_mut(zero).unwrap() = Level::least_squares(Rows::zeros(1, 2));
+    assert_eq!(stack.solve(PERIOD).unwrap_err(), Error::ShapeChanged { level: 0 });
+    *stack.level_mut(zero).unwrap() = near(0.0);
+    assert!(stack.solve(PERIOD).is_ok());
+    let bounds: [fn(&mut ContinuousStack) -> &mut f64; 2] =
+        [|stack| &mut stack.output_bounds_mut().0[0], |stack| &mut stack.output_bounds_mut().1[0]];
+    for bound in bounds {
+        let (mut stack, zero) = line();
+        stack.insert(near(1.0), Place::Above(zero), 0.2).unwrap();
+        *bound(&mut stack) = f64::NAN;
+        assert!(matches!(stack.solve(PERIOD), Err(Error::EmptyRange { .. })));
+        *bound(&mut stack) = 0.0;
+        assert!(stack.solve(PERIOD).is_ok());
+    }
+}
+
+#[test]
 fn the_hierarchy_without_a_solution_is_named() {
     let (mut stack, zero) = line();
     let most = Rows::ranges(&dmatrix![1.0], &dvector![f64::NEG_INFINITY], &dvector![1.0]).unwrap();
