@@ -16,6 +16,8 @@ use crate::settings::Settings;
 use crate::table::{ROUNDING, RowTable};
 use crate::vector::{add_scaled, norm};
 
+/// Of ‖a‖‖x‖, what a search may leave of a violation that it cannot tell from rounding.
+const DOUBTFUL: f64 = 1e-11;
 /// Multipliers above this fraction of the numbers that they are made of are no rounding.
 pub(crate) const NOISE: f64 = 1e-13;
 /// The same of multipliers that balance a gradient together: large ones may cancel each other.
@@ -185,6 +187,11 @@ impl ActiveSet {
     pub(crate) fn holds(&self, id: usize) -> bool {
         let tolerance = self.settings.feasibility_tolerance;
         self.table.is_closed(id, self.violation(id), &self.x, self.farthest, tolerance)
+    }
+
+    /// By how much row `id` must be violated for a search to have left it so on purpose.
+    pub(crate) fn doubt(&self, id: usize) -> f64 {
+        self.tolerance(id).max(DOUBTFUL * self.table.norm(id) * self.farthest)
     }
 
     /// aᵢx − bound: positive above the upper bound, negative below the lower, else zero.

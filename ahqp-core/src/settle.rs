@@ -87,7 +87,8 @@ impl ActiveSet {
         let mut any_inside = false;
         for id in rows.clone() {
             let pulled = self.state[id].is_active();
-            let is_violated = force(self, id) > rounding && !self.holds(id);
+            let is_violated =
+                force(self, id) > rounding && self.violation(id).abs() > self.doubt(id);
             let held = pulled && (self.table.is_equality(id) || is_violated);
             if held {
                 activity[id] = self.state[id];

@@ -303,7 +303,7 @@ impl Solver {
         let rows = self.set.table.levels[level].constraints.clone();
         let excess = |set: &ActiveSet, id: usize| match set.violation(id).abs() {
             0.0 => 0.0,
-            violation => violation / set.tolerance(id),
+            violation => violation / set.doubt(id),
         };
         let Some(worst) = rows
             .clone()

@@ -223,6 +223,43 @@ fn expect_proof(hierarchy: &Hierarchy) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// Rows of constraints that slack alone makes feasible, about a range next to nothing.
+fn slackened(variables: usize, range: f64, seed: u64) -> Hierarchy {
+    let mut seeds = [0; 32];
+    seeds[..8].copy_from_slice(&seed.to_le_bytes());
+    let mut random = TestRng::from_seed(RngAlgorithm::ChaCha, &seeds);
+    let slacks = 3;
+    let n = variables + slacks;
+    let mut hierarchy = Hierarchy::new(n).unwrap();
+    let (lower, upper) = hierarchy.bounds_mut();
+    for i in 0..variables {
+        let middle = normal(&mut random);
+        (lower[i], upper[i]) = (middle - 1e-3, middle + 1e-3);
+    }
+    let tracking =
+        DMatrix::from_fn(2, n, |_, j| if j < variables { normal(&mut random) } else { 0.0 });
+    let target = DVector::from_fn(2, |_, _| normal(&mut random));
+    hierarchy.push(Level::least_squares(Rows::equalities(&tracking, &target).unwrap())).unwrap();
+    let mut rows = DMatrix::zeros(2 * slacks, n);
+    let mut greatest = DVector::zeros(2 * slacks);
+    for slack in 0..slacks {
+        for (row, sign) in [(2 * slack, 1.0), (2 * slack + 1, -1.0)] {
+            for j in 0..variables {
+                rows[(row, j)] = sign * range * normal(&mut random);
+            }
+            rows[(row, variables + slack)] = -1.0;
+            greatest[row] = -range * random.random::<f64>();
+        }
+    }
+    let least = DVector::repeat(2 * slacks, -FREE);
+    let rows = Rows::ranges(&rows, &least, &greatest).unwrap();
+    let mut slack = DMatrix::zeros(slacks, n);
+    slack.view_mut((0, variables), (slacks, slacks)).fill_with_identity();
+    let rest = Rows::equalities(&slack, &DVector::zeros(slacks)).unwrap();
+    hierarchy.push(Level::least_squares(rest).with_constraints(rows)).unwrap();
+    hierarchy
+}
+
 proptest! {
     #![proptest_config(config())]
 
@@ -234,5 +271,23 @@ proptest! {
     #[test]
     fn rows_in_different_units_come_out_right(plan in of_many_units()) {
         expect_proof(&plan.build())?;
+    }
+
+    /// What slack makes feasible is feasible, however little is to be made up for.
+    #[test]
+    fn slack_makes_the_smallest_ranges_feasible(
+        variables in 1..12_usize, range in -15.0..0.0_f64, seed in any::<u64>().no_shrink(),
+    ) {
+        let hierarchy = slackened(variables, 10_f64.powf(range), seed);
+        let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+        for _ in 0..2 {
+            let solution = solver.solve(&hierarchy)?;
+            prop_assert_eq!(solution.status(), Status::Solved);
+            let size = 1e-11 * DVector::from_column_slice(solution.x()).norm();
+            for (row, _, upper) in hierarchy.levels()[1].constraints().iter() {
+                let value: f64 = row.iter().zip(solution.x()).map(|(a, x)| a * x).sum();
+                prop_assert!(value <= upper + size, "{value} {upper}");
+            }
+        }
     }
 }
