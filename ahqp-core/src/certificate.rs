@@ -168,7 +168,6 @@ impl Check<'_> {
             if share <= ROUNDING || is_free {
                 continue;
             }
-            settled.insert(source);
             let bound = if multiplier > 0.0 { row.upper } else { row.lower };
             if bound.is_infinite() {
                 self.residuals.sign = self.residuals.sign.max(share);
@@ -180,6 +179,7 @@ impl Check<'_> {
                 // It stands at its other bound and pushes the wrong way.
                 self.residuals.sign = self.residuals.sign.max(share);
             } else {
+                settled.insert(source);
                 let gap = row.relative(gap, norm(self.x)).min(share);
                 self.residuals.complementarity = self.residuals.complementarity.max(gap);
             }

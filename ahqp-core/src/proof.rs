@@ -83,7 +83,8 @@ impl<'a> Proof<'a> {
             }
         }
         for &(id, multiplier) in &multipliers {
-            self.settled[id] |= (multiplier * self.table.norm(id)).abs() > ROUNDING * size;
+            let counts = (multiplier * self.table.norm(id)).abs() > ROUNDING * size;
+            self.settled[id] |= counts && self.may_push(id, multiplier);
         }
         Ok(multipliers)
     }
