@@ -440,10 +440,12 @@ proptest! {
     /// The budget is kept whatever the start, and what is left is done in the next ticks.
     #[test]
     fn a_budget_is_kept_and_goes_on_from_tick_to_tick(
-        sequence in hierarchy_sequences(small(), 2), spare in 1..20_usize,
+        sequence in hierarchy_sequences(small(), 2), spare in 0..20_usize,
     ) {
-        // A level takes a step for its constraints and one for its objective.
-        let max_iterations = 2 * sequence[0].levels().len() + 2 + spare;
+        // A level takes a step for its constraints and one for its objective, and a variable may
+        // come to a bound.
+        let (levels, variables) = (sequence[0].levels().len(), sequence[0].variables());
+        let max_iterations = 2 * levels + variables + 2 + spare;
         let mut solver =
             Solver::new(&sequence[0], Settings { max_iterations, ..Settings::default() }).unwrap();
         for hierarchy in &sequence {
@@ -459,7 +461,8 @@ proptest! {
             }
             let x = solver.solve(hierarchy)?.x().to_vec();
             let complete = solve(hierarchy);
-            prop_assert!(largest_difference(&x, &complete) < 1e-6, "{x:?} {complete:?}");
+            let size = 1.0 + dot(&complete, &complete).sqrt();
+            prop_assert!(largest_difference(&x, &complete) <= 1e-7 * size, "{x:?} {complete:?}");
         }
     }
 }
