@@ -60,8 +60,7 @@ impl<'a> Proof<'a> {
     fn level(&mut self, level: Option<usize>) -> Result<Multipliers, Error> {
         if let Some(level) = level {
             for id in self.table.levels[level].used_objective() {
-                let (violation, _) = self.violation(id);
-                self.settled[id] |= !self.is_closed(id, violation);
+                self.settled[id] |= !self.is_closed(id, self.violation(id).0);
             }
         }
         // Where active rows depend on each other, another choice than the factorisation's may have
