@@ -3,7 +3,7 @@
 //! Weights and inputs are random. `peers/run.sh` beside this file compares with other engines.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-#[path = "../tests/support/mod.rs"]
+#[path = "../tests/it/support.rs"]
 mod support;
 
 use divan::Bencher;

@@ -1,6 +1,9 @@
 //! After the first inference of a size, an inference allocates nothing, on any thread.
-#![allow(unsafe_code, clippy::unwrap_used, clippy::expect_used, missing_docs)]
+//!
+//! A process of its own: the allocator counts the calls of all threads.
+#![allow(unsafe_code, clippy::unwrap_used, missing_docs)]
 
+#[path = "it/support.rs"]
 mod support;
 
 use std::{

@@ -1,9 +1,9 @@
-"""Scores of the networks by PyTorch 2, for tests/networks.rs.
+"""Scores of the networks by PyTorch 2, for tests/it/networks.rs.
 
 pip install torch torchvision mmaction2==1.2.0 mmengine "mmcv-lite<2.2" pytorchvideo fvcore iopath
 python networks.py > networks.json
 
-Weights and inputs are the numbers of tests/support/mod.rs, so that no file of weights is needed.
+Weights and inputs are the numbers of tests/it/support.rs, so that no file of weights is needed.
 Of the logits only the first are kept, and of the features every sixteenth.
 """
 

@@ -1,0 +1,153 @@
+//! Nothing that runs in a control loop allocates.
+
+use ahqp_core::testing::{Sizes, hierarchy_sequences};
+use ahqp_core::{
+    AugmentedClik, AugmentedState, ContinuousStack, Error, Hierarchy, Level, Limits, MotionState,
+    Place, Rows, Settings, Solver, Status, WarmStart, integrate_pose, pose_error,
+};
+use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6, dmatrix, dvector};
+use proptest::prelude::*;
+
+/// How often `work` calls the allocator.
+fn allocations<T>(work: impl FnOnce() -> T) -> (u64, T) {
+    let mut result = None;
+    let calls = allocation_counter::measure(|| result = Some(work()));
+    // Freeing what was allocated before counts too.
+    let count = calls.count_total + calls.count_current.unsigned_abs();
+    (count, result.unwrap())
+}
+
+#[test]
+fn the_counter_counts() {
+    let (calls, _) = allocations(|| std::hint::black_box(vec![1.0_f64; 8]));
+    assert!(calls > 0);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn solving_does_not_allocate(
+        sequence in hierarchy_sequences(Sizes::default(), 3),
+        warm in any::<bool>(),
+        max_iterations in prop_oneof![Just(1000_usize), 1..30_usize],
+    ) {
+        let warm_start = if warm { WarmStart::PreviousActiveSet } else { WarmStart::Cold };
+        let settings = Settings { warm_start, max_iterations, ..Settings::default() };
+        let new = Solver::new(&sequence[0], settings).unwrap();
+        let clone = new.clone();
+        for mut solver in [new, clone] {
+            for hierarchy in &sequence {
+                let (calls, solved) = allocations(|| solver.solve(hierarchy).is_ok());
+                prop_assert!(solved);
+                prop_assert_eq!(calls, 0);
+            }
+        }
+    }
+}
+
+#[test]
+fn refusing_a_problem_does_not_allocate() {
+    let mut hierarchy = Hierarchy::new(3).unwrap();
+    hierarchy.set_bounds(&dvector![-1.0, -1.0, -1.0], &dvector![1.0, 1.0, 1.0]).unwrap();
+    let sum = dmatrix![1.0, 1.0, 1.0; 1.0, -1.0, 0.0];
+    let rows = Rows::ranges(&sum, &dvector![9.0, 0.0], &dvector![f64::INFINITY, 0.0]).unwrap();
+    let flat = Level::quadratic(DMatrix::zeros(3, 3), DVector::zeros(3)).unwrap();
+    hierarchy.push(flat.with_constraints(rows)).unwrap();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    let fail = |solver: &mut Solver, hierarchy: &Hierarchy| {
+        let (calls, result) = allocations(|| solver.solve(hierarchy).map(|_| ()));
+        assert_eq!(calls, 0);
+        result.unwrap_err()
+    };
+    assert!(matches!(fail(&mut solver, &hierarchy), Error::Infeasible { .. }));
+    assert!(!solver.conflict().is_empty());
+
+    let level = hierarchy.level_mut(0).unwrap();
+    level.constraints_mut().lower_mut()[0] = f64::NEG_INFINITY;
+    level.quadratic_mut().unwrap().1[2] = 1.0;
+    hierarchy.bounds_mut().0[2] = f64::NEG_INFINITY;
+    assert!(matches!(fail(&mut solver, &hierarchy), Error::Unbounded { .. }));
+
+    hierarchy.level_mut(0).unwrap().quadratic_mut().unwrap().0[(0, 0)] = -1.0;
+    assert!(matches!(fail(&mut solver, &hierarchy), Error::IndefiniteHessian { .. }));
+
+    hierarchy.bounds_mut().0[0] = f64::NAN;
+    assert!(matches!(fail(&mut solver, &hierarchy), Error::EmptyRange { .. }));
+    assert!(matches!(fail(&mut solver, &Hierarchy::new(3).unwrap()), Error::ShapeChanged { .. }));
+}
+
+#[test]
+fn a_control_tick_does_not_allocate() {
+    let state = AugmentedState { joints: 7, task: 6, slack: 0 };
+    let clik = AugmentedClik::new(state, Vector6::repeat(40.0), 1e-3).unwrap();
+    let limits = Limits::new(-2.0, 2.0, 1.0, 5.0).unwrap();
+    let jacobian = DMatrix::from_fn(6, 7, |i, j| ((3 * i + 7 * j) as f64).sin());
+    let mut hierarchy = Hierarchy::new(state.len()).unwrap();
+    hierarchy.push(Level::least_squares(clik.rows())).unwrap();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    let desired = Isometry3::new(Vector3::new(0.1, 0.0, 0.2), Vector3::new(0.0, 0.3, 0.0));
+    let mut actual = Isometry3::identity();
+    let mut motion = [MotionState { position: 0.0, velocity: 0.0 }; 7];
+    let (calls, ()) = allocations(|| {
+        for _ in 0..20 {
+            let error = pose_error(&desired, &actual);
+            let rows = hierarchy.level_mut(0).unwrap().least_squares_mut().unwrap();
+            clik.write(&jacobian, &error, rows).unwrap();
+            let (lower, upper) = hierarchy.bounds_mut();
+            for (i, motion) in motion.iter().enumerate() {
+                let interval = limits.velocity_interval(*motion, 1e-3);
+                (lower[i], upper[i]) = (interval.lower, interval.upper);
+            }
+            let solution = solver.solve(&hierarchy).unwrap();
+            assert_eq!(solution.status(), Status::Solved);
+            for (motion, &velocity) in motion.iter_mut().zip(solution.x()) {
+                *motion = MotionState { position: motion.position + 1e-3 * velocity, velocity };
+            }
+            actual = integrate_pose(&actual, &error, 1e-3);
+        }
+    });
+    assert_eq!(calls, 0);
+}
+
+#[test]
+fn a_changing_stack_does_not_allocate_between_changes() {
+    let row =
+        |target: f64| Rows::equalities(&dmatrix![1.0, 0.5, target], &dvector![target]).unwrap();
+    let limit = Rows::ranges(&dmatrix![1.0, 1.0, 0.0], &dvector![-1.0], &dvector![1.0]).unwrap();
+    let mut hierarchy = Hierarchy::new(3).unwrap();
+    hierarchy.set_bounds(&dvector![-1.0, -1.0, -1.0], &dvector![1.0, 1.0, 1.0]).unwrap();
+    hierarchy.push(Level::least_squares(row(0.3)).with_constraints(limit)).unwrap();
+    hierarchy.push(Level::least_squares(row(0.7))).unwrap();
+    let mut stack = ContinuousStack::new(&hierarchy, Settings::default()).unwrap();
+    let levels: Vec<_> = stack.levels().collect();
+    let by_hand = stack.insert(Level::least_squares(row(-0.9)), Place::Bottom, 0.01).unwrap();
+    stack.activate(by_hand, 0.0, 0.0).unwrap();
+    stack.swap(levels[0], levels[1], 0.02).unwrap();
+    stack.insert(Level::least_squares(row(-0.5)), Place::Above(levels[1]), 0.015).unwrap();
+    stack.remove(levels[0], 0.012).unwrap();
+    let (calls, projected) = allocations(|| {
+        let mut projected = 0;
+        for tick in 0..40 {
+            let target = 0.01 * f64::from(tick);
+            for level in &levels {
+                if let Some(rows) = stack.level_mut(*level).and_then(Level::least_squares_mut) {
+                    rows.lower_mut()[0] = target;
+                    rows.upper_mut()[0] = target;
+                }
+            }
+            stack.activate(by_hand, 0.5 + target, 0.0).unwrap();
+            let last = [stack.x()[0], stack.x()[1], stack.x()[2]];
+            let (lower, upper) = stack.output_bounds_mut();
+            for (i, x) in last.iter().enumerate() {
+                (lower[i], upper[i]) = (x - 0.05, x + 0.05);
+            }
+            let x = stack.solve(1e-3).unwrap();
+            let at_bound = |(x, last): (&f64, &f64)| (x - last).abs() > 0.05 - 1e-9;
+            projected += usize::from(x.iter().zip(&last).any(at_bound));
+        }
+        projected
+    });
+    assert_eq!(calls, 0);
+    assert!(projected > 0);
+}

@@ -1,0 +1,468 @@
+//! Every error is provoked, and its message names the place and the remedy.
+
+use ahqp_core::{
+    AugmentedClik, AugmentedState, ConstraintSource, Error, Hierarchy, Level, Limits, Rows,
+    Settings, Solution, Solver,
+};
+use nalgebra::{DMatrix, DVector, Vector6, dmatrix, dvector};
+
+fn solve(hierarchy: &Hierarchy) -> Result<Solution, Error> {
+    Solver::new(hierarchy, Settings::default())?.solve(hierarchy).cloned()
+}
+
+type Setter = fn(&mut Settings, f64);
+
+/// One variable block `x + y = 1` over two variables, to spoil.
+fn sound() -> Hierarchy {
+    let mut hierarchy = Hierarchy::new(2).unwrap();
+    hierarchy.push(Level::least_squares(equality())).unwrap();
+    hierarchy.push(Level::constraints_only(range())).unwrap();
+    hierarchy
+}
+
+fn equality() -> Rows {
+    Rows::equalities(&dmatrix![1.0, 1.0], &dvector![1.0]).unwrap()
+}
+
+fn range() -> Rows {
+    Rows::ranges(&dmatrix![1.0, -1.0], &dvector![-1.0], &dvector![1.0]).unwrap()
+}
+
+/// The message holds each of the words.
+fn expect_words(error: &Error, words: &[&str]) {
+    let message = error.to_string();
+    for word in words {
+        assert!(message.contains(word), "`{message}` does not say `{word}`");
+    }
+}
+
+const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+
+#[test]
+fn no_variables() {
+    let error = Hierarchy::new(0).unwrap_err();
+    assert_eq!(error, Error::NoVariables);
+    expect_words(&error, &["no variables", "at least one"]);
+}
+
+#[test]
+fn sizes_that_do_not_fit_are_named() {
+    let rows = |n| Rows::zeros(1, n);
+    let square = |n| DMatrix::identity(n, n);
+    let hierarchy = || Hierarchy::new(2).unwrap();
+    let cases = [
+        (Rows::equalities(&dmatrix![1.0, 1.0], &dvector![1.0, 2.0]).unwrap_err(), "bound"),
+        (Rows::zeros(2, 3).set_matrix(&dmatrix![1.0, 1.0, 1.0]).unwrap_err(), "rows of A"),
+        (Rows::zeros(1, 3).set_matrix(&dmatrix![1.0, 1.0]).unwrap_err(), "columns of A"),
+        (rows(3).set_bounds(&dvector![], &dvector![1.0]).unwrap_err(), "lower bound"),
+        (rows(3).set_bounds(&dvector![1.0], &dvector![]).unwrap_err(), "upper bound"),
+        (Level::quadratic(DMatrix::zeros(2, 3), dvector![1.0, 2.0]).unwrap_err(), "Hessian"),
+        (Level::quadratic(square(2), dvector![1.0]).unwrap_err(), "gradient"),
+        (hierarchy().push(Level::least_squares(rows(3))).unwrap_err(), "objective"),
+        (hierarchy().push(Level::constraints_only(rows(1))).unwrap_err(), "constraints"),
+        (
+            hierarchy().push(Level::quadratic(square(3), DVector::zeros(3)).unwrap()).unwrap_err(),
+            "gradient",
+        ),
+        (hierarchy().set_bounds(&dvector![0.0], &dvector![1.0, 1.0]).unwrap_err(), "lower bound"),
+        (hierarchy().set_bounds(&dvector![0.0, 0.0], &dvector![1.0]).unwrap_err(), "upper bound"),
+        (
+            AugmentedClik::new(
+                AugmentedState { joints: 7, task: 3, slack: 0 },
+                Vector6::repeat(1.0),
+                1e-3,
+            )
+            .unwrap_err(),
+            "task",
+        ),
+    ];
+    for (error, word) in cases {
+        let Error::Size { found, expected, .. } = error else { panic!("{error}") };
+        assert_ne!(found, expected);
+        expect_words(&error, &[word, &found.to_string(), &expected.to_string()]);
+    }
+}
+
+#[test]
+fn a_matrix_that_is_not_finite() {
+    for value in NOT_FINITE {
+        for (level, constraint) in [(0, false), (1, true)] {
+            let mut hierarchy = sound();
+            let level_data = hierarchy.level_mut(level).unwrap();
+            let rows = if constraint {
+                level_data.constraints_mut()
+            } else {
+                level_data.least_squares_mut().unwrap()
+            };
+            rows.row_mut(0).unwrap()[1] = value;
+            let error = solve(&hierarchy).unwrap_err();
+            assert!(matches!(error, Error::NotFinite { entry: 1, .. }), "{error}");
+            expect_words(&error, &["matrix", "row 0", &format!("level {level}"), "entry 1"]);
+        }
+    }
+}
+
+#[test]
+fn numbers_whose_squares_overflow() {
+    for value in [1e101, -1e300, f64::MAX] {
+        let mut coefficient = sound();
+        let rows = coefficient.level_mut(0).unwrap().least_squares_mut().unwrap();
+        rows.row_mut(0).unwrap()[1] = value;
+        let mut target = sound();
+        let rows = target.level_mut(0).unwrap().least_squares_mut().unwrap();
+        (rows.lower_mut()[0], rows.upper_mut()[0]) = (value, value);
+        // A bound far away is as good as none; one that keeps zero out is not.
+        let mut bound = sound();
+        let bounds = bound.bounds_mut();
+        (bounds.0[1], bounds.1[1]) =
+            if value > 0.0 { (value, f64::INFINITY) } else { (f64::NEG_INFINITY, value) };
+        let gradient = quadratic(DMatrix::identity(2, 2), dvector![0.0, value]);
+        let hessian = quadratic(dmatrix![1.0, 0.0; 0.0, value.abs()], DVector::zeros(2));
+        for hierarchy in [coefficient, target, bound, gradient, hessian] {
+            let error = solve(&hierarchy).unwrap_err();
+            assert!(matches!(error, Error::TooLarge { .. }), "{error}");
+            expect_words(&error, &["1e100", "units"]);
+        }
+    }
+}
+
+#[test]
+fn a_bound_far_away_neither_counts_nor_loosens_the_near_one() {
+    for far in [1e9, 1e30, f64::MAX] {
+        let mut hierarchy = Hierarchy::new(1).unwrap();
+        hierarchy.set_bounds(&dvector![1.5], &dvector![far]).unwrap();
+        let row = Rows::ranges(&dmatrix![-0.0625], &dvector![0.0], &dvector![1.0]).unwrap();
+        hierarchy.push(Level::least_squares(row.clone())).unwrap();
+        assert_eq!(solve(&hierarchy).unwrap().x(), [1.5]);
+        let mut hard = Hierarchy::new(1).unwrap();
+        hard.set_bounds(&dvector![1.5], &dvector![far]).unwrap();
+        hard.push(Level::constraints_only(row)).unwrap();
+        assert!(matches!(solve(&hard), Err(Error::Infeasible { .. })));
+    }
+}
+
+#[test]
+fn a_solution_that_overflows() {
+    let mut hierarchy = Hierarchy::new(1).unwrap();
+    let tiny = Level::quadratic(dmatrix![f64::MIN_POSITIVE], dvector![1e50]).unwrap();
+    hierarchy.push(tiny).unwrap();
+    let error = solve(&hierarchy).unwrap_err();
+    assert_eq!(error, Error::Overflow);
+    expect_words(&error, &["overflows", "comparable sizes"]);
+}
+
+#[test]
+fn a_certificate_of_nothing() {
+    let hierarchy = sound();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    let error = solver.certificate(&hierarchy).unwrap_err();
+    assert_eq!(error, Error::NotSolved);
+    expect_words(&error, &["solve"]);
+    let mut broken = hierarchy.clone();
+    broken.bounds_mut().0[0] = f64::NAN;
+    assert!(solver.solve(&broken).is_err());
+    assert_eq!(solver.certificate(&hierarchy).unwrap_err(), Error::NotSolved);
+}
+
+#[test]
+fn bounds_that_are_not_numbers_or_leave_nothing() {
+    let wrong = [
+        (f64::NAN, 1.0),
+        (-1.0, f64::NAN),
+        (2.0, 1.0),
+        (f64::INFINITY, f64::INFINITY),
+        (f64::NEG_INFINITY, f64::NEG_INFINITY),
+    ];
+    for (lower, upper) in wrong {
+        let mut hierarchy = sound();
+        let bounds = hierarchy.bounds_mut();
+        (bounds.0[1], bounds.1[1]) = (lower, upper);
+        let error = solve(&hierarchy).unwrap_err();
+        assert!(matches!(error, Error::EmptyRange { .. }), "{error}");
+        expect_words(&error, &["bounds of variable 1", "order them"]);
+
+        for (level, place) in
+            [(0, "objective row 0 of level 0"), (1, "constraint row 0 of level 1")]
+        {
+            let mut hierarchy = sound();
+            let data = hierarchy.level_mut(level).unwrap();
+            let rows = match level {
+                0 => data.least_squares_mut().unwrap(),
+                _ => data.constraints_mut(),
+            };
+            (rows.lower_mut()[0], rows.upper_mut()[0]) = (lower, upper);
+            let error = solve(&hierarchy).unwrap_err();
+            assert!(matches!(error, Error::EmptyRange { .. }), "{error}");
+            expect_words(&error, &[place, "lower", "upper"]);
+        }
+    }
+}
+
+fn quadratic(hessian: DMatrix<f64>, gradient: DVector<f64>) -> Hierarchy {
+    let mut hierarchy = sound();
+    hierarchy.push(Level::quadratic(hessian, gradient).unwrap()).unwrap();
+    hierarchy
+}
+
+#[test]
+fn a_quadratic_that_is_not_finite() {
+    for value in NOT_FINITE {
+        let error =
+            solve(&quadratic(dmatrix![1.0, 0.0; 0.0, value], dvector![0.0, 0.0])).unwrap_err();
+        assert!(matches!(error, Error::NotFinite { entry: 1, .. }), "{error}");
+        expect_words(&error, &["Hessian", "level 2"]);
+        let error = solve(&quadratic(DMatrix::identity(2, 2), dvector![0.0, value])).unwrap_err();
+        assert!(matches!(error, Error::NotFinite { entry: 1, .. }), "{error}");
+        expect_words(&error, &["gradient", "level 2"]);
+    }
+}
+
+#[test]
+fn an_asymmetric_hessian() {
+    let error = solve(&quadratic(dmatrix![1.0, 0.5; 0.25, 1.0], dvector![0.0, 0.0])).unwrap_err();
+    let Error::AsymmetricHessian { level: 2, row: 1, column: 0, difference } = error else {
+        panic!("{error}")
+    };
+    assert_eq!(difference, 0.25);
+    expect_words(&error, &["level 2", "(1, 0)", "(H + Hᵀ)/2"]);
+}
+
+#[test]
+fn an_indefinite_hessian() {
+    for hessian in [
+        dmatrix![1.0, 0.0; 0.0, -1.0],
+        dmatrix![0.0, 1.0; 1.0, 0.0],
+        dmatrix![-1.0, 0.0; 0.0, -1.0],
+        dmatrix![1.0, 2.0; 2.0, 1.0],
+    ] {
+        let error = solve(&quadratic(hessian, dvector![0.0, 0.0])).unwrap_err();
+        assert!(matches!(error, Error::IndefiniteHessian { level: 2, .. }), "{error}");
+        expect_words(&error, &["level 2", "semidefinite", "project"]);
+    }
+}
+
+#[test]
+fn rounding_does_not_make_a_hessian_indefinite_or_asymmetric() {
+    let third = 1.0 / 3.0;
+    let hessian = dmatrix![third * third, third * 0.1; third * 0.1 + 1e-17, 0.01];
+    assert!(solve(&quadratic(hessian, dvector![0.0, 0.0])).is_ok());
+}
+
+#[test]
+fn a_quadratic_without_a_minimum() {
+    let mut hierarchy = Hierarchy::new(2).unwrap();
+    let falling = Level::quadratic(dmatrix![1.0, 0.0; 0.0, 0.0], dvector![0.0, 1.0]).unwrap();
+    hierarchy.push(falling).unwrap();
+    let error = solve(&hierarchy).unwrap_err();
+    assert_eq!(error, Error::Unbounded { level: 0 });
+    expect_words(&error, &["level 0", "add constraints"]);
+    // A bound stops it, and so does a level above.
+    hierarchy.bounds_mut().0[1] = -3.0;
+    assert!((solve(&hierarchy).unwrap().x()[1] + 3.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_hierarchy_of_another_shape() {
+    let hierarchy = sound();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    solver.solve(&hierarchy).unwrap();
+    let mut longer = hierarchy.clone();
+    longer.push(Level::least_squares(equality())).unwrap();
+    let mut other_rows = Hierarchy::new(2).unwrap();
+    other_rows.push(Level::least_squares(Rows::zeros(2, 2))).unwrap();
+    other_rows.push(Level::constraints_only(range())).unwrap();
+    let mut other_kind = Hierarchy::new(2).unwrap();
+    other_kind.push(Level::least_squares(equality())).unwrap();
+    let quadratic = Level::quadratic(DMatrix::identity(2, 2), DVector::zeros(2)).unwrap();
+    other_kind.push(quadratic.with_constraints(range())).unwrap();
+    let mut shorter = Hierarchy::new(2).unwrap();
+    shorter.push(Level::least_squares(equality())).unwrap();
+    let wider = Hierarchy::new(3).unwrap();
+    let cases = [(longer, 2), (other_rows, 0), (other_kind, 1), (shorter, 1), (wider, 0)];
+    for (other, level) in cases {
+        let error = solver.solve(&other).unwrap_err();
+        assert_eq!(error, Error::ShapeChanged { level });
+        expect_words(&error, &[&format!("level {level}"), "new solver"]);
+    }
+    // A refused problem does no harm.
+    assert!(solver.solve(&hierarchy).is_ok());
+}
+
+#[test]
+fn a_hessian_resized_between_two_solves() {
+    let mut hierarchy = quadratic(DMatrix::identity(2, 2), DVector::zeros(2));
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    *hierarchy.level_mut(2).unwrap().quadratic_mut().unwrap().0 = DMatrix::identity(3, 3);
+    let error = solver.solve(&hierarchy).unwrap_err();
+    assert_eq!(error, Error::ShapeChanged { level: 2 });
+}
+
+#[test]
+fn rows_of_another_width_put_in_place() {
+    let other = Rows::zeros(1, 3);
+    let constrained = || {
+        let mut hierarchy = sound();
+        hierarchy.push(Level::constraints_only(range())).unwrap();
+        hierarchy
+    };
+    let mut solver = Solver::new(&constrained(), Settings::default()).unwrap();
+    let replace: [fn(&mut Hierarchy, Rows) -> usize; 3] = [
+        |hierarchy, rows| {
+            *hierarchy.level_mut(2).unwrap().constraints_mut() = rows;
+            2
+        },
+        |hierarchy, rows| {
+            *hierarchy.level_mut(0).unwrap().least_squares_mut().unwrap() = rows;
+            0
+        },
+        |hierarchy, rows| {
+            *hierarchy.level_mut(0).unwrap() = Level::least_squares(rows);
+            0
+        },
+    ];
+    for replace in replace {
+        let mut hierarchy = constrained();
+        let level = replace(&mut hierarchy, other.clone());
+        assert_eq!(solver.solve(&hierarchy).unwrap_err(), Error::ShapeChanged { level });
+        assert!(solver.solve(&constrained()).is_ok());
+    }
+}
+
+#[test]
+fn a_level_that_is_not_there() {
+    let error = sound().level_mut(2).unwrap_err();
+    assert_eq!(error, Error::NoSuchLevel { level: 2, levels: 2 });
+    expect_words(&error, &["no level 2", "has 2"]);
+}
+
+#[test]
+fn settings_out_of_range() {
+    let default = Settings::default();
+    let cases: [(&str, Setter); 3] = [
+        ("feasibility_tolerance", |s, v| s.feasibility_tolerance = v),
+        ("rank_tolerance", |s, v| s.rank_tolerance = v),
+        ("optimality_tolerance", |s, v| s.optimality_tolerance = v),
+    ];
+    for (expected, set) in cases {
+        for value in [0.0, -1e-9, 0.5, f64::NAN, f64::INFINITY] {
+            let mut settings = default;
+            set(&mut settings, value);
+            let error = Solver::new(&sound(), settings).unwrap_err();
+            let Error::Setting { name, .. } = error else { panic!("{error}") };
+            assert_eq!(name, expected);
+            expect_words(&error, &[expected, "between 0 and 0.01"]);
+        }
+    }
+    let error = Solver::new(&sound(), Settings { max_iterations: 0, ..default }).unwrap_err();
+    expect_words(&error, &["max_iterations", "at least 1"]);
+}
+
+#[test]
+fn physical_parameters_out_of_range() {
+    let error = Limits::new(0.0, 1.0, -1.0, 1.0).unwrap_err();
+    assert!(matches!(error, Error::Parameter { .. }), "{error}");
+    expect_words(&error, &["velocity limit", "-1", "positive and finite"]);
+    let state = AugmentedState { joints: 7, task: 6, slack: 0 };
+    let error = AugmentedClik::new(state, Vector6::repeat(1.0), f64::NAN).unwrap_err();
+    expect_words(&error, &["control period", "positive and finite"]);
+}
+
+#[test]
+fn hard_constraints_that_contradict_each_other() {
+    let mut hierarchy = Hierarchy::new(2).unwrap();
+    hierarchy.set_bounds(&dvector![-1.0, -1.0], &dvector![1.0, 1.0]).unwrap();
+    hierarchy.push(Level::least_squares(equality())).unwrap();
+    let far = Rows::ranges(
+        &dmatrix![0.0, 1.0; 1.0, 0.0],
+        &dvector![-0.5, 3.0],
+        &dvector![0.5, f64::INFINITY],
+    );
+    hierarchy.push(Level::constraints_only(far.unwrap())).unwrap();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    let error = solver.solve(&hierarchy).unwrap_err();
+    let Error::Infeasible { level: 1, worst, violation, members } = error else {
+        panic!("{error}")
+    };
+    let far = ConstraintSource::Constraint { level: 1, row: 1 };
+    assert_eq!(worst, far);
+    assert!((violation - 2.0).abs() < 1.5, "{violation}");
+    expect_words(&error, &["level 1", "constraint row 1 of level 1", "relax", "soft"]);
+    assert_eq!(solver.conflict().len(), members);
+    assert!(solver.conflict().contains(&far));
+    // What conflicts is named, what does not is left out.
+    assert!(!solver.conflict().contains(&ConstraintSource::Constraint { level: 1, row: 0 }));
+    // A problem with a solution clears the list.
+    hierarchy.level_mut(1).unwrap().constraints_mut().lower_mut()[1] = -3.0;
+    solver.solve(&hierarchy).unwrap();
+    assert!(solver.conflict().is_empty());
+}
+
+#[test]
+fn the_conflicting_subset_cannot_hold_alone() {
+    // x ≥ 1, y ≥ 1, z free to choose, and x + y ≤ 1.
+    let mut hierarchy = Hierarchy::new(3).unwrap();
+    let rows = Rows::ranges(
+        &dmatrix![1.0, 0.0, 0.0; 0.0, 1.0, 0.0; 1.0, 1.0, 0.0; 0.0, 0.0, 1.0; 1.0, -1.0, 0.0],
+        &dvector![1.0, 1.0, f64::NEG_INFINITY, 1.0, -9.0],
+        &dvector![f64::INFINITY, f64::INFINITY, 1.0, 2.0, 9.0],
+    );
+    let rows = rows.unwrap();
+    hierarchy.push(Level::constraints_only(rows.clone())).unwrap();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    assert!(matches!(solver.solve(&hierarchy), Err(Error::Infeasible { level: 0, .. })));
+    let named: Vec<usize> = solver
+        .conflict()
+        .iter()
+        .map(|source| match source {
+            ConstraintSource::Constraint { level: 0, row } => *row,
+            other => panic!("{other}"),
+        })
+        .collect();
+    let mut alone = Rows::zeros(named.len(), 3);
+    for (to, &from) in named.iter().enumerate() {
+        alone.row_mut(to).unwrap().copy_from_slice(rows.row(from).unwrap());
+        alone.lower_mut()[to] = rows.lower()[from];
+        alone.upper_mut()[to] = rows.upper()[from];
+    }
+    let mut subset = Hierarchy::new(3).unwrap();
+    subset.push(Level::constraints_only(alone)).unwrap();
+    assert!(matches!(solve(&subset), Err(Error::Infeasible { .. })));
+    assert!(!named.contains(&3) && !named.contains(&4), "{named:?}");
+}
+
+#[test]
+fn a_conflict_with_an_objective_above_names_it() {
+    // x + y = 2 and z = 1 are wanted first; then x + y ≥ 3 must hold.
+    let mut hierarchy = Hierarchy::new(3).unwrap();
+    let wanted = Rows::equalities(&dmatrix![0.0, 0.0, 1.0; 1.0, 1.0, 0.0], &dvector![1.0, 2.0]);
+    hierarchy.push(Level::least_squares(wanted.unwrap())).unwrap();
+    let sum = Rows::ranges(&dmatrix![1.0, 1.0, 0.0], &dvector![3.0], &dvector![f64::INFINITY]);
+    hierarchy.push(Level::constraints_only(sum.unwrap())).unwrap();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    assert!(matches!(solver.solve(&hierarchy), Err(Error::Infeasible { level: 1, .. })));
+    let expected = [
+        ConstraintSource::Constraint { level: 1, row: 0 },
+        ConstraintSource::Objective { level: 0, row: 1 },
+    ];
+    assert_eq!(solver.conflict(), expected);
+}
+
+#[test]
+fn an_empty_hierarchy_has_the_least_norm_within_its_bounds() {
+    let mut hierarchy = Hierarchy::new(3).unwrap();
+    hierarchy.set_bounds(&dvector![-1.0, 2.0, -5.0], &dvector![1.0, 3.0, -4.0]).unwrap();
+    assert_eq!(solve(&hierarchy).unwrap().x(), [0.0, 2.0, -4.0]);
+}
+
+#[test]
+fn a_failed_solve_does_not_spoil_the_next() {
+    let hierarchy = sound();
+    let expected = solve(&hierarchy).unwrap();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    let mut broken = hierarchy.clone();
+    broken.bounds_mut().0[0] = f64::NAN;
+    for _ in 0..3 {
+        assert!(solver.solve(&broken).is_err());
+        assert_eq!(solver.solve(&hierarchy).unwrap(), &expected);
+    }
+}

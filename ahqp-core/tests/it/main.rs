@@ -1,0 +1,13 @@
+//! The integration tests, one module a topic.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
+
+mod allocation;
+mod bad_input;
+mod certificate;
+mod continuous_stack;
+mod fuzz;
+mod hard_cases;
+mod jerk_limits;
+mod properties;
+mod scales;
+mod stack_changes;

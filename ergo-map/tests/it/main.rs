@@ -1,0 +1,15 @@
+//! The integration tests, one module a topic.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
+
+mod allocation;
+mod body;
+mod continuous;
+mod map;
+mod measured;
+mod placement;
+mod predict;
+mod quadratic;
+mod ranking;
+mod reba;
+mod rula;
+mod support;

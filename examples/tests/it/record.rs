@@ -1,0 +1,60 @@
+//! The `record` program from the outside.
+
+use std::process::{Command, Output};
+
+fn record(options: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_record")).args(options).output().unwrap()
+}
+
+#[test]
+fn without_options_it_makes_the_shipped_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("follow.jsonl");
+    let output = record(&["--output", file.to_str().unwrap()]);
+    assert!(output.status.success(), "{output:?}");
+    assert!(std::fs::read(file).unwrap() == include_bytes!("../../recordings/follow.jsonl"));
+}
+
+#[test]
+fn options_are_obeyed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("short.jsonl");
+    let output = record(&[
+        "--output",
+        file.to_str().unwrap(),
+        "--duration=20",
+        "--stature=1.6",
+        "--path=1.4,0 2.0,0.5",
+        "--tool=polisher",
+        "--noise=0",
+        "--drop=0",
+        "--vanish=1",
+        "--jump=1",
+        "--seed=7",
+    ]);
+    assert!(output.status.success(), "{output:?}");
+    let reader = examples::recording::open(file).unwrap();
+    assert_eq!(reader.header().stature, Some(1.6));
+    let percepts: Vec<_> = reader.collect::<Result<_, _>>().unwrap();
+    assert_eq!(percepts.len(), 401);
+    let tools = percepts.iter().filter_map(|percept| percept.action?.action.tool());
+    assert!(tools.filter(|tool| *tool == vision_models::Tool::Polisher).count() > 100);
+    assert!(percepts.iter().any(|percept| percept.body.is_none()));
+}
+
+#[test]
+fn wrong_options_are_named() {
+    for (options, says) in [
+        (&["--output=/no/such/folder/a.jsonl"][..], "/no/such/folder/a.jsonl"),
+        (&["--output=a.jsonl", "--stature=-1"], "stature = -1: give 1 to 2.3 m"),
+        (&["--output=a.jsonl", "--path=zigzag"], "path \"zigzag\": give stations"),
+        (&["--output=a.jsonl", "--drop=2"], "drop = 2: give a probability"),
+        (&["--output=a.jsonl", "--duration=NaN"], "duration = NaN: give 0 to 3600 s"),
+        (&["--output=a.jsonl", "--tool=hammer"], "give drill or polisher"),
+        (&[], "--output"),
+    ] {
+        let output = record(options);
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && text.contains(says), "{options:?}: {text}");
+    }
+}

@@ -1,0 +1,350 @@
+//! Recordings: every fault is named with its line, and what is written is what is read.
+
+use std::io::{self, BufReader, Read};
+
+use examples::recording::{self, Frame, Header, Reader, RecordingError, Writer};
+use nalgebra::Point3;
+use proptest::prelude::*;
+use vision_models::{
+    Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, RecognisedSurface,
+    Surface,
+};
+
+const HEADER: &str =
+    r#"{"format":"moca-recording","version":1,"frame":"world","rate":20.0,"stature":1.75}"#;
+
+/// A frame with a mid hip and nothing else, its parts replaced by what is given.
+fn frame(time: &str, hip: &str, action: &str) -> String {
+    let mut keypoints = vec!["null"; 25];
+    keypoints[8] = hip;
+    let keypoints = keypoints.join(",");
+    format!(r#"{{"time":{time},"keypoints":[{keypoints}],"action":{action},"surface":null}}"#)
+}
+
+fn good(time: &str) -> String {
+    frame(time, "[1.0,0.5,0.9,0.8]", r#"{"name":"Walking","confidence":0.9}"#)
+}
+
+/// Reads a text to its end or its first error.
+fn read(text: &str) -> Result<Vec<Percept>, RecordingError> {
+    Reader::new(text.as_bytes())?.collect()
+}
+
+/// The error of a recording whose third line is `line`, after a good frame at 0 s.
+fn error_of(line: &str) -> RecordingError {
+    read(&format!("{HEADER}\n{}\n{line}\n{}\n", good("0.0"), good("9.0"))).unwrap_err()
+}
+
+/// Checks the kind of the error, and that its text names the line and the remedy.
+macro_rules! assert_error {
+    ($error:expr, $kind:pat, $($part:literal),+) => {{
+        let error = $error;
+        assert!(matches!(error, $kind), "{error:?}");
+        let text = error.to_string();
+        $(assert!(text.contains($part), "\"{text}\" does not say \"{}\"", $part);)+
+    }};
+}
+
+#[test]
+fn a_good_recording_is_read() {
+    let text = format!("{HEADER}\n{}\n\n{}", good("0.0"), frame("0.05", "null", "null"));
+    let mut reader = Reader::new(text.as_bytes()).unwrap();
+    let header = Header { frame: Frame::World, rate: 20.0, stature: Some(1.75) };
+    assert_eq!(*reader.header(), header);
+    let first = reader.next().unwrap().unwrap();
+    assert_eq!(first.time.to_bits(), 0.0_f64.to_bits());
+    let hip = first.body.unwrap().get(Body25::MidHip).unwrap();
+    assert_eq!(hip.position, Point3::new(1.0, 0.5, 0.9));
+    assert_eq!(hip.confidence, Confidence::new(0.8).unwrap());
+    assert_eq!(first.action.unwrap().action, Action::Walking);
+    let nothing = Percept { time: 0.05, body: None, action: None, surface: None };
+    assert_eq!(reader.next().unwrap().unwrap(), nothing);
+    assert!(reader.next().is_none());
+}
+
+#[test]
+fn empty_recordings() {
+    assert_error!(read("").unwrap_err(), RecordingError::Empty { lines: 0 }, "empty", "`record`");
+    assert_error!(read("\n \n").unwrap_err(), RecordingError::Empty { .. }, "empty");
+    assert_error!(read(HEADER).unwrap_err(), RecordingError::Empty { lines: 1 }, "no camera frame");
+}
+
+#[test]
+fn wrong_headers() {
+    let with =
+        |from, to| read(&format!("{}\n{}", HEADER.replace(from, to), good("0.0"))).unwrap_err();
+    assert_error!(
+        read(&good("0.0")).unwrap_err(),
+        RecordingError::Header { line: 1, .. },
+        "line 1",
+        "unknown field `time`",
+        "moca-recording"
+    );
+    assert_error!(with("moca-", "other-"), RecordingError::Header { .. }, "\"other-recording\"");
+    assert_error!(
+        with("\"version\":1", "\"version\":7"),
+        RecordingError::Header { .. },
+        "version 7"
+    );
+    assert_error!(with("world", "camera"), RecordingError::Header { .. }, "`camera`", "`world`");
+    assert_error!(with("20.0", "0"), RecordingError::Header { .. }, "rate is 0", "positive");
+    for stature in ["0", "-1.75", "175"] {
+        assert_error!(
+            with("1.75", stature),
+            RecordingError::Header { .. },
+            "stature",
+            "0.5 to 2.5"
+        );
+    }
+}
+
+#[test]
+fn malformed_json() {
+    for line in ["{", "not json", "[]", "{\"time\":0.1}", "\u{0}", &good("0.1")[..200]] {
+        assert_error!(error_of(line), RecordingError::Json { line: 3, .. }, "line 3, column");
+    }
+    assert_error!(error_of(&good("\"soon\"")), RecordingError::Json { .. }, "expected f64");
+    assert_error!(error_of(&good("NaN")), RecordingError::Json { .. }, "JSON has no NaN");
+    assert_error!(error_of(&good("1e999")), RecordingError::Json { .. }, "out of range");
+    let misspelt = good("0.1").replace("action", "acton");
+    assert_error!(error_of(&misspelt), RecordingError::Json { .. }, "unknown field `acton`");
+    assert_error!(
+        error_of(&frame("0.1", &"[".repeat(10_000), "null")),
+        RecordingError::Json { .. },
+        "recursion limit"
+    );
+    let bytes = [HEADER.as_bytes(), b"\n\xff\xfe\n"].concat();
+    let error = Reader::new(bytes.as_slice()).unwrap().next().unwrap().unwrap_err();
+    assert_error!(error, RecordingError::Json { line: 2, .. }, "line 2");
+}
+
+#[test]
+fn wrong_keypoints() {
+    assert_error!(
+        error_of(&good("0.1").replace("null,null,[", "null,[")),
+        RecordingError::KeypointCount { line: 3, found: 24 },
+        "line 3",
+        "24 keypoints",
+        "25 of BODY_25"
+    );
+    for hip in ["[1,2,3]", "[1,2,\"3\",0.5]", "[1,2,null,0.5]", "\"here\"", "7", "{}"] {
+        assert_error!(
+            error_of(&frame("0.1", hip, "null")),
+            RecordingError::Keypoint { line: 3, index: 8, .. },
+            "line 3",
+            "keypoint 8 (mid hip)",
+            "[x, y, z, confidence]"
+        );
+    }
+    assert_error!(
+        error_of(&frame("0.1", "[1000.0,200.0,900.0,0.9]", "null")),
+        RecordingError::Coordinate { line: 3, index: 8, .. },
+        "mid hip",
+        "1000 m",
+        "in metres"
+    );
+    for hip in ["[NaN,0,0,1]", "[Infinity,0,0,1]", "[1e400,0,0,1]"] {
+        assert_error!(
+            error_of(&frame("0.1", hip, "null")),
+            RecordingError::Json { line: 3, .. },
+            "null"
+        );
+    }
+}
+
+#[test]
+fn wrong_confidences() {
+    assert_error!(
+        error_of(&frame("0.1", "[1,0,0.9,1.01]", "null")),
+        RecordingError::Confidence { line: 3, .. },
+        "keypoint 8 (mid hip)",
+        "1.01",
+        "[0, 1]"
+    );
+    assert_error!(
+        error_of(&good("0.1").replace("0.9}", "-0.1}")),
+        RecordingError::Confidence { line: 3, .. },
+        "the action",
+        "-0.1"
+    );
+    let surface =
+        good("0.1").replace("\"surface\":null", r#""surface":{"name":"smooth","confidence":2}"#);
+    assert_error!(error_of(&surface), RecordingError::Confidence { .. }, "the surface is 2");
+}
+
+#[test]
+fn wrong_names() {
+    assert_error!(
+        error_of(&good("0.1").replace("Walking", "Flying")),
+        RecordingError::Name { line: 3, .. },
+        "line 3",
+        "\"Flying\"",
+        "\"Using The Drill\""
+    );
+    let surface =
+        good("0.1").replace("\"surface\":null", r#""surface":{"name":"rough","confidence":0.5}"#);
+    assert_error!(error_of(&surface), RecordingError::Name { .. }, "\"rough\"", "\"drilled\"");
+}
+
+#[test]
+fn wrong_times() {
+    for time in ["0.0", "-1.0"] {
+        assert_error!(
+            error_of(&good(time)),
+            RecordingError::TimeOrder { line: 3, .. },
+            "line 3",
+            "not later than 0 s"
+        );
+    }
+    assert_error!(
+        error_of(&good("50.0")),
+        RecordingError::TimeGap { line: 3, .. },
+        "50 s without a frame",
+        "in seconds"
+    );
+}
+
+#[test]
+fn a_line_without_end_is_refused_before_it_fills_the_memory() {
+    let endless = HEADER.as_bytes().chain(&b"\n"[..]).chain(io::repeat(b' '));
+    let error = Reader::new(BufReader::new(endless)).unwrap().next().unwrap().unwrap_err();
+    assert_error!(error, RecordingError::LineTooLong { line: 2, .. }, "line 2", "longer than");
+}
+
+#[test]
+fn after_an_error_a_reader_ends() {
+    let text = format!("{HEADER}\nwrong\n{}\n", good("0.1"));
+    let mut reader = Reader::new(text.as_bytes()).unwrap();
+    assert!(reader.next().unwrap().is_err());
+    assert!(reader.next().is_none());
+}
+
+#[test]
+fn files_that_are_not_there() {
+    let error = recording::open("/no/such/recording.jsonl").unwrap_err();
+    assert_error!(error, RecordingError::Open { .. }, "/no/such/recording.jsonl", "cannot open");
+}
+
+#[test]
+fn a_writer_refuses_what_no_reader_takes_and_goes_on() {
+    let mut writer = Writer::new(Vec::new(), &Header::default()).unwrap();
+    let at = |time, body| Percept { time, body, action: None, surface: None };
+    let hip = |x| {
+        let mut body = Body::default();
+        let position = Point3::new(x, 0.0, 0.9);
+        body.set(Body25::MidHip, Some(Keypoint { position, confidence: Confidence::ONE }));
+        Some(body)
+    };
+    assert_error!(
+        writer.write(&at(f64::NAN, None)).unwrap_err(),
+        RecordingError::Time { line: 2, .. },
+        "finite"
+    );
+    for x in [f64::NAN, f64::INFINITY, 1e6] {
+        assert_error!(
+            writer.write(&at(0.0, hip(x))).unwrap_err(),
+            RecordingError::Coordinate { line: 2, .. },
+            "mid hip"
+        );
+    }
+    writer.write(&at(0.0, hip(1.0))).unwrap();
+    assert_error!(
+        writer.write(&at(0.0, None)).unwrap_err(),
+        RecordingError::TimeOrder { line: 3, .. },
+        "not later"
+    );
+    writer.write(&at(0.1, None)).unwrap();
+    let bytes = writer.finish().unwrap();
+    assert_eq!(Reader::new(bytes.as_slice()).unwrap().count(), 2);
+    let header = Header { stature: Some(0.0), ..Header::default() };
+    let error = Writer::new(Vec::new(), &header).unwrap_err();
+    assert_error!(error, RecordingError::Header { .. }, "stature is 0");
+}
+
+fn any_confidence() -> impl Strategy<Value = Confidence> {
+    (0.0..=1.0_f64).prop_map(|value| Confidence::new(value).unwrap())
+}
+
+fn any_body() -> impl Strategy<Value = Option<Body>> {
+    let coordinate = || -100.0..=100.0_f64;
+    let joint = (coordinate(), coordinate(), coordinate(), any_confidence())
+        .prop_map(|(x, y, z, confidence)| Keypoint { position: Point3::new(x, y, z), confidence });
+    prop::collection::vec(prop::option::of(joint), 25).prop_map(|joints| {
+        let body = Body::new(joints.try_into().unwrap());
+        // A body without a joint is nobody.
+        Some(body).filter(|body| body.iter().next().is_some())
+    })
+}
+
+fn any_percepts() -> impl Strategy<Value = Vec<Percept>> {
+    let action = (prop::sample::select(Action::ALL.to_vec()), any_confidence())
+        .prop_map(|(action, confidence)| RecognisedAction { action, confidence });
+    let surface = (prop::sample::select(vec![Surface::Smooth, Surface::Drilled]), any_confidence())
+        .prop_map(|(surface, confidence)| RecognisedSurface { surface, confidence });
+    let percept = (0.001..9.0_f64, any_body(), prop::option::of(action), prop::option::of(surface));
+    (-100.0..100.0_f64, prop::collection::vec(percept, 1..8)).prop_map(|(mut time, percepts)| {
+        percepts
+            .into_iter()
+            .map(|(step, body, action, surface)| {
+                time += step;
+                Percept { time, body, action, surface }
+            })
+            .collect()
+    })
+}
+
+fn written(header: &Header, percepts: &[Percept]) -> Vec<u8> {
+    let mut writer = Writer::new(Vec::new(), header).unwrap();
+    for percept in percepts {
+        writer.write(percept).unwrap();
+    }
+    writer.finish().unwrap()
+}
+
+proptest! {
+    /// What is read back is what was written, to the rounding of the format; and writing that once
+    /// more gives the same bytes.
+    #[test]
+    fn writing_and_reading_is_a_round_trip(
+        percepts in any_percepts(), rate in 0.1..1000.0_f64, stature in prop::option::of(0.5..2.5_f64),
+    ) {
+        let header = Header { frame: Frame::World, rate, stature };
+        let bytes = written(&header, &percepts);
+        let mut reader = Reader::new(bytes.as_slice()).unwrap();
+        prop_assert_eq!(*reader.header(), header);
+        let back: Vec<Percept> = reader.by_ref().collect::<Result<_, _>>().unwrap();
+        prop_assert_eq!(back.len(), percepts.len());
+        for (back, percept) in back.iter().zip(&percepts) {
+            prop_assert!((back.time - percept.time).abs() <= 0.51e-6);
+            prop_assert_eq!(back.action.map(|seen| seen.action), percept.action.map(|seen| seen.action));
+            prop_assert_eq!(
+                back.surface.map(|seen| seen.surface),
+                percept.surface.map(|seen| seen.surface)
+            );
+            prop_assert_eq!(back.body.is_some(), percept.body.is_some());
+            let (Some(back), Some(body)) = (&back.body, &percept.body) else { continue };
+            for joint in Body25::ALL {
+                prop_assert_eq!(back.get(joint).is_some(), body.get(joint).is_some());
+                let (Some(back), Some(joint)) = (back.get(joint), body.get(joint)) else { continue };
+                prop_assert!((back.position - joint.position).amax() <= 0.51e-4);
+                prop_assert!((back.confidence.value() - joint.confidence.value()).abs() <= 0.51e-3);
+            }
+        }
+        prop_assert_eq!(written(&header, &back), bytes);
+    }
+
+    /// Whatever is in a file, reading it ends, with percepts or an error that names a line.
+    #[test]
+    fn no_input_makes_a_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..400), cut in 0..600_usize) {
+        let mut text = format!("{HEADER}\n{}\n", good("0.0")).into_bytes();
+        text.truncate(cut);
+        text.extend(bytes);
+        if let Ok(reader) = Reader::new(text.as_slice()) {
+            for percept in reader {
+                if let Err(error) = percept {
+                    prop_assert!(error.to_string().contains("line"));
+                }
+            }
+        }
+    }
+}

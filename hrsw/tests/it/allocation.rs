@@ -1,0 +1,95 @@
+//! What is called a thousand times a second allocates nothing.
+
+use std::hint::black_box;
+
+use ahqp_core::AugmentedState;
+use hrsw::{
+    ApproachRows, Attachment, Bounds, Capsule, Cone, ForbiddenRegion, JointMotion, MovingSettings,
+    MovingWorkspace, Observation, OrientedBox, PersonBody, Polytope, PositionShape, Reach,
+    RobotBody, SeparationSettings, Slack, SoftWorkspace, Softening, SpeedCap, Supervisor,
+    SupervisorSettings, Surroundings, Workspace,
+};
+use nalgebra::{DMatrix, Isometry3, UnitQuaternion, Vector3, Vector6};
+
+#[test]
+fn a_tick_allocates_nothing() {
+    let state = AugmentedState { joints: 10, task: 6, slack: 6 };
+    let bounds = Bounds::new(Vector3::new(0.2, -0.5, 0.7), Vector3::new(0.8, 0.3, 1.5)).unwrap();
+    let turn = Bounds::symmetric(Vector3::repeat(0.3)).unwrap();
+    let turned = OrientedBox::new(Isometry3::rotation(Vector3::z() * 0.3), bounds).unwrap();
+    let corners = [Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()];
+    let shapes: [PositionShape; 4] = [
+        turned.into(),
+        Polytope::hull(&corners).unwrap().into(),
+        Capsule::sphere(Vector3::x(), 0.4).unwrap().into(),
+        bounds.into(),
+    ];
+    let cone = Cone::new(Vector3::z(), -Vector3::x(), 0.4).unwrap();
+    let workspace = Workspace::new(Isometry3::identity(), bounds, turn).unwrap();
+    let mut moving = MovingWorkspace::new(workspace, MovingSettings::default()).unwrap();
+    moving.attach(Attachment::Person(Isometry3::identity())).unwrap();
+    let around = Surroundings {
+        reach: Some(Reach::new(Vector3::zeros(), 0.2, 0.9).unwrap()),
+        forbidden: vec![ForbiddenRegion::new(Isometry3::identity(), bounds, 0.05).unwrap()],
+    };
+    let room = Softening { position_rows: 12, surrounding_rows: 3, ..Softening::default() };
+    let row_wise = Softening { slack: Slack::RowWise, ..room };
+    let softs = [room, row_wise].map(|softening| {
+        let soft = SoftWorkspace::with_softening(state, 0.2, softening).unwrap();
+        let level = soft.level().unwrap();
+        (soft, level)
+    });
+    let [mut shared, mut row_wise] = softs;
+    let capsule =
+        |x: f64| Capsule::new(Vector3::new(x, 0.1, 0.0), Vector3::new(x, 0.0, 0.4), 0.1).unwrap();
+    let robot: Vec<_> =
+        (0..5).map(|i| RobotBody { capsule: capsule(0.2 * f64::from(i)), joints: 10 }).collect();
+    let person: Vec<_> = (0..8)
+        .map(|i| PersonBody {
+            capsule: capsule(1.0 + 0.2 * f64::from(i)),
+            velocity: None,
+            contact_speed: 0.0,
+        })
+        .collect();
+    let jacobian = DMatrix::from_fn(6, 10, |i, j| (i as f64 - j as f64).sin());
+    let rest = [0.0; 10];
+    let motion = JointMotion {
+        jacobian: &jacobian,
+        origin: Vector3::zeros(),
+        velocity: &rest,
+        braking: Some(&rest),
+    };
+    let settings = SeparationSettings::default();
+    let mut separation = ApproachRows::new(state, settings, 20).unwrap();
+    let mut own = ApproachRows::new(state, settings, 4).unwrap();
+    let (mut separation_rows, mut own_rows) = (separation.rows(), own.rows());
+    let mut cap_rows = SpeedCap::rows(state);
+    let mut supervisor = Supervisor::new(SupervisorSettings::default()).unwrap();
+    let desired = Isometry3::translation(0.6, 0.4, 1.0);
+
+    let tick = |tick: usize| {
+        if tick.is_multiple_of(50) {
+            let walked = Isometry3::translation(tick as f64 * 1e-4, 0.0, 0.0);
+            moving.observe_person(walked, Vector6::zeros(), 0.05).unwrap();
+            moving.reshape_position(&shapes[(tick / 300) % 4], 0.2).unwrap();
+            moving.set_lead(Vector3::x() * 0.1).unwrap();
+            let goal = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 3.0);
+            moving.reorient(goal, &Vector3::z_axis()).unwrap();
+            let orientation = if tick % 1000 < 500 { cone.into() } else { turn.into() };
+            moving.reshape_orientation(&orientation, 0.2).unwrap();
+        }
+        moving.advance(1e-3).unwrap();
+        for (soft, level) in [&mut shared, &mut row_wise] {
+            soft.write_within(moving.workspace(), Some(&around), &desired, level).unwrap();
+        }
+        black_box(moving.workspace().violation(&desired));
+        let nearest = separation.write(&motion, &robot, &person, &mut separation_rows).unwrap();
+        own.write_own(&motion, &robot, &[(0, 2), (0, 3), (1, 4)], &mut own_rows).unwrap();
+        let distance = nearest.map_or(f64::INFINITY, |pair| pair.distance);
+        let cap = SpeedCap::default().limit(distance);
+        SpeedCap::write(&motion, &Vector3::zeros(), cap, &mut cap_rows).unwrap();
+        supervisor.update(&Observation { nearest, age: 0.05, fault: None }, 1e-3);
+        black_box(supervisor.speed_scale());
+    };
+    assert_eq!(allocation_counter::measure(|| (0..4000).for_each(tick)).count_total, 0);
+}

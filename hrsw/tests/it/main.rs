@@ -1,0 +1,12 @@
+//! The integration tests, one module a topic.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
+
+mod allocation;
+mod closed_loop;
+mod motion;
+mod properties;
+mod safety;
+mod shapes;
+mod softening;
+mod support;
+mod surroundings;

@@ -1,0 +1,178 @@
+//! What must hold for every workspace and every motion.
+
+use ahqp_core::{AugmentedState, Hierarchy, Level, Rows, Settings, Solver, integrate_pose};
+use hrsw::{
+    Bounds, Error, FollowerSettings, FrameFollower, OrientationShape, SoftWorkspace, Workspace,
+};
+use nalgebra::{DMatrix, DVector, Isometry3, UnitQuaternion, Vector3, Vector6};
+use proptest::prelude::*;
+
+fn vector(size: f64) -> impl Strategy<Value = Vector3<f64>> {
+    prop::array::uniform3(-1.0..1.0_f64).prop_map(move |v| Vector3::from(v) * size)
+}
+
+fn pose(reach: f64, angle: f64) -> impl Strategy<Value = Isometry3<f64>> {
+    (vector(reach), vector(angle)).prop_map(|(p, v)| Isometry3::new(p, v))
+}
+
+fn twist() -> impl Strategy<Value = Vector6<f64>> {
+    prop::array::uniform6(-0.5..0.5_f64).prop_map(Vector6::from)
+}
+
+fn workspace() -> impl Strategy<Value = Workspace> {
+    (pose(3.0, 1.5), twist(), vector(0.5), vector(0.5), vector(0.4), vector(0.5)).prop_map(
+        |(frame, twist, a, b, orientation, reference)| {
+            let position = Bounds::new(a.inf(&b), a.sup(&b)).unwrap();
+            let orientation = Bounds::symmetric(orientation.abs()).unwrap();
+            let reference = UnitQuaternion::from_scaled_axis(reference);
+            let mut workspace =
+                Workspace::new(frame, position, orientation).unwrap().with_reference(reference);
+            workspace.place(frame, twist).unwrap();
+            workspace
+        },
+    )
+}
+
+proptest! {
+    #[test]
+    fn the_rates_are_the_derivative_of_the_coordinates(
+        workspace in workspace(), relative in pose(1.0, 1.2), velocity in twist(),
+    ) {
+        let pose = workspace.world_from_workspace() * relative;
+        let step = 1e-6;
+        let at = |time: f64| {
+            let mut moved = workspace.clone();
+            let frame = integrate_pose(workspace.world_from_workspace(), workspace.twist(), time);
+            moved.place(frame, *workspace.twist()).unwrap();
+            moved.coordinates(&integrate_pose(&pose, &velocity, time))
+        };
+        let difference = (at(step) - at(-step)) / (2.0 * step);
+        let (matrix, drift) = workspace.rates(&pose);
+        prop_assert!((matrix * (velocity - drift) - difference).norm() < 1e-6);
+    }
+
+    #[test]
+    fn a_pose_is_within_exactly_when_its_coordinates_are(
+        workspace in workspace(), relative in pose(1.0, 1.0),
+    ) {
+        let pose = workspace.world_from_workspace() * relative;
+        let z = workspace.coordinates(&pose);
+        let within = (0..3).all(|i| {
+            let OrientationShape::Box(orientation) = workspace.orientation_shape() else {
+                return false;
+            };
+            (workspace.position().min()[i]..=workspace.position().max()[i]).contains(&z[i])
+                && (orientation.min()[i]..=orientation.max()[i]).contains(&z[3 + i])
+        });
+        prop_assert_eq!(workspace.contains(&pose), within);
+    }
+
+    /// Alone in a hierarchy, the softened workspace moves ẋ_d so that the pose a horizon ahead
+    /// lies within, with no slack; with the velocity held, the slack is the distance that stays.
+    #[test]
+    fn the_slack_is_zero_when_the_velocity_is_free_and_the_distance_when_it_is_held(
+        workspace in workspace(), relative in pose(1.0, 0.8), held in any::<bool>(),
+    ) {
+        let state = AugmentedState { joints: 1, task: 6, slack: 6 };
+        let desired = workspace.world_from_workspace() * relative;
+        let soft = SoftWorkspace::new(state, 0.2).unwrap();
+        let mut level = soft.level().unwrap();
+        soft.write(&workspace, &desired, &mut level).unwrap();
+        let (_, drift) = workspace.rates(&desired);
+        let mut hierarchy = Hierarchy::new(state.len()).unwrap();
+        if held {
+            // ẋ_d moves with the workspace, so z stays as it is.
+            let mut select = DMatrix::zeros(6, state.len());
+            for i in 0..6 { select[(i, 1 + i)] = 1.0; }
+            let target = DVector::from_column_slice(drift.as_slice());
+            let hold = Rows::equalities(&select, &target).unwrap();
+            hierarchy.push(Level::constraints_only(hold)).unwrap();
+        }
+        hierarchy.push(level).unwrap();
+        let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+        let x = solver.solve(&hierarchy).unwrap().x().to_vec();
+        let slack = Vector6::from_column_slice(&x[7..]);
+        let expected = if held { workspace.violation(&desired).abs() } else { Vector6::zeros() };
+        prop_assert!((slack - expected).norm() < 1e-9, "{slack} {expected}");
+    }
+
+    #[test]
+    fn a_frame_keeps_its_rates_whatever_the_target_does(
+        targets in prop::collection::vec((pose(2.0, 1.5), twist()), 1..6),
+    ) {
+        let settings = FollowerSettings::default();
+        let mut frame = FrameFollower::new(Isometry3::identity(), settings).unwrap();
+        for (target, velocity) in targets {
+            frame.retarget(target, velocity).unwrap();
+            for _ in 0..200 {
+                let before = frame.twist();
+                frame.advance(1e-3);
+                let change = frame.twist() - before;
+                prop_assert!(frame.twist().fixed_rows::<3>(0).norm() <= settings.speed + 1e-12);
+                prop_assert!(
+                    change.fixed_rows::<3>(0).norm() <= settings.acceleration * 1e-3 + 1e-12);
+                prop_assert!(
+                    change.fixed_rows::<3>(3).norm() <= settings.angular_acceleration * 1e-3 + 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_frame_arrives_without_overshoot(target in pose(2.0, 1.5)) {
+        let mut frame =
+            FrameFollower::new(Isometry3::identity(), FollowerSettings::default()).unwrap();
+        frame.retarget(target, Vector6::zeros()).unwrap();
+        let goal = target.translation.vector;
+        let mut nearest = goal.norm();
+        for _ in 0..8000 {
+            frame.advance(1e-3);
+            let distance = (goal - frame.pose().translation.vector).norm();
+            prop_assert!(distance <= nearest + 1e-9);
+            nearest = nearest.min(distance);
+        }
+        prop_assert!(nearest < 1e-6);
+    }
+
+    #[test]
+    fn a_held_frame_stops_where_it_can(target in pose(2.0, 1.5), ticks in 1..800_usize) {
+        let settings = FollowerSettings::default();
+        let mut frame = FrameFollower::new(Isometry3::identity(), settings).unwrap();
+        frame.retarget(target, Vector6::zeros()).unwrap();
+        for _ in 0..ticks { frame.advance(1e-3); }
+        let (from, speed) = (frame.pose().translation.vector, frame.twist().fixed_rows::<3>(0).norm());
+        frame.hold();
+        for _ in 0..6000 { frame.advance(1e-3); }
+        let travelled = (frame.pose().translation.vector - from).norm();
+        prop_assert!(travelled <= speed * speed / settings.acceleration + 1e-3);
+        prop_assert!(frame.twist().norm() < 1e-6);
+    }
+}
+
+#[test]
+fn bad_input_is_named() {
+    let nan = Vector3::new(0.0, f64::NAN, 0.0);
+    assert!(matches!(Bounds::new(nan, Vector3::zeros()), Err(Error::NotFinite { .. })));
+    assert!(matches!(
+        Bounds::new(Vector3::new(0.0, 1.0, 0.0), Vector3::zeros()),
+        Err(Error::Empty { axis: 1, .. })
+    ));
+    let unit = Bounds::symmetric(Vector3::repeat(1.0)).unwrap();
+    let wide = Bounds::symmetric(Vector3::repeat(3.0)).unwrap();
+    let at = Isometry3::identity();
+    assert!(matches!(Workspace::new(at, unit, wide), Err(Error::AngleTooLarge { .. })));
+    let nowhere = Isometry3::translation(f64::INFINITY, 0.0, 0.0);
+    assert!(matches!(Workspace::new(nowhere, unit, unit), Err(Error::NotFinite { .. })));
+    let state = AugmentedState { joints: 10, task: 6, slack: 0 };
+    let error = SoftWorkspace::new(state, 0.1).unwrap_err();
+    assert!(error.to_string().contains("slack"), "{error}");
+    let state = AugmentedState { joints: 10, task: 6, slack: 6 };
+    assert!(matches!(SoftWorkspace::new(state, 0.0), Err(Error::Parameter { .. })));
+    let settings = FollowerSettings { speed: -1.0, ..FollowerSettings::default() };
+    let error = FrameFollower::new(at, settings).unwrap_err();
+    assert!(error.to_string().contains("speed"), "{error}");
+
+    let mut frame = FrameFollower::new(at, FollowerSettings::default()).unwrap();
+    assert!(frame.retarget(nowhere, Vector6::zeros()).is_err());
+    frame.advance(1e-3);
+    assert_eq!(*frame.pose(), at);
+}

@@ -1,0 +1,456 @@
+//! Distances, protective separation, approach rows, speed caps and the supervisor.
+
+use crate::support::*;
+use ahqp_core::{AugmentedState, Rows, integrate_pose};
+use hrsw::{
+    ApproachRows, Capsule, Cause, Error, Fault, JointMotion, Nearest, Observation, PersonBody,
+    RobotBody, SafetyState, SeparationSettings, SpeedCap, Supervisor, SupervisorSettings,
+    proximity,
+};
+use nalgebra::{DMatrix, Isometry3, Matrix3x6, Vector3, Vector6};
+use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::shape::Capsule as ParryCapsule;
+use proptest::prelude::*;
+
+const JOINTS: usize = 4;
+
+/// The capsule after `time` of the twist, linear at `origin`.
+fn carried(capsule: &Capsule, twist: &Vector6<f64>, origin: &Vector3<f64>, time: f64) -> Capsule {
+    let at = Isometry3::translation(origin.x, origin.y, origin.z);
+    capsule.placed(&at.inverse()).placed(&integrate_pose(&at, twist, time))
+}
+
+/// Of the capsules, and of their segments.
+fn parry_distances(a: &Capsule, b: &Capsule) -> (f64, f64) {
+    let shape = |c: &Capsule| {
+        let point = |v: &Vector3<f64>| Vector::new(v.x, v.y, v.z);
+        ParryCapsule::new(point(c.start()), point(c.end()), c.radius())
+    };
+    let (a, b) = (shape(a), shape(b));
+    let here = Pose::IDENTITY;
+    let capsules = parry3d_f64::query::distance(&here, &a, &here, &b).unwrap().distance;
+    let segments = parry3d_f64::query::distance(&here, &a.segment, &here, &b.segment).unwrap();
+    (capsules, segments.distance)
+}
+
+fn settings() -> impl Strategy<Value = SeparationSettings> {
+    (0.0..2.5_f64, 0.01..0.5_f64, 0.3..10.0_f64, 0.0..0.3_f64, 0.0..0.1_f64).prop_map(
+        |(human_speed, reaction_time, deceleration, intrusion, uncertainty)| SeparationSettings {
+            human_speed,
+            human_speed_uncertainty: 0.2 * human_speed,
+            reaction_time,
+            deceleration,
+            intrusion,
+            human_uncertainty: uncertainty,
+            robot_uncertainty: 0.5 * uncertainty,
+        },
+    )
+}
+
+fn jacobian() -> impl Strategy<Value = DMatrix<f64>> {
+    prop::collection::vec(-1.0..1.0_f64, 6 * JOINTS)
+        .prop_map(|entries| DMatrix::from_vec(6, JOINTS, entries))
+}
+
+fn joints() -> impl Strategy<Value = [f64; JOINTS]> {
+    prop::array::uniform4(-1.0..1.0_f64)
+}
+
+fn robot() -> impl Strategy<Value = Vec<RobotBody>> {
+    let body =
+        (capsule(0.8), 0..=JOINTS).prop_map(|(capsule, joints)| RobotBody { capsule, joints });
+    prop::collection::vec(body, 1..6)
+}
+
+fn person() -> impl Strategy<Value = Vec<PersonBody>> {
+    let velocity = prop::option::of(vector(1.0));
+    let contact = prop_oneof![Just(0.0), 0.01..0.5_f64];
+    let body = (capsule(1.5), velocity, contact).prop_map(|(capsule, velocity, contact_speed)| {
+        PersonBody { capsule, velocity, contact_speed }
+    });
+    prop::collection::vec(body, 1..6)
+}
+
+fn state() -> AugmentedState {
+    AugmentedState { joints: JOINTS, task: 6, slack: 6 }
+}
+
+fn along(row: &[f64], velocity: &[f64]) -> f64 {
+    row.iter().zip(velocity).map(|(a, b)| a * b).sum()
+}
+
+proptest! {
+    #[test]
+    fn distances_are_those_of_parry(a in capsule(1.0), b in capsule(1.0)) {
+        let near = proximity(&a, &b);
+        // parry's query of capsules iterates to five digits; that of segments is exact.
+        let (capsules, segments) = parry_distances(&a, &b);
+        prop_assert!((near.distance.max(0.0) - capsules).abs() < 1e-4);
+        prop_assert!((near.distance + a.radius() + b.radius() - segments).abs() < 1e-9);
+        let back = proximity(&b, &a);
+        prop_assert!((near.distance - back.distance).abs() < 1e-12);
+        prop_assert!((near.normal.norm() - 1.0).abs() < 1e-12);
+    }
+
+    /// Parallel, touching, crossing and pointlike segments too.
+    #[test]
+    fn no_points_of_the_segments_are_nearer(
+        a in prop::array::uniform3(-2..3_i32), u in prop::array::uniform3(-2..3_i32),
+        b in prop::array::uniform3(-2..3_i32), w in prop::array::uniform3(-2..3_i32),
+    ) {
+        let v = |a: [i32; 3]| Vector3::from(a.map(f64::from));
+        let (a, u, b, w) = (v(a), v(u), v(b), v(w));
+        let first = Capsule::new(a, a + u, 0.1).unwrap();
+        let second = Capsule::new(b, b + w, 0.2).unwrap();
+        let near = proximity(&first, &second);
+        let axes = near.distance + 0.3;
+        prop_assert!(first.nearest_on_segment(&near.on_first) == near.on_first
+            || (first.nearest_on_segment(&near.on_first) - near.on_first).norm() < 1e-12);
+        prop_assert!(((near.on_first - near.on_second).norm() - axes).abs() < 1e-12);
+        prop_assert!((near.normal.norm() - 1.0).abs() < 1e-12);
+        for i in 0..=20 {
+            let point = a + u * (f64::from(i) / 20.0);
+            let least = (second.nearest_on_segment(&point) - point).norm();
+            prop_assert!(axes <= least + 1e-9, "{axes} {least}");
+        }
+    }
+
+    #[test]
+    fn gradients_are_the_derivative_of_the_distance(
+        a in capsule(1.0), b in capsule(1.0), twist in twist(), origin in vector(1.0),
+    ) {
+        let near = proximity(&a, &b);
+        prop_assume!((near.on_first - near.on_second).norm() > 1e-2);
+        let step = 1e-6;
+        let first = |time| proximity(&carried(&a, &twist, &origin, time), &b).distance;
+        let second = |time| proximity(&a, &carried(&b, &twist, &origin, time)).distance;
+        let rate = near.gradient_first(&origin).dot(&twist);
+        prop_assert!((rate - (first(step) - first(-step)) / (2.0 * step)).abs() < 1e-4);
+        let rate = near.gradient_second(&origin).dot(&twist);
+        prop_assert!((rate - (second(step) - second(-step)) / (2.0 * step)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn the_approach_limit_inverts_the_protective_distance(
+        settings in settings(), human in 0.0..2.0_f64, distance in -0.5..4.0_f64,
+    ) {
+        let limit = settings.approach_limit(distance, human);
+        let standing = settings.protective_distance(human, 0.0);
+        prop_assert!(limit >= 0.0);
+        prop_assert_eq!(limit > 0.0, distance > standing);
+        if limit > 0.0 {
+            prop_assert!((settings.protective_distance(human, limit) - distance).abs() < 1e-9);
+        }
+        prop_assert!(settings.approach_limit(distance + 0.1, human) >= limit);
+        prop_assert!(settings.approach_limit(distance, human + 0.1) <= limit);
+    }
+
+    /// The person keeps coming, the robot keeps its speed for the reaction time and then
+    /// brakes: what is left when it stands is the margin.
+    #[test]
+    fn the_protective_distance_is_what_the_motion_takes(
+        settings in settings(), human in 0.0..2.0_f64, robot in 0.0..2.0_f64,
+    ) {
+        let required = settings.protective_distance(human, robot);
+        let (mut gap, mut speed, mut time, step) = (required, robot, 0.0, 1e-4);
+        while speed > 0.0 || time < settings.reaction_time {
+            let next = if time < settings.reaction_time {
+                speed
+            } else {
+                (speed - settings.deceleration * step).max(0.0)
+            };
+            gap -= (human + 0.5 * (speed + next)) * step;
+            speed = next;
+            time += step;
+        }
+        let margin = settings.intrusion + settings.human_uncertainty + settings.robot_uncertainty;
+        prop_assert!((gap - margin).abs() < 1e-3, "{gap} {margin}");
+    }
+
+    /// Each row is how fast its pair comes nearer, by finite differences of the distance.
+    #[test]
+    fn rows_are_the_rate_of_approach(
+        jacobian in jacobian(), q in joints(), origin in vector(0.5),
+        robot in robot(), person in person(), settings in settings(),
+    ) {
+        let rest = [0.0; JOINTS];
+        let motion = JointMotion { jacobian: &jacobian, origin, velocity: &q, braking: Some(&rest) };
+        let pairs = robot.len() * person.len();
+        let mut separation = ApproachRows::new(state(), settings, pairs + 2).unwrap();
+        let mut rows = separation.rows();
+        let nearest = separation.write(&motion, &robot, &person, &mut rows).unwrap();
+        let moved = |body: &RobotBody, time: f64| {
+            let twist = (0..body.joints).map(|j| {
+                Vector6::from_iterator(jacobian.column(j).iter().copied()) * q[j]
+            });
+            carried(&body.capsule, &twist.sum::<Vector6<f64>>(), &origin, time)
+        };
+        let step = 1e-6;
+        let mut expected = Vec::new();
+        let mut degenerate = false;
+        for body in &robot {
+            for part in &person {
+                let at = |time| proximity(&moved(body, time), &part.capsule).distance;
+                let near = proximity(&body.capsule, &part.capsule);
+                degenerate |= (near.on_first - near.on_second).norm() < 1e-2;
+                let along_normal = part.velocity.map(|v| v.dot(&near.normal));
+                let uncertain = |speed: f64| (speed + settings.human_speed_uncertainty).max(0.0);
+                let human = along_normal.map_or(settings.human_speed, uncertain);
+                let mut limit = settings.approach_limit(near.distance, human);
+                if part.contact_speed > 0.0 {
+                    let receding = along_normal.map_or(0.0, |speed| (-speed).max(0.0));
+                    limit = limit.max(part.contact_speed + receding);
+                }
+                expected.push((limit, (at(-step) - at(step)) / (2.0 * step)));
+            }
+        }
+        prop_assume!(!degenerate);
+        let mut found: Vec<(f64, f64)> =
+            rows.iter().take(pairs).map(|(row, _, upper)| (upper, along(row, &q))).collect();
+        let order = |a: &(f64, f64), b: &(f64, f64)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1));
+        expected.sort_by(order);
+        found.sort_by(order);
+        for (expected, found) in expected.iter().zip(&found) {
+            prop_assert!((expected.0 - found.0).abs() < 1e-9);
+        }
+        let sum = |rates: &[(f64, f64)]| rates.iter().map(|rate| rate.1).sum::<f64>();
+        prop_assert!((sum(&expected) - sum(&found)).abs() < 1e-3);
+        for (row, lower, upper) in rows.iter().skip(pairs) {
+            prop_assert!(row.iter().all(|&a| a == 0.0));
+            prop_assert!(lower == f64::NEG_INFINITY && upper == f64::INFINITY);
+        }
+        // Parts that may touch are never the nearest.
+        prop_assert_eq!(nearest.is_none(), person.iter().all(|part| part.contact_speed > 0.0));
+        if let Some(nearest) = nearest {
+            let part = &person[nearest.other];
+            let near = proximity(&robot[nearest.robot].capsule, &part.capsule);
+            prop_assert_eq!(nearest.distance, near.distance);
+            prop_assert_eq!(part.contact_speed, 0.0);
+        }
+    }
+
+    #[test]
+    fn own_bodies_move_against_each_other(
+        jacobian in jacobian(), q in joints(), origin in vector(0.5), robot in robot(),
+    ) {
+        prop_assume!(robot.len() >= 2);
+        let rest = [0.0; JOINTS];
+        let motion = JointMotion { jacobian: &jacobian, origin, velocity: &q, braking: Some(&rest) };
+        let settings = SeparationSettings::between_own_bodies(1e-3, 1.0, 0.02);
+        let mut own = ApproachRows::new(state(), settings, 1).unwrap();
+        let mut rows = own.rows();
+        let near = proximity(&robot[0].capsule, &robot[1].capsule);
+        prop_assume!((near.on_first - near.on_second).norm() > 1e-2);
+        let nearest = own.write_own(&motion, &robot, &[(0, 1)], &mut rows).unwrap().unwrap();
+        let moved = |body: &RobotBody, time: f64| {
+            let twist = (0..body.joints).map(|j| {
+                Vector6::from_iterator(jacobian.column(j).iter().copied()) * q[j]
+            });
+            carried(&body.capsule, &twist.sum::<Vector6<f64>>(), &origin, time)
+        };
+        let step = 1e-6;
+        let at = |time| proximity(&moved(&robot[0], time), &moved(&robot[1], time)).distance;
+        let approach = (at(-step) - at(step)) / (2.0 * step);
+        prop_assert!((nearest.approach - approach).abs() < 1e-4);
+        prop_assert!((along(rows.row(0).unwrap(), &q) - approach).abs() < 1e-4);
+        prop_assert!(rows.upper()[0] >= 0.0);
+    }
+
+    #[test]
+    fn rest_retreat_and_braking_are_always_admitted(
+        jacobian in jacobian(), braking in joints(), q in joints(), robot in robot(),
+        person in person(), settings in settings(), capacity in 0..6_usize,
+    ) {
+        let origin = Vector3::zeros();
+        let motion = JointMotion { jacobian: &jacobian, origin, velocity: &q, braking: Some(&braking) };
+        let mut separation = ApproachRows::new(state(), settings, capacity).unwrap();
+        let mut rows = separation.rows();
+        separation.write(&motion, &robot, &person, &mut rows).unwrap();
+        for (row, lower, upper) in rows.iter() {
+            prop_assert!(lower == f64::NEG_INFINITY && upper >= 0.0);
+            prop_assert!(along(row, &braking) <= upper);
+            if along(row, &q) <= 0.0 {
+                prop_assert!(along(row, &q) <= upper);
+            }
+        }
+        let cap = 0.25;
+        let mut rows = SpeedCap::rows(state());
+        SpeedCap::write(&motion, &Vector3::zeros(), cap, &mut rows).unwrap();
+        for (row, lower, upper) in rows.iter() {
+            prop_assert!(lower <= 0.0 && upper >= 0.0);
+            prop_assert!((lower..=upper).contains(&along(row, &braking)));
+        }
+    }
+
+    #[test]
+    fn the_pairs_that_may_approach_least_are_kept(
+        jacobian in jacobian(), robot in robot(), person in person(), capacity in 1..5_usize,
+    ) {
+        let rest = [0.0; JOINTS];
+        let origin = Vector3::zeros();
+        let motion = JointMotion { jacobian: &jacobian, origin, velocity: &rest, braking: Some(&rest) };
+        let settings = SeparationSettings::default();
+        let bounds = |capacity: usize| {
+            let mut separation = ApproachRows::new(state(), settings, capacity).unwrap();
+            let mut rows = separation.rows();
+            let nearest = separation.write(&motion, &robot, &person, &mut rows).unwrap();
+            let mut upper = rows.upper().to_vec();
+            upper.sort_by(f64::total_cmp);
+            (upper, nearest)
+        };
+        let (few, nearest) = bounds(capacity);
+        let (all, expected) = bounds(robot.len() * person.len());
+        for (few, all) in few.iter().zip(&all) {
+            prop_assert_eq!(few, all);
+        }
+        let room = |pair: Option<Nearest>| pair.map_or(f64::INFINITY, |pair| pair.room());
+        prop_assert!(room(nearest) >= room(expected));
+        if room(expected) < 0.0 {
+            prop_assert_eq!(nearest, expected);
+        }
+    }
+
+    #[test]
+    fn a_capped_tool_keeps_the_speed(
+        jacobian in jacobian(), q in joints(), cap in 0.01..1.0_f64,
+    ) {
+        let rest = [0.0; JOINTS];
+        let origin = Vector3::zeros();
+        let motion = JointMotion { jacobian: &jacobian, origin, velocity: &rest, braking: Some(&rest) };
+        let mut rows = SpeedCap::rows(state());
+        SpeedCap::write(&motion, &Vector3::zeros(), cap, &mut rows).unwrap();
+        let linear: Matrix3x6<f64> = Matrix3x6::from_fn(|i, j| if i == j { 1.0 } else { 0.0 });
+        let speed = (linear * &jacobian * nalgebra::Vector4::from(q)).norm();
+        // The fastest motion along q that the rows admit.
+        let most = rows
+            .iter()
+            .map(|(row, _, upper)| upper / along(row, &q).abs())
+            .fold(f64::INFINITY, f64::min);
+        prop_assert!(most * speed <= cap * (1.0 + 1e-12));
+        prop_assert!(most * speed >= 0.8 * cap);
+        SpeedCap::write(&motion, &Vector3::zeros(), f64::INFINITY, &mut rows).unwrap();
+        prop_assert!(rows.upper().iter().all(|&upper| upper == f64::INFINITY));
+    }
+
+    #[test]
+    fn the_supervisor_goes_down_at_once_and_up_by_rule(
+        seen in prop::collection::vec(
+            (prop::option::of(-0.5..2.0_f64), 0.0..1.2_f64, 0..20_u32, 1..900_usize), 1..12),
+        acknowledge in any::<bool>(),
+    ) {
+        let settings = SupervisorSettings { acknowledge, ..SupervisorSettings::default() };
+        let mut supervisor = Supervisor::new(settings).unwrap();
+        let mut clear = 0.0;
+        for (room, age, fault, ticks) in seen {
+            let nearest = room.map(|room| {
+                Nearest { robot: 0, other: 1, distance: 1.0 + room, required: 1.0, approach: 0.0 }
+            });
+            let fault = (fault == 0).then_some(Fault::NoSolution);
+            let observation = Observation { nearest, age, fault };
+            let room = room.unwrap_or(f64::INFINITY);
+            let stop = fault.is_some() || age > settings.stop_age || room < -settings.tolerance;
+            let near = age > settings.reduced_age || room < settings.reduced_room;
+            for _ in 0..ticks {
+                let before = supervisor;
+                supervisor.update(&observation, 1e-3);
+                if stop {
+                    prop_assert_eq!(supervisor.state(), SafetyState::ProtectiveStop);
+                } else if near {
+                    prop_assert!(supervisor.state() >= SafetyState::Reduced);
+                }
+                clear = if stop || near { 0.0 } else { clear + 1e-3 };
+                if supervisor.state() < before.state() {
+                    prop_assert!(!supervisor.waits_for_acknowledgement());
+                    // One step at a time.
+                    prop_assert_eq!(supervisor.state() as u8 + 1, before.state() as u8);
+                    if supervisor.state() == SafetyState::Normal {
+                        prop_assert!(clear >= settings.dwell - 1e-9);
+                    }
+                }
+                let change = (supervisor.speed_scale() - before.speed_scale()).abs();
+                prop_assert!(change <= 1e-3 / settings.ramp + 1e-12);
+                prop_assert!((0.0..=1.0).contains(&supervisor.speed_scale()));
+                prop_assert_eq!(supervisor.cause().is_none(), supervisor.state() == SafetyState::Normal);
+            }
+        }
+        supervisor.acknowledge();
+        for _ in 0..3000 { supervisor.update(&Observation::default(), 1e-3); }
+        prop_assert_eq!(supervisor.state(), SafetyState::Normal);
+        prop_assert_eq!(supervisor.speed_scale(), 1.0);
+    }
+}
+
+#[test]
+fn the_supervisor_says_why() {
+    let mut supervisor = Supervisor::new(SupervisorSettings::default()).unwrap();
+    let pair = Nearest { robot: 2, other: 3, distance: 0.3, required: 0.5, approach: 0.1 };
+    let close = Observation { nearest: Some(pair), ..Observation::default() };
+    supervisor.update(&close, 1e-3);
+    assert_eq!(supervisor.cause(), Some(&Cause::TooClose(pair)));
+    let nan = Observation { age: f64::NAN, ..Observation::default() };
+    supervisor.update(&nan, 1e-3);
+    assert_eq!(supervisor.cause(), Some(&Cause::Fault(Fault::BadData)));
+    let mut supervisor = Supervisor::new(SupervisorSettings::default()).unwrap();
+    supervisor.update(&Observation { age: 0.5, ..Observation::default() }, 1e-3);
+    assert_eq!(supervisor.state(), SafetyState::Reduced);
+    assert_eq!(supervisor.cause(), Some(&Cause::Stale { age: 0.5 }));
+}
+
+/// The defaults by hand: v_h = 1.6 m/s, T_r = 0.15 s, a = 2 m/s², margins of 0.16 m.
+#[test]
+fn the_terms_of_the_protective_distance_by_hand() {
+    let settings = SeparationSettings::default();
+    // 1.6 · (0.15 + 0.5) + 1 · 0.15 + 1/4 + 0.16
+    assert!((settings.protective_distance(1.6, 1.0) - 1.6).abs() < 1e-12);
+    assert!((settings.protective_distance(0.0, 0.0) - 0.16).abs() < 1e-12);
+    assert!((settings.approach_limit(1.6, 1.6) - 1.0).abs() < 1e-12);
+    assert_eq!(settings.approach_limit(0.3, 1.6), 0.0);
+}
+
+#[test]
+fn bad_safety_input_is_named() {
+    let bad = [
+        SeparationSettings { deceleration: 0.0, ..SeparationSettings::default() },
+        SeparationSettings { human_speed: f64::NAN, ..SeparationSettings::default() },
+        SeparationSettings { intrusion: -0.1, ..SeparationSettings::default() },
+    ];
+    for settings in bad {
+        assert!(matches!(ApproachRows::new(state(), settings, 3), Err(Error::Parameter { .. })));
+    }
+    let settings = SeparationSettings::default();
+    let mut separation = ApproachRows::new(state(), settings, 3).unwrap();
+    let mut rows = separation.rows();
+    let before = rows.clone();
+    let (jacobian, rest) = (DMatrix::zeros(6, JOINTS), [0.0; JOINTS]);
+    let origin = Vector3::zeros();
+    let motion = JointMotion { jacobian: &jacobian, origin, velocity: &rest, braking: Some(&rest) };
+    let short = JointMotion { braking: Some(&rest[1..]), ..motion };
+    assert!(matches!(separation.write(&short, &[], &[], &mut rows), Err(Error::Size { .. })));
+    let nan = JointMotion { velocity: &[f64::NAN; JOINTS], ..motion };
+    assert!(matches!(separation.write(&nan, &[], &[], &mut rows), Err(Error::NotFinite { .. })));
+    let wrong = separation.write(&motion, &[], &[], &mut Rows::zeros(2, state().len()));
+    assert!(matches!(wrong, Err(Error::Size { .. })));
+    assert!(separation.write_own(&motion, &[], &[(0, 1)], &mut rows).is_err());
+    let body = Capsule::sphere(origin, 0.1).unwrap();
+    let adrift =
+        PersonBody { capsule: body, velocity: Some(Vector3::repeat(f64::NAN)), contact_speed: 0.0 };
+    assert!(separation.write(&motion, &[], &[adrift], &mut rows).is_err());
+    assert_eq!(rows, before);
+    assert_eq!(separation.write(&motion, &[], &[], &mut rows), Ok(None));
+
+    let mut cap = SpeedCap::rows(state());
+    assert!(SpeedCap::write(&motion, &Vector3::zeros(), -1.0, &mut cap).is_err());
+    assert!(SpeedCap::write(&motion, &Vector3::zeros(), f64::NAN, &mut cap).is_err());
+    assert!(SpeedCap { far: 0.1, ..SpeedCap::default() }.validate().is_err());
+    assert!(SpeedCap { full: 0.1, ..SpeedCap::default() }.validate().is_err());
+    assert!(SpeedCap::default().validate().is_ok());
+    let bad = [
+        SupervisorSettings { dwell: -1.0, ..SupervisorSettings::default() },
+        SupervisorSettings { stop_age: 0.0, ..SupervisorSettings::default() },
+        SupervisorSettings { reduced_scale: 2.0, ..SupervisorSettings::default() },
+    ];
+    for settings in bad {
+        let error = Supervisor::new(settings).unwrap_err();
+        assert!(error.to_string().contains("supervisor."), "{error}");
+    }
+}

@@ -1,0 +1,162 @@
+//! Softened workspaces against Clarabel, and what slack and weights trade off.
+
+use crate::support::*;
+use ahqp_core::{AugmentedState, Hierarchy, Level, Rows, Settings, Solver, solve_reference};
+use hrsw::{
+    Bounds, Error, ForbiddenRegion, Polytope, Reach, Slack, SoftWorkspace, Softening, Surroundings,
+    Workspace,
+};
+use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
+use proptest::prelude::*;
+
+const SLACK: AugmentedState = AugmentedState { joints: 1, task: 6, slack: 6 };
+const HORIZON: f64 = 0.2;
+
+fn softening(slack: Slack) -> Softening {
+    Softening { slack, position_rows: 64, surrounding_rows: 8, ..Softening::default() }
+}
+
+/// One level over χ with ẋ_d held within ±`speed`.
+fn hierarchy(soft: &SoftWorkspace, level: Level, speed: f64) -> Hierarchy {
+    let mut hierarchy = Hierarchy::new(SLACK.len()).unwrap();
+    let (lower, upper) = hierarchy.bounds_mut();
+    for index in SLACK.desired_velocity() {
+        lower[index] = -speed;
+        upper[index] = speed;
+    }
+    assert_eq!(soft.capacity(), 78);
+    hierarchy.push(level).unwrap();
+    hierarchy
+}
+
+/// Σ e² over the excesses τ ahead, as the row-wise level counts them.
+fn row_excess(
+    workspace: &Workspace,
+    around: &Surroundings,
+    desired: &Isometry3<f64>,
+    twist: &Vector6<f64>,
+) -> f64 {
+    workspace
+        .rows(desired)
+        .chain(around.rows(desired))
+        .map(|row| row.excess + HORIZON * (row.gradient.dot(twist) + row.drift))
+        .map(|excess| excess.max(0.0).powi(2))
+        .sum()
+}
+
+fn around() -> impl Strategy<Value = Surroundings> {
+    (vector(1.0), 0.5..1.5_f64, pose(1.0, 1.0), bounds()).prop_map(|(center, outer, at, bounds)| {
+        Surroundings {
+            reach: Some(Reach::new(center, 0.1, outer).unwrap()),
+            forbidden: vec![ForbiddenRegion::new(at, bounds, 0.02).unwrap()],
+        }
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// As little slack as Clarabel finds, and none where it finds none.
+    #[test]
+    fn the_slack_is_the_least_there_is(
+        workspace in workspace(), relative in pose(0.6, 0.8), around in around(),
+        speed in 0.2..2.0_f64, shared in any::<bool>(),
+    ) {
+        let desired = workspace.world_from_workspace() * relative;
+        let kind = if shared { Slack::Shared } else { Slack::RowWise };
+        let soft = SoftWorkspace::with_softening(SLACK, HORIZON, softening(kind)).unwrap();
+        let mut level = soft.level().unwrap();
+        soft.write_within(&workspace, Some(&around), &desired, &mut level).unwrap();
+        let hierarchy = hierarchy(&soft, level, speed);
+        let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+        let ours = solver.solve(&hierarchy).unwrap().x().to_vec();
+        let reference = solve_reference(&hierarchy).unwrap();
+        let cost = |x: &[f64]| {
+            if shared {
+                x[7..].iter().map(|s| s * s).sum()
+            } else {
+                row_excess(&workspace, &around, &desired, &Vector6::from_column_slice(&x[1..7]))
+            }
+        };
+        let (ours, reference): (f64, f64) = (cost(&ours), cost(reference.as_slice()));
+        prop_assert!(ours <= reference + 1e-7, "{ours} {reference}");
+        if reference < 1e-12 {
+            prop_assert!(ours.sqrt() <= 1e-9, "{ours} {reference}");
+        }
+    }
+
+    /// For boxes the two ways of giving way cost the same.
+    #[test]
+    fn shared_and_row_wise_slack_agree_on_boxes(
+        frame in pose(1.0, 1.0), bounds in bounds(), turn in vector(0.4),
+        relative in pose(1.0, 0.8), speed in 0.1..1.0_f64,
+    ) {
+        let orientation = Bounds::symmetric(turn.abs()).unwrap();
+        let workspace = Workspace::new(frame, bounds, orientation).unwrap();
+        let desired = frame * relative;
+        let costs = [Slack::Shared, Slack::RowWise].map(|kind| {
+            let soft = SoftWorkspace::with_softening(SLACK, HORIZON, softening(kind)).unwrap();
+            let mut level = soft.level().unwrap();
+            soft.write(&workspace, &desired, &mut level).unwrap();
+            let hierarchy = hierarchy(&soft, level, speed);
+            let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+            let x = solver.solve(&hierarchy).unwrap().x().to_vec();
+            let nothing = Surroundings::default();
+            row_excess(&workspace, &nothing, &desired, &Vector6::from_column_slice(&x[1..7]))
+        });
+        prop_assert!((costs[0] - costs[1]).abs() < 1e-9, "{costs:?}");
+    }
+
+    /// With ẋ + ẏ held at zero, x and y compete: each gives way as the inverse of its weight.
+    #[test]
+    fn weights_trade_directions_off(wx in 0.1..10.0_f64, wy in 0.1..10.0_f64, row_wise in any::<bool>()) {
+        let small = Bounds::symmetric(Vector3::repeat(0.1)).unwrap();
+        let workspace = Workspace::new(Isometry3::identity(), small, small).unwrap();
+        let slack = if row_wise { Slack::RowWise } else { Slack::Shared };
+        let weights = Vector6::new(wx, wy, 1.0, 1.0, 1.0, 1.0);
+        let softening = Softening { slack, weights, ..Softening::default() };
+        let soft = SoftWorkspace::with_softening(SLACK, HORIZON, softening).unwrap();
+        let mut level = soft.level().unwrap();
+        let desired = Isometry3::translation(0.5, 0.5, 0.0);
+        soft.write(&workspace, &desired, &mut level).unwrap();
+        let mut hierarchy = Hierarchy::new(SLACK.len()).unwrap();
+        let mut sum = DMatrix::zeros(1, SLACK.len());
+        (sum[(0, 1)], sum[(0, 2)]) = (1.0, 1.0);
+        let held = Rows::equalities(&sum, &DVector::zeros(1)).unwrap();
+        hierarchy.push(Level::constraints_only(held)).unwrap();
+        hierarchy.push(level).unwrap();
+        let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+        let x = solver.solve(&hierarchy).unwrap().x().to_vec();
+        let (ex, ey) = (0.4 + HORIZON * x[1], 0.4 + HORIZON * x[2]);
+        prop_assert!((wx * ex - wy * ey).abs() < 1e-9, "{ex} {ey}");
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_named() {
+    let unit = Bounds::symmetric(Vector3::repeat(0.5)).unwrap();
+    let corners = [Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()];
+    let here = Isometry3::identity();
+    let mut workspace = Workspace::new(here, Polytope::hull(&corners).unwrap(), unit).unwrap();
+    let soft = SoftWorkspace::new(SLACK, HORIZON).unwrap();
+    let mut level = soft.level().unwrap();
+    soft.write(&workspace, &here, &mut level).unwrap();
+    workspace.reshape_position(unit, 1.0).unwrap();
+    let crowded = soft.write(&workspace, &here, &mut level).unwrap_err();
+    assert!(matches!(crowded, Error::TooMany { found: 10, limit: 6, .. }), "{crowded}");
+    let region = ForbiddenRegion::new(here, unit, 0.0).unwrap();
+    let around = Surroundings { reach: None, forbidden: vec![region] };
+    let boxed = Workspace::new(here, unit, unit).unwrap();
+    let crowded = soft.write_within(&boxed, Some(&around), &here, &mut level).unwrap_err();
+    assert!(matches!(crowded, Error::TooMany { found: 1, limit: 0, .. }), "{crowded}");
+    let mut other = Level::constraints_only(Rows::zeros(3, SLACK.len()));
+    assert!(matches!(soft.write(&boxed, &here, &mut other), Err(Error::Size { .. })));
+    let row_wise = Softening { slack: Slack::RowWise, ..Softening::default() };
+    let without_slack = AugmentedState { slack: 0, ..SLACK };
+    let soft = SoftWorkspace::with_softening(without_slack, HORIZON, row_wise).unwrap();
+    assert!(matches!(soft.write(&boxed, &here, &mut other), Err(Error::Size { .. })));
+    let weights = Vector6::new(1.0, 1.0, 0.0, 1.0, 1.0, 1.0);
+    let softening = Softening { weights, ..Softening::default() };
+    let error = SoftWorkspace::with_softening(SLACK, HORIZON, softening).unwrap_err();
+    assert!(matches!(error, Error::Parameter { .. }));
+}

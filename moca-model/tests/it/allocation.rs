@@ -1,0 +1,90 @@
+//! Nothing on the control path allocates after construction.
+
+use ergo_map::ErgonomicsQuadratic;
+use moca_model::{
+    Controller, ControllerSettings, ImpedanceSettings, JointImpedance, JointState, MOCA_HOME,
+    RobotData, RobotModel, SimulatedRobot, forward_kinematics, gravity, jacobian, world_from_link,
+};
+use nalgebra::{Matrix3, Point3, Vector3};
+use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
+
+/// How often `action` allocates on this thread.
+fn allocations(action: impl FnOnce()) -> u64 {
+    allocation_counter::measure(action).count_total
+}
+
+#[test]
+fn the_counter_counts() {
+    assert!(allocations(|| drop(std::hint::black_box(vec![1_u8]))) > 0);
+}
+
+#[test]
+fn kinematics_and_gravity_allocate_nothing() {
+    let model = RobotModel::moca().unwrap();
+    let mut data = RobotData::new(&model);
+    let link = model.link("panda_link5").unwrap();
+    let count = allocations(|| {
+        for _ in 0..10 {
+            forward_kinematics(&model, &mut data, &MOCA_HOME).unwrap();
+            jacobian(&model, &mut data).unwrap();
+            gravity(&model, &mut data).unwrap();
+            std::hint::black_box(world_from_link(&model, &data, link).unwrap());
+        }
+    });
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn impedance_and_simulation_allocate_nothing() {
+    let model = RobotModel::moca().unwrap();
+    let mut robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
+    let settings = ImpedanceSettings::default();
+    let mut impedance = JointImpedance::new(settings, &model.limits()[3..]).unwrap();
+    let count = allocations(|| {
+        for _ in 0..10 {
+            robot.step(&[0.1; 10], 0.001).unwrap();
+            let measured =
+                JointState { position: &robot.position()[3..], velocity: &robot.velocity()[3..] };
+            let desired = JointState { position: &MOCA_HOME[3..], velocity: &[0.0; 7] };
+            impedance.torque(desired, measured, &[1.0; 7], 0.001).unwrap();
+        }
+    });
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn a_tick_of_the_controller_allocates_nothing() {
+    let hessian = Matrix3::identity() * 8.0;
+    let best = Vector3::new(0.35, -0.1, 1.1);
+    let comfort = ErgonomicsQuadratic::new(hessian, -(hessian * best), 1.0).unwrap();
+    let model = RobotModel::moca().unwrap();
+    let settings = ControllerSettings::default();
+    let mut robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
+    let mut controller = Controller::new(model, comfort, settings, &MOCA_HOME).unwrap();
+    let mut body = Body::default();
+    for (joint, y, z) in [
+        (Body25::RightShoulder, 0.2, 1.43),
+        (Body25::LeftShoulder, -0.2, 1.43),
+        (Body25::RightHip, 0.12, 0.93),
+        (Body25::LeftHip, -0.12, 0.93),
+        (Body25::MidHip, 0.0, 0.93),
+    ] {
+        let position = Point3::new(1.4, y, z);
+        body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
+    }
+    let action = RecognisedAction { action: Action::DeliverObject, confidence: Confidence::ONE };
+    let mut percept = Percept { time: 0.0, body: Some(body), action: Some(action), surface: None };
+    let count = allocations(|| {
+        for tick in 0..3000_u32 {
+            let now = f64::from(tick) * 1e-3;
+            if tick.is_multiple_of(50) {
+                percept.time = now;
+                controller.observe(&percept).unwrap();
+            }
+            controller.step(now, robot.position()).unwrap();
+            robot.step(&controller.command().joint_velocity, 1e-3).unwrap();
+        }
+    });
+    assert_eq!(count, 0);
+    assert!(controller.command().joint_velocity.iter().any(|v| v.abs() > 1e-3), "it moves");
+}

@@ -1,0 +1,12 @@
+//! The integration tests, one module a topic.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
+
+mod allocation;
+mod bad_input;
+mod controller;
+mod golden;
+mod impedance;
+mod properties;
+mod safety;
+mod simulation;
+mod support;

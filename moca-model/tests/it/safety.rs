@@ -1,0 +1,194 @@
+//! The controller keeps its distance from people, and its bodies hold the robot.
+
+use ergo_map::ErgonomicsQuadratic;
+use hrsw::{Attachment, Bounds, Cause, SafetyState};
+use moca_model::{
+    Controller, ControllerSettings, Error, LinkCapsule, MOCA_HOME, RobotData, RobotModel,
+    SafetySettings, SimulatedRobot, forward_kinematics, world_from_link,
+};
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
+
+const PERIOD: f64 = 1e-3;
+
+struct Loop {
+    controller: Controller,
+    robot: SimulatedRobot,
+    tick: u32,
+}
+
+impl Loop {
+    fn new() -> Self {
+        let model = RobotModel::moca().unwrap();
+        let robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
+        let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+        let settings = ControllerSettings::default();
+        let controller = Controller::new(model, comfort, settings, &MOCA_HOME).unwrap();
+        Self { controller, robot, tick: 0 }
+    }
+
+    /// One period with a person whose trunk is at x, or nobody in the frame; they stay apart.
+    fn step(&mut self, person: Option<f64>) {
+        let now = f64::from(self.tick) * PERIOD;
+        if self.tick.is_multiple_of(50) {
+            let action = RecognisedAction { action: Action::Walking, confidence: Confidence::ONE };
+            let body = person.map(body);
+            let percept = Percept { time: now, body, action: Some(action), surface: None };
+            self.controller.observe(&percept).unwrap();
+        }
+        self.controller.step(now, self.robot.position()).unwrap();
+        let command = self.controller.command();
+        assert!(command.outcome.is_optimal(), "{:?}", command.outcome);
+        self.robot.step(&command.joint_velocity, PERIOD).unwrap();
+        self.tick += 1;
+    }
+
+    /// Asks for the tool at x, where the workspace then is.
+    fn ask(&mut self, x: f64) {
+        let space = self.controller.space().workspace();
+        let (centre, rotation) = (space.position(), space.world_from_workspace().rotation);
+        let middle = (centre.min() + centre.max()) * 0.5;
+        let tool = Vector3::new(x, 0.0, 1.0);
+        let origin = tool - rotation * middle;
+        let pose = Isometry3::from_parts(origin.into(), rotation);
+        self.controller.space_mut().assign(Some(Attachment::World(pose))).unwrap();
+    }
+
+    fn least_distance(&self) -> f64 {
+        let safety = self.controller.safety();
+        let pairs = safety.robot_bodies().iter().flat_map(|robot| {
+            let person = safety.person_bodies().iter();
+            person.map(|part| hrsw::proximity(&robot.capsule, &part.capsule).distance)
+        });
+        pairs.fold(f64::INFINITY, f64::min)
+    }
+}
+
+fn body(x: f64) -> Body {
+    let mut body = Body::default();
+    for (joint, y, z) in [
+        (Body25::Neck, 0.0, 1.45),
+        (Body25::RightShoulder, 0.2, 1.43),
+        (Body25::LeftShoulder, -0.2, 1.43),
+        (Body25::MidHip, 0.0, 0.93),
+        (Body25::RightHip, 0.12, 0.93),
+        (Body25::LeftHip, -0.12, 0.93),
+    ] {
+        let position = Point3::new(x, y, z);
+        body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
+    }
+    body
+}
+
+#[test]
+fn a_person_in_the_way_is_not_touched() {
+    let mut run = Loop::new();
+    for _ in 0..1500 {
+        run.step(Some(2.5));
+    }
+    run.ask(4.0);
+    let settings = SafetySettings::default().separation;
+    for _ in 0..12_000 {
+        run.step(Some(2.5));
+        assert!(run.least_distance() > settings.protective_distance(0.0, 0.0) - 0.01);
+    }
+    let moved = run.robot.position()[0];
+    assert!(moved > 0.3, "it goes as near as it may: {moved}");
+    assert!(run.controller.command().joint_velocity.iter().all(|v| v.abs() < 0.05));
+}
+
+#[test]
+fn a_person_who_appears_before_the_moving_robot_stops_it() {
+    let mut run = Loop::new();
+    run.step(None);
+    run.ask(4.0);
+    for _ in 0..2500 {
+        run.step(None);
+    }
+    let x = run.controller.actual().translation.x;
+    let speed = run.controller.command().joint_velocity[0];
+    assert!(speed > 0.2, "{speed}");
+    let limits = RobotModel::moca().unwrap().limits().to_vec();
+    while run.controller.command().safety == SafetyState::Normal {
+        run.step(Some(x + 0.6));
+    }
+    assert!(matches!(run.controller.safety().supervisor().cause(), Some(Cause::TooClose(_))));
+    let mut before = run.controller.command().joint_velocity.clone();
+    for _ in 0..100 {
+        run.step(Some(x + 0.6));
+        let now = &run.controller.command().joint_velocity;
+        for ((now, before), limits) in now.iter().zip(&before).zip(&limits) {
+            let left = (before.abs() - limits.acceleration * PERIOD).max(0.0);
+            assert!(now.abs() <= left + 1e-9, "brakes as fast as it can: {before} {now}");
+        }
+        before.clone_from(now);
+    }
+}
+
+#[test]
+fn without_frames_the_robot_stops() {
+    let mut run = Loop::new();
+    run.step(None);
+    run.ask(2.0);
+    for _ in 0..500 {
+        run.step(None);
+    }
+    assert!(run.controller.command().joint_velocity.iter().any(|v| v.abs() > 0.01));
+    for _ in 0..2500 {
+        let now = f64::from(run.tick) * PERIOD;
+        run.controller.step(now, run.robot.position()).unwrap();
+        run.robot.step(&run.controller.command().joint_velocity, PERIOD).unwrap();
+        run.tick += 1;
+    }
+    assert_eq!(run.controller.command().safety, SafetyState::ProtectiveStop);
+    assert!(matches!(run.controller.safety().supervisor().cause(), Some(Cause::Stale { .. })));
+    assert!(run.controller.command().joint_velocity.iter().all(|v| v.abs() < 1e-9));
+}
+
+/// Every point of the chassis' faces but the inside of the deck lies in a capsule.
+#[test]
+fn the_capsules_hold_the_chassis() {
+    let model = RobotModel::moca().unwrap();
+    let mut data = RobotData::new(&model);
+    forward_kinematics(&model, &mut data, &[0.0; 10]).unwrap();
+    let base = world_from_link(&model, &data, model.link("base_link").unwrap()).unwrap();
+    let bodies = SafetySettings::default().bodies;
+    let chassis: Vec<_> = bodies.iter().filter(|body| body.link == "base_link").collect();
+    let (x, y) = (0.3595, 0.2893);
+    for i in 0..=20_i32 {
+        for j in 0..=20_i32 {
+            let (along, up) = (f64::from(i) / 10.0 - 1.0, -0.061 + 0.4431 * f64::from(j) / 20.0);
+            for point in [(x, along * y), (-x, along * y), (along * x, y), (along * x, -y)] {
+                let point = Vector3::new(point.0, point.1, up);
+                let inside =
+                    chassis.iter().any(|body| body.capsule.signed_distance(&point) <= 1e-3);
+                assert!(inside, "{point} in {base}");
+            }
+        }
+    }
+}
+
+#[test]
+fn bad_safety_settings_are_named() {
+    let model = RobotModel::moca().unwrap();
+    let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+    let make = |safety| {
+        let settings = ControllerSettings { safety, ..ControllerSettings::default() };
+        Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap_err()
+    };
+    let standard = SafetySettings::default;
+    let error = make(SafetySettings { contact_speed: f64::NAN, ..standard() });
+    assert!(error.to_string().contains("contact_speed"), "{error}");
+    let capsule = hrsw::Capsule::sphere(Vector3::zeros(), 0.1).unwrap();
+    let foreign = LinkCapsule { link: "tail".into(), capsule };
+    let error = make(SafetySettings { bodies: vec![foreign], own_pairs: vec![], ..standard() });
+    assert!(matches!(error, Error::UnknownLink { .. }), "{error}");
+    let error = make(SafetySettings { own_pairs: vec![(0, 99)], ..standard() });
+    assert!(error.to_string().contains("99"), "{error}");
+    let mut controller =
+        Controller::new(model.clone(), comfort, ControllerSettings::default(), &MOCA_HOME).unwrap();
+    let half = Bounds::symmetric(Vector3::repeat(0.1)).unwrap();
+    let turned = hrsw::OrientedBox::new(Isometry3::identity(), half).unwrap();
+    let error = controller.space_mut().reshape_position(&turned.into(), 1.0).unwrap_err();
+    assert!(error.to_string().contains("12"), "{error}");
+}

@@ -1,0 +1,316 @@
+//! Checkpoints written by hand to mislead the reader. Pickles are put into the older format, whose
+//! parts simply follow each other.
+
+use std::{fs, io::Cursor};
+
+use proptest::prelude::*;
+use vision_models::{Checkpoint, CheckpointError, Error, PickleProblem, Tensors};
+
+fn read(file: Vec<u8>) -> Result<Tensors, Error> {
+    Checkpoint::from_reader(Cursor::new(file)).and_then(Checkpoint::read)
+}
+
+fn refusal(file: Vec<u8>) -> CheckpointError {
+    match read(file) {
+        Err(Error::Checkpoint(error)) => error,
+        other => panic!("expected a refusal, got {other:?}"),
+    }
+}
+
+fn pickle_problem(pickle: Vec<u8>) -> PickleProblem {
+    match refusal(stream(&pickle)) {
+        CheckpointError::Pickle { problem, .. } => problem,
+        other => panic!("expected a problem of the pickle, got {other:?}"),
+    }
+}
+
+/// A file around a pickle, with the storage `s` of the f32 0, 1, 2, 3.
+fn stream(pickle: &[u8]) -> Vec<u8> {
+    let storage = [0.0_f32, 1.0, 2.0, 3.0].map(f32::to_le_bytes).concat();
+    [
+        b"\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19.".to_vec(),
+        b"\x80\x02M\xe9\x03.".to_vec(),
+        [b"\x80\x02}".to_vec(), text("little_endian"), b"\x88s.".to_vec()].concat(),
+        [b"\x80\x02", pickle, b"."].concat(),
+        [b"\x80\x02]".to_vec(), text("s"), b"a.".to_vec()].concat(),
+        4_u64.to_le_bytes().to_vec(),
+        storage,
+    ]
+    .concat()
+}
+
+fn text(text: &str) -> Vec<u8> {
+    [b"X", &u32::try_from(text.len()).unwrap().to_le_bytes()[..], text.as_bytes()].concat()
+}
+
+fn int(value: i64) -> Vec<u8> {
+    [&b"\x8a\x08"[..], &value.to_le_bytes()].concat()
+}
+
+fn tuple(items: &[Vec<u8>]) -> Vec<u8> {
+    [b"(".to_vec(), items.concat(), b"t".to_vec()].concat()
+}
+
+fn ints(values: &[i64]) -> Vec<u8> {
+    tuple(&values.iter().map(|&value| int(value)).collect::<Vec<_>>())
+}
+
+fn dict(entries: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let entries = entries.iter().map(|(name, value)| [text(name), value.clone()].concat());
+    [b"}(".to_vec(), entries.collect::<Vec<_>>().concat(), b"u".to_vec()].concat()
+}
+
+fn call(global: &str, arguments: Vec<u8>) -> Vec<u8> {
+    let (module, name) = global.rsplit_once('.').unwrap();
+    [format!("c{module}\n{name}\n").into_bytes(), arguments, b"R".to_vec()].concat()
+}
+
+fn storage(elements: i64) -> Vec<u8> {
+    let class = b"ctorch\nFloatStorage\n".to_vec();
+    let id = tuple(&[text("storage"), class, text("s"), text("cpu"), int(elements)]);
+    [id, b"Q".to_vec()].concat()
+}
+
+fn view(offset: i64, shape: &[i64], strides: &[i64]) -> Vec<u8> {
+    let arguments = [storage(4), int(offset), ints(shape), ints(strides), b"\x89N".to_vec()];
+    call("torch._utils._rebuild_tensor_v2", tuple(&arguments))
+}
+
+#[test]
+fn a_view_is_read_with_its_strides() {
+    let file = stream(&dict(&[("t", view(1, &[2, 2], &[1, 1]))]));
+    let tensors = read(file).unwrap();
+    assert_eq!(tensors.get("t").unwrap().data(), [1.0, 2.0, 2.0, 3.0]);
+}
+
+#[test]
+fn views_beyond_their_storage() {
+    for (offset, shape, strides) in [
+        (0, &[5][..], &[1][..]),
+        (1, &[4], &[1]),
+        (4, &[1], &[1]),
+        (5, &[0], &[1]),
+        (0, &[2, 2], &[3, 1]),
+        (0, &[2], &[4]),
+        (0, &[2], &[i64::MAX]),
+        (i64::MAX, &[2], &[i64::MAX]),
+        (0, &[i64::MAX, i64::MAX], &[0, 0]),
+        (0, &[i64::MAX, 4, 2], &[0, 0, 0]),
+    ] {
+        let error = refusal(stream(&dict(&[("t", view(offset, shape, strides))])));
+        let CheckpointError::OutsideStorage { name, storage, .. } = error else {
+            panic!("{error} for {offset} {shape:?} {strides:?}");
+        };
+        assert_eq!((name.as_str(), storage), ("t", 4));
+    }
+}
+
+#[test]
+fn sizes_that_are_none() {
+    for view in [view(-1, &[1], &[1]), view(0, &[-4], &[1]), view(0, &[4], &[-1])] {
+        let problem = pickle_problem(dict(&[("t", view)]));
+        assert_eq!(problem, PickleProblem::Expected("a size, zero or more"));
+    }
+    let problem = pickle_problem(dict(&[("t", view(0, &[2, 2], &[1]))]));
+    assert_eq!(problem, PickleProblem::Expected("as many strides as axes"));
+    let problem = pickle_problem(dict(&[("t", view(0, &[1; 9], &[1; 9]))]));
+    assert_eq!(problem, PickleProblem::Expected("a tuple of at most eight sizes"));
+}
+
+#[test]
+fn an_axis_without_stride_cannot_inflate_the_file() {
+    let error = refusal(stream(&dict(&[("t", view(0, &[1_000_000_000_000], &[0]))])));
+    assert!(matches!(error, CheckpointError::Inflated { elements: 1_000_000_000_000, .. }));
+    // Neither can many small ones.
+    let names: Vec<_> = (0..1000).map(|index| index.to_string()).collect();
+    let many: Vec<_> = names.iter().map(|name| (name.as_str(), view(0, &[1000], &[0]))).collect();
+    assert!(matches!(refusal(stream(&dict(&many))), CheckpointError::Inflated { .. }));
+}
+
+#[test]
+fn storages_that_lie_about_their_size() {
+    let tensor = |elements| {
+        let arguments = [storage(elements), int(0), ints(&[1]), ints(&[1])];
+        stream(&dict(&[("t", call("torch._utils._rebuild_tensor", tuple(&arguments)))]))
+    };
+    assert!(read(tensor(4)).is_ok());
+    for elements in [0, 1, 5, i64::MAX] {
+        assert!(matches!(refusal(tensor(elements)), CheckpointError::Storage { .. }));
+    }
+}
+
+#[test]
+fn two_tensors_of_one_name() {
+    let tensor = || view(0, &[1], &[1]);
+    let error = refusal(stream(&dict(&[("t", tensor()), ("t", tensor())])));
+    assert_eq!(error, CheckpointError::DuplicateName { name: "t".into() });
+}
+
+#[test]
+fn no_state_dict() {
+    for pickle in [
+        b"N".to_vec(),
+        b"K\x01".to_vec(),
+        b"]".to_vec(),
+        b"}".to_vec(),
+        dict(&[("epoch", int(3)), ("weights", dict(&[("t", view(0, &[1], &[1]))]))]),
+        view(0, &[1], &[1]),
+        call("os.system", tuple(&[text("echo this must never be printed")])),
+    ] {
+        assert!(matches!(refusal(stream(&pickle)), CheckpointError::NoStateDict { .. }));
+    }
+}
+
+#[test]
+fn a_wrapper_within_itself_ends() {
+    // d = {}; d["state_dict"] = d
+    let pickle = [b"}q\x00".to_vec(), text("state_dict"), b"h\x00s".to_vec()].concat();
+    assert!(matches!(refusal(stream(&pickle)), CheckpointError::NoStateDict { .. }));
+}
+
+#[test]
+fn machines_that_break() {
+    for (pickle, problem) in [
+        (&b"0"[..], PickleProblem::EmptyStack),
+        (b"N(0", PickleProblem::EmptyStack),
+        (b"R", PickleProblem::EmptyStack),
+        (b"t", PickleProblem::NoMark),
+        (b"h\x07", PickleProblem::EmptyMemo(7)),
+        (b"\xff", PickleProblem::Opcode(0xff)),
+        (b"I1\n", PickleProblem::Opcode(b'I')),
+        (b"\x80\x09", PickleProblem::Protocol(9)),
+        (b"X\x01\x00\x00\x00\xff", PickleProblem::Text),
+        (b"K\x01K\x02a", PickleProblem::Expected("a list to append to")),
+        (b"}(Nu", PickleProblem::Expected("a dict, keys and values")),
+        (b"K\x01Q", PickleProblem::Expected("(\"storage\", class, key, device, elements)")),
+    ] {
+        assert_eq!(pickle_problem(pickle.to_vec()), problem, "{pickle:?}");
+    }
+}
+
+#[test]
+fn a_billion_laughs_stay_one() {
+    // Each list holds the one before ten times.
+    let mut pickle = b"](K\x01K\x01eq\x00".to_vec();
+    for level in 1..100 {
+        let before = [b'h', level - 1].repeat(10);
+        pickle.extend([b"](", &before[..], b"eq", &[level]].concat());
+    }
+    assert!(matches!(refusal(stream(&pickle)), CheckpointError::NoStateDict { .. }));
+}
+
+#[test]
+fn deep_nesting_ends() {
+    let pickle = b"(".repeat(1 << 20);
+    let lists = [b"]".repeat(1 << 20), b"a".repeat((1 << 20) - 1)].concat();
+    assert_eq!(pickle_problem(pickle), PickleProblem::EmptyStack);
+    assert!(matches!(refusal(stream(&lists)), CheckpointError::NoStateDict { .. }));
+}
+
+#[test]
+fn more_values_than_any_checkpoint_has() {
+    for opcode in [&b"N"[..], b"}", b"("] {
+        let error = refusal(stream(&opcode.repeat(3 << 20)));
+        assert!(matches!(error, CheckpointError::Limit { .. }), "{error}");
+    }
+    // A list of 1000 pairs, made a dict again and again.
+    let pairs = ["](".to_owned().into_bytes(), b"](NNe".repeat(1000), b"eq\x00".to_vec()].concat();
+    let again = b"ccollections\nOrderedDict\nh\x00\x85R".repeat(4000);
+    let error = refusal(stream(&[pairs, again].concat()));
+    assert!(matches!(error, CheckpointError::Limit { .. }), "{error}");
+}
+
+#[test]
+fn lengths_beyond_the_file() {
+    for pickle in [
+        &b"X\xff\xff\xff\xff"[..],
+        b"\x8d\xff\xff\xff\xff\xff\xff\xff\x7f",
+        b"B\xff\xff\xff\xff",
+        b"\x8b\xff\xff\xff\x7f",
+        b"\x8e\xff\xff\xff\xff\xff\xff\xff\xff",
+        b"\x95\x00",
+        b"cos",
+    ] {
+        // The file ends within the pickle.
+        let file = stream(pickle);
+        let cut = file.windows(pickle.len()).position(|window| window == pickle).unwrap();
+        let error = refusal(file[..cut + pickle.len()].to_vec());
+        assert!(matches!(error, CheckpointError::Truncated { .. }), "{error} for {pickle:?}");
+    }
+}
+
+/// A safetensors file with this header and eight bytes of data.
+fn safetensors(header: &str) -> Vec<u8> {
+    [&(header.len() as u64).to_le_bytes()[..], header.as_bytes(), &[0; 8]].concat()
+}
+
+#[test]
+fn safetensors_headers() {
+    let record = |name: &str, kind: &str, shape: &str, begin: u64, end: u64| {
+        format!(r#""{name}":{{"dtype":"{kind}","shape":{shape},"data_offsets":[{begin},{end}]}}"#)
+    };
+    let whole = record("t", "F32", "[2]", 0, 8);
+    assert!(read(safetensors(&format!("{{{whole}}}"))).is_ok());
+    for header in [
+        "{".to_owned(),
+        "{}".to_owned(),
+        "{\"t\":1}".to_owned(),
+        format!("{{{whole},{whole}}}"),
+        format!("{{{}}}", record("t", "F32", "[1]", 0, 4)),
+        format!("{{{}}}", record("t", "F32", "[3]", 0, 12)),
+        format!("{{{}}}", record("t", "F32", "[2]", 8, 0)),
+        format!("{{{}}}", record("t", "F32", "[2]", 4, 12)),
+        format!("{{{}}}", record("t", "F4", "[2]", 0, 8)),
+        format!("{{{}}}", record("t", "F32", "[-2]", 0, 8)),
+        format!("{{{}}}", record("t", "F32", "[4294967296,4294967296]", 0, 0)),
+        format!("{{{}}}", record("t", "F32", "[0,18446744073709551615,3]", 0, 0)),
+        format!("{{{whole},{}}}", record("u", "F32", "[2]", 0, 8)),
+        format!("{{{whole},{}}}", record("u", "F32", "[1]", u64::MAX - 3, u64::MAX)),
+        format!("{{\"__metadata__\":{{\"a\":1}},{whole}}}"),
+        format!("{{\"__metadata__\":{}1{}}}", "[".repeat(10_000), "]".repeat(10_000)),
+    ] {
+        let error = refusal(safetensors(&header));
+        assert!(matches!(error, CheckpointError::Header { .. }), "{error} for {header}");
+    }
+    let mut long = safetensors("{}");
+    long[..8].copy_from_slice(&u64::MAX.to_le_bytes());
+    assert!(matches!(refusal(long), CheckpointError::Limit { .. }));
+}
+
+proptest! {
+    /// Whatever a file holds, reading it ends, with tensors or a typed error.
+    #[test]
+    fn changed_files_never_panic(
+        file in prop::sample::select(vec![
+            "plain.pth", "stream.pth", "wrapped.pth", "protocol5.pth", "plain.safetensors",
+        ]),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+        cut in prop::option::weighted(0.2, any::<prop::sample::Index>()),
+    ) {
+        let mut bytes =
+            fs::read(format!("{}/tests/data/{file}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        for (place, byte) in changes {
+            let place = place.index(bytes.len());
+            bytes[place] = byte;
+        }
+        if let Some(cut) = cut {
+            bytes.truncate(cut.index(bytes.len()));
+        }
+        if let Err(error) = read(bytes) {
+            prop_assert!(matches!(error, Error::Checkpoint(_)), "{error}");
+        }
+    }
+
+    /// The same for pickles of random opcodes.
+    #[test]
+    fn random_pickles_never_panic(
+        pickle in prop::collection::vec(
+            prop::sample::select(b"N\x88K\x01J]}()\x85\x86\x87tlaesud012hqR\x81bQXU\x00\x94\x93o".to_vec()),
+            0..60,
+        ),
+    ) {
+        if let Err(error) = read(stream(&pickle)) {
+            prop_assert!(matches!(error, Error::Checkpoint(_)), "{error}");
+        }
+    }
+}

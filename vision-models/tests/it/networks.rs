@@ -1,0 +1,279 @@
+//! The networks say what PyTorch says, whatever the threads and instruction set, and refuse what
+//! they cannot take.
+
+use crate::support::{input, weights};
+use ndarray::{Array4, Array5, ArrayView2, Axis, concatenate, s};
+use serde::Deserialize;
+use vision_models::{
+    Error, InstructionSet, Options, ResNet, ResNetDepth, Scores, SlowFast, SlowOnly, SlowOnlyForm,
+    SlowOnlyStream, Tensor,
+};
+
+/// The floor, as a part of the largest value.
+const TOLERANCE: f32 = 5e-6;
+
+/// One network's scores, made by `data/networks.py`.
+#[derive(Deserialize)]
+struct Golden {
+    shape: Vec<usize>,
+    classes: usize,
+    logits: Vec<f32>,
+    largest_logit: f32,
+    features: Vec<f32>,
+    largest_feature: f32,
+}
+
+impl Golden {
+    fn of(name: &str) -> Self {
+        let all = include_str!("../data/networks.json");
+        let mut all: serde_json::Map<String, serde_json::Value> =
+            serde_json::from_str(all).unwrap();
+        serde_json::from_value(all.remove(name).unwrap()).unwrap()
+    }
+
+    fn images(&self) -> Array4<f32> {
+        let [n, c, h, w] = self.shape[..] else { panic!("images") };
+        input((n, c, h, w))
+    }
+
+    fn clips(&self) -> Array5<f32> {
+        let [n, c, t, h, w] = self.shape[..] else { panic!("clips") };
+        input((n, c, t, h, w))
+    }
+
+    fn check(&self, scores: Scores<'_>) {
+        for (&value, expected) in scores.logits.iter().zip(&self.logits) {
+            let error = (value - expected).abs() / self.largest_logit;
+            assert!(error <= TOLERANCE, "logit {value} instead of {expected}");
+        }
+        for (&value, expected) in scores.features.iter().step_by(16).zip(&self.features) {
+            let error = (value - expected).abs() / self.largest_feature;
+            assert!(error <= TOLERANCE, "feature {value} instead of {expected}");
+        }
+        assert_eq!(scores.logits.len(), self.classes);
+        assert_eq!(scores.features.len().div_ceil(16), self.features.len());
+    }
+}
+
+fn options(threads: usize) -> Options {
+    Options { threads, ..Options::default() }
+}
+
+fn bits(view: ArrayView2<'_, f32>) -> Vec<u32> {
+    view.iter().map(|value| value.to_bits()).collect()
+}
+
+#[test]
+fn resnets_agree_with_pytorch() {
+    for (name, depth) in [
+        ("resnet18", ResNetDepth::Eighteen),
+        ("resnet34", ResNetDepth::ThirtyFour),
+        ("resnet50", ResNetDepth::Fifty),
+        ("resnet101", ResNetDepth::OneHundredOne),
+        ("resnet152", ResNetDepth::OneHundredFiftyTwo),
+    ] {
+        let golden = Golden::of(name);
+        let images = golden.images();
+        let (_, _, height, width) = images.dim();
+        let tensors = weights(ResNet::parameters(depth, golden.classes));
+        let mut network = ResNet::load(depth, tensors, [height, width], options(2)).unwrap();
+        golden.check(network.infer(images.view()).unwrap());
+    }
+}
+
+#[test]
+fn slow_only_agrees_with_mmaction2_and_pytorchvideo() {
+    for (name, form) in [
+        ("slowonly_mm", SlowOnlyForm::MmAction2),
+        ("slowonly_r18_mm", SlowOnlyForm::MmAction2Depth18),
+        ("slowonly_ptv", SlowOnlyForm::PyTorchVideo),
+    ] {
+        let golden = Golden::of(name);
+        let clips = golden.clips();
+        let (_, _, frames, height, width) = clips.dim();
+        let tensors = weights(SlowOnly::parameters(form, golden.classes));
+        let mut network =
+            SlowOnly::load(form, tensors, [frames, height, width], options(2)).unwrap();
+        golden.check(network.infer(clips.view()).unwrap());
+    }
+}
+
+#[test]
+fn slow_fast_agrees_with_pytorchvideo() {
+    let golden = Golden::of("slowfast_ptv");
+    let clips = golden.clips();
+    let (_, _, _, height, width) = clips.dim();
+    let tensors = weights(SlowFast::parameters(golden.classes));
+    let mut network = SlowFast::load(tensors, [height, width], options(2)).unwrap();
+    golden.check(network.infer(clips.view()).unwrap());
+}
+
+fn small(options: Options, size: [usize; 2]) -> ResNet {
+    let tensors = weights(ResNet::parameters(ResNetDepth::Eighteen, 5));
+    ResNet::load(ResNetDepth::Eighteen, tensors, size, options).unwrap()
+}
+
+#[test]
+fn every_instruction_set_agrees_with_pytorch() {
+    let golden = Golden::of("resnet18");
+    let images = golden.images();
+    let (_, _, height, width) = images.dim();
+    for instruction_set in InstructionSet::available() {
+        let tensors = weights(ResNet::parameters(ResNetDepth::Eighteen, golden.classes));
+        let options = Options { threads: 1, instruction_set };
+        let mut network =
+            ResNet::load(ResNetDepth::Eighteen, tensors, [height, width], options).unwrap();
+        golden.check(network.infer(images.view()).unwrap());
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let images: Array4<f32> = input((1, 3, 75, 64));
+    let mut one = small(options(1), [75, 64]);
+    let expected = bits(one.infer(images.view()).unwrap().logits);
+    for threads in [2, 3] {
+        let mut network = small(options(threads), [75, 64]);
+        for _ in 0..3 {
+            assert_eq!(bits(network.infer(images.view()).unwrap().logits), expected);
+        }
+    }
+}
+
+#[test]
+fn a_batch_is_its_images_in_a_row() {
+    let images: Array4<f32> = input((3, 3, 64, 64));
+    let mut network = small(options(2), [64, 64]);
+    let batch = bits(network.infer(images.view()).unwrap().features);
+    let mut single = Vec::new();
+    for index in 0..3 {
+        let image = images.slice(s![index..=index, .., .., ..]);
+        single.extend(bits(network.infer(image).unwrap().features));
+    }
+    assert_eq!(batch, single);
+}
+
+#[test]
+fn an_image_may_lie_in_memory_as_it_likes() {
+    let images: Array4<f32> = input((1, 3, 64, 64));
+    let channels_last = images.view().permuted_axes([0, 2, 3, 1]).as_standard_layout().into_owned();
+    let mut network = small(options(1), [64, 64]);
+    let expected = bits(network.infer(images.view()).unwrap().logits);
+    let seen = network.infer(channels_last.view().permuted_axes([0, 3, 1, 2])).unwrap();
+    assert_eq!(bits(seen.logits), expected);
+}
+
+/// Loaded for one size, run at another and back: the plan is made anew, the weights stay.
+#[test]
+fn the_size_may_change() {
+    let golden = Golden::of("resnet18");
+    let images = golden.images();
+    let (_, _, height, width) = images.dim();
+    let tensors = weights(ResNet::parameters(ResNetDepth::Eighteen, golden.classes));
+    let mut network = ResNet::load(ResNetDepth::Eighteen, tensors, [224, 224], options(2)).unwrap();
+    for _ in 0..2 {
+        network.infer(input((1, 3, 40, 200)).view()).unwrap();
+        golden.check(network.infer(images.slice(s![.., .., ..height, ..width])).unwrap());
+    }
+}
+
+#[test]
+fn a_stream_scores_like_the_whole_clip_bit_for_bit() {
+    let (frames, height, width) = (5, 64, 80);
+    let video: Array5<f32> = input((1, 3, frames + 4, height, width));
+    for form in [SlowOnlyForm::MmAction2, SlowOnlyForm::MmAction2Depth18] {
+        let load = || {
+            let tensors = weights(SlowOnly::parameters(form, 7));
+            SlowOnly::load(form, tensors, [frames, height, width], options(2)).unwrap()
+        };
+        let mut whole = load();
+        let mut stream = SlowOnlyStream::new(load(), [frames, height, width]).unwrap();
+        for last in 0..video.len_of(Axis(2)) {
+            let frame = video.slice(s![0, .., last, .., ..]);
+            let Some(scores) = stream.push(frame).unwrap() else {
+                assert!(last + 1 < frames);
+                continue;
+            };
+            let first = last + 1 - frames;
+            let expected = whole.infer(video.slice(s![.., .., first..=last, .., ..])).unwrap();
+            assert_eq!(bits(scores.logits), bits(expected.logits));
+            assert_eq!(bits(scores.features), bits(expected.features));
+        }
+        stream.clear();
+        assert!(stream.push(video.slice(s![0, .., 0, .., ..])).unwrap().is_none());
+    }
+}
+
+#[test]
+fn everything_wrong_with_a_checkpoint_is_listed() {
+    let mut tensors = weights(ResNet::parameters(ResNetDepth::Eighteen, 5));
+    tensors.remove("conv1.weight").unwrap();
+    tensors.remove("layer4.1.bn2.running_var").unwrap();
+    tensors.remove("fc.bias").unwrap();
+    tensors.insert("fc.bias", Tensor::new(vec![4], vec![0.0; 4]).unwrap()).unwrap();
+    let batches = Tensor::new(vec![], vec![3.0]).unwrap();
+    tensors.insert("bn1.num_batches_tracked", batches.clone()).unwrap();
+    tensors.insert("head.weight", batches).unwrap();
+    let loaded = ResNet::load(ResNetDepth::Eighteen, tensors, [224, 224], options(1));
+    let Err(Error::Weights { missing, surplus, misshapen }) = loaded else { panic!("loaded") };
+    assert_eq!(missing, ["conv1.weight [64, 3, 7, 7]", "layer4.1.bn2.running_var [512]"]);
+    assert_eq!(surplus, ["head.weight"]);
+    assert_eq!(misshapen, ["fc.bias [4] instead of [5]"]);
+}
+
+#[test]
+fn bad_inputs_are_refused_and_the_network_goes_on() {
+    let mut network = small(options(1), [64, 64]);
+    let image: Array4<f32> = input((1, 3, 64, 64));
+    let expected = bits(network.infer(image.view()).unwrap().logits);
+    for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let mut bad = image.clone();
+        bad[[0, 1, 5, 9]] = value;
+        let error = network.infer(bad.view()).unwrap_err();
+        assert!(
+            matches!(error, Error::NotFinite { index: [0, 1, 0, 5, 9], .. }),
+            "{value} gave {error}"
+        );
+    }
+    for shape in [(0, 3, 64, 64), (1, 1, 64, 64), (1, 4, 64, 64), (1, 0, 64, 64)] {
+        let error = network.infer(Array4::zeros(shape).view()).unwrap_err();
+        assert!(matches!(error, Error::InputShape { .. }), "{shape:?} gave {error}");
+    }
+    for shape in [(1, 3, 0, 64), (1, 3, 64, 0), (1, 3, 0, 0)] {
+        let error = network.infer(Array4::zeros(shape).view()).unwrap_err();
+        assert!(matches!(error, Error::InputTooSmall { .. }), "{shape:?} gave {error}");
+    }
+    assert_eq!(bits(network.infer(image.view()).unwrap().logits), expected);
+    // The smallest image there is.
+    network.infer(Array4::zeros((1, 3, 1, 1)).view()).unwrap();
+}
+
+#[test]
+fn clips_that_do_not_fit_the_head_are_refused() {
+    let form = SlowOnlyForm::PyTorchVideo;
+    let tensors = || weights(SlowOnly::parameters(form, 3));
+    let mut network = SlowOnly::load(form, tensors(), [8, 224, 224], options(1)).unwrap();
+    let short = network.infer(Array5::zeros((1, 3, 7, 200, 200)).view()).unwrap_err();
+    assert_eq!(short, Error::PoolTooSmall { axis: 0, length: 7, window: 8 });
+    let narrow = network.infer(Array5::zeros((1, 3, 8, 200, 192)).view()).unwrap_err();
+    assert_eq!(narrow, Error::PoolTooSmall { axis: 2, length: 6, window: 7 });
+    let none = network.infer(Array5::zeros((1, 3, 0, 200, 200)).view()).unwrap_err();
+    assert!(matches!(none, Error::InputTooSmall { .. }));
+}
+
+#[test]
+fn a_stream_refuses_other_frames() {
+    let form = SlowOnlyForm::MmAction2Depth18;
+    let tensors = weights(SlowOnly::parameters(form, 3));
+    let network = SlowOnly::load(form, tensors, [2, 48, 40], options(1)).unwrap();
+    let mut stream = SlowOnlyStream::new(network, [2, 48, 40]).unwrap();
+    let frame: Array4<f32> = input((1, 3, 48, 40));
+    let frame = frame.index_axis(Axis(0), 0);
+    assert!(stream.push(frame).unwrap().is_none());
+    let doubled = concatenate(Axis(1), &[frame, frame]).unwrap();
+    assert!(matches!(stream.push(doubled.view()), Err(Error::FrameShape { .. })));
+    let mut bad = frame.to_owned();
+    bad[[2, 3, 4]] = f32::NAN;
+    assert!(matches!(stream.push(bad.view()), Err(Error::NotFinite { .. })));
+    assert!(stream.push(frame).unwrap().is_some());
+}

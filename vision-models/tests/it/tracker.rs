@@ -1,0 +1,398 @@
+//! What must be true of the tracker, whatever it sees.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Isometry3, Point2, Point3, Translation3, UnitQuaternion, Vector2, Vector3, vector};
+use proptest::prelude::*;
+use vision_models::{
+    Body, Body25, BodyTracker, Confidence, Error, Keypoint, Percept, PersonPose, TrackStatus,
+    TrackerSettings,
+};
+
+const FRAME: f64 = 0.05;
+
+fn keypoint(x: f64, y: f64, z: f64) -> Keypoint {
+    let confidence = Confidence::new(0.9).unwrap();
+    Keypoint { position: Point3::new(x, y, z), confidence }
+}
+
+/// An upright person of 1.75 m with the pelvis above the origin, looking along x.
+fn person() -> Body {
+    let mut body = Body::default();
+    for (joint, x, y, z) in [
+        (Body25::Neck, 0.0, 0.0, 1.43),
+        (Body25::LeftShoulder, 0.0, 0.2, 1.43),
+        (Body25::RightShoulder, 0.0, -0.2, 1.43),
+        (Body25::MidHip, 0.0, 0.0, 0.9275),
+        (Body25::LeftHip, 0.0, 0.1, 0.9275),
+        (Body25::RightHip, 0.0, -0.1, 0.9275),
+        (Body25::LeftKnee, 0.0, 0.1, 0.49875),
+        (Body25::RightKnee, 0.0, -0.1, 0.49875),
+        (Body25::LeftAnkle, 0.0, 0.1, 0.06825),
+        (Body25::RightAnkle, 0.0, -0.1, 0.06825),
+    ] {
+        body.set(joint, Some(keypoint(x, y, z)));
+    }
+    body
+}
+
+fn on_floor(floor: Vector2<f64>, heading: f64) -> Isometry3<f64> {
+    Isometry3::from_parts(
+        Translation3::new(floor.x, floor.y, 0.0),
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading),
+    )
+}
+
+fn standing_at(floor: Vector2<f64>, heading: f64) -> Body {
+    person().transformed(&on_floor(floor, heading))
+}
+
+fn percept(time: f64, body: impl Into<Option<Body>>) -> Percept {
+    Percept { time, body: body.into(), action: None, surface: None }
+}
+
+fn tracker() -> BodyTracker {
+    BodyTracker::new(TrackerSettings::default()).unwrap()
+}
+
+/// Feeds frames `first..last` of a person whose floor position and heading are functions of time.
+fn watch(
+    tracker: &mut BodyTracker,
+    frames: std::ops::Range<u32>,
+    at: impl Fn(f64) -> (Vector2<f64>, f64),
+) {
+    for frame in frames {
+        let time = FRAME * f64::from(frame);
+        let (floor, heading) = at(time);
+        tracker.update(&percept(time, standing_at(floor, heading))).unwrap();
+    }
+}
+
+fn assert_finite(pose: &PersonPose) {
+    let values = [
+        pose.floor.x,
+        pose.floor.y,
+        pose.heading,
+        pose.velocity.x,
+        pose.velocity.y,
+        pose.heading_rate,
+    ];
+    assert!(values.iter().all(|value| value.is_finite()), "{pose:?}");
+    assert!(!pose.age.is_nan() && !pose.heading_age.is_nan());
+}
+
+#[test]
+fn a_standing_person_is_acquired_after_four_frames() {
+    let mut tracker = tracker();
+    watch(&mut tracker, 0..3, |_| (vector![2.0, 1.0], 0.5));
+    assert_eq!(tracker.predict(0.1), None);
+    watch(&mut tracker, 3..4, |_| (vector![2.0, 1.0], 0.5));
+    let pose = tracker.predict(0.15).unwrap();
+    assert!((pose.floor - Point2::new(2.0, 1.0)).norm() < 1e-12);
+    assert!((pose.heading - 0.5).abs() < 1e-12);
+    assert_eq!((pose.status, pose.age), (TrackStatus::Tracked, 0.0));
+}
+
+#[test]
+fn a_walking_and_turning_person_is_followed_without_lag() {
+    let velocity = vector![-0.6, 0.3];
+    let mut tracker = tracker();
+    watch(&mut tracker, 0..200, |t| (vector![3.0, 0.0] + velocity * t, 0.2 * t));
+    let now = 199.0 * FRAME + 0.03;
+    let pose = tracker.predict(now).unwrap();
+    assert!((pose.floor.coords - vector![3.0, 0.0] - velocity * now).norm() < 1e-3);
+    assert!((pose.velocity - velocity).norm() < 1e-3);
+    assert!((pose.heading - 0.2 * now).abs() < 1e-3);
+    assert!((pose.heading_rate - 0.2).abs() < 1e-3);
+}
+
+#[test]
+fn filtering_takes_noise_away() {
+    // A fixed sequence of errors with standard deviation 0.03 m and no correlation to speak of.
+    let mut state = 1_u32;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (f64::from(state) / f64::from(u32::MAX) - 0.5) * 0.03 * 12_f64.sqrt()
+    };
+    let mut tracker = tracker();
+    let (mut raw, mut filtered, mut count) = (0.0, 0.0, 0.0);
+    for frame in 0..400 {
+        let time = FRAME * f64::from(frame);
+        let truth = vector![3.0 - 0.3 * time, 0.2];
+        let error = vector![noise(), noise()];
+        tracker.update(&percept(time, standing_at(truth + error, PI))).unwrap();
+        if frame > 20 {
+            raw += error.norm_squared();
+            filtered += (tracker.predict(time).unwrap().floor.coords - truth).norm_squared();
+            count += 1.0;
+        }
+    }
+    let (raw, filtered) = (f64::sqrt(raw / count), f64::sqrt(filtered / count));
+    assert!(filtered < 0.75 * raw, "filtered {filtered} m, raw {raw} m");
+}
+
+#[test]
+fn a_person_who_vanishes_is_coasted_for_half_a_second_and_then_lost() {
+    let velocity = vector![0.5, 0.0];
+    let mut tracker = tracker();
+    watch(&mut tracker, 0..100, |t| (velocity * t, 0.0));
+    let seen = 99.0 * FRAME;
+    for frame in 100..160 {
+        tracker.update(&percept(FRAME * f64::from(frame), None)).unwrap();
+    }
+    let at = |age: f64| tracker.predict(seen + age).unwrap();
+    assert_eq!(at(0.1).status, TrackStatus::Tracked);
+    assert_eq!(at(0.4).status, TrackStatus::Coasting);
+    assert!((at(0.4).floor.x - 0.5 * (seen + 0.4)).abs() < 1e-3);
+    let lost = at(0.6);
+    assert_eq!((lost.status, lost.velocity), (TrackStatus::Lost, Vector2::zeros()));
+    assert_eq!(lost.floor, at(3.0).floor, "a lost person stays where coasting ended");
+    assert!((lost.floor.x - 0.5 * (seen + 0.5)).abs() < 1e-3);
+}
+
+#[test]
+fn a_short_jump_is_left_out_and_a_lasting_one_is_followed() {
+    let mut tracker = tracker();
+    watch(&mut tracker, 0..40, |_| (vector![2.0, 0.0], PI));
+    watch(&mut tracker, 40..43, |_| (vector![2.0, 2.0], PI));
+    let pose = tracker.predict(42.0 * FRAME).unwrap();
+    assert!((pose.floor - Point2::new(2.0, 0.0)).norm() < 1e-9, "three frames are an outlier");
+    watch(&mut tracker, 43..45, |_| (vector![2.0, 0.0], PI));
+    assert_eq!(tracker.predict(44.0 * FRAME).unwrap().status, TrackStatus::Tracked);
+    watch(&mut tracker, 45..49, |_| (vector![2.0, 2.0], PI));
+    let pose = tracker.predict(48.0 * FRAME).unwrap();
+    assert!((pose.floor - Point2::new(2.0, 2.0)).norm() < 1e-9, "four frames are a person");
+}
+
+#[test]
+fn scattered_outliers_never_become_a_person() {
+    let mut tracker = tracker();
+    watch(&mut tracker, 0..40, |_| (vector![2.0, 0.0], PI));
+    watch(&mut tracker, 40..60, |t| {
+        let far = if (t / FRAME).round() % 2.0 == 0.0 { 3.0 } else { -3.0 };
+        (vector![2.0, far], PI)
+    });
+    let pose = tracker.predict(60.0 * FRAME).unwrap();
+    assert_eq!(pose.status, TrackStatus::Lost);
+    assert!((pose.floor - Point2::new(2.0, 0.0)).norm() < 1e-6);
+}
+
+#[test]
+fn a_lost_person_is_taken_up_again_anywhere() {
+    let mut tracker = tracker();
+    watch(&mut tracker, 0..20, |_| (vector![2.0, 0.0], 3.0));
+    watch(&mut tracker, 60..64, |_| (vector![-1.0, 4.0], -3.0));
+    let pose = tracker.predict(63.0 * FRAME).unwrap();
+    assert_eq!(pose.status, TrackStatus::Tracked);
+    assert!((pose.floor - Point2::new(-1.0, 4.0)).norm() < 1e-9);
+    assert!((pose.heading - (TAU - 3.0)).abs() < 1e-9, "the nearest branch of -3 rad to 3 rad");
+}
+
+#[test]
+fn heading_takes_either_pair_and_holds_without() {
+    let mut tracker = tracker();
+    watch(&mut tracker, 0..20, |_| (vector![2.0, 0.0], 1.0));
+    let mut show = |frames: std::ops::Range<u32>, hidden: &[Body25]| {
+        for frame in frames {
+            let time = FRAME * f64::from(frame);
+            let mut body = standing_at(vector![2.0, 0.0], 1.0);
+            for &joint in hidden {
+                body.set(joint, None);
+            }
+            tracker.update(&percept(time, body)).unwrap();
+        }
+        tracker.clone()
+    };
+    let pose = show(20..40, &[Body25::LeftShoulder]).predict(39.0 * FRAME).unwrap();
+    assert!((pose.heading - 1.0).abs() < 1e-9 && pose.heading_age == 0.0);
+    let pose = show(40..60, &[Body25::RightHip]).predict(59.0 * FRAME).unwrap();
+    assert!((pose.heading - 1.0).abs() < 1e-9 && pose.heading_age == 0.0);
+    let pose =
+        show(60..80, &[Body25::RightHip, Body25::LeftShoulder]).predict(79.0 * FRAME).unwrap();
+    assert!((pose.heading - 1.0).abs() < 1e-9, "held");
+    assert!((pose.heading_age - 1.0).abs() < 1e-9);
+    assert_eq!((pose.status, pose.heading_rate), (TrackStatus::Tracked, 0.0));
+}
+
+#[test]
+fn a_single_frame_seen_from_behind_does_not_turn_the_person() {
+    let mut tracker = tracker();
+    watch(&mut tracker, 0..40, |_| (vector![2.0, 0.0], 0.0));
+    watch(&mut tracker, 40..42, |_| (vector![2.0, 0.0], PI));
+    assert!(tracker.predict(41.0 * FRAME).unwrap().heading.abs() < 1e-9);
+    watch(&mut tracker, 42..44, |_| (vector![2.0, 0.0], PI));
+    let heading = tracker.predict(43.0 * FRAME).unwrap().heading;
+    assert!((heading.abs() - PI).abs() < 1e-9, "four frames are a turn, {heading}");
+}
+
+#[test]
+fn stature_comes_from_the_legs() {
+    let mut tracker = tracker();
+    watch(&mut tracker, 0..10, |_| (vector![2.0, 0.0], 0.0));
+    assert_eq!(tracker.stature(), None);
+    watch(&mut tracker, 10..40, |_| (vector![2.0, 0.0], 0.0));
+    let estimate = tracker.stature().unwrap();
+    assert!((estimate.stature - 1.75).abs() < 1e-3, "{estimate:?}");
+    assert_eq!(estimate.frames, 40);
+}
+
+#[test]
+fn wrong_time_stamps_are_refused_and_change_nothing() {
+    let mut tracker = tracker();
+    watch(&mut tracker, 0..10, |_| (vector![2.0, 0.0], 0.0));
+    let before = tracker.predict(0.5);
+    let body = || standing_at(vector![2.0, 0.1], 0.0);
+    assert!(matches!(tracker.update(&percept(f64::NAN, body())), Err(Error::Time { .. })));
+    assert_eq!(
+        tracker.update(&percept(0.45, body())),
+        Err(Error::TimeOrder { time: 0.45, previous: 9.0 * FRAME })
+    );
+    assert_eq!(tracker.predict(0.5), before);
+}
+
+#[test]
+fn wrong_settings_are_refused_by_name() {
+    let base = TrackerSettings::default;
+    for (name, settings) in [
+        ("least_confidence", TrackerSettings { least_confidence: 1.5, ..base() }),
+        ("position_sigma", TrackerSettings { position_sigma: 0.0, ..base() }),
+        ("acceleration_density", TrackerSettings { acceleration_density: f64::NAN, ..base() }),
+        ("max_speed", TrackerSettings { max_speed: -1.0, ..base() }),
+        ("gate", TrackerSettings { gate: f64::INFINITY, ..base() }),
+        ("acquire_frames", TrackerSettings { acquire_frames: 0, ..base() }),
+        ("coast_limit", TrackerSettings { coast_limit: 0.6, ..base() }),
+        ("tracked_age", TrackerSettings { tracked_age: 0.7, ..base() }),
+    ] {
+        match BodyTracker::new(settings) {
+            Err(Error::Setting { name: found, .. }) => assert_eq!(found, name),
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+}
+
+/// A coordinate as cameras, files and bugs give it.
+fn any_coordinate() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        4 => -5.0..5.0_f64,
+        1 => prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(f64::MAX), Just(-f64::MAX)],
+        1 => any::<f64>(),
+    ]
+}
+
+fn any_body() -> impl Strategy<Value = Body> {
+    let joint = prop::option::weighted(
+        0.8,
+        (any_coordinate(), any_coordinate(), any_coordinate(), 0.0..=1.0_f64).prop_map(
+            |(x, y, z, confidence)| Keypoint {
+                position: Point3::new(x, y, z),
+                confidence: Confidence::new(confidence).unwrap(),
+            },
+        ),
+    );
+    prop::collection::vec(joint, 25).prop_map(|joints| Body::new(joints.try_into().unwrap()))
+}
+
+/// A person who walks, with a constant velocity and turning rate for each half second.
+fn any_walk() -> impl Strategy<Value = Vec<(Vector2<f64>, f64)>> {
+    let leg = (-1.0..1.0_f64, -1.0..1.0_f64, -2.0..2.0_f64);
+    (prop::collection::vec(leg, 1..12), -PI..PI).prop_map(|(legs, heading)| {
+        let mut pose = (vector![1.5, 0.0], heading);
+        legs.into_iter()
+            .flat_map(|leg| std::iter::repeat_n(leg, 10))
+            .map(|(vx, vy, rate)| {
+                pose = (pose.0 + vector![vx, vy] * FRAME, pose.1 + rate * FRAME);
+                pose
+            })
+            .collect()
+    })
+}
+
+proptest! {
+    #[test]
+    fn never_nan_whatever_the_input(
+        frames in prop::collection::vec((prop::option::weighted(0.9, any_body()), 1e-3..0.4_f64), 1..60),
+        real_people in prop::collection::vec(any::<bool>(), 60),
+        now in any::<f64>(),
+    ) {
+        let mut tracker = tracker();
+        let mut time = 0.0;
+        for ((body, step), real) in frames.into_iter().zip(real_people) {
+            time += step;
+            let body = if real { Some(standing_at(vector![1.0, 0.5], 3.0)) } else { body };
+            tracker.update(&percept(time, body)).unwrap();
+            for at in [time, time + 0.3, time + 10.0, now, f64::NAN, f64::INFINITY, -f64::MAX] {
+                if let Some(pose) = tracker.predict(at) {
+                    assert_finite(&pose);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn coasting_is_bounded(walk in any_walk(), after in 0.0..1e6_f64) {
+        let settings = TrackerSettings::default();
+        let mut tracker = tracker();
+        for (frame, &(floor, heading)) in (0..).zip(&walk) {
+            tracker.update(&percept(FRAME * f64::from(frame), standing_at(floor, heading))).unwrap();
+        }
+        let last = FRAME * (walk.len() - 1) as f64;
+        let (seen, later) = (tracker.predict(last).unwrap(), tracker.predict(last + after).unwrap());
+        let reach = settings.max_speed * settings.coast_limit;
+        prop_assert!((later.floor - seen.floor).norm() <= reach + 1e-9);
+        prop_assert!(
+            (later.heading - seen.heading).abs()
+                <= settings.max_turning_rate * settings.turn_limit + 1e-9
+        );
+        prop_assert_eq!(later.status == TrackStatus::Lost, later.age > settings.coast_limit);
+    }
+
+    /// Move and turn the whole world: the pose moves and turns with it.
+    #[test]
+    fn tracking_is_invariant_to_where_the_world_is(
+        walk in any_walk(), x in -10.0..10.0_f64, y in -10.0..10.0_f64, turn in -PI..PI,
+    ) {
+        let motion = on_floor(vector![x, y], turn);
+        let (mut here, mut there) = (tracker(), tracker());
+        let mut branch = None;
+        for (frame, &(floor, heading)) in (0..).zip(&walk) {
+            let time = FRAME * f64::from(frame);
+            let body = standing_at(floor, heading);
+            there.update(&percept(time, body.transformed(&motion))).unwrap();
+            here.update(&percept(time, body)).unwrap();
+            let now = time + 0.02;
+            prop_assert_eq!(here.predict(now).is_some(), there.predict(now).is_some());
+            if let (Some(here), Some(there)) = (here.predict(now), there.predict(now)) {
+                let moved = motion * Point3::new(here.floor.x, here.floor.y, 0.0);
+                prop_assert!((there.floor - moved.xy()).norm() < 1e-9);
+                let turned = motion.rotation * here.velocity.push(0.0);
+                prop_assert!((there.velocity - turned.xy()).norm() < 1e-9);
+                // The same up to a whole number of turns, and always the same number.
+                let turns = (there.heading - here.heading - turn) / TAU;
+                prop_assert!((turns - turns.round()).abs() < 1e-9);
+                prop_assert!((turns - *branch.get_or_insert(turns)).abs() < 1e-9);
+                prop_assert_eq!(here.status, there.status);
+            }
+        }
+    }
+
+    /// However often the person turns round, the heading goes on from frame to frame.
+    #[test]
+    fn heading_is_continuous_through_half_turns(rate in -2.5..2.5_f64, start in -PI..PI) {
+        let mut tracker = tracker();
+        let mut before: Option<(f64, f64)> = None;
+        for frame in 0..200 {
+            let time = FRAME * f64::from(frame);
+            let truth = start + rate * time;
+            tracker.update(&percept(time, standing_at(vector![1.0, 1.0], truth))).unwrap();
+            let Some(pose) = tracker.predict(time) else { continue };
+            if let Some((heading, offset)) = before {
+                prop_assert!((pose.heading - heading).abs() < 0.6);
+                prop_assert!((pose.heading - truth - offset).abs() < 0.6, "no turn is lost");
+            }
+            let offset = before.map_or(((pose.heading - truth) / TAU).round() * TAU, |(_, o)| o);
+            before = Some((pose.heading, offset));
+        }
+        let (heading, offset) = before.unwrap();
+        prop_assert!((heading - offset - (start + rate * 199.0 * FRAME)).abs() < 0.02);
+    }
+}
