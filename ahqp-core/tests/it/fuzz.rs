@@ -1,4 +1,5 @@
-//! Malformed and extreme problems: never a panic, never an answer that is silently wrong.
+//! Malformed and extreme problems: never a panic, and every answer is finite and within the hard rows.
+//! That answers are optimal is checked on sound data, by the properties and the certificate.
 //!
 //! `cargo test -p ahqp-core --test it fuzz` throws a few thousand problems at the solver;
 //! `AHQP_CASES=100000 cargo test --release -p ahqp-core --test it fuzz` as many as one likes.

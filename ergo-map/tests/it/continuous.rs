@@ -1,6 +1,8 @@
 //! The continuous scores against the integer one.
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 
+use std::f64::consts::PI;
+
 use crate::support::Random;
 use ergo_map::{
     ActionLevel, Conditions, ContinuousReba, Coupling, ErgonomicsMap, Error, LegSupport,
@@ -196,9 +198,25 @@ proptest! {
         let [a, b] = [angles, moved].map(|q| {
             ergonomics_score(&Posture::from_array(q), &conditions, Mode::Graded)
         });
-        // The steepest curve rises by .7 in 6°, and table B by at most 3 a class.
-        prop_assert!((a - b).abs() < 14.0 * 3.0 * 7.0 * 1e-4);
+        let way: f64 = motion.iter().map(|angle| angle.abs()).sum();
+        prop_assert!((a - b).abs() <= STEEPEST * way + 1e-12, "{} over {way}", a - b);
     }
+}
+
+/// By how much the score rises with one angle at most \[1/rad\]. The upper arm's curve rises by 0.4
+/// in 8°, table B by at most 3 a class, and the arms are one of the four parts of the mean.
+const STEEPEST: f64 = 0.4 / (8.0 * PI / 180.0) * 3.0 / 4.0;
+
+#[test]
+fn the_steepest_slope_is_not_far_from_its_bound() {
+    // The knee's curve rises by 0.7 from 30° to 36°.
+    let score = |degrees: f64| {
+        let posture = Posture { knee_flexion: degrees.to_radians(), ..Posture::default() };
+        ergonomics_score(&posture, &Conditions::default(), Mode::Graded)
+    };
+    let slope = (score(35.0) - score(31.0)) / 4.0_f64.to_radians();
+    assert!((slope - 0.7 / 6.0_f64.to_radians() / 4.0).abs() < 1e-9, "{slope}");
+    assert!(slope > 0.7 * STEEPEST && slope < STEEPEST, "{slope} of {STEEPEST}");
 }
 
 #[test]
