@@ -3,6 +3,7 @@
 
 mod assessment;
 mod body;
+mod built_map;
 mod contour;
 mod error;
 mod manikin;
@@ -15,12 +16,13 @@ mod table;
 use ergo_map::Side;
 
 pub use assessment::Assessment;
+pub use built_map::build_map;
 pub use error::ErgonomicsError;
 pub use manikin::manikin;
 pub use map_report::MapReport;
 pub use slices::slices;
 pub use study::{ACCEPTABLE, Acceptable, MapStudy};
-pub use table::{Cell, Column, Sheet, TableError, score_table};
+pub use table::{Cell, Column, Sheet, SheetTable, TableError, Unknown};
 
 fn side_name(side: Side) -> &'static str {
     match side {

@@ -1,12 +1,14 @@
 //! The simulation behind the program `follow`: a recording, the controller at 1 kHz and the
 //! simulated robot, closed in a loop.
 
+mod comparison;
 mod limits;
 mod run;
 mod scoring;
 mod summary;
 
+pub use comparison::Comparison;
 pub use limits::{LimitMonitor, Margins};
 pub use run::{Run, Scenario};
 pub use scoring::{HandScore, Scorer};
-pub use summary::{Comparison, Summary};
+pub use summary::Summary;

@@ -10,11 +10,14 @@
 //! ```
 
 mod error;
+mod reason;
 mod tokens;
 
 use std::io::BufRead;
 
 use ahqp_core::{Hierarchy, Level, Rows};
+
+use crate::program::{WithoutMark, without_byte_order_mark};
 
 pub use error::HqpError;
 use tokens::{Number, Tokens};
@@ -35,6 +38,17 @@ pub struct Problem {
     pub name: String,
     /// The problem itself.
     pub hierarchy: Hierarchy,
+    /// Where its levels stand in the file.
+    lines: Lines,
+}
+
+/// The lines on which the levels of a problem begin.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+struct Lines {
+    /// Of the level that has become the bounds of the variables.
+    bounds: Option<usize>,
+    /// Of each level of the hierarchy.
+    levels: Vec<usize>,
 }
 
 /// Reads the problems of a set one by one, from text that is not held in memory.
@@ -43,7 +57,7 @@ pub struct Problem {
 /// ends.
 #[derive(Debug)]
 pub struct HqpReader<R> {
-    tokens: Tokens<R>,
+    tokens: Tokens<WithoutMark<R>>,
     name: String,
     count: usize,
     read: usize,
@@ -56,6 +70,8 @@ impl<R: BufRead> HqpReader<R> {
     /// # Errors
     /// [`HqpError`] when the header is not one.
     pub fn new(input: R) -> Result<Self, HqpError> {
+        let input =
+            without_byte_order_mark(input).map_err(|source| HqpError::Io { line: 1, source })?;
         let mut tokens = Tokens::new(input);
         tokens.keyword("hqpset", "the file")?;
         let name = tokens.word("the NAME of the set")?;
@@ -84,7 +100,7 @@ impl<R: BufRead> HqpReader<R> {
         for level in 0..levels {
             builder.level(level, tokens)?;
         }
-        Ok(Problem { index, name, hierarchy: builder.hierarchy })
+        Ok(Problem { index, name, hierarchy: builder.hierarchy, lines: builder.lines })
     }
 }
 
@@ -126,16 +142,19 @@ struct Bound {
 /// Builds one hierarchy from the tokens of its levels.
 struct Builder {
     hierarchy: Hierarchy,
+    lines: Lines,
     coefficients: usize,
 }
 
 impl Builder {
     fn new(variables: usize) -> Result<Self, HqpError> {
-        Ok(Self { hierarchy: Hierarchy::new(variables)?, coefficients: 0 })
+        let hierarchy = Hierarchy::new(variables)?;
+        Ok(Self { hierarchy, lines: Lines::default(), coefficients: 0 })
     }
 
     fn level<R: BufRead>(&mut self, level: usize, tokens: &mut Tokens<R>) -> Result<(), HqpError> {
         tokens.keyword("level", "a level")?;
+        let line = tokens.line();
         let kind = tokens.choice("KIND", [("B", Kind::Bounds), ("G", Kind::General)])?;
         let hard = tokens.choice("HARD", [("0", false), ("1", true)])?;
         let count = tokens.count("the number of rows")?;
@@ -144,6 +163,7 @@ impl Builder {
             Kind::Bounds => {
                 let bounds = self.bounds(count, tokens)?;
                 if level == 0 && hard && self.set_bounds(&bounds) {
+                    self.lines.bounds = Some(line);
                     return Ok(());
                 }
                 self.unit_rows(&bounds)
@@ -154,6 +174,7 @@ impl Builder {
         } else {
             Level::least_squares(rows)
         })?;
+        self.lines.levels.push(line);
         Ok(())
     }
 

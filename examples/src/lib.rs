@@ -1,8 +1,10 @@
-//! What the programs `follow` and `record` are made of.
+//! What the programs of this package are made of.
 
 pub mod ergonomics;
 pub mod follow;
 pub mod hqp_file;
+pub mod hqp_solving;
+pub mod program;
 mod random;
 pub mod recording;
 pub mod report;

@@ -7,9 +7,11 @@
 //! the person truly is, with formulas of its own.
 //!
 //! ```
+//! use std::ops::ControlFlow;
+//!
 //! use examples::soak::Soak;
 //!
-//! let summary = Soak::new(1, 500)?.run(|_| {})?;
+//! let summary = Soak::new(1, 500)?.run(|_| ControlFlow::Continue(()))?;
 //! assert_eq!(summary.counts.infeasible, 0);
 //! assert_eq!(summary.ticks, 500);
 //! # Ok::<(), anyhow::Error>(())
@@ -25,6 +27,7 @@ mod person;
 mod separation;
 mod summary;
 mod task;
+mod tick_times;
 
 pub use monitor::{Counts, Monitor, Tick};
 pub use summary::{Soak, Summary};

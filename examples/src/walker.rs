@@ -127,6 +127,14 @@ impl Walker {
         &self.settings
     }
 
+    /// How many frames the camera takes, lost ones included.
+    pub fn expected_frames(&self) -> u64 {
+        // The duration lies between 0 and an hour.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
+        let frames = (self.settings.duration * RATE) as u64;
+        frames + 1
+    }
+
     /// Writes the rest of the walk as a recording; the number of its frames.
     ///
     /// # Errors

@@ -2,8 +2,9 @@
 
 use std::{
     fs::{self, File},
-    io::BufReader,
+    io::{BufReader, Write},
     path::{Path, PathBuf},
+    process::ExitCode,
     time::Instant,
 };
 
@@ -13,8 +14,12 @@ use ergo_map::{
     ErgonomicsMap, MapOptions, MeasuredOptions, MeasuredSample, Mode, Person, Segments, Side,
     read_samples,
 };
-use examples::ergonomics::{ACCEPTABLE, Assessment, MapReport, MapStudy, manikin, slices};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use examples::ergonomics::{
+    ACCEPTABLE, Assessment, ErgonomicsError, MapReport, MapStudy, build_map, manikin, slices,
+};
+use examples::program::{
+    self, Ending, Json, OutputFile, Program, Quiet, Session, check_folder, thread_count,
+};
 use nalgebra::Vector3;
 
 /// Builds the ergonomics map of a person, fits its quadratic, and shows both.
@@ -54,9 +59,16 @@ struct Options {
     /// Highest e_s that counts as acceptable.
     #[arg(long, default_value_t = ACCEPTABLE)]
     acceptable: f64,
-    /// The folder for what is written.
+    /// Threads that share the work, 1 to 1024 [default: one for each core].
+    #[arg(long, value_name = "COUNT", value_parser = thread_count())]
+    threads: Option<u16>,
+    /// The folder for what is written, made if it is not there.
     #[arg(long, short, value_name = "FOLDER")]
     output: PathBuf,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -72,49 +84,64 @@ enum Hand {
     Right,
 }
 
-fn main() -> Result<()> {
-    let options = Options::parse();
-    let started = Instant::now();
-    let map = map(&options)?;
-    let seconds = started.elapsed().as_secs_f64();
-    let person = person(&options, map.stature())?;
-    let study = MapStudy::new(map, person, options.acceptable)?;
-    // Before anything is written, so that nothing is left behind by a wrong option.
-    let wanted = match &options.hand_at {
-        Some(hand) => Some(Assessment::new(&study.map, &study.person, hand).context("--hand-at")?),
-        None => None,
-    };
-    let validation = match &options.validate {
-        Some(path) => {
-            let recorded = samples(path)?;
-            Some(study.map.validate(&recorded).with_context(|| path.display().to_string())?)
-        }
-        None => None,
-    };
-    let report = MapReport::new(&study, validation.as_ref());
+impl Program for Options {
+    fn quiet(&self) -> Quiet {
+        self.quiet
+    }
 
-    let folder = Folder::new(&options.output)?;
-    if options.load.is_none() {
-        study.map.save(folder.path("person.ergomap"))?;
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        check_folder(&self.output)?;
+        let started = Instant::now();
+        let map = map(&self, session)?;
+        let seconds = started.elapsed().as_secs_f64();
+        let person = person(&self, map.stature())?;
+        let study = MapStudy::new(map, person, self.acceptable)?;
+        // Before anything is written, so that nothing is left behind by a wrong option.
+        let wanted = match &self.hand_at {
+            Some(hand) => {
+                Some(Assessment::new(&study.map, &study.person, hand).context("--hand-at")?)
+            }
+            None => None,
+        };
+        let validation = match &self.validate {
+            Some(path) => {
+                let validated = study.map.validate(&samples(path)?);
+                let shown = || path.display().to_string();
+                Some(validated.map_err(ErgonomicsError::from).with_context(shown)?)
+            }
+            None => None,
+        };
+        let report = MapReport::new(&study, validation.as_ref());
+        session.interrupt().check()?;
+
+        let side = study.map.side();
+        let mut folder = Folder::new(&self.output)?;
+        if self.load.is_none() {
+            folder.write("person.ergomap", &study.map.to_bytes())?;
+        }
+        folder.write("report.txt", report.to_string().as_bytes())?;
+        folder.write("report.json", report.json()?.as_bytes())?;
+        folder.write("slices.svg", slices(&study)?.as_bytes())?;
+        folder.write("manikin.svg", manikin(&study.optimum, &study.person, side)?.as_bytes())?;
+        if let Some(wanted) = &wanted {
+            folder.write("manikin-at.svg", manikin(wanted, &study.person, side)?.as_bytes())?;
+        }
+        folder.keep()?;
+        let output = session.output();
+        write!(output, "{report}")?;
+        writeln!(output, "{:<34}{seconds:.2}", "the map took [s]")?;
+        writeln!(output, "written to {}", self.output.display())?;
+        session.print_json(self.json, &report, Ending::Complete)?;
+        Ok(Ending::Complete)
     }
-    folder.write("report.txt", &report.to_string())?;
-    folder.write("report.json", &report.json()?)?;
-    folder.write("slices.svg", &slices(&study)?)?;
-    let side = study.map.side();
-    folder.write("manikin.svg", &manikin(&study.optimum, &study.person, side)?)?;
-    if let Some(wanted) = &wanted {
-        folder.write("manikin-at.svg", &manikin(wanted, &study.person, side)?)?;
-    }
-    print!("{report}");
-    println!("{:<34}{seconds:.2}", "the map took [s]");
-    println!("written to {}", options.output.display());
-    Ok(())
 }
 
 /// The map that the options ask for.
-fn map(options: &Options) -> Result<ErgonomicsMap> {
+fn map(options: &Options, session: &Session) -> Result<ErgonomicsMap> {
     if let Some(path) = &options.load {
-        return Ok(ErgonomicsMap::load(path)?);
+        let shown = path.display();
+        let bytes = fs::read(path).with_context(|| format!("cannot read {shown}"))?;
+        return ErgonomicsMap::from_bytes(&bytes).with_context(|| shown.to_string());
     }
     let stature = match options.preset {
         Some(Preset::Short) => Person::short().stature(),
@@ -132,21 +159,11 @@ fn map(options: &Options) -> Result<ErgonomicsMap> {
         // As many neighbours around a node whatever the spacing.
         let radius = usual.radius * spacing / usual.spacing;
         let measured = MeasuredOptions { side, spacing, radius, ..usual };
-        return ErgonomicsMap::from_samples(stature, &samples(path)?, &measured)
-            .with_context(|| path.display().to_string());
+        let made = ErgonomicsMap::from_samples(stature, &samples(path)?, &measured);
+        return made.map_err(ErgonomicsError::from).with_context(|| path.display().to_string());
     }
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %  {elapsed}")?;
-    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())
-        .with_style(style)
-        .with_message("map of the person");
-    let progress = |done: usize, all: usize| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-    };
     let built = MapOptions { side, spacing, mode: Mode::Graded, ..MapOptions::default() };
-    let map = ErgonomicsMap::build(&person, &built, Some(&progress))?;
-    bar.finish_and_clear();
-    Ok(map)
+    build_map(session, &person, &built, options.threads)
 }
 
 fn person(options: &Options, stature: f64) -> Result<Person> {
@@ -160,7 +177,8 @@ fn person(options: &Options, stature: f64) -> Result<Person> {
 fn samples(path: &Path) -> Result<Vec<MeasuredSample>> {
     let shown = path.display();
     let file = File::open(path).with_context(|| format!("cannot open {shown}"))?;
-    read_samples(BufReader::new(file)).with_context(|| shown.to_string())
+    let read = read_samples(BufReader::new(file)).map_err(ErgonomicsError::from);
+    read.with_context(|| shown.to_string())
 }
 
 fn point(text: &str) -> Result<Vector3<f64>> {
@@ -200,22 +218,31 @@ fn segments(text: &str) -> Result<Segments> {
     Ok(segments)
 }
 
-/// The folder for what is written.
-struct Folder<'a>(&'a Path);
+/// The folder for what is written, and its files before they are put in their places together.
+struct Folder<'a> {
+    path: &'a Path,
+    files: Vec<OutputFile>,
+}
 
 impl<'a> Folder<'a> {
     fn new(path: &'a Path) -> Result<Self> {
         fs::create_dir_all(path)
             .with_context(|| format!("cannot make the folder {}", path.display()))?;
-        Ok(Self(path))
+        Ok(Self { path, files: Vec::new() })
     }
 
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
+    fn write(&mut self, name: &str, contents: &[u8]) -> Result<()> {
+        let mut file = OutputFile::create(self.path.join(name))?;
+        file.push(contents)?;
+        self.files.push(file);
+        Ok(())
     }
 
-    fn write(&self, name: &str, text: &str) -> Result<()> {
-        let path = self.path(name);
-        fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+    fn keep(self) -> Result<()> {
+        Ok(self.files.into_iter().try_for_each(OutputFile::keep)?)
     }
+}
+
+fn main() -> ExitCode {
+    program::main::<Options>()
 }

@@ -2,18 +2,23 @@
 //! ergonomics and without.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use clap::Parser;
-use ergo_map::{ErgonomicsMap, MapOptions, Person};
+use ergo_map::{MapOptions, Person};
+use examples::ergonomics::build_map;
 use examples::follow::{Comparison, Run, Scenario, Summary};
+use examples::program::{
+    self, Ending, Json, OutputFile, Program, Progress, Quiet, Session, check_folder,
+};
 use examples::recording::{self, Reader};
 use examples::report::{RunLog, TickRow, TickTable, figure};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use moca_model::Goal;
 use vision_models::Percept;
 
@@ -22,75 +27,109 @@ const DEFAULT_STATURE: f64 = 1.75;
 /// Ticks that travel to the report together.
 const BATCH: usize = 512;
 
+/// Lets the simulated robot MOCA follow a recorded person at 1 kHz, once with ergonomics and once
+/// without, and compares the two.
+///
+/// Prints how good the person's posture was, how well the robot tracked, what was left of its
+/// limits, and how long a control period took; writes a figure and a table of every period into the
+/// report's folder. Ctrl-C ends early and keeps what there is, in files named *.partial.*.
 #[derive(Debug, Parser)]
-#[command(version, about)]
+#[command(version)]
 struct Options {
-    /// Play this recording (JSON Lines, see the book) instead of the one that is shipped
+    /// Play this recording (JSON Lines, as `record` makes them) instead of the one that is built in.
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
-
-    /// Stature of the person in metres, in place of the recording's
+    /// Stature of the person in metres, in place of the recording's.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     stature: Option<f64>,
-
-    /// Keep people at their protective distances, by stops where there is no other way
+    /// Keep people at their protective distances, by stops where there is no other way.
     #[arg(long)]
     separation: bool,
-
-    /// Folder for the report
-    #[arg(long, value_name = "FOLDER", default_value = "report")]
-    report: PathBuf,
-
-    /// Write no report
-    #[arg(long)]
+    /// The report's folder, made if it is not there: follow.svg, ticks-on.csv and ticks-off.csv.
+    #[arg(long, short, alias = "report", value_name = "FOLDER", default_value = "report")]
+    output: PathBuf,
+    /// Write no report.
+    #[arg(long, alias = "no-output", conflicts_with = "output")]
     no_report: bool,
-
-    /// Print the summary as one JSON object on the last line
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
-fn main() -> Result<()> {
-    let options = Options::parse();
-    let scenario = load(&options)?;
-    if !options.no_report {
-        fs::create_dir_all(&options.report)
-            .with_context(|| format!("making the folder {}", options.report.display()))?;
-    }
-    let (on, log_on) = play(&scenario, &options, Goal::Ergonomics, "Ergonomics on", "on")?;
-    let (off, log_off) = play(&scenario, &options, Goal::LeastMotion, "Ergonomics off", "off")?;
-    let comparison = Comparison { on, off };
-    println!("{comparison}");
-    if let (Some(on), Some(off)) = (log_on, log_off) {
-        let path = options.report.join("follow.svg");
-        fs::write(&path, figure(&[&on, &off])?)
-            .with_context(|| format!("writing {}", path.display()))?;
-        println!("report: {}", options.report.display());
-    }
-    if options.json {
-        println!("{}", comparison.json()?);
-    }
-    Ok(())
+/// A run that has been played, and what the figure needs of it.
+struct Played {
+    summary: Summary,
+    log: Option<RunLog>,
 }
 
-fn load(options: &Options) -> Result<Scenario> {
-    let (percepts, recorded) = match &options.recording {
-        Some(path) => {
-            read(recording::open(path)?).with_context(|| format!("reading {}", path.display()))?
+impl Program for Options {
+    fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        let folder = (!self.no_report).then_some(self.output.as_path());
+        if let Some(folder) = folder {
+            check_folder(folder)?;
         }
-        None => read(recording::shipped()?)?,
-    };
-    let stature = options.stature.or(recorded).unwrap_or(DEFAULT_STATURE);
-    let person = Person::new(stature)?;
-    let bar = progress("map of the person");
-    let report = |done: usize, all: usize| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-    };
-    let map = ErgonomicsMap::build(&person, &MapOptions::default(), Some(&report))?;
-    bar.finish_and_clear();
-    let scenario = Scenario::new(percepts, &person, map)?;
-    Ok(if options.separation { scenario.with_separation() } else { scenario })
+        let scenario = self.load(session)?;
+        if let Some(folder) = folder {
+            fs::create_dir_all(folder)
+                .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        }
+        let play = |goal, title, name| {
+            let table = folder.map(|folder| folder.join(format!("ticks-{name}.csv")));
+            play(session, &scenario, goal, title, table.as_deref())
+        };
+        let on = play(Goal::Ergonomics, "Ergonomics on", "on")?;
+        let off = match on.summary.ending {
+            Ending::Complete => Some(play(Goal::LeastMotion, "Ergonomics off", "off")?),
+            _ => None,
+        };
+        let logs: Vec<&RunLog> = [Some(&on), off.as_ref()]
+            .into_iter()
+            .flatten()
+            .filter_map(|p| p.log.as_ref())
+            .collect();
+        let comparison =
+            Comparison { on: on.summary.clone(), off: off.as_ref().map(|off| off.summary.clone()) };
+        let ending = comparison.ending();
+        // Before anything is printed: a reader who goes away loses nothing of the report.
+        if let Some(folder) = folder
+            && comparison.on.duration > 0.0
+        {
+            let mut file = OutputFile::create(folder.join("follow.svg"))?;
+            file.push(figure(&logs)?.as_bytes())?;
+            if ending == Ending::Partial { file.keep_partial().map(drop) } else { file.keep() }?;
+        }
+        if ending == Ending::Partial {
+            session.warn("interrupted: what follows is of the time up to there");
+        }
+        writeln!(session.output(), "{comparison}")?;
+        if let Some(folder) = folder {
+            writeln!(session.output(), "report: {}", folder.display())?;
+        }
+        session.print_json(self.json, &comparison, ending)?;
+        Ok(ending)
+    }
+}
+
+impl Options {
+    fn load(&self, session: &Session) -> Result<Scenario> {
+        let (percepts, recorded) = match &self.recording {
+            Some(path) => {
+                let frames = recording::open(path).map_err(anyhow::Error::from).and_then(read);
+                frames.with_context(|| path.display().to_string())?
+            }
+            None => read(recording::shipped()?)?,
+        };
+        let stature = self.stature.or(recorded).unwrap_or(DEFAULT_STATURE);
+        let person = Person::new(stature)?;
+        let map = build_map(session, &person, &MapOptions::default(), None)?;
+        let scenario = Scenario::new(percepts, &person, map)?;
+        Ok(if self.separation { scenario.with_separation() } else { scenario })
+    }
 }
 
 /// The camera frames, and the person's stature if the recording says it.
@@ -101,48 +140,57 @@ fn read<R: std::io::BufRead>(reader: Reader<R>) -> Result<(Vec<Percept>, Option<
     Ok((percepts, stature))
 }
 
-/// One run; the report is written beside it in another thread, so that the loop only computes.
+/// One run; its table is written beside it in another thread, so that the loop only computes.
 fn play(
+    session: &Session,
     scenario: &Scenario,
-    options: &Options,
     goal: Goal,
     title: &str,
-    name: &str,
-) -> Result<(Summary, Option<RunLog>)> {
-    let run = Run::new(scenario, goal)?;
-    let bar = progress(title);
+    table: Option<&Path>,
+) -> Result<Played> {
+    let run = Run::new(scenario, goal)?.until(session.interrupt().clone());
     // A tick a millisecond.
     let ticks = Duration::from_secs_f64(scenario.duration()).as_millis();
-    bar.set_length(u64::try_from(ticks).unwrap_or(u64::MAX));
-    if options.no_report {
-        let summary = run.play(counting(&bar, |_| Ok(())))?;
-        bar.finish_and_clear();
-        return Ok((summary, None));
-    }
-    let path = options.report.join(format!("ticks-{name}.csv"));
+    let progress = session.progress(title, u64::try_from(ticks).unwrap_or(u64::MAX));
+    let Some(path) = table else {
+        let summary = run.play(counting(&progress, |_| Ok(())))?;
+        return Ok(Played { summary, log: None });
+    };
+    let file = OutputFile::create(path)?;
     thread::scope(|scope| {
         let (sender, receiver) = sync_channel::<Vec<TickRow>>(64);
-        let writer = scope.spawn(move || write_ticks(&path, title, &receiver));
+        let writer = scope.spawn(move || write_ticks(file, title, &receiver));
         let mut batch = Vec::with_capacity(BATCH);
-        let played = run.play(counting(&bar, |row| {
+        let played = run.play(counting(&progress, |row| {
             batch.push(row.clone());
             if batch.len() == BATCH {
                 let full = std::mem::replace(&mut batch, Vec::with_capacity(BATCH));
-                // A writer that has failed says why when it is joined.
-                let _ = sender.send(full);
+                if sender.send(full).is_err() {
+                    bail!("the table is not written on");
+                }
             }
             Ok(())
         }));
+        // A writer that has failed says why when it is joined.
         let _ = sender.send(batch);
         drop(sender);
-        let log = writer.join().map_err(|_| anyhow::anyhow!("the report's writer panicked"))??;
-        bar.finish_and_clear();
-        Ok((played?, Some(log)))
+        let written = writer.join().map_err(|_| anyhow::anyhow!("the table's writer panicked"))?;
+        let (file, log) = written?;
+        let summary = played?;
+        match summary.ending {
+            Ending::Partial => file.keep_partial().map(drop)?,
+            _ => file.keep()?,
+        }
+        Ok(Played { summary, log: Some(log) })
     })
 }
 
-fn write_ticks(path: &Path, title: &str, receiver: &Receiver<Vec<TickRow>>) -> Result<RunLog> {
-    let mut table = TickTable::create(path)?;
+fn write_ticks(
+    file: OutputFile,
+    title: &str,
+    receiver: &Receiver<Vec<TickRow>>,
+) -> Result<(OutputFile, RunLog)> {
+    let mut table = TickTable::new(file)?;
     let mut log = RunLog::new(title);
     for batch in receiver {
         for row in &batch {
@@ -150,29 +198,24 @@ fn write_ticks(path: &Path, title: &str, receiver: &Receiver<Vec<TickRow>>) -> R
             log.push(row);
         }
     }
-    table.finish()?;
-    Ok(log)
+    Ok((table.finish()?, log))
 }
 
-/// Moves the bar now and then.
+/// Moves the progress now and then.
 fn counting<'a>(
-    bar: &'a ProgressBar,
+    progress: &'a Progress,
     mut each: impl FnMut(&TickRow) -> Result<()> + 'a,
 ) -> impl FnMut(&TickRow) -> Result<()> + 'a {
     let mut ticks = 0_u64;
     move |row| {
         ticks += 1;
         if ticks.is_multiple_of(1000) {
-            bar.set_position(ticks);
+            progress.set(ticks);
         }
         each(row)
     }
 }
 
-fn progress(what: &str) -> ProgressBar {
-    let style = ProgressStyle::with_template("{msg:20} {wide_bar} {percent:>3} %  {elapsed}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())
-        .with_style(style)
-        .with_message(what.to_owned())
+fn main() -> ExitCode {
+    program::main::<Options>()
 }

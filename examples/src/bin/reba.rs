@@ -2,20 +2,24 @@
 
 use std::{
     fs::File,
-    io::{self, BufRead, BufReader},
+    io::{self, BufRead, BufReader, Write},
     path::PathBuf,
+    process::ExitCode,
 };
 
 use anyhow::{Context, Result};
 use clap::Parser;
 use ergo_map::{RulaWorksheet, Worksheet};
-use examples::ergonomics::score_table;
+use examples::ergonomics::{Sheet, SheetTable, Unknown};
+use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session};
+use serde::Serialize;
 
 /// Scores filled-in REBA sheets, one a row of a comma-separated table.
 ///
-/// Writes the same rows to standard output with the sub-scores, the tables' values, the score and
-/// its action level behind them, for REBA also the continuous score (faithful) and e_s (graded).
-/// The book's page on the programs names the columns.
+/// Writes the same rows with the sub-scores, the tables' values, the score and its action level
+/// behind them, for REBA also the continuous score (faithful) and e_s (graded). Columns that it does
+/// not know are passed through and named on standard error. The book's page "Scores, maps and
+/// pictures" names the columns.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
@@ -25,23 +29,89 @@ struct Options {
     /// Score RULA instead of REBA.
     #[arg(long)]
     rula: bool,
+    /// Refuse columns that are not known instead of passing them through.
+    #[arg(long)]
+    strict: bool,
+    #[command(flatten)]
+    result: ResultFile,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
-fn main() -> Result<()> {
-    let options = Options::parse();
-    let shown = options.input.display();
-    let table: Box<dyn BufRead> = if options.input.as_os_str() == "-" {
-        Box::new(io::stdin().lock())
-    } else {
-        let file = File::open(&options.input).with_context(|| format!("cannot open {shown}"))?;
-        Box::new(BufReader::new(file))
-    };
-    let output = io::stdout().lock();
-    let scored = if options.rula {
-        score_table::<RulaWorksheet>(table, output)
-    } else {
-        score_table::<Worksheet>(table, output)
-    };
-    scored.with_context(|| shown.to_string())?;
-    Ok(())
+/// The line of `--json`.
+#[derive(Serialize)]
+struct Scored {
+    rows: usize,
+    passed_through: Vec<String>,
+}
+
+impl Program for Options {
+    fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        if self.rula {
+            self.score::<RulaWorksheet>(session)
+        } else {
+            self.score::<Worksheet>(session)
+        }
+    }
+}
+
+impl Options {
+    fn score<S: Sheet>(&self, session: &mut Session) -> Result<Ending> {
+        let mut file = self.result.create()?;
+        let shown = || match self.input.to_str() {
+            Some("-") => "standard input".to_owned(),
+            _ => self.input.display().to_string(),
+        };
+        let unknown = if self.strict { Unknown::Refuse } else { Unknown::PassThrough };
+        let mut table = SheetTable::<S, _>::new(self.open()?, unknown).with_context(shown)?;
+        let passed_through: Vec<String> = table.unknown().map(str::to_owned).collect();
+        if !passed_through.is_empty() {
+            let names = passed_through.join(", ");
+            session.note(format_args!("{}: passed through unchanged: {names}", shown()));
+        }
+        let interrupt = session.interrupt().clone();
+        let progress = session.open_progress("scored rows");
+        let output: &mut dyn Write = match &mut file {
+            Some(file) => file,
+            None => session.output(),
+        };
+        let mut begun = 0;
+        let rows = table.score(output, || {
+            progress.set(begun);
+            begun += 1;
+            !interrupt.requested()
+        });
+        progress.finish();
+        let rows = rows.with_context(shown)?;
+        let ending = if interrupt.requested() { Ending::Partial } else { Ending::Complete };
+        match (file, ending) {
+            (Some(file), Ending::Partial) => file.keep_partial().map(drop)?,
+            (Some(file), _) => file.keep()?,
+            (None, _) => {}
+        }
+        if ending == Ending::Partial {
+            session.warn(format_args!("interrupted after {rows} rows"));
+        }
+        session.print_json(self.json, &Scored { rows, passed_through }, ending)?;
+        Ok(ending)
+    }
+
+    fn open(&self) -> Result<Box<dyn BufRead>> {
+        if self.input.as_os_str() == "-" {
+            return Ok(Box::new(io::stdin().lock()));
+        }
+        let shown = self.input.display();
+        let file = File::open(&self.input).with_context(|| format!("cannot open {shown}"))?;
+        Ok(Box::new(BufReader::new(file)))
+    }
+}
+
+fn main() -> ExitCode {
+    program::main::<Options>()
 }

@@ -1,10 +1,12 @@
 //! Simulates a walking person and writes what the camera reports as a recording.
 
-use std::{fs::File, io::BufWriter, path::PathBuf};
+use std::{io::Write, path::PathBuf, process::ExitCode};
 
-use anyhow::{Context, Result};
 use clap::Parser;
+use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Seed, Session};
+use examples::recording::Writer;
 use examples::walker::{CameraSettings, Walker, WalkerSettings, WalkingPath};
+use serde::Serialize;
 use vision_models::Tool;
 
 /// Simulates a person who works with the robot, and records what perception reports.
@@ -17,18 +19,15 @@ struct Options {
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
     /// The person's stature (m).
-    #[arg(long, default_value_t = WalkerSettings::default().stature)]
+    #[arg(long, value_name = "METRES", default_value_t = WalkerSettings::default().stature, allow_negative_numbers = true)]
     stature: f64,
     /// Where the person leads the robot: stations, straight, square, circle, figure-eight, random,
     /// points on the floor (m) such as "1.4,0 2.4,0 2.4,-1", or a file with one point a line.
     #[arg(long, default_value = "stations", value_parser = WalkingPath::from_argument)]
     path: WalkingPath,
     /// How long to record (s).
-    #[arg(long, default_value_t = WalkerSettings::default().duration)]
+    #[arg(long, value_name = "SECONDS", default_value_t = WalkerSettings::default().duration, allow_negative_numbers = true)]
     duration: f64,
-    /// Of everything random.
-    #[arg(long, default_value_t = WalkerSettings::default().seed)]
-    seed: u64,
     /// Factor on the camera's noise: 0 is none, 1 that of a RealSense D435i.
     #[arg(long, default_value_t = CameraSettings::default().noise)]
     noise: f64,
@@ -44,6 +43,12 @@ struct Options {
     /// What the person works with: drill or polisher.
     #[arg(long, default_value = "drill", value_parser = tool)]
     tool: Tool,
+    #[command(flatten)]
+    seed: Seed,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 fn tool(name: &str) -> Result<Tool, &'static str> {
@@ -54,25 +59,60 @@ fn tool(name: &str) -> Result<Tool, &'static str> {
     }
 }
 
-fn main() -> Result<()> {
-    let options = Options::parse();
-    let walker = Walker::new(WalkerSettings {
-        stature: options.stature,
-        path: options.path,
-        tool: options.tool,
-        duration: options.duration,
-        seed: options.seed,
-        camera: CameraSettings {
-            noise: options.noise,
-            drop: options.drop,
-            jumps: options.jump,
-            vanishings: options.vanish,
-        },
-    })?;
-    let output = &options.output;
-    let file = File::create(output)
-        .with_context(|| format!("cannot create the recording {}", output.display()))?;
-    let frames = walker.record(BufWriter::new(file))?;
-    println!("{}: {frames} camera frames", output.display());
-    Ok(())
+/// The line of `--json`.
+#[derive(Serialize)]
+struct Recorded {
+    output: PathBuf,
+    frames: u64,
+}
+
+impl Program for Options {
+    fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
+    fn run(self, session: &mut Session) -> anyhow::Result<Ending> {
+        let Self { json, .. } = self;
+        let walker = Walker::new(WalkerSettings {
+            stature: self.stature,
+            path: self.path,
+            tool: self.tool,
+            duration: self.duration,
+            seed: self.seed.seed,
+            camera: CameraSettings {
+                noise: self.noise,
+                drop: self.drop,
+                jumps: self.jump,
+                vanishings: self.vanish,
+            },
+        })?;
+        let file = OutputFile::create(&self.output)?;
+        let mut writer = Writer::new(file, &walker.header())?;
+        let progress = session.progress("recording", walker.expected_frames());
+        let mut frames = 0;
+        let mut ending = Ending::Complete;
+        for percept in walker {
+            writer.write(&percept)?;
+            frames += 1;
+            progress.set(frames);
+            if session.interrupt().requested() {
+                ending = Ending::Partial;
+                break;
+            }
+        }
+        progress.finish();
+        let file = writer.finish()?;
+        let output = match ending {
+            Ending::Partial => file.keep_partial()?,
+            _ => file.keep().map(|()| self.output)?,
+        };
+        let partial = if ending == Ending::Partial { ", interrupted" } else { "" };
+        writeln!(session.output(), "{}: {frames} camera frames{partial}", output.display())?;
+        session.print_json(json, &Recorded { output, frames }, ending)?;
+        Ok(ending)
+    }
+}
+
+fn main() -> ExitCode {
+    program::main::<Options>()
 }

@@ -1,43 +1,66 @@
 //! The closed loop of MOCA under random people, workspaces and losses; counts what goes wrong.
 
-use std::process::ExitCode;
+use std::{io::Write, ops::ControlFlow, process::ExitCode};
 
-use anyhow::Result;
 use clap::Parser;
+use examples::program::{self, Ending, Json, Program, Quiet, Seed, Session};
 use examples::soak::Soak;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+/// Tries the controller on random people, workspaces, starts and camera losses, and counts every
+/// violated promise.
+///
+/// Each millisecond of the simulated loop is checked apart from the controller: problems not solved,
+/// numbers that are not finite, limits of position, velocity and acceleration, distances from the
+/// person, jumps of the desired motion, self-collisions. What is found goes to standard error, the
+/// counts to standard output. The exit status is 1 if anything was found. Ctrl-C ends a long soak
+/// and prints the counts up to there.
 #[derive(Debug, Parser)]
-#[command(version, about)]
+#[command(version)]
 struct Options {
-    /// Control periods of a millisecond to run
-    #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    /// Control periods of a millisecond to run.
+    #[arg(long, value_name = "COUNT", default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     ticks: u64,
-
-    /// Seed of everything that is random
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-
-    /// Print the summary as one JSON object on the last line
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    seed: Seed,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
-fn main() -> Result<ExitCode> {
-    let options = Options::parse();
-    let style = ProgressStyle::with_template("soak {wide_bar} {percent:>3} %  {elapsed}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    let bar = ProgressBar::with_draw_target(Some(options.ticks), ProgressDrawTarget::stderr())
-        .with_style(style);
-    let summary = Soak::new(options.seed, options.ticks)?.run(|ticks| bar.set_position(ticks))?;
-    bar.finish_and_clear();
-    for finding in &summary.findings {
-        eprintln!("{finding}");
+impl Program for Options {
+    fn quiet(&self) -> Quiet {
+        self.quiet
     }
-    if options.json {
-        println!("{}", summary.json()?);
-    } else {
-        println!("{summary}");
+
+    fn run(self, session: &mut Session) -> anyhow::Result<Ending> {
+        let progress = session.progress("soak", self.ticks);
+        let interrupt = session.interrupt().clone();
+        let summary = Soak::new(self.seed.seed, self.ticks)?.run(|ticks| {
+            progress.set(ticks);
+            if interrupt.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })?;
+        progress.finish();
+        let ending = if summary.ticks < self.ticks {
+            Ending::Partial
+        } else if summary.counts.wrong() > 0 {
+            Ending::Failed
+        } else {
+            Ending::Complete
+        };
+        for finding in &summary.findings {
+            session.warn(finding);
+        }
+        if ending == Ending::Partial {
+            session
+                .warn(format_args!("interrupted after {} of {} ticks", summary.ticks, self.ticks));
+        }
+        writeln!(session.output(), "{summary}")?;
+        session.print_json(self.json, &summary, ending)?;
+        Ok(ending)
     }
-    Ok(if summary.counts.wrong() == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+fn main() -> ExitCode {
+    program::main::<Options>()
 }

@@ -2,6 +2,7 @@
 
 mod column;
 mod error;
+mod header;
 mod lines;
 mod reba;
 mod rula;
@@ -10,7 +11,11 @@ use std::io::{BufRead, Write};
 
 pub use column::{Cell, Column};
 pub use error::TableError;
-use lines::Lines;
+use header::Matched;
+pub use header::Unknown;
+use lines::{LONGEST_ROW, Lines};
+
+use crate::program::{WithoutMark, without_byte_order_mark};
 
 /// A sheet that assessors fill in: the columns it is read from and the scores it gives.
 pub trait Sheet: Default + 'static {
@@ -26,61 +31,103 @@ pub trait Sheet: Default + 'static {
     fn scores(&self) -> Result<Vec<String>, ergo_map::Error>;
 }
 
-/// Reads a comma-separated table of sheets, and writes the same table with the scores of each row
-/// behind it, row by row; gives the number of rows. Rows before a fault have been written when the
-/// error is returned.
+/// A comma-separated table of sheets, whose header has been read.
 ///
-/// The first line names the columns of [`Sheet::COLUMNS`], in any order; the output's columns are
-/// [`Sheet::SCORES`].
+/// The first line names the columns of [`Sheet::COLUMNS`], in any order; other columns are passed
+/// through, unless that is not wanted. The scored table has the columns of [`Sheet::SCORES`] behind
+/// them.
 ///
 /// ```
 /// use ergo_map::Worksheet;
-/// use examples::ergonomics::score_table;
+/// use examples::ergonomics::{SheetTable, Unknown};
 ///
-/// let table = "trunk_flex_deg,neck_flex_deg,knee_flex_deg,upper_arm_flex_deg,\
-///              lower_arm_flex_deg,wrist_flex_deg\n70,10,0,30,80,0\n";
+/// let table = "id,trunk_flex_deg,neck_flex_deg,knee_flex_deg,upper_arm_flex_deg,\
+///              lower_arm_flex_deg,wrist_flex_deg\nlift,70,10,0,30,80,0\n";
+/// let mut table = SheetTable::<Worksheet, _>::new(table.as_bytes(), Unknown::PassThrough)?;
+/// assert_eq!(table.unknown().collect::<Vec<_>>(), ["id"]);
 /// let mut scored = Vec::new();
-/// assert_eq!(score_table::<Worksheet>(table.as_bytes(), &mut scored)?, 1);
+/// assert_eq!(table.score(&mut scored, || true)?, 1);
 /// let scored = String::from_utf8(scored)?;
-/// assert!(scored.ends_with("\n70,10,0,30,80,0,1,4,1,2,1,1,3,3,1,1,2,2,1,2,0.8279687499999999\n"));
+/// assert!(scored.ends_with("\nlift,70,10,0,30,80,0,1,4,1,2,1,1,3,3,1,1,2,2,1,2,0.8279687499999999\n"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-///
-/// # Errors
-/// [`TableError`] with line and column for the first fault.
-pub fn score_table<S: Sheet>(table: impl BufRead, output: impl Write) -> Result<usize, TableError> {
-    let mut rows =
-        csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(Lines::new(table));
-    let mut scored = csv::Writer::from_writer(output);
-    let outcome = score_rows::<S>(&mut rows, &mut scored);
-    // What was right before a fault is worth having.
-    scored.flush().map_err(TableError::Write)?;
-    outcome
+#[derive(Debug)]
+pub struct SheetTable<S: 'static, R: BufRead> {
+    rows: csv::Reader<Lines<WithoutMark<R>>>,
+    names: Vec<String>,
+    columns: Matched<S>,
 }
 
-fn score_rows<S: Sheet>(
-    rows: &mut csv::Reader<Lines<impl BufRead>>,
-    scored: &mut csv::Writer<impl Write>,
-) -> Result<usize, TableError> {
-    let mut row = csv::StringRecord::new();
-    if !read(rows, &mut row)? {
-        return Err(TableError::Empty);
+impl<S: Sheet, R: BufRead> SheetTable<S, R> {
+    /// Reads the header.
+    ///
+    /// # Errors
+    /// [`TableError`] with line and column for the first fault.
+    pub fn new(table: R, unknown: Unknown) -> Result<Self, TableError> {
+        let text = without_byte_order_mark(table)
+            .map_err(|source| TableError::Read { line: 1, source })?;
+        let mut builder = csv::ReaderBuilder::new();
+        let mut rows = builder.has_headers(false).flexible(true).from_reader(Lines::new(text));
+        let mut row = csv::StringRecord::new();
+        if !read(&mut rows, &mut row)? {
+            return Err(TableError::Empty);
+        }
+        let names: Vec<String> = row.iter().map(str::to_owned).collect();
+        let columns = header::matched::<S>(rows.get_ref().line(), &names, unknown)?;
+        Ok(Self { rows, names, columns })
     }
-    let line = rows.get_ref().line();
-    // A spreadsheet may have put its mark before the first name.
-    let names: Vec<String> = row.iter().map(|n| n.trim_start_matches('\u{feff}').into()).collect();
-    let columns = column::matched::<S>(line, &names)?;
-    let scores = S::SCORES.iter().copied();
-    write(scored, names.iter().map(String::as_str).chain(scores))?;
 
-    let mut count = 0;
-    while read(rows, &mut row)? {
-        let line = rows.get_ref().line();
-        if row.len() != columns.len() {
-            return Err(TableError::Cells { line, found: row.len(), expected: columns.len() });
+    /// The names of the columns that are passed through.
+    pub fn unknown(&self) -> impl Iterator<Item = &str> {
+        let pairs = self.names.iter().zip(&self.columns);
+        pairs.filter(|(_, column)| column.is_none()).map(|(name, _)| name.trim())
+    }
+
+    /// Writes the same table with the scores of each row behind it, row by row, as long as
+    /// `go_on` says so; gives the number of rows. Rows before a fault have been written when the
+    /// error is returned.
+    ///
+    /// # Errors
+    /// [`TableError`] with line and column for the first fault.
+    pub fn score(
+        &mut self,
+        output: impl Write,
+        go_on: impl FnMut() -> bool,
+    ) -> Result<usize, TableError> {
+        let mut scored = csv::Writer::from_writer(output);
+        let outcome = self.append_scores(&mut scored, go_on);
+        // What was right before a fault is worth having.
+        scored.flush().map_err(TableError::Write)?;
+        outcome
+    }
+
+    fn append_scores(
+        &mut self,
+        scored: &mut csv::Writer<impl Write>,
+        mut go_on: impl FnMut() -> bool,
+    ) -> Result<usize, TableError> {
+        let scores = S::SCORES.iter().copied();
+        write(scored, self.names.iter().map(String::as_str).chain(scores))?;
+        let mut row = csv::StringRecord::new();
+        let mut count = 0;
+        while go_on() && read(&mut self.rows, &mut row)? {
+            let line = self.rows.get_ref().line();
+            let scores = self.scores(line, &row)?;
+            write(scored, row.iter().chain(scores.iter().map(String::as_str)))?;
+            count += 1;
+        }
+        Ok(count)
+    }
+
+    /// The scores of a row.
+    fn scores(&self, line: usize, row: &csv::StringRecord) -> Result<Vec<String>, TableError> {
+        let expected = self.columns.len();
+        if row.len() != expected {
+            return Err(TableError::Cells { line, found: row.len(), expected });
         }
         let mut sheet = S::default();
-        for (index, (column, cell)) in columns.iter().zip(&row).enumerate() {
+        for (index, (column, cell)) in self.columns.iter().zip(row).enumerate() {
+            let Some(column) = column else { continue };
             column.fill(&mut sheet, cell.trim()).map_err(|expected| TableError::Cell {
                 line,
                 number: index + 1,
@@ -89,11 +136,8 @@ fn score_rows<S: Sheet>(
                 expected,
             })?;
         }
-        let scores = sheet.scores().map_err(|source| TableError::Sheet { line, source })?;
-        write(scored, row.iter().chain(scores.iter().map(String::as_str)))?;
-        count += 1;
+        sheet.scores().map_err(|source| TableError::Sheet { line, source })
     }
-    Ok(count)
 }
 
 /// The next row that is not blank.
@@ -101,9 +145,14 @@ fn read(
     rows: &mut csv::Reader<Lines<impl BufRead>>,
     row: &mut csv::StringRecord,
 ) -> Result<bool, TableError> {
+    rows.get_mut().begin_row();
     rows.read_record(row).map_err(|error| {
-        let line = rows.get_ref().line();
+        let lines = rows.get_ref();
+        let line = lines.line();
         match error.into_kind() {
+            csv::ErrorKind::Io(_) if lines.too_long() => {
+                TableError::RowTooLong { line, limit: LONGEST_ROW }
+            }
             csv::ErrorKind::Io(source) => TableError::Read { line: line + 1, source },
             _ => TableError::NotText { line },
         }

@@ -15,6 +15,7 @@ use vision_models::Percept;
 use super::limits::LimitMonitor;
 use super::scoring::Scorer;
 use super::summary::Summary;
+use crate::program::{Ending, Interrupt};
 use crate::report::TickRow;
 
 /// A margin below which x_d counts as within the workspace \[m or rad\].
@@ -49,6 +50,7 @@ pub struct Run<'a> {
     engaged: bool,
     tally: Tally,
     ticks_us: Vec<f64>,
+    interrupt: Interrupt,
 }
 
 /// Sums over ticks.
@@ -122,11 +124,19 @@ impl<'a> Run<'a> {
             engaged: false,
             tally: Tally::default(),
             ticks_us: Vec::new(),
+            interrupt: Interrupt::default(),
             scenario,
         })
     }
 
-    /// Plays the scenario to its end; `each` sees every tick.
+    /// The same, but it ends early when an interrupt comes.
+    #[must_use]
+    pub fn until(mut self, interrupt: Interrupt) -> Self {
+        self.interrupt = interrupt;
+        self
+    }
+
+    /// Plays the scenario to its end, or to an interrupt; `each` sees every tick.
     ///
     /// # Errors
     /// Percepts out of order, and whatever `each` fails with.
@@ -139,7 +149,12 @@ impl<'a> Run<'a> {
         let mut percepts = self.scenario.percepts.iter().peekable();
         let started = Instant::now();
         let mut elapsed = 0.0;
+        let mut ending = Ending::Complete;
         while elapsed <= duration {
+            if self.interrupt.requested() {
+                ending = Ending::Partial;
+                break;
+            }
             while let Some(percept) = percepts.next_if(|p| p.time <= begin + elapsed) {
                 self.controller.observe(percept)?;
             }
@@ -150,7 +165,7 @@ impl<'a> Run<'a> {
             elapsed = time;
         }
         let wall = started.elapsed().as_secs_f64();
-        Ok(self.summary(duration, wall))
+        Ok(self.summary(elapsed.min(duration), wall, ending))
     }
 
     fn tick(&mut self, now: f64) -> anyhow::Result<TickRow> {
@@ -198,7 +213,7 @@ impl<'a> Run<'a> {
     }
 
     #[expect(clippy::cast_precision_loss, reason = "ticks count far below 2^52")]
-    fn summary(mut self, duration: f64, wall: f64) -> Summary {
+    fn summary(mut self, duration: f64, wall: f64, ending: Ending) -> Summary {
         let tally = &self.tally;
         let share = |sum: f64, ticks: u64| if ticks == 0 { 0.0 } else { sum / ticks as f64 };
         let time = |ticks: u64| ticks as f64 * self.period;
@@ -208,6 +223,7 @@ impl<'a> Run<'a> {
             self.ticks_us.get(index).copied().unwrap_or_default()
         };
         Summary {
+            ending,
             duration,
             together: time(tally.together),
             score_mean: share(tally.score, tally.together),

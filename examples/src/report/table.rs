@@ -1,10 +1,6 @@
 //! Every tick as a line of comma-separated values.
 
-use std::{
-    fs::File,
-    io::{BufWriter, Write},
-    path::Path,
-};
+use std::io::Write;
 
 use super::{ReportError, TickRow};
 
@@ -23,19 +19,6 @@ use super::{ReportError, TickRow};
 pub struct TickTable<W: Write> {
     writer: csv::Writer<W>,
     cell: Vec<u8>,
-}
-
-impl TickTable<BufWriter<File>> {
-    /// Creates the table's file.
-    ///
-    /// # Errors
-    /// [`ReportError::Create`] or [`ReportError::Table`].
-    pub fn create(path: impl AsRef<Path>) -> Result<Self, ReportError> {
-        let path = path.as_ref();
-        let file = File::create(path)
-            .map_err(|source| ReportError::Create { path: path.to_owned(), source })?;
-        Self::new(BufWriter::new(file))
-    }
 }
 
 impl<W: Write> TickTable<W> {
@@ -162,11 +145,5 @@ mod tests {
             assert!((cell(name) - value).abs() < 1e-6, "{name} is {}", cell(name));
         }
         assert!(cell("workspace_min_x_m").is_nan());
-    }
-
-    #[test]
-    fn a_file_that_cannot_be_made_is_named() {
-        let error = TickTable::create("/no/such/folder/ticks.csv").unwrap_err();
-        assert!(error.to_string().contains("/no/such/folder/ticks.csv"), "{error}");
     }
 }

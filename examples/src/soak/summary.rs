@@ -1,16 +1,18 @@
 //! A whole soak, and what it found.
 
 use std::fmt;
+use std::ops::ControlFlow;
 
 use anyhow::ensure;
 use moca_model::RobotModel;
 use rand::{Rng, RngCore};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::episode::Episode;
 use super::monitor::Counts;
+use super::tick_times::TickTimes;
 
 /// Ticks of an episode.
 const EPISODE: std::ops::Range<u64> = 4_000..25_000;
@@ -68,11 +70,11 @@ impl Soak {
         Ok(Self { seed, ticks })
     }
 
-    /// Runs it; `each` is told how many ticks are done, after each thousand.
+    /// Runs it; `each` is told how many ticks are done, after each thousand, and may end it there.
     ///
     /// # Errors
     /// A controller that refuses its settings or what it measures.
-    pub fn run(self, mut each: impl FnMut(u64)) -> anyhow::Result<Summary> {
+    pub fn run(self, mut each: impl FnMut(u64) -> ControlFlow<()>) -> anyhow::Result<Summary> {
         let model = RobotModel::moca()?;
         let mut draw = ChaCha8Rng::seed_from_u64(self.seed);
         let mut summary = Summary {
@@ -83,8 +85,9 @@ impl Soak {
             moving: 0,
             tick_us: [0.0; 2],
         };
-        let mut times = Vec::with_capacity(usize::try_from(self.ticks)?);
-        while summary.ticks < self.ticks {
+        let mut times = TickTimes::new();
+        let mut flow = ControlFlow::Continue(());
+        while summary.ticks < self.ticks && flow.is_continue() {
             let (seed, length) = (draw.next_u64(), draw.random_range(EPISODE));
             let mut episode = Episode::new(&model, seed)?;
             for _ in 0..length.min(self.ticks - summary.ticks) {
@@ -95,30 +98,25 @@ impl Soak {
                 summary.moving += u64::from(episode.moves());
                 summary.ticks += 1;
                 if summary.ticks.is_multiple_of(1000) {
-                    each(summary.ticks);
+                    flow = each(summary.ticks);
+                }
+                if flow.is_break() {
+                    break;
                 }
             }
             summary.counts += episode.monitor.counts;
             summary.episodes += 1;
         }
-        times.sort_by(f64::total_cmp);
-        let quantile = |thousandths: usize| {
-            let index = (times.len() * thousandths / 1000).min(times.len().saturating_sub(1));
-            times.get(index).copied().unwrap_or_default()
-        };
-        summary.tick_us = [quantile(500), quantile(999)];
+        summary.tick_us = [500, 999].map(|thousandths| times.quantile(thousandths));
         Ok(summary)
     }
 }
 
-impl Summary {
-    /// One JSON object.
-    ///
-    /// # Errors
-    /// None for numbers that are finite.
-    pub fn json(&self) -> serde_json::Result<String> {
+/// As one object with the names of the book.
+impl Serialize for Summary {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let counts = &self.counts;
-        serde_json::to_string(&Line {
+        let line = Line {
             ticks: self.ticks,
             infeasible: counts.infeasible,
             not_finite: counts.not_finite,
@@ -133,7 +131,8 @@ impl Summary {
             contact: counts.contact,
             moving: self.moving,
             episodes: self.episodes,
-        })
+        };
+        line.serialize(serializer)
     }
 }
 

@@ -219,7 +219,7 @@ fn studies_refuse_what_makes_no_sense() {
         assert!(matches!(study, Err(ErgonomicsError::Acceptable(_))));
     }
     let outside = Assessment::new(&map, &Person::average(), &Vector3::new(9.0, 0.0, 1.0));
-    assert!(matches!(outside, Err(ErgonomicsError::Map(ergo_map::Error::OutOfDomain { .. }))));
+    assert!(matches!(outside, Err(ErgonomicsError::OutsideMap { .. })));
 }
 
 #[test]

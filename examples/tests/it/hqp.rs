@@ -58,8 +58,13 @@ fn line_ends_of_every_kind_and_no_last_one_will_do() {
     let windows = TWO.replace('\n', "\r\n");
     let one_line = TWO.replace('\n', " ");
     let expected = read(TWO).unwrap();
-    for text in [windows.as_str(), one_line.as_str(), TWO.trim_end()] {
+    let marked = format!("\u{feff}{TWO}");
+    for text in [windows.as_str(), TWO.trim_end(), marked.as_str()] {
         assert_eq!(read(text).unwrap(), expected);
+    }
+    // Only the lines on which the levels stand differ.
+    for (problem, expected) in read(&one_line).unwrap().into_iter().zip(expected) {
+        assert_eq!((problem.name, problem.hierarchy), (expected.name, expected.hierarchy));
     }
 }
 
@@ -243,6 +248,23 @@ level G 0 1
     let statuses: Vec<&str> = lines.iter().map(|line| line[1].as_str()).collect();
     assert_eq!(statuses, ["2", "4", "0"]);
     assert_eq!((lines[0][3].as_str(), lines[1].len()), ("NaN", 5));
+    let errors = String::from_utf8(output.stderr).unwrap();
+    let [infeasible, refused, times] = errors.lines().collect::<Vec<_>>()[..] else {
+        panic!("{errors}")
+    };
+    assert!(
+        infeasible.starts_with(
+            "problem 0 (contradiction), the level of line 5: its hard rows cannot hold together \
+             with those above; row 0 of the level of line "
+        ),
+        "{infeasible}"
+    );
+    assert_eq!(
+        refused,
+        "problem 1 (backwards), row 0 of the level of line 8: the lower bound 3 lies above the upper \
+         bound 2; order them"
+    );
+    assert!(times.starts_with("median_us="));
 }
 
 #[test]

@@ -2,10 +2,12 @@
 
 use std::collections::HashMap;
 use std::io::Write;
-use std::process::{Command, Output, Stdio};
+use std::process::Stdio;
 
 use ergo_map::{ContinuousReba, Mode, RulaWorksheet, Worksheet};
-use examples::ergonomics::{Cell, Sheet, TableError, score_table};
+use examples::ergonomics::{Cell, Sheet, SheetTable, TableError, Unknown};
+
+use crate::support::{Ran, Runs};
 use proptest::prelude::*;
 
 const ANGLES: &str = "trunk_flex_deg,neck_flex_deg,knee_flex_deg,upper_arm_flex_deg,\
@@ -13,8 +15,12 @@ const ANGLES: &str = "trunk_flex_deg,neck_flex_deg,knee_flex_deg,upper_arm_flex_
 
 fn scored<S: Sheet>(table: &str) -> Result<String, TableError> {
     let mut output = Vec::new();
-    score_table::<S>(table.as_bytes(), &mut output)?;
+    score::<S>(table.as_bytes(), &mut output)?;
     Ok(String::from_utf8(output).unwrap())
+}
+
+fn score<S: Sheet>(table: &[u8], output: &mut Vec<u8>) -> Result<usize, TableError> {
+    SheetTable::<S, _>::new(table, Unknown::PassThrough)?.score(output, || true)
 }
 
 /// The cells of each row by the names of their columns.
@@ -237,9 +243,9 @@ fn what_is_wrong_is_named_with_line_and_column() {
         (format!("{ANGLES},knee_flex_deg\n"), "line 1, column 7: knee_flex_deg appears twice"),
         (
             format!("{ANGLES},schock\n"),
-            "line 1, column 7: there is no column \"schock\"; there are trunk",
+            "line 1, column 7: there is no column \"schock\"; do you mean shock?",
         ),
-        (format!("{ANGLES},reba\n"), "there is no column \"reba\""),
+        (format!("{ANGLES},reba\n"), "\"reba\" is the name of a score"),
         (
             "trunk_flex_deg,shock\n0,0\n".into(),
             "line 1: missing columns: neck_flex_deg, knee_flex_deg",
@@ -250,11 +256,11 @@ fn what_is_wrong_is_named_with_line_and_column() {
         let message = scored::<Worksheet>(&table).expect_err(&table).to_string();
         assert!(message.contains(says), "{table:?}: {message}");
     }
-    let message = score_table::<Worksheet>(&b"trunk_flex_deg\n\xff\xfe"[..], Vec::new());
+    let message = score::<Worksheet>(b"trunk_flex_deg\n\xff\xfe", &mut Vec::new());
     assert!(matches!(message, Err(TableError::MissingColumns { line: 1, .. })));
     let mut latin = format!("{ANGLES}\n0,0,0,0,0,").into_bytes();
     latin.extend(b"\xe9\n");
-    let message = score_table::<Worksheet>(&latin[..], Vec::new()).unwrap_err().to_string();
+    let message = score::<Worksheet>(&latin, &mut Vec::new()).unwrap_err().to_string();
     assert!(message.contains("line 2: not UTF-8"), "{message}");
 }
 
@@ -262,7 +268,7 @@ fn what_is_wrong_is_named_with_line_and_column() {
 fn rows_before_a_fault_are_written() {
     let table = format!("{ANGLES}\n0,0,0,0,80,0\n1,2,3,4,5,x\n");
     let mut output = Vec::new();
-    assert!(score_table::<Worksheet>(table.as_bytes(), &mut output).is_err());
+    assert!(score::<Worksheet>(table.as_bytes(), &mut output).is_err());
     assert_eq!(String::from_utf8(output).unwrap().lines().count(), 2);
 }
 
@@ -335,46 +341,106 @@ proptest! {
     }
 }
 
-fn reba(arguments: &[&str], input: &str) -> Output {
-    let mut program = Command::new(env!("CARGO_BIN_EXE_reba"))
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // A program that stops early reads no more.
-    let _ = program.stdin.take().unwrap().write_all(input.as_bytes());
-    program.wait_with_output().unwrap()
+/// A sheet in a table with a column for what the laboratory calls it.
+const WITH_ID: &str = "id,trunk_flex_deg,neck_flex_deg,knee_flex_deg,upper_arm_flex_deg,\
+                       lower_arm_flex_deg,wrist_flex_deg,Remark\n\
+                       7, 30,0,0,0,80,0,\"lifts, then turns\"\n";
+
+#[test]
+fn columns_that_are_not_known_are_passed_through_unchanged() {
+    let ran = Runs::new("reba").with(&["--input", "-"]).run_on(WITH_ID).done();
+    let (header, row) = ran.output.split_once('\n').unwrap();
+    assert!(header.starts_with("id,trunk_flex_deg,") && header.contains(",Remark,s_neck,"));
+    assert!(row.starts_with("7, 30,0,0,0,80,0,\"lifts, then turns\",1,"), "{row}");
+    assert_eq!(ran.errors, "standard input: passed through unchanged: id, Remark\n");
+    let quiet = Runs::new("reba").with(&["--input", "-", "--quiet"]).run_on(WITH_ID).done();
+    assert_eq!((quiet.output, quiet.errors.as_str()), (ran.output, ""));
+    let strict = Runs::new("reba").with(&["--input", "-", "--strict"]).run_on(WITH_ID);
+    strict
+        .failed(1, "standard input: line 1, column 1: there is no column \"id\"; there are trunk");
+}
+
+#[test]
+fn names_that_are_nearly_right_are_refused_always() {
+    for (name, known) in [
+        ("trunk_flex_dg", "trunk_flex_deg"),
+        ("Trunk Flex Deg", "trunk_flex_deg"),
+        ("load_kgs", "load_kg"),
+        ("coulping", "coupling"),
+        ("repaeted", "repeated"),
+        ("STATIC", "static"),
+        ("shoulders_raise", "shoulder_raised"),
+    ] {
+        let table = format!("{ANGLES},{name}\n0,0,0,0,0,0,0\n");
+        let says = format!("there is no column {name:?}; do you mean {known}?");
+        Runs::new("reba").with(&["--input", "-"]).run_on(&table).failed(1, &says);
+    }
+    for name in ["id", "time", "note", "weight", "subject", "x", ""] {
+        let table = format!("{ANGLES},{name}\n0,0,0,0,0,0,0\n");
+        Runs::new("reba").with(&["--input", "-"]).run_on(&table).done();
+    }
+}
+
+/// A cell as large as this would take half a gigabyte to read and to show.
+#[test]
+fn a_huge_cell_is_refused_before_it_is_read() {
+    let reba = |table: &str| {
+        // 200 MB of address space: the program with its libraries takes far less.
+        let mut command = std::process::Command::new("sh");
+        command.args(["-c", "ulimit -v 200000; exec \"$0\" --input -", env!("CARGO_BIN_EXE_reba")]);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let _ = child.stdin.take().unwrap().write_all(table.as_bytes());
+        Ran::of(child)
+    };
+    let huge = "9".repeat(200 << 20);
+    let cell = format!("{ANGLES}\n0,0,0,0,0,{huge}\n");
+    reba(&cell).failed(1, "standard input: line 2: a row of more than 1048576 bytes");
+    let open = format!("{ANGLES}\n\"{}", "9,9\n".repeat(1 << 20));
+    reba(&open).failed(1, "a row of more than 1048576 bytes; is a quotation mark open?");
+    reba(&huge).failed(1, "line 1: a row of more than 1048576 bytes");
+    // One that is read is not shown whole.
+    let long = format!("{ANGLES}\n0,0,0,0,0,{}\n", &huge[..500_000]);
+    let ran = reba(&long).failed(1, "line 2, column 6 (wrist_flex_deg): \"999");
+    assert!(ran.errors.len() < 300 && ran.errors.contains("(500000 bytes)"), "{ran:?}");
+    let names = format!("{ANGLES}{}\n", ",n".repeat(400_000));
+    reba(&names).failed(1, "line 1: 400006 columns; a table has at most 1000");
 }
 
 #[test]
 fn the_program_reads_files_and_standard_input() {
     let table = format!("shock,{ANGLES}\n1,30,0,0,0,80,0\n");
-    let mut file = tempfile::NamedTempFile::new().unwrap();
-    file.write_all(table.as_bytes()).unwrap();
-    let path = file.path().to_str().unwrap();
-    for (output, expected) in [
-        (reba(&["--input", path], ""), scored::<Worksheet>(&table)),
-        (reba(&["--input", "-"], &table), scored::<Worksheet>(&table)),
-        (reba(&["--rula", "--input", "-"], &table), scored::<RulaWorksheet>(&table)),
-    ] {
-        assert!(output.status.success(), "{output:?}");
-        assert_eq!(String::from_utf8(output.stdout).unwrap(), expected.unwrap());
-    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name| folder.path().join(name).to_str().unwrap().to_owned();
+    std::fs::write(path("in.csv"), format!("\u{feff}{table}")).unwrap();
+    let (input, output) = (path("in.csv"), path("out.csv"));
+    let reba = |arguments: &[&str]| Runs::new("reba").with(arguments);
+    let expected = scored::<Worksheet>(&table).unwrap();
+    assert_eq!(reba(&["--input", &input]).run().done().output, expected);
+    assert_eq!(reba(&["--input", "-"]).run_on(&table).done().output, expected);
+    let rula = reba(&["--rula", "--input", "-"]).run_on(&table).done().output;
+    assert_eq!(rula, scored::<RulaWorksheet>(&table).unwrap());
+
+    let ran = reba(&["--input", &input, "--output", &output, "--json"]).run().done();
+    assert_eq!(ran.output.trim_end(), "{\"rows\":1,\"passed_through\":[],\"partial\":false}");
+    assert_eq!(std::fs::read_to_string(&output).unwrap(), expected);
+    // A table that is refused leaves the one before as it was.
+    let bad = format!("{ANGLES}\n1,2,3,4,5,much\n");
+    reba(&["--input", "-", "--output", &output]).run_on(&bad).failed(1, "much");
+    assert_eq!(std::fs::read_to_string(&output).unwrap(), expected);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
 }
 
 #[test]
 fn the_program_says_what_is_wrong() {
     let bad = format!("{ANGLES}\n1,2,3,4,5,much\n");
-    for (arguments, input, says) in [
-        (&["--input", "/not/there.csv"][..], "", "/not/there.csv"),
-        (&["--input", "-"], bad.as_str(), "line 2, column 6 (wrist_flex_deg): \"much\""),
-        (&["--input", "-"], "", "the table is empty"),
-        (&[], "", "--input"),
+    for (arguments, input, code, says) in [
+        (&["--input", "/not/there.csv"][..], "", 1, "/not/there.csv"),
+        (&["--input", "-"], bad.as_str(), 1, "line 2, column 6 (wrist_flex_deg): \"much\""),
+        (&["--input", "-"], "", 1, "standard input: the table is empty"),
+        (&["--input", "/"], "", 1, "/: line 1: cannot read on"),
+        (&[], "", 2, "--input"),
     ] {
-        let output = reba(arguments, input);
-        let errors = String::from_utf8_lossy(&output.stderr);
-        assert!(!output.status.success() && errors.contains(says), "{arguments:?}: {errors}");
+        Runs::new("reba").with(arguments).run_on(input).failed(code, says);
     }
 }

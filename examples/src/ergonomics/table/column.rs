@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-use super::{Sheet, TableError};
-
 /// What the cells of a column hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cell {
@@ -94,37 +92,5 @@ impl fmt::Display for Cell {
                 write!(f, "one of {}", numbered.join(", "))
             }
         }
-    }
-}
-
-/// The column of each name in the header.
-pub(super) fn matched<S: Sheet>(
-    line: usize,
-    names: &[String],
-) -> Result<Vec<&'static Column<S>>, TableError> {
-    let mut columns: Vec<&'static Column<S>> = Vec::new();
-    for (index, name) in names.iter().enumerate() {
-        let number = index + 1;
-        let Some(column) = S::COLUMNS.iter().find(|column| column.name == name.trim()) else {
-            if name.contains([';', '\t']) {
-                return Err(TableError::Separator { line });
-            }
-            let known = S::COLUMNS.iter().map(|column| column.name);
-            let known = known.collect::<Vec<_>>().join(", ");
-            return Err(TableError::UnknownColumn { line, number, column: name.clone(), known });
-        };
-        if columns.iter().any(|other| other.name == column.name) {
-            return Err(TableError::RepeatedColumn { line, number, column: column.name });
-        }
-        columns.push(column);
-    }
-    let missing = S::COLUMNS
-        .iter()
-        .filter(|column| column.needed && columns.iter().all(|other| other.name != column.name));
-    let missing: Vec<&str> = missing.map(|column| column.name).collect();
-    if missing.is_empty() {
-        Ok(columns)
-    } else {
-        Err(TableError::MissingColumns { line, columns: missing.join(", ") })
     }
 }

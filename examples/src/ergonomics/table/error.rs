@@ -1,8 +1,11 @@
 //! What can be wrong with a table of sheets.
 
-use std::io;
+use std::{fmt, io};
 
 use super::Cell;
+
+/// No more characters of a cell are shown in a message.
+const LONGEST_SHOWN: usize = 60;
 
 /// Why a table cannot be scored: where, what stands there, and what would be right. Lines and
 /// columns count from 1; the header is a line too.
@@ -32,8 +35,53 @@ pub enum TableError {
         /// The header's line.
         line: usize,
     },
+    /// More columns than any table of sheets has.
+    #[error("line {line}: {found} columns; a table has at most {most}")]
+    Columns {
+        /// The header's line.
+        line: usize,
+        /// How many there are.
+        found: usize,
+        /// The most that is taken.
+        most: usize,
+    },
+    /// A row that is longer than any row of sheets.
+    #[error("line {line}: a row of more than {limit} bytes; is a quotation mark open?")]
+    RowTooLong {
+        /// The line on which the row became too long.
+        line: usize,
+        /// The most that is read.
+        limit: usize,
+    },
+    /// A column that is called like a score that this table will get.
+    #[error(
+        "line {line}, column {number}: {column:?} is the name of a score that is added to the \
+         table; rename or remove the column"
+    )]
+    ScoreColumn {
+        /// The header's line.
+        line: usize,
+        /// The column's number.
+        number: usize,
+        /// Its name.
+        column: String,
+    },
+    /// A column that is nearly one of the sheet's.
+    #[error("line {line}, column {number}: there is no column {column:?}; do you mean {known}?")]
+    NearlyColumn {
+        /// The header's line.
+        line: usize,
+        /// The column's number.
+        number: usize,
+        /// Its name.
+        column: String,
+        /// The name that is so near.
+        known: &'static str,
+    },
     /// A column that the sheet does not have.
-    #[error("line {line}, column {number}: there is no column {column:?}; there are {known}")]
+    #[error(
+        "line {line}, column {number}: there is no column {column:?}; there are {known}", column = Shown(column)
+    )]
     UnknownColumn {
         /// The header's line.
         line: usize,
@@ -76,7 +124,9 @@ pub enum TableError {
         expected: usize,
     },
     /// A cell that makes no sense.
-    #[error("line {line}, column {number} ({column}): {found:?} is not possible; give {expected}")]
+    #[error(
+        "line {line}, column {number} ({column}): {found:?} is not possible; give {expected}", found = Shown(found)
+    )]
     Cell {
         /// The line.
         line: usize,
@@ -100,4 +150,16 @@ pub enum TableError {
     /// The scores cannot be written.
     #[error("cannot write the scores: {0}")]
     Write(io::Error),
+}
+
+/// A text that may be long: its beginning is enough in a message.
+struct Shown<'a>(&'a str);
+
+impl fmt::Debug for Shown<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0.char_indices().nth(LONGEST_SHOWN) {
+            Some((end, _)) => write!(f, "{:?}… ({} bytes)", &self.0[..end], self.0.len()),
+            None => write!(f, "{:?}", self.0),
+        }
+    }
 }

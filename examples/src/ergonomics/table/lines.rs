@@ -1,6 +1,6 @@
 //! Lines that are counted while they are read.
 
-use std::io::{BufRead, Read, Result};
+use std::io::{BufRead, Error, Read, Result};
 
 /// Hands out at most one line at a time, so that whoever reads knows in which one they are.
 ///
@@ -11,21 +11,39 @@ pub(super) struct Lines<R> {
     inner: R,
     line: usize,
     inside: bool,
+    /// Bytes handed out since the last row was whole.
+    row: usize,
 }
+
+/// No row is longer (bytes).
+pub(super) const LONGEST_ROW: usize = 1 << 20;
 
 impl<R: BufRead> Lines<R> {
     pub(super) fn new(inner: R) -> Self {
-        Self { inner, line: 0, inside: false }
+        Self { inner, line: 0, inside: false, row: 0 }
     }
 
     /// The line from which text was handed out last; the first is 1.
     pub(super) fn line(&self) -> usize {
         self.line
     }
+
+    /// What comes next belongs to another row.
+    pub(super) fn begin_row(&mut self) {
+        self.row = 0;
+    }
+
+    /// Returns true if the row is longer than any that is read.
+    pub(super) fn too_long(&self) -> bool {
+        self.row > LONGEST_ROW
+    }
 }
 
 impl<R: BufRead> Read for Lines<R> {
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
+        if self.too_long() {
+            return Err(Error::other("a row is too long"));
+        }
         let available = self.inner.fill_buf()?;
         let end = available.iter().position(|byte| *byte == b'\n').map(|newline| newline + 1);
         let count = end.unwrap_or(available.len()).min(buffer.len());
@@ -36,6 +54,7 @@ impl<R: BufRead> Read for Lines<R> {
         if count > 0 {
             self.line += usize::from(!self.inside);
             self.inside = from.last() != Some(&b'\n');
+            self.row += count;
         }
         self.inner.consume(count);
         Ok(count)

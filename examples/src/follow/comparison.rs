@@ -1,0 +1,116 @@
+//! The runs with ergonomics and without, side by side.
+
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+
+use super::summary::Summary;
+use crate::program::Ending;
+
+/// Ergonomics on and off, side by side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// With ergonomics on the third level.
+    pub on: Summary,
+    /// With the benchmark min ‖ẋ_d‖² there; none if an interrupt came before.
+    pub off: Option<Summary>,
+}
+
+/// The one line of `--json`.
+#[derive(Debug, Serialize)]
+struct Line {
+    score_mean_on: f64,
+    score_mean_off: Option<f64>,
+    reba_max_on: u8,
+    reba_max_off: Option<u8>,
+    tracking_error_rms_mm: f64,
+    limit_violations: u64,
+    solver_failures: u64,
+    tick_us_p50: f64,
+    tick_us_p99: f64,
+    tick_us_max: f64,
+    speedup: f64,
+    duration_s: f64,
+}
+
+impl Comparison {
+    /// Whether both runs came to their end.
+    pub fn ending(&self) -> Ending {
+        match &self.off {
+            Some(off) if self.on.ending == Ending::Complete => off.ending,
+            _ => Ending::Partial,
+        }
+    }
+
+    /// Simulated seconds a wall second, all runs counted.
+    pub fn speedup(&self) -> f64 {
+        let sum = |of: fn(&Summary) -> f64| self.runs().map(of).sum::<f64>();
+        sum(|run| run.duration) / sum(|run| run.wall)
+    }
+
+    fn runs(&self) -> impl Iterator<Item = &Summary> {
+        std::iter::once(&self.on).chain(&self.off)
+    }
+}
+
+/// As one object; of all runs the worst, where there is no key for each.
+impl Serialize for Comparison {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let worst = |of: fn(&Summary) -> f64| self.runs().map(of).fold(0.0, f64::max);
+        let sum = |of: fn(&Summary) -> u64| self.runs().map(of).sum();
+        let line = Line {
+            score_mean_on: self.on.score_mean,
+            score_mean_off: self.off.as_ref().map(|off| off.score_mean),
+            reba_max_on: self.on.reba_max,
+            reba_max_off: self.off.as_ref().map(|off| off.reba_max),
+            tracking_error_rms_mm: worst(|run| run.tracking_error_rms_mm),
+            limit_violations: sum(|run| run.limit_violations),
+            solver_failures: sum(|run| run.solver_failures),
+            tick_us_p50: worst(|run| run.tick_us[0]),
+            tick_us_p99: worst(|run| run.tick_us[1]),
+            tick_us_max: worst(|run| run.tick_us[2]),
+            speedup: self.speedup(),
+            duration_s: worst(|run| run.duration),
+        };
+        line.serialize(serializer)
+    }
+}
+
+/// One row of the table: what it says, its digits, and where the number comes from.
+type Row = (&'static str, usize, fn(&Summary) -> f64);
+
+const ROWS: [Row; 16] = [
+    ("e_s mean (0 good, 4.25 bad)", 2, |run| run.score_mean),
+    ("e_s maximum", 2, |run| run.score_max),
+    ("REBA mean (1 good, 15 bad)", 1, |run| run.reba_mean),
+    ("REBA maximum", 0, |run| f64::from(run.reba_max)),
+    ("tracking error, root mean square [mm]", 3, |run| run.tracking_error_rms_mm),
+    ("working together [s]", 1, |run| run.together),
+    ("  of it outside the shared workspace [s]", 1, |run| run.outside),
+    ("  of it tool out of reach [s]", 1, |run| run.out_of_reach),
+    ("worst position margin [%]", 1, |run| 100.0 * run.margins.position),
+    ("worst velocity margin [%]", 1, |run| 100.0 * run.margins.velocity),
+    ("worst acceleration margin [%]", 1, |run| 100.0 * run.margins.acceleration),
+    ("ticks with a violated limit", 0, |run| run.limit_violations as f64),
+    ("ticks not solved", 0, |run| run.solver_failures as f64),
+    ("tick, median [µs]", 1, |run| run.tick_us[0]),
+    ("tick, 99th percentile [µs]", 1, |run| run.tick_us[1]),
+    ("tick, maximum [µs]", 1, |run| run.tick_us[2]),
+];
+
+impl fmt::Display for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:<42}{:>12}", "ergonomics", "on")?;
+        writeln!(f, "{:>12}", if self.off.is_some() { "off" } else { "" })?;
+        for (name, digits, of) in ROWS {
+            write!(f, "{name:<42}")?;
+            for run in self.runs() {
+                // Adding zero drops the sign of a zero that rounding has left.
+                let rounded = (of(run) * 1e9).round() / 1e9 + 0.0;
+                write!(f, "{rounded:>12.digits$}")?;
+            }
+            writeln!(f)?;
+        }
+        write!(f, "{:.0} simulated seconds a wall second", self.speedup())
+    }
+}

@@ -1,0 +1,60 @@
+//! Why a problem of a set has no solution, in the words of the file.
+
+use ahqp_core::{ConstraintSource, Error};
+
+use super::Problem;
+
+impl Problem {
+    /// Says why the solver gives no solution: with the file's line where the rows stand, and what
+    /// is wrong with them.
+    pub fn reason(&self, error: &Error) -> String {
+        let words = match error {
+            Error::EmptyRange { source_of_row, lower, upper } => {
+                format!(
+                    "{}: the lower bound {lower} lies above the upper bound {upper}; order them",
+                    self.place(*source_of_row)
+                )
+            }
+            Error::TooLarge { source_of_row, value } => format!(
+                "{}: {value:e} is beyond 1e100, where double precision overflows; change units, or \
+                 write 1e30 where there is no bound",
+                self.place(*source_of_row)
+            ),
+            Error::Overflow => "the solution overflows double precision; bring rows and bounds to \
+                                comparable sizes"
+                .to_owned(),
+            Error::Infeasible { level, worst, violation, .. } => format!(
+                "{}: its hard rows cannot hold together with those above; {} stays violated by \
+                 {violation:.3e}",
+                self.level(*level),
+                self.place(*worst)
+            ),
+            Error::Unbounded { level } => {
+                format!("{}: its objective falls without end", self.level(*level))
+            }
+            other => other.to_string(),
+        };
+        format!("problem {} ({}), {words}", self.index, self.name)
+    }
+
+    fn level(&self, level: usize) -> String {
+        match self.lines.levels.get(level) {
+            Some(line) => format!("the level of line {line}"),
+            None => format!("level {level}"),
+        }
+    }
+
+    fn place(&self, source: ConstraintSource) -> String {
+        match source {
+            ConstraintSource::Bound { variable } => match self.lines.bounds {
+                Some(line) => format!("the bounds of variable {variable}, level of line {line}"),
+                None => format!("the bounds of variable {variable}"),
+            },
+            ConstraintSource::Constraint { level, row }
+            | ConstraintSource::Objective { level, row } => {
+                format!("row {row} of {}", self.level(level))
+            }
+            other => other.to_string(),
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! What every program here does in the same way: how it begins and ends, prints, writes files,
+//! shows progress and is interrupted.
+//!
+//! A program is a `clap` parser that implements [`Program`]; its `main` is one call:
+//!
+//! ```no_run
+//! use std::{io::Write, process::ExitCode};
+//!
+//! use examples::program::{self, Ending, Json, Program, Quiet, Session};
+//!
+//! /// Counts to ten.
+//! #[derive(clap::Parser)]
+//! struct Options {
+//!     #[command(flatten)]
+//!     json: Json,
+//!     #[command(flatten)]
+//!     quiet: Quiet,
+//! }
+//!
+//! #[derive(serde::Serialize)]
+//! struct Counted {
+//!     last: u64,
+//! }
+//!
+//! impl Program for Options {
+//!     fn quiet(&self) -> Quiet {
+//!         self.quiet
+//!     }
+//!
+//!     fn run(self, session: &mut Session) -> anyhow::Result<Ending> {
+//!         let progress = session.progress("count", 10);
+//!         let mut last = 0;
+//!         while last < 10 && !session.interrupt().requested() {
+//!             last += 1;
+//!             progress.set(last);
+//!         }
+//!         progress.finish();
+//!         writeln!(session.output(), "{last}")?;
+//!         let ending = if last < 10 { Ending::Partial } else { Ending::Complete };
+//!         session.print_json(self.json, &Counted { last }, ending)?;
+//!         Ok(ending)
+//!     }
+//! }
+//!
+//! fn main() -> ExitCode {
+//!     program::main::<Options>()
+//! }
+//! ```
+//!
+//! The rules:
+//! - Results go to standard output, everything else to standard error. Both are written without
+//!   `println!`, which panics when the other end is closed.
+//! - Outputs are checked before the work: [`check_folder`] and [`OutputFile::create`] come first.
+//! - Long work asks [`Interrupt::requested`] now and then, and keeps and prints what it has.
+//! - `--output`, `--json`, `--threads`, `--seed` and `--quiet` mean the same everywhere.
+
+mod begin;
+mod byte_order_mark;
+mod ending;
+mod error;
+mod file;
+mod folder;
+mod interrupt;
+mod message;
+mod options;
+mod progress;
+mod session;
+mod standard_output;
+
+pub use begin::{Program, main};
+pub use byte_order_mark::{WithoutMark, without_byte_order_mark};
+pub use ending::Ending;
+pub use error::ProgramError;
+pub use file::OutputFile;
+pub use folder::check_folder;
+pub use interrupt::Interrupt;
+pub use options::{Json, Quiet, ResultFile, Seed, Threads, thread_count};
+pub use progress::Progress;
+pub use session::Session;
+pub use standard_output::StandardOutput;

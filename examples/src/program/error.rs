@@ -1,0 +1,69 @@
+//! What can go wrong around the work of a program.
+
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
+
+/// Why a program cannot go on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProgramError {
+    /// The person or the system asked the program to stop before there was anything to keep.
+    #[error("interrupted, and nothing is kept")]
+    Interrupted,
+    /// The folder of an output is not there.
+    #[error("cannot write {file}: there is no folder {folder}", file = file.display(), folder = folder.display())]
+    NoFolder {
+        /// The file that should go there.
+        file: PathBuf,
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A folder stands where a file should go.
+    #[error("cannot write {path}: it is a folder; give a file", path = path.display())]
+    IsFolder {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A file stands where a folder should be.
+    #[error("cannot write into {path}: it is a file; give a folder", path = path.display())]
+    NotAFolder {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The system does not let the program write there.
+    #[error("cannot write {path}: {source}", path = path.display())]
+    Write {
+        /// The file or the folder.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Standard output cannot be written.
+    #[error("cannot write to standard output: {0}")]
+    StandardOutput(String),
+    /// A handler of signals or a thread cannot be made.
+    #[error("the system refuses {what}: {source}")]
+    Refused {
+        /// What was asked for.
+        what: &'static str,
+        /// What the system says.
+        source: io::Error,
+    },
+}
+
+impl ProgramError {
+    pub(super) fn write(path: &Path, source: io::Error) -> Self {
+        Self::Write { path: path.to_owned(), source }
+    }
+
+    /// The same as an error of writing, for code that speaks `std::io` only.
+    pub(super) fn into_io(self) -> io::Error {
+        let kind = match &self {
+            Self::Write { source, .. } => source.kind(),
+            _ => io::ErrorKind::Other,
+        };
+        io::Error::new(kind, self)
+    }
+}

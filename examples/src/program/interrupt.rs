@@ -1,0 +1,113 @@
+//! Ctrl-C and the signal to terminate, as a flag that long work asks for.
+
+use std::{
+    io,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
+        mpsc::{RecvTimeoutError, channel},
+    },
+    thread,
+    time::Duration,
+};
+
+use signal_hook::{
+    consts::{SIGINT, SIGTERM},
+    flag,
+};
+
+use super::ProgramError;
+
+/// How soon work that is waited for is left after an interrupt.
+const PATIENCE: Duration = Duration::from_millis(20);
+
+/// Says whether someone asked the program to stop. Clones are the same flag.
+///
+/// ```
+/// use examples::program::Interrupt;
+///
+/// let interrupt = Interrupt::default();
+/// assert!(!interrupt.requested());
+/// assert!(interrupt.check().is_ok());
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Interrupt {
+    /// The number of the signal that came; 0 before.
+    signal: Arc<AtomicUsize>,
+}
+
+impl Interrupt {
+    /// Sets the flag at the first Ctrl-C or signal to terminate, and ends the process at once at
+    /// the second.
+    pub(super) fn install() -> Result<Self, ProgramError> {
+        let interrupt = Self::default();
+        let again = Arc::new(AtomicBool::new(false));
+        let register = |signal| -> io::Result<()> {
+            // Handlers run in this order: at the first signal `again` is still false.
+            flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))?;
+            flag::register(signal, Arc::clone(&again))?;
+            let number = usize::try_from(signal).unwrap_or_default();
+            flag::register_usize(signal, Arc::clone(&interrupt.signal), number)?;
+            Ok(())
+        };
+        [SIGINT, SIGTERM]
+            .into_iter()
+            .try_for_each(register)
+            .map_err(|source| ProgramError::Refused { what: "a handler of Ctrl-C", source })?;
+        Ok(interrupt)
+    }
+
+    /// Returns true if the program should stop and keep what it has.
+    pub fn requested(&self) -> bool {
+        self.signal.load(Ordering::Relaxed) != 0
+    }
+
+    /// For work of which no part is worth keeping.
+    ///
+    /// # Errors
+    /// [`ProgramError::Interrupted`] if the program should stop.
+    pub fn check(&self) -> Result<(), ProgramError> {
+        if self.requested() { Err(ProgramError::Interrupted) } else { Ok(()) }
+    }
+
+    /// Does work that cannot stop half way, and leaves it behind if an interrupt comes before it
+    /// is done. The program should then end.
+    ///
+    /// ```
+    /// use examples::program::Interrupt;
+    ///
+    /// assert_eq!(Interrupt::default().wait_for(|| 6 * 7)?, 42);
+    /// # Ok::<(), examples::program::ProgramError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ProgramError::Interrupted`], or [`ProgramError::Refused`] if there is no thread to be had.
+    pub fn wait_for<T: Send + 'static>(
+        &self,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<T, ProgramError> {
+        let (sender, receiver) = channel();
+        let worker = thread::Builder::new()
+            .spawn(move || {
+                // Nobody listens once the work has been left behind.
+                let _ = sender.send(work());
+            })
+            .map_err(|source| ProgramError::Refused { what: "another thread", source })?;
+        loop {
+            match receiver.recv_timeout(PATIENCE) {
+                Ok(result) => return Ok(result),
+                Err(RecvTimeoutError::Timeout) => self.check()?,
+                Err(RecvTimeoutError::Disconnected) => match worker.join() {
+                    Err(panic) => std::panic::resume_unwind(panic),
+                    Ok(()) => return Err(ProgramError::Interrupted),
+                },
+            }
+        }
+    }
+
+    /// The exit status of an interrupted run: 128 and the signal's number, as shells have it.
+    pub(super) fn status(&self) -> u8 {
+        let signal = self.signal.load(Ordering::Relaxed);
+        u8::try_from(signal).unwrap_or_default().saturating_add(128)
+    }
+}

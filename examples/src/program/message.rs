@@ -1,0 +1,45 @@
+//! Errors in words, and lines on standard error.
+
+use std::{
+    fmt::Display,
+    io::{Write, stderr},
+};
+
+/// Writes a line to standard error. A standard error that is closed or full is no reason to stop.
+pub(super) fn line(text: impl Display) {
+    // One call, so that lines of several threads do not mix.
+    let _ = stderr().lock().write_all(format!("{text}\n").as_bytes());
+}
+
+/// An error with its causes, in one line; never a backtrace. A cause that its error has told
+/// already is not told twice.
+pub(super) fn with_causes(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for cause in error.chain() {
+        let cause = cause.to_string();
+        if text.is_empty() {
+            text = cause;
+        } else if !text.ends_with(&cause) {
+            text.push_str(": ");
+            text.push_str(&cause);
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{io, path::Path};
+
+    use super::super::ProgramError;
+    use super::with_causes;
+
+    #[test]
+    fn causes_are_told_once() {
+        let full = io::Error::other("the disk is full");
+        let error = anyhow::Error::from(ProgramError::write(Path::new("a.csv"), full));
+        assert_eq!(with_causes(&error), "cannot write a.csv: the disk is full");
+        let error = error.context("the report");
+        assert_eq!(with_causes(&error), "the report: cannot write a.csv: the disk is full");
+    }
+}

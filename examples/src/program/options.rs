@@ -1,0 +1,83 @@
+//! Options that mean the same in every program.
+
+use std::path::PathBuf;
+
+use clap::{Args, builder::RangedI64ValueParser};
+
+use super::{OutputFile, ProgramError};
+
+/// Parses a number of threads: at least one, and no more than a machine bears.
+pub fn thread_count() -> RangedI64ValueParser<u16> {
+    clap::value_parser!(u16).range(1..=1024)
+}
+
+/// `--quiet`.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub struct Quiet {
+    /// Show no progress and no notes, only results and errors.
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+impl Quiet {
+    /// Returns true if only results and errors are wanted.
+    pub fn is_quiet(self) -> bool {
+        self.quiet
+    }
+}
+
+/// `--json`.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub struct Json {
+    /// Print the result as one JSON object on the last line of standard output.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Json {
+    /// Returns true if the JSON object is wanted.
+    pub fn wanted(self) -> bool {
+        self.json
+    }
+}
+
+/// `--seed`.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Seed {
+    /// Seed of everything random: the same seed gives the same result.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+/// `--threads`.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Threads {
+    /// Threads that share the work, 1 to 1024.
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = thread_count())]
+    threads: u16,
+}
+
+impl Threads {
+    /// How many, at least one.
+    pub fn count(self) -> usize {
+        self.threads.into()
+    }
+}
+
+/// `--output` of programs whose result goes to standard output otherwise.
+#[derive(Args, Clone, Debug)]
+pub struct ResultFile {
+    /// Write the result to this file instead of standard output.
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+impl ResultFile {
+    /// Begins the file, if one is asked for; before the work, so that a wrong place is known early.
+    ///
+    /// # Errors
+    /// As [`OutputFile::create`].
+    pub fn create(&self) -> Result<Option<OutputFile>, ProgramError> {
+        self.output.as_ref().map(OutputFile::create).transpose()
+    }
+}

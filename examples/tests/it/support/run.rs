@@ -1,0 +1,158 @@
+//! Programs, run from the outside.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::channel;
+use std::thread;
+use std::time::Duration;
+
+/// No program of a test is waited for longer.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A program with its arguments.
+pub(crate) struct Runs {
+    name: &'static str,
+    command: Command,
+}
+
+/// What a program left behind.
+#[derive(Debug)]
+pub(crate) struct Ran {
+    pub(crate) status: ExitStatus,
+    pub(crate) output: String,
+    pub(crate) errors: String,
+}
+
+impl Runs {
+    /// The program of this name. Whatever the tests run under, it sees RUST_BACKTRACE=1: no message
+    /// may depend on it.
+    pub(crate) fn new(name: &'static str) -> Self {
+        let folder = Path::new(env!("CARGO_BIN_EXE_record")).parent().unwrap();
+        let mut command =
+            Command::new(folder.join(name).with_extension(std::env::consts::EXE_EXTENSION));
+        command.env("RUST_BACKTRACE", "1");
+        Self { name, command }
+    }
+
+    pub(crate) fn with<A: AsRef<std::ffi::OsStr>>(mut self, arguments: &[A]) -> Self {
+        self.command.args(arguments);
+        self
+    }
+
+    /// Runs it to its end.
+    pub(crate) fn run(self) -> Ran {
+        self.run_on("")
+    }
+
+    /// Runs it to its end with this on standard input.
+    pub(crate) fn run_on(mut self, input: &str) -> Ran {
+        self.command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = self.command.spawn().unwrap();
+        let mut stdin = child.stdin.take().unwrap();
+        let input = input.to_owned();
+        // A program that stops early reads no more.
+        let writer = thread::spawn(move || drop(stdin.write_all(input.as_bytes())));
+        let output = child.wait_with_output().unwrap();
+        writer.join().unwrap();
+        Ran {
+            status: output.status,
+            output: String::from_utf8(output.stdout).unwrap(),
+            errors: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
+    /// Runs it with a standard output that nobody reads.
+    pub(crate) fn run_closed(mut self) -> Ran {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        self.command.stdin(Stdio::null()).stdout(writer).stderr(Stdio::piped());
+        let child = self.command.spawn().unwrap();
+        Ran::of(child)
+    }
+
+    /// Runs it with a standard output on a full device.
+    pub(crate) fn run_full(mut self) -> Ran {
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        self.command.stdin(Stdio::null()).stdout(full).stderr(Stdio::piped());
+        let child = self.command.spawn().unwrap();
+        Ran::of(child)
+    }
+
+    /// Runs it, sends it a signal as soon as a line on standard error contains `sign`, and waits
+    /// for its end.
+    pub(crate) fn interrupt_at(mut self, sign: &str, signal: &str) -> Ran {
+        self.command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = self.command.spawn().unwrap();
+        let lines = BufReader::new(child.stderr.take().unwrap()).lines();
+        let (sender, receiver) = channel();
+        thread::spawn(move || lines.map_while(Result::ok).for_each(|line| drop(sender.send(line))));
+        let mut errors = String::new();
+        while !errors.contains(sign) {
+            let Ok(line) = receiver.recv_timeout(PATIENCE) else {
+                child.kill().unwrap();
+                panic!("{} did not say {sign:?}: {errors}", self.name);
+            };
+            errors.extend([line.as_str(), "\n"]);
+        }
+        self::signal(&child, signal);
+        let mut ran = Ran::of(child);
+        for line in receiver {
+            errors.extend([line.as_str(), "\n"]);
+        }
+        ran.errors = errors;
+        ran
+    }
+
+    /// Starts it with everything piped.
+    pub(crate) fn start(mut self) -> Child {
+        self.command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        self.command.spawn().unwrap()
+    }
+}
+
+impl Ran {
+    pub(crate) fn of(child: Child) -> Self {
+        let output = child.wait_with_output().unwrap();
+        Self {
+            status: output.status,
+            output: String::from_utf8(output.stdout).unwrap(),
+            errors: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
+    /// The exit status; none if a signal ended the program.
+    pub(crate) fn code(&self) -> Option<i32> {
+        self.status.code()
+    }
+
+    /// The JSON object on the last line.
+    pub(crate) fn json(&self) -> serde_json::Value {
+        serde_json::from_str(self.output.lines().last().unwrap()).unwrap()
+    }
+
+    /// Asserts that the program did what it was asked to.
+    pub(crate) fn done(self) -> Self {
+        assert_eq!(self.code(), Some(0), "{self:?}");
+        self
+    }
+
+    /// Asserts that it failed with this status and one message that contains `says`, short and
+    /// without a trace of the program's insides.
+    pub(crate) fn failed(self, code: i32, says: &str) -> Self {
+        assert_eq!(self.code(), Some(code), "{self:?}");
+        assert!(self.errors.contains(says), "no {says:?} in {self:?}");
+        assert!(self.errors.len() < 2000, "a message of {} bytes", self.errors.len());
+        for insides in ["panicked", "backtrace", "Stack", "src/", "::"] {
+            assert!(!self.errors.contains(insides), "{insides} in {self:?}");
+        }
+        self
+    }
+}
+
+/// Sends a signal to a program, such as `INT`.
+pub(crate) fn signal(child: &Child, signal: &str) {
+    let kill = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
+    assert!(kill.unwrap().success());
+}
