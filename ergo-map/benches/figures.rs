@@ -4,7 +4,7 @@
 use divan::{Bencher, black_box};
 use ergo_map::{
     Conditions, ContinuousReba, ErgonomicsMap, ErgonomicsQuadratic, FitOptions, HandTarget,
-    MapOptions, Mode, Person, PersonPose, Placement, PlacementLimits, Posture, PosturePredictor,
+    MapOptions, Mode, Person, PersonFrame, Placement, PlacementLimits, Posture, PosturePredictor,
     Region, Side, Worksheet, ergonomics_score, ergonomics_score_gradient,
 };
 use nalgebra::Vector3;
@@ -135,7 +135,7 @@ fn one_quadratic_value_and_gradient(bencher: Bencher) {
 
 #[divan::bench]
 fn one_placement_tick(bencher: Bencher) {
-    let pose = |x| PersonPose::new(Vector3::new(x, 0.0, 0.0), 0.1).unwrap();
+    let pose = |x| PersonFrame::new(Vector3::new(x, 0.0, 0.0), 0.1).unwrap();
     let mut placement = Placement::new(quadratic(), pose(0.0), PlacementLimits::default()).unwrap();
     placement.observe(pose(1e6));
     let hand = Vector3::new(0.4, -0.2, 1.1);

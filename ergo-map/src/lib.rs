@@ -24,7 +24,7 @@
 //! map with recordings of yours.
 //!
 //! ```
-//! use ergo_map::{ErgonomicsMap, FitOptions, MapOptions, Person, PersonPose, Placement, PlacementLimits};
+//! use ergo_map::{ErgonomicsMap, FitOptions, MapOptions, Person, PersonFrame, Placement, PlacementLimits};
 //! use nalgebra::Vector3;
 //!
 //! // Once per person.
@@ -35,7 +35,7 @@
 //! assert!(report.eigenvalues.min() > 0.0);
 //!
 //! // A thousand times a second.
-//! let standing = PersonPose::new(Vector3::new(1.2, 0.4, 0.0), 3.0)?;
+//! let standing = PersonFrame::new(Vector3::new(1.2, 0.4, 0.0), 3.0)?;
 //! let mut placement = Placement::new(quadratic, standing, PlacementLimits::default())?;
 //! let hand = standing.to_world(&Vector3::new(0.5, -0.2, 1.3));
 //! let terms = placement.advance(0.001)?.task_terms(&hand, 0.2)?;
@@ -49,7 +49,7 @@ mod joints;
 mod kinematics;
 mod map;
 mod person;
-mod person_pose;
+mod person_frame;
 mod placement;
 mod posture;
 mod predict;
@@ -69,7 +69,7 @@ pub use map::{
     read_samples,
 };
 pub use person::{Person, Segments};
-pub use person_pose::PersonPose;
+pub use person_frame::PersonFrame;
 pub use placement::{Placement, PlacementLimits};
 pub use posture::Posture;
 pub use predict::{EffortWeights, HandTarget, PosturePredictor, Prediction};

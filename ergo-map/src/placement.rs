@@ -3,7 +3,7 @@ use core::f64::consts::{PI, TAU};
 use nalgebra::Vector3;
 
 use crate::error::{Result, within};
-use crate::person_pose::PersonPose;
+use crate::person_frame::PersonFrame;
 use crate::quadratic::ErgonomicsQuadratic;
 
 /// How fast a placed quadratic may change.
@@ -49,21 +49,21 @@ impl PlacementLimits {
 /// combination of convex ones, hence convex.
 ///
 /// ```
-/// use ergo_map::{ErgonomicsQuadratic, PersonPose, Placement, PlacementLimits};
+/// use ergo_map::{ErgonomicsQuadratic, PersonFrame, Placement, PlacementLimits};
 /// use nalgebra::{Matrix3, Vector3};
 /// let quadratic = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 0.0)?;
-/// let here = PersonPose::new(Vector3::zeros(), 0.0)?;
+/// let here = PersonFrame::new(Vector3::zeros(), 0.0)?;
 /// let mut placement = Placement::new(quadratic, here, PlacementLimits::default())?;
-/// placement.observe(PersonPose::new(Vector3::new(3.0, 0.0, 0.0), 0.0)?); // the tracker jumps
+/// placement.observe(PersonFrame::new(Vector3::new(3.0, 0.0, 0.0), 0.0)?); // the tracker jumps
 /// placement.advance(0.001)?;
-/// assert!(placement.pose().position().x <= 0.0025 + 1e-12);
+/// assert!(placement.frame().position().x <= 0.0025 + 1e-12);
 /// # Ok::<(), ergo_map::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Placement {
     limits: PlacementLimits,
-    pose: PersonPose,
-    observed: PersonPose,
+    frame: PersonFrame,
+    observed: PersonFrame,
     quadratic: ErgonomicsQuadratic,
     replacement: ErgonomicsQuadratic,
     world: ErgonomicsQuadratic,
@@ -76,17 +76,17 @@ impl Placement {
     /// See [`PlacementLimits::validate`].
     pub fn new(
         quadratic: ErgonomicsQuadratic,
-        pose: PersonPose,
+        frame: PersonFrame,
         limits: PlacementLimits,
     ) -> Result<Self> {
         limits.validate()?;
-        let world = quadratic.placed(&pose);
-        Ok(Self { limits, pose, observed: pose, quadratic, replacement: quadratic, world })
+        let world = quadratic.placed(&frame);
+        Ok(Self { limits, frame, observed: frame, quadratic, replacement: quadratic, world })
     }
 
-    /// Takes the newest pose of the person.
-    pub fn observe(&mut self, pose: PersonPose) {
-        self.observed = pose;
+    /// Takes the newest frame of the person.
+    pub fn observe(&mut self, frame: PersonFrame) {
+        self.observed = frame;
     }
 
     /// Takes another quadratic in the person's frame: another person's, or a local refit.
@@ -101,9 +101,9 @@ impl Placement {
     /// [`crate::Error::OutOfRange`] for a tick that is not in (0, 1] s.
     pub fn advance(&mut self, dt: f64) -> Result<&ErgonomicsQuadratic> {
         let dt = within("dt", dt, [1e-9, 1.0], "s")?;
-        self.move_pose(dt)?;
+        self.move_frame(dt)?;
         self.blend(dt);
-        self.world = self.quadratic.placed(&self.pose);
+        self.world = self.quadratic.placed(&self.frame);
         Ok(&self.world)
     }
 
@@ -113,8 +113,8 @@ impl Placement {
     }
 
     /// The person's frame as of the last tick.
-    pub fn pose(&self) -> &PersonPose {
-        &self.pose
+    pub fn frame(&self) -> &PersonFrame {
+        &self.frame
     }
 
     /// A bound on the rate of the world's Hessian, Frobenius norm \[1/(m² s)\].
@@ -135,19 +135,19 @@ impl Placement {
             + gradient_rate
     }
 
-    fn move_pose(&mut self, dt: f64) -> Result<()> {
-        let way: Vector3<f64> = self.observed.position() - self.pose.position();
+    fn move_frame(&mut self, dt: f64) -> Result<()> {
+        let way: Vector3<f64> = self.observed.position() - self.frame.position();
         let distance = way.norm();
         let most = self.limits.speed * dt;
         let position = if distance <= most {
             *self.observed.position()
         } else {
-            self.pose.position() + way * (most / distance)
+            self.frame.position() + way * (most / distance)
         };
         // The shorter way round, in [-π, π).
-        let turn = (self.observed.heading() - self.pose.heading() + PI).rem_euclid(TAU) - PI;
+        let turn = (self.observed.heading() - self.frame.heading() + PI).rem_euclid(TAU) - PI;
         let most = self.limits.turn_rate * dt;
-        self.pose = PersonPose::new(position, self.pose.heading() + turn.clamp(-most, most))?;
+        self.frame = PersonFrame::new(position, self.frame.heading() + turn.clamp(-most, most))?;
         Ok(())
     }
 

@@ -8,7 +8,7 @@ mod report;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Error, Result, within};
-use crate::person_pose::PersonPose;
+use crate::person_frame::PersonFrame;
 pub(crate) use fit::{FitInput, fit_weighted};
 pub use fit::{FitOptions, ScoredPoint};
 pub use report::{FitReport, Regret};
@@ -18,14 +18,14 @@ pub(crate) use report::{correlation, ranks};
 /// in the person's frame or, once [`placed`](ErgonomicsQuadratic::placed), in the world.
 ///
 /// ```
-/// use ergo_map::{ErgonomicsMap, FitOptions, MapOptions, Person, PersonPose};
+/// use ergo_map::{ErgonomicsMap, FitOptions, MapOptions, Person, PersonFrame};
 /// use nalgebra::Vector3;
 /// let options = MapOptions { spacing: 0.08, ..Default::default() };
 /// let map = ErgonomicsMap::build(&Person::average(), &options, None)?;
 /// let (quadratic, report) = map.fit(&FitOptions::default())?;
 /// assert!(report.r_squared > 0.8);
 ///
-/// let person = PersonPose::new(Vector3::new(2.0, 1.0, 0.0), core::f64::consts::PI)?;
+/// let person = PersonFrame::new(Vector3::new(2.0, 1.0, 0.0), core::f64::consts::PI)?;
 /// let terms = quadratic.placed(&person).task_terms(&Vector3::new(1.5, 1.0, 1.0), 0.2)?;
 /// assert!(terms.hessian.symmetric_eigenvalues().min() > 0.0);
 /// # Ok::<(), ergo_map::Error>(())
@@ -107,7 +107,7 @@ impl ErgonomicsQuadratic {
     /// The same quadratic as a function of world positions:
     /// `H_w` = R H Rᵀ, `g_w` = R g - `H_w` p, with the person at p, turned by R.
     #[must_use]
-    pub fn placed(&self, person: &PersonPose) -> Self {
+    pub fn placed(&self, person: &PersonFrame) -> Self {
         let rotation = person.rotation();
         let hessian = rotation * self.hessian * rotation.transpose();
         let turned = rotation * self.gradient;

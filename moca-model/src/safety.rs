@@ -10,7 +10,7 @@ use hrsw::{
     SeparationSettings, SpeedCap, Supervisor,
 };
 use nalgebra::Vector3;
-use vision_models::{Percept, PersonPose};
+use vision_models::{Percept, TrackedPerson};
 
 use crate::error::{Error, check_count};
 use crate::robot::{RobotData, RobotModel};
@@ -99,7 +99,7 @@ impl Safety {
     }
 
     /// Takes a camera frame, and the person as tracked at its time.
-    pub fn observe(&mut self, percept: &Percept, tracked: Option<&PersonPose>) {
+    pub fn observe(&mut self, percept: &Percept, tracked: Option<&TrackedPerson>) {
         self.last_frame = self.last_frame.max(percept.time);
         self.person.observe(percept, tracked);
     }
@@ -115,7 +115,7 @@ impl Safety {
         data: &RobotData,
         velocity: &[f64],
         now: f64,
-        tracked: Option<&PersonPose>,
+        tracked: Option<&TrackedPerson>,
         together: bool,
     ) -> Result<(), Error> {
         let step = self.settings.contact_acceleration * self.period;

@@ -1,12 +1,12 @@
 //! From percepts to where the robot may be: the person's frame and the shared workspace.
 
-use ergo_map::PersonPose as ErgonomicPose;
+use ergo_map::PersonFrame;
 use hrsw::{
     Attachment, Bounds, FrameFollower, MovingSettings, MovingWorkspace, OrientationShape,
     PositionShape, Workspace,
 };
 use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
-use vision_models::{BodyTracker, Percept, PersonPose};
+use vision_models::{BodyTracker, Percept, TrackedPerson};
 
 use crate::error::Error;
 use crate::intention::{Intention, IntentionFilter};
@@ -22,7 +22,7 @@ pub struct SharedSpace {
     tracker: BodyTracker,
     intention: IntentionFilter,
     frame: FrameFollower,
-    person: Option<PersonPose>,
+    person: Option<TrackedPerson>,
     moving: MovingWorkspace,
     assigned: Option<Attachment>,
     carrier: Carrier,
@@ -203,12 +203,12 @@ impl SharedSpace {
     }
 
     /// The person as tracked, if anybody was seen.
-    pub fn person(&self) -> Option<&PersonPose> {
+    pub fn person(&self) -> Option<&TrackedPerson> {
         self.person.as_ref()
     }
 
     /// The person as tracked at the time `now` \[s\], if anybody was seen.
-    pub fn person_at(&self, now: f64) -> Option<PersonPose> {
+    pub fn person_at(&self, now: f64) -> Option<TrackedPerson> {
         self.tracker.predict(now)
     }
 
@@ -232,10 +232,10 @@ impl SharedSpace {
     ///
     /// # Errors
     /// None while the frame is finite, which it always is.
-    pub fn person_frame(&self) -> Result<ErgonomicPose, Error> {
+    pub fn person_frame(&self) -> Result<PersonFrame, Error> {
         let pose = self.frame.pose();
         let forward = pose.rotation * Vector3::x();
-        Ok(ErgonomicPose::new(pose.translation.vector, forward.y.atan2(forward.x))?)
+        Ok(PersonFrame::new(pose.translation.vector, forward.y.atan2(forward.x))?)
     }
 }
 

@@ -9,7 +9,7 @@ mod stature;
 mod tracker;
 
 pub use keypoints::{Body, Body25, Keypoint};
-pub use pose::{PersonPose, TrackStatus};
+pub use pose::{TrackStatus, TrackedPerson};
 pub use settings::TrackerSettings;
 pub use stature::StatureEstimate;
 pub use tracker::BodyTracker;

@@ -2,7 +2,8 @@
 //!
 //! A camera frame becomes a [`Percept`]: the recognised [`Action`], the [`Surface`] that faces the
 //! on-board camera and the [`Body`], each with its confidence. A [`BodyTracker`] turns the bodies,
-//! noisy and sometimes missing, into a [`PersonPose`] that a control loop can ask for at any time.
+//! noisy and sometimes missing, into a [`TrackedPerson`] that a control loop can ask for at any
+//! time.
 //!
 //! Units are SI and radians. Positions are in the world frame: x and y on the floor, z up. The
 //! person's frame has its origin on the floor below the pelvis, x forwards and y to the left.
@@ -53,7 +54,8 @@ mod weights;
 
 pub use action::{Action, Tool, WalkingDirection};
 pub use body::{
-    Body, Body25, BodyTracker, Keypoint, PersonPose, StatureEstimate, TrackStatus, TrackerSettings,
+    Body, Body25, BodyTracker, Keypoint, StatureEstimate, TrackStatus, TrackedPerson,
+    TrackerSettings,
 };
 pub use confidence::Confidence;
 pub use error::Error;

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use ergo_map::{
-    Conditions, ErgonomicsMap, FitOptions, MapOptions, Mode, Person, PersonPose, Placement,
+    Conditions, ErgonomicsMap, FitOptions, MapOptions, Mode, Person, PersonFrame, Placement,
     PlacementLimits, Posture, Region, Side, Worksheet, ergonomics_score, ergonomics_score_gradient,
 };
 use nalgebra::Vector3;
@@ -13,7 +13,7 @@ fn a_tick_allocates_nothing() {
     let options = MapOptions { spacing: 0.08, ..MapOptions::default() };
     let map = ErgonomicsMap::build(&Person::average(), &options, None).unwrap();
     let (quadratic, _) = map.fit(&FitOptions::default()).unwrap();
-    let pose = PersonPose::new(Vector3::new(1.0, 2.0, 0.0), 0.3).unwrap();
+    let pose = PersonFrame::new(Vector3::new(1.0, 2.0, 0.0), 0.3).unwrap();
     let mut placement = Placement::new(quadratic, pose, PlacementLimits::default()).unwrap();
     let conditions = Conditions::default();
     let workspace = Region::work_zone(1.75, Side::Right);
@@ -21,9 +21,9 @@ fn a_tick_allocates_nothing() {
 
     let tick = |tick: u32| {
         let there = Vector3::new(1.0 + f64::from(tick) * 1e-3, 2.0, 0.0);
-        placement.observe(PersonPose::new(there, 0.3).unwrap());
+        placement.observe(PersonFrame::new(there, 0.3).unwrap());
         let world = *placement.advance(0.001).unwrap();
-        black_box(world.task_terms(&placement.pose().to_world(&hand), 0.2).unwrap());
+        black_box(world.task_terms(&placement.frame().to_world(&hand), 0.2).unwrap());
         black_box(world.value(&hand));
         black_box(quadratic.minimiser());
         black_box(quadratic.minimiser_in(&workspace));

@@ -1,7 +1,7 @@
 //! Person, joints and skeleton.
 
 use ergo_map::{
-    BodySegment, Error, JointAngles, JointRanges, Landmarks, Person, PersonPose, Segments, Side,
+    BodySegment, Error, JointAngles, JointRanges, Landmarks, Person, PersonFrame, Segments, Side,
     Skeleton,
 };
 use nalgebra::{Rotation3, Vector3};
@@ -121,7 +121,7 @@ fn bad_bodies_are_refused_with_name_and_unit() {
     let skeleton = Skeleton::new(&Person::average(), Side::Left);
     let nan = JointAngles { hip: f64::NAN, ..JointAngles::default() };
     assert!(matches!(skeleton.landmarks(&nan), Err(Error::NotFinite { name: "hip", .. })));
-    assert!(PersonPose::new(Vector3::new(0.0, f64::NAN, 0.0), 0.0).is_err());
+    assert!(PersonFrame::new(Vector3::new(0.0, f64::NAN, 0.0), 0.0).is_err());
 }
 
 #[test]
@@ -182,7 +182,7 @@ proptest! {
         q in proptest::array::uniform3(-5.0..5.0_f64),
         heading in -10.0..10.0_f64,
     ) {
-        let pose = PersonPose::new(p.into(), heading).unwrap();
+        let pose = PersonFrame::new(p.into(), heading).unwrap();
         let point = Vector3::from(q);
         prop_assert!((pose.to_person(&pose.to_world(&point)) - point).norm() < 1e-12);
     }

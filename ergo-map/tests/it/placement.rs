@@ -1,6 +1,6 @@
 //! The quadratic in the world follows the person at bounded rates.
 
-use ergo_map::{ErgonomicsQuadratic, Error, PersonPose, Placement, PlacementLimits};
+use ergo_map::{ErgonomicsQuadratic, Error, PersonFrame, Placement, PlacementLimits};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 
@@ -15,8 +15,8 @@ fn ours() -> ErgonomicsQuadratic {
     quadratic(Vector3::new(10.0, 5.0, 4.0), Vector3::new(0.3, -0.15, 1.1))
 }
 
-fn pose(x: f64, y: f64, heading: f64) -> PersonPose {
-    PersonPose::new(Vector3::new(x, y, 0.0), heading).unwrap()
+fn pose(x: f64, y: f64, heading: f64) -> PersonFrame {
+    PersonFrame::new(Vector3::new(x, y, 0.0), heading).unwrap()
 }
 
 #[test]
@@ -27,8 +27,8 @@ fn a_walking_person_is_followed_without_lag() {
         let there = pose(1.4 * f64::from(tick) * TICK, 0.0, 0.5 * f64::from(tick) * TICK);
         placement.observe(there);
         placement.advance(TICK).unwrap();
-        assert!((placement.pose().position() - there.position()).norm() < 1e-9);
-        assert_eq!(*placement.world(), ours().placed(placement.pose()));
+        assert!((placement.frame().position() - there.position()).norm() < 1e-9);
+        assert_eq!(*placement.world(), ours().placed(placement.frame()));
     }
 }
 
@@ -38,11 +38,11 @@ fn the_shorter_way_round_is_taken() {
         Placement::new(ours(), pose(0.0, 0.0, 3.0), PlacementLimits::default()).unwrap();
     placement.observe(pose(0.0, 0.0, -3.0));
     placement.advance(TICK).unwrap();
-    assert!(placement.pose().heading() > 3.0);
+    assert!(placement.frame().heading() > 3.0);
     for _ in 0..1000 {
         placement.advance(TICK).unwrap();
     }
-    let difference = placement.pose().heading() + 3.0;
+    let difference = placement.frame().heading() + 3.0;
     assert!((difference - core::f64::consts::TAU).abs() < 1e-9);
 }
 
@@ -75,7 +75,7 @@ proptest! {
             placement.replace(if swap { other } else { ours() });
             for _ in 0..300 {
                 let hessian_bound = placement.hessian_rate_bound() * TICK;
-                let place = *placement.pose().position();
+                let place = *placement.frame().position();
                 let hand = place + Vector3::new(0.3, 0.4, 1.1);
                 let gradient_bound = placement.gradient_rate_bound(1.3) * TICK;
                 let now = *placement.advance(TICK).unwrap();

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use crate::support::Random;
 use ergo_map::{
     Conditions, ContinuousReba, Contributions, ErgonomicsMap, ErgonomicsQuadratic, Error,
-    FitOptions, MapOptions, Mode, Person, PersonPose, Region, ScoredPoint, Side,
+    FitOptions, MapOptions, Mode, Person, PersonFrame, Region, ScoredPoint, Side,
 };
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
@@ -292,7 +292,7 @@ proptest! {
         m in matrix(), g in vector(5.0), x in vector(2.0), p in vector(5.0), heading in -7.0..7.0_f64,
     ) {
         let quadratic = ErgonomicsQuadratic::new(m * m.transpose(), g, 0.7).unwrap();
-        let pose = PersonPose::new(p, heading).unwrap();
+        let pose = PersonFrame::new(p, heading).unwrap();
         let placed = quadratic.placed(&pose);
         let world = pose.to_world(&x);
         let scale = 1.0 + quadratic.value(&x).abs() + placed.hessian().amax() * 100.0;

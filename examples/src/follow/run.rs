@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::{Context, ensure};
-use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, Person, PersonPose};
+use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, Person, PersonFrame};
 use hrsw::Workspace;
 use moca_model::{
     Command, Controller, ControllerSettings, Goal, MOCA_HOME, RobotModel, SafetySettings,
@@ -188,8 +188,8 @@ impl<'a> Run<'a> {
         row.collaborating = self.engaged;
         let hand = space.person().and_then(|person| {
             let floor = Vector3::new(person.floor.x, person.floor.y, 0.0);
-            let pose = PersonPose::new(floor, person.heading).ok()?;
-            self.scorer.score(&pose, &actual)
+            let frame = PersonFrame::new(floor, person.heading).ok()?;
+            self.scorer.score(&frame, &actual)
         });
         if let Some(hand) = hand {
             row.score = hand.score;

@@ -1,6 +1,6 @@
 //! The person's score with their hand at the tool.
 
-use ergo_map::{Conditions, ErgonomicsMap, PersonPose};
+use ergo_map::{Conditions, ErgonomicsMap, PersonFrame};
 use nalgebra::Vector3;
 
 /// Steps from the tool towards the middle of the reach in which the nearest reachable point is
@@ -35,7 +35,7 @@ impl<'a> Scorer<'a> {
 
     /// The score of `person` with the hand at `tool` \[m, world\]; none if not even the way
     /// there is in the map.
-    pub fn score(&self, person: &PersonPose, tool: &Vector3<f64>) -> Option<HandScore> {
+    pub fn score(&self, person: &PersonFrame, tool: &Vector3<f64>) -> Option<HandScore> {
         let hand = person.to_person(tool);
         (0..STEPS).find_map(|step| {
             let back = f64::from(step) / f64::from(STEPS);

@@ -2,7 +2,7 @@
 
 use hrsw::{Capsule, PersonBody, SeparationSettings};
 use nalgebra::{Vector2, Vector3};
-use vision_models::{Body, Body25, Percept, PersonPose, TrackStatus};
+use vision_models::{Body, Body25, Percept, TrackStatus, TrackedPerson};
 
 use super::settings::PersonBodySettings;
 
@@ -108,7 +108,7 @@ impl PersonBodies {
 
     /// Takes a camera frame, and the tracked person at its time. Joints that it misses move along
     /// with the trunk.
-    pub(super) fn observe(&mut self, percept: &Percept, tracked: Option<&PersonPose>) {
+    pub(super) fn observe(&mut self, percept: &Percept, tracked: Option<&TrackedPerson>) {
         let Some(body) = &percept.body else { return };
         let time = percept.time;
         let moved = self.displacement(body);
@@ -138,7 +138,7 @@ impl PersonBodies {
     pub(super) fn place(
         &mut self,
         now: f64,
-        tracked: Option<&PersonPose>,
+        tracked: Option<&TrackedPerson>,
         separation: &SeparationSettings,
         contact_speed: f64,
     ) -> &[PersonBody] {
@@ -175,12 +175,12 @@ impl PersonBodies {
 
     /// Where the velocity of a person counts as measured, that of the floor point below them
     /// \[m/s\]; else zero.
-    pub(super) fn velocity(&self, now: f64, tracked: Option<&PersonPose>) -> Vector3<f64> {
+    pub(super) fn velocity(&self, now: f64, tracked: Option<&TrackedPerson>) -> Vector3<f64> {
         let person = tracked.filter(|person| self.is_measured(person, now));
         person.map_or(Vector3::zeros(), |person| person.velocity.push(0.0))
     }
 
-    fn is_measured(&self, person: &PersonPose, now: f64) -> bool {
+    fn is_measured(&self, person: &TrackedPerson, now: f64) -> bool {
         person.status.is_usable()
             && person.age <= self.settings.believed_for
             && self.agrees_since.is_some_and(|since| now - since >= self.settings.settling)
@@ -226,7 +226,7 @@ impl Part {
     /// Of its middle, with the person's walking and turning; none where it is not known.
     fn velocity(
         &self,
-        person: &PersonPose,
+        person: &TrackedPerson,
         middle: &Vector3<f64>,
         contact_speed: f64,
     ) -> Option<Vector3<f64>> {

@@ -27,13 +27,14 @@ impl TrackStatus {
     }
 }
 
-/// The person's pose on the floor, in the world frame.
+/// The person whom a [`BodyTracker`](crate::BodyTracker) follows: where they are on the floor of the
+/// world, how they move, and how old that is.
 ///
 /// ```
 /// use nalgebra::{Point2, Point3, Vector2};
-/// use vision_models::{PersonPose, TrackStatus};
+/// use vision_models::{TrackedPerson, TrackStatus};
 ///
-/// let person = PersonPose {
+/// let person = TrackedPerson {
 ///     floor: Point2::new(2.0, 0.0),
 ///     heading: std::f64::consts::PI,
 ///     velocity: Vector2::new(-0.5, 0.0),
@@ -49,7 +50,7 @@ impl TrackStatus {
 /// assert!((person.velocity_in_person() - Vector2::new(0.5, 0.0)).norm() < 1e-12);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PersonPose {
+pub struct TrackedPerson {
     /// The floor below the pelvis (m).
     pub floor: Point2<f64>,
     /// The yaw of the person's forward direction, unwrapped: it goes on past ±π (rad).
@@ -66,7 +67,7 @@ pub struct PersonPose {
     pub status: TrackStatus,
 }
 
-impl PersonPose {
+impl TrackedPerson {
     /// The pose of the person's frame: origin on the floor below the pelvis, x forwards, y to the
     /// left, z up.
     pub fn world_from_person(&self) -> Isometry3<f64> {

@@ -5,7 +5,7 @@ use nalgebra::{Point2, Vector1, Vector2, vector};
 use super::{
     filter::ConstantVelocity,
     heading::Seen,
-    pose::{PersonPose, TrackStatus},
+    pose::{TrackStatus, TrackedPerson},
     settings::TrackerSettings,
     stature::{StatureEstimate, StatureMean},
 };
@@ -125,7 +125,7 @@ impl BodyTracker {
 
     /// Where the person is at the time `now` (s), or `None` if nobody has been taken up yet. A time
     /// before the last measurement gives the pose of that measurement.
-    pub fn predict(&self, now: f64) -> Option<PersonPose> {
+    pub fn predict(&self, now: f64) -> Option<TrackedPerson> {
         let settings = &self.settings;
         let track = self.track.as_ref()?;
         let age = age_at(now, track.floor_time);
@@ -140,7 +140,7 @@ impl BodyTracker {
         let moving = if status == TrackStatus::Lost { 0.0 } else { 1.0 };
         let turning = if heading_age > settings.turn_limit { 0.0 } else { 1.0 };
         let turned = track.heading.velocity * heading_age.min(settings.turn_limit);
-        Some(PersonPose {
+        Some(TrackedPerson {
             floor: Point2::from(
                 track.floor.position + track.floor.velocity * age.min(settings.coast_limit),
             ),

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Isometry3, Point2, Point3, Translation3, UnitQuaternion, Vector2, Vector3, vector};
 use proptest::prelude::*;
 use vision_models::{
-    Body, Body25, BodyTracker, Confidence, Error, Keypoint, Percept, PersonPose, TrackStatus,
+    Body, Body25, BodyTracker, Confidence, Error, Keypoint, Percept, TrackStatus, TrackedPerson,
     TrackerSettings,
 };
 
@@ -68,7 +68,7 @@ fn watch(
     }
 }
 
-fn assert_finite(pose: &PersonPose) {
+fn assert_finite(pose: &TrackedPerson) {
     let values = [
         pose.floor.x,
         pose.floor.y,

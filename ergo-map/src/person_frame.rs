@@ -2,25 +2,26 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Result, within};
 
-/// Where a person stands in the world: the floor below the pelvis and the heading.
+/// A person's frame H in the world: origin on the floor below the pelvis, x along the heading, z up.
+/// Ergonomics are stated in it.
 ///
 /// ```
-/// use ergo_map::PersonPose;
+/// use ergo_map::PersonFrame;
 /// use nalgebra::Vector3;
-/// let person = PersonPose::new(Vector3::new(1.0, 2.0, 0.0), core::f64::consts::FRAC_PI_2)?;
+/// let person = PersonFrame::new(Vector3::new(1.0, 2.0, 0.0), core::f64::consts::FRAC_PI_2)?;
 /// let hand = person.to_world(&Vector3::new(0.4, 0.0, 1.1));
 /// assert!((hand - Vector3::new(1.0, 2.4, 1.1)).norm() < 1e-12);
 /// # Ok::<(), ergo_map::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PersonPose {
+pub struct PersonFrame {
     position: Vector3<f64>,
     heading: f64,
 }
 
-impl PersonPose {
-    /// The pose of a person whose frame H has its origin at `position` \[m\] (world, on the floor
-    /// below the pelvis) and whose x axis points along `heading` \[rad\] about the world's z axis.
+impl PersonFrame {
+    /// The frame with its origin at `position` \[m\] (world, on the floor below the pelvis) and its
+    /// x axis along `heading` \[rad\] about the world's z axis.
     ///
     /// # Errors
     /// [`crate::Error::NotFinite`] or [`crate::Error::OutOfRange`] for a coordinate or the heading.
@@ -31,12 +32,12 @@ impl PersonPose {
         Ok(Self { position, heading: within("person heading", heading, [-1e6, 1e6], "rad")? })
     }
 
-    /// The pose of a person from the tracked pelvis \[m, world\], heading \[rad\] and the floor's
+    /// The frame of a person from the tracked pelvis \[m, world\], heading \[rad\] and the floor's
     /// height \[m\]. Upright, the pelvis is above the origin of the person's frame; bent, it moves
     /// back by some centimetres, which this does not correct.
     ///
     /// # Errors
-    /// As [`PersonPose::new`].
+    /// As [`PersonFrame::new`].
     pub fn from_pelvis(pelvis: &Vector3<f64>, heading: f64, floor: f64) -> Result<Self> {
         Self::new(Vector3::new(pelvis.x, pelvis.y, floor), heading)
     }
