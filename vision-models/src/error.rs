@@ -1,6 +1,8 @@
 //! What can be wrong with what is given to this crate.
 
-use crate::CheckpointError;
+use std::fmt;
+
+use crate::{CheckpointError, NetworkKind};
 
 /// A value that this crate refuses, with the place and what would be right.
 ///
@@ -14,17 +16,17 @@ use crate::CheckpointError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A name that is none of the thirty classes.
+    /// A name that is none of the thirty classes of [`Action::ALL`](crate::Action::ALL).
     #[error(
-        "unknown action \"{name}\": give one of the thirty HRI30 class names exactly as they are \
-         written, such as \"Using The Drill\" (vision_models::Action::ALL lists them)"
+        "unknown action \"{}\": give one of the thirty HRI30 class names exactly as they are \
+         written, such as \"Using The Drill\"", Excerpt(.name)
     )]
     UnknownAction {
         /// The name that was given.
         name: String,
     },
     /// A name that is no surface.
-    #[error("unknown surface \"{name}\": give \"smooth\" or \"drilled\"")]
+    #[error("unknown surface \"{}\": give \"smooth\" or \"drilled\"", Excerpt(.name))]
     UnknownSurface {
         /// The name that was given.
         name: String,
@@ -62,12 +64,13 @@ pub enum Error {
         /// The values that are right.
         expected: &'static str,
     },
-    /// A checkpoint that is not the network's.
-    #[error(
-        "the checkpoint does not fit the network: missing {missing:?}; surplus {surplus:?}; \
-         misshapen {misshapen:?}"
-    )]
+    /// A checkpoint that is not the network's. The message has the first few names only.
+    #[error("{}", WeightsMessage { network, found, lists: [missing, surplus, misshapen] })]
     Weights {
+        /// The network that was to be loaded.
+        network: NetworkKind,
+        /// The network that the checkpoint holds, if it is a known one.
+        found: Option<NetworkKind>,
         /// Names and shapes of tensors that the network needs and the checkpoint lacks.
         missing: Vec<String>,
         /// Names of tensors that the network has no place for.
@@ -119,12 +122,14 @@ pub enum Error {
         /// Clip (or image), channel, frame, row and column.
         index: [usize; 5],
     },
-    /// Threads that could not be started.
-    #[error("{threads} threads could not be started: {reason}")]
+    /// Threads that cannot be started: none, more than
+    /// [`Options::MAX_THREADS`](crate::Options::MAX_THREADS), or more than the operating system
+    /// gives.
+    #[error("{threads} threads cannot be started: {reason}")]
     Threads {
         /// How many were asked for.
         threads: usize,
-        /// The operating system's reason.
+        /// The limit, or the operating system's reason.
         reason: String,
     },
     /// A tensor whose elements do not fill its shape.
@@ -136,13 +141,13 @@ pub enum Error {
         elements: usize,
     },
     /// A tensor name that came twice.
-    #[error("tensor \"{name}\" was given twice: a checkpoint has each name once")]
+    #[error("tensor \"{}\" was given twice: a checkpoint has each name once", Excerpt(.name))]
     DuplicateTensor {
         /// The name.
         name: String,
     },
     /// A tensor that the weights do not have.
-    #[error("the weights have no tensor \"{name}\"")]
+    #[error("the weights have no tensor \"{}\"", Excerpt(.name))]
     NoTensor {
         /// The name that was asked for.
         name: String,
@@ -219,6 +224,17 @@ pub enum Error {
         /// What should be there.
         expected: &'static str,
     },
+    /// Two class names of the same letters and digits.
+    #[error(
+        "label file, lines {} and {}: \"{}\" and \"{}\" are one name, as only letters and digits \
+         count: give each class its own", .lines[0], .lines[1], Excerpt(&.names[0]), Excerpt(&.names[1])
+    )]
+    EqualNames {
+        /// Both as they are written.
+        names: [String; 2],
+        /// Their lines, counted from one.
+        lines: [usize; 2],
+    },
     /// A class that does not exist.
     #[error("class {class} of {classes}: count from zero")]
     ClassIndex {
@@ -227,4 +243,57 @@ pub enum Error {
         /// How many there are.
         classes: usize,
     },
+}
+
+/// The start of a text from outside, so that no file makes a message long. Control characters are
+/// escaped: the message stays on its line.
+pub(crate) struct Excerpt<'a>(pub(crate) &'a str);
+
+impl Excerpt<'_> {
+    const LENGTH: usize = 120;
+}
+
+impl fmt::Display for Excerpt<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for character in self.0.chars().take(Self::LENGTH) {
+            if character.is_control() {
+                write!(formatter, "{}", character.escape_default())?;
+            } else {
+                write!(formatter, "{character}")?;
+            }
+        }
+        if self.0.chars().nth(Self::LENGTH).is_some() { formatter.write_str("…") } else { Ok(()) }
+    }
+}
+
+/// What is wrong with a checkpoint, in a few lines.
+struct WeightsMessage<'a> {
+    network: &'a NetworkKind,
+    found: &'a Option<NetworkKind>,
+    /// Missing, surplus, misshapen.
+    lists: [&'a [String]; 3],
+}
+
+impl fmt::Display for WeightsMessage<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const SHOWN: usize = 3;
+        if let Some(found) = self.found {
+            return write!(formatter, "the checkpoint is a {found}, not a {}", self.network);
+        }
+        write!(formatter, "the checkpoint does not fit a {}", self.network)?;
+        for (what, names) in ["missing", "surplus", "misshapen"].into_iter().zip(self.lists) {
+            if names.is_empty() {
+                continue;
+            }
+            write!(formatter, "; {what}: ")?;
+            for (index, name) in names.iter().take(SHOWN).enumerate() {
+                let separator = if index > 0 { ", " } else { "" };
+                write!(formatter, "{separator}{}", Excerpt(name))?;
+            }
+            if let Some(more) = names.len().checked_sub(SHOWN).filter(|&more| more > 0) {
+                write!(formatter, " and {more} more")?;
+            }
+        }
+        Ok(())
+    }
 }

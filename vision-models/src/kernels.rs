@@ -13,7 +13,7 @@ mod isa;
 mod pack;
 mod pooling;
 mod product;
-mod shared;
+mod shared_slice;
 #[cfg(test)]
 mod tests;
 mod threads;

@@ -1,23 +1,36 @@
 //! Label files: the classes of a network, and the classes of a data set's clips.
 
-use std::{fs, path::Path, str::FromStr};
+use std::{
+    collections::{BTreeMap, btree_map::Entry},
+    path::Path,
+    str::FromStr,
+};
 
-use crate::{Action, Error};
+use crate::{
+    Action, Error,
+    file::{read_text, without_byte_order_mark},
+};
 
 /// The largest label file that is read (bytes).
 const MAX_BYTES: u64 = 64 << 20;
+/// More classes than any network has.
+pub(crate) const MAX_CLASSES: usize = 100_000;
 
 /// The names of a network's classes, in the order of its scores.
 ///
 /// A file has a name a line, with or without a number before it (`1 Deliver Object`,
 /// `0,Deliver Object`); the numbers must follow each other. Copies of HRI30 differ in their order,
-/// so the file that came with the weights counts.
+/// so the file that came with the weights counts. At most 100,000 names are read.
+///
+/// Names are told apart by their letters and digits, by case too: ImageNet has a dog `Cardigan` and
+/// a jacket `cardigan`. [`Self::index`] overlooks case where that leaves one class.
 ///
 /// ```
 /// use vision_models::{Action, ClassNames};
 ///
 /// let names: ClassNames = "1 WalkingWithObject\n2 Deliver_Object\n".parse()?;
 /// assert_eq!(names.actions()?, [Action::WalkingWithObject, Action::DeliverObject]);
+/// assert_eq!(names.index("deliver object"), Some(1));
 /// assert_eq!(names.index("2"), Some(1));
 /// # Ok::<(), vision_models::Error>(())
 /// ```
@@ -26,20 +39,29 @@ pub struct ClassNames {
     names: Vec<String>,
     /// The number of the first class in the file.
     first: usize,
+    /// The class of each name, by its letters.
+    by_letters: BTreeMap<String, usize>,
+    /// The same in lower case; `None` where that makes two names one.
+    by_lower_case: BTreeMap<String, Option<usize>>,
 }
 
 impl ClassNames {
     /// HRI30's, in the order of [`Action::ALL`].
     pub fn hri30() -> Self {
-        Self { names: Action::ALL.iter().map(|action| action.name().into()).collect(), first: 0 }
+        let mut classes = Self::numbered_from(0);
+        for action in Action::ALL {
+            let letters = letters(action.name());
+            classes.insert(action.name().into(), letters);
+        }
+        classes
     }
 
-    /// Reads a file.
+    /// Reads a file of at most 64 MiB.
     ///
     /// # Errors
-    /// [`Error::File`], [`Error::Labels`].
+    /// [`Error::File`], [`Error::Labels`], [`Error::EqualNames`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
-        read_text(path.as_ref())?.parse()
+        read_text(path.as_ref(), MAX_BYTES)?.parse()
     }
 
     /// The names.
@@ -47,17 +69,19 @@ impl ClassNames {
         &self.names
     }
 
-    /// The class of a name, however its words are joined, or of a number as the file has it.
+    /// The class of a name, however its words are joined, or of a number as the file has it. Case
+    /// counts only where names differ by nothing else.
     pub fn index(&self, label: &str) -> Option<usize> {
-        let by_name = self.names.iter().position(|name| is_same(name, label));
+        let letters = letters(label);
         let by_number = || {
-            label
-                .parse::<usize>()
-                .ok()?
-                .checked_sub(self.first)
-                .filter(|&index| index < self.names.len())
+            let index = label.parse::<usize>().ok()?.checked_sub(self.first)?;
+            (index < self.names.len()).then_some(index)
         };
-        by_name.or_else(by_number)
+        self.by_letters
+            .get(&letters)
+            .copied()
+            .or_else(|| self.by_lower_case.get(&letters.to_lowercase()).copied().flatten())
+            .or_else(by_number)
     }
 
     /// The classes as actions of HRI30.
@@ -65,12 +89,15 @@ impl ClassNames {
     /// # Errors
     /// [`Error::UnknownAction`] for a name that is none.
     pub fn actions(&self) -> Result<Vec<Action>, Error> {
+        let key = |name: &str| letters(name).to_lowercase();
+        let known = Action::ALL.map(|action| (key(action.name()), action));
         self.names
             .iter()
             .map(|name| {
-                Action::ALL
-                    .into_iter()
-                    .find(|action| is_same(action.name(), name))
+                let key = key(name);
+                let action = known.iter().find(|(known, _)| *known == key);
+                action
+                    .map(|&(_, action)| action)
                     .ok_or_else(|| Error::UnknownAction { name: name.clone() })
             })
             .collect()
@@ -83,7 +110,7 @@ impl ClassNames {
     /// [`Error::Labels`].
     pub fn clips(&self, text: &str) -> Result<Vec<(String, usize)>, Error> {
         let mut clips = Vec::new();
-        for (line, number) in lines(text) {
+        for (line, number) in lines(without_byte_order_mark(text)) {
             let parts = line.rsplit_once(',').or_else(|| line.split_once([' ', '\t']));
             let labelled = parts.and_then(|(clip, label)| {
                 Some((clip.trim().to_owned(), self.index(label.trim())?))
@@ -99,40 +126,59 @@ impl ClassNames {
         }
         Ok(clips)
     }
+
+    fn numbered_from(first: usize) -> Self {
+        let (by_letters, by_lower_case) = (BTreeMap::new(), BTreeMap::new());
+        Self { names: Vec::new(), first, by_letters, by_lower_case }
+    }
+
+    /// Adds the next class. Returns the class that has this name already, if there is one.
+    fn insert(&mut self, name: String, letters: String) -> Option<usize> {
+        let class = self.names.len();
+        match self.by_lower_case.entry(letters.to_lowercase()) {
+            Entry::Vacant(place) => {
+                place.insert(Some(class));
+            }
+            Entry::Occupied(mut place) => {
+                place.insert(None);
+            }
+        }
+        self.names.push(name);
+        self.by_letters.insert(letters, class)
+    }
 }
 
 impl FromStr for ClassNames {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
-        let mut classes = Self { names: Vec::new(), first: 0 };
+        let mut classes: Option<Self> = None;
         let mut numbered = None;
-        for (line, at) in lines(text) {
+        let mut at_lines = Vec::new();
+        for (line, at) in lines(without_byte_order_mark(text)) {
             let (number, name) = split_number(line);
-            let refuse = |expected| Error::Labels { line: at, expected };
+            let refuse = |expected| Err(Error::Labels { line: at, expected });
             if name.is_empty() {
-                return Err(refuse("a class name"));
+                return refuse("a class name");
             }
             if *numbered.get_or_insert(number.is_some()) != number.is_some() {
-                return Err(refuse("a number before every class name or before none"));
+                return refuse("a number before every class name or before none");
             }
-            if let Some(number) = number {
-                if classes.names.is_empty() {
-                    classes.first = number;
-                }
-                if number.checked_sub(classes.first) != Some(classes.names.len()) {
-                    return Err(refuse("numbers that follow each other"));
-                }
+            let classes = classes.get_or_insert_with(|| Self::numbered_from(number.unwrap_or(0)));
+            let class = classes.names.len();
+            if number.is_some_and(|number| number.checked_sub(classes.first) != Some(class)) {
+                return refuse("numbers that follow each other");
             }
-            classes.names.push(name.into());
+            if class == MAX_CLASSES {
+                return refuse("at most 100,000 class names");
+            }
+            at_lines.push(at);
+            if let Some(other) = classes.insert(name.into(), letters(name)) {
+                let names = [&classes.names[other], name].map(str::to_owned);
+                return Err(Error::EqualNames { names, lines: [at_lines[other], at] });
+            }
         }
-        let mut keys: Vec<String> = classes.names.iter().map(|name| key(name)).collect();
-        keys.sort_unstable();
-        if keys.is_empty() || keys.windows(2).any(|pair| pair[0] == pair[1]) {
-            let expected = "at least one class name, and each once";
-            return Err(Error::Labels { line: lines(text).count().max(1), expected });
-        }
-        Ok(classes)
+        classes.ok_or(Error::Labels { line: 1, expected: "at least one class name" })
     }
 }
 
@@ -150,24 +196,8 @@ fn split_number(line: &str) -> (Option<usize>, &str) {
     }
 }
 
-fn is_same(one: &str, other: &str) -> bool {
-    letters(one).eq(letters(other))
-}
-
-fn key(name: &str) -> String {
-    letters(name).collect()
-}
-
-/// What names are compared by: letters and digits, in lower case.
-fn letters(name: &str) -> impl Iterator<Item = char> {
-    name.chars().filter(|letter| letter.is_alphanumeric()).flat_map(char::to_lowercase)
-}
-
-fn read_text(path: &Path) -> Result<String, Error> {
-    let refuse = |reason: String| Error::File { path: path.display().to_string(), reason };
-    let length = fs::metadata(path).map_err(|error| refuse(error.to_string()))?.len();
-    if length > MAX_BYTES {
-        return Err(refuse(format!("{length} bytes are too many for a label file")));
-    }
-    fs::read_to_string(path).map_err(|error| refuse(error.to_string()))
+/// What names are compared by: letters and digits, or all of a name that has neither.
+fn letters(name: &str) -> String {
+    let letters: String = name.chars().filter(|letter| letter.is_alphanumeric()).collect();
+    if letters.is_empty() { name.into() } else { letters }
 }

@@ -41,6 +41,7 @@ mod action;
 mod body;
 mod confidence;
 mod error;
+mod file;
 mod kernels;
 mod labels;
 mod layout;
@@ -61,9 +62,10 @@ pub use confidence::Confidence;
 pub use error::Error;
 pub use kernels::InstructionSet;
 pub use labels::ClassNames;
-pub use metrics::{ConfusionMatrix, likeliest, softmax, top_accuracy};
+pub use metrics::{ConfusionMatrix, softmax, top_k, top_k_accuracy};
 pub use networks::{
-    Options, ResNet, ResNetDepth, Scores, SlowFast, SlowOnly, SlowOnlyForm, SlowOnlyStream,
+    NetworkKind, Options, ResNet, ResNetDepth, Scores, SlowFast, SlowOnly, SlowOnlyForm,
+    SlowOnlyStream,
 };
 pub use percept::{Percept, RecognisedAction, RecognisedSurface};
 pub use preprocessing::{

@@ -71,25 +71,25 @@ fn ratio(part: u64, whole: u64) -> Option<f64> {
     (whole > 0).then(|| part as f64 / whole as f64)
 }
 
-/// The classes of the `count` largest scores, the largest first; of equal ones the first class
-/// comes first.
-pub fn likeliest(scores: &[f32], count: usize) -> Vec<usize> {
+/// The classes of the k largest scores, the largest first; of equal ones the first class comes
+/// first.
+pub fn top_k(scores: &[f32], k: usize) -> Vec<usize> {
     let mut classes: Vec<usize> = (0..scores.len()).collect();
     let score = |class: usize| scores.get(class).copied().unwrap_or(f32::NAN);
     classes.sort_by(|&one, &other| score(other).total_cmp(&score(one)));
-    classes.truncate(count);
+    classes.truncate(k);
     classes
 }
 
-/// The share of samples whose class is among the `count` largest of its scores; `None` without
-/// samples.
-pub fn top_accuracy<'a>(
+/// Top-k accuracy: the share of samples whose class is among the k largest of its scores; `None`
+/// without samples.
+pub fn top_k_accuracy<'a>(
     samples: impl IntoIterator<Item = (&'a [f32], usize)>,
-    count: usize,
+    k: usize,
 ) -> Option<f64> {
     let (mut right, mut all) = (0, 0);
     for (scores, truth) in samples {
-        right += u64::from(likeliest(scores, count).contains(&truth));
+        right += u64::from(top_k(scores, k).contains(&truth));
         all += 1;
     }
     ratio(right, all)

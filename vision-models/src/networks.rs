@@ -5,6 +5,7 @@
 mod backbone;
 mod graph;
 mod head;
+mod kind;
 mod memory;
 mod naming;
 mod network;
@@ -18,6 +19,7 @@ mod slow_only;
 mod stream;
 
 pub use backbone::ResNetDepth;
+pub use kind::NetworkKind;
 pub use network::{Options, Scores};
 pub use resnet::ResNet;
 pub use slow_fast::SlowFast;

@@ -6,7 +6,7 @@ use super::buffer::Buffer;
 use super::isa::InstructionSet;
 use super::pack::Panels;
 use super::product::{Product, Segment, Start};
-use super::shared::Shared;
+use super::shared_slice::SharedSlice;
 use super::threads::Pool;
 
 /// Pixels of a block: their inputs stay in the second-level cache while the panels go by.
@@ -122,7 +122,7 @@ impl Direct {
         assert!(weights.len() >= panels.padded() * self.depth && bias.len() >= panels.padded());
         assert!(output.len() >= self.output.length());
         assert!(self.first_channel + panels.channels <= self.output.channels);
-        let output = Shared::new(output);
+        let output = SharedSlice::new(output);
         let (blocks, groups) = self.split(pool.lanes());
         let pixels = self.output.pixels();
         pool.run(blocks * groups, &|_, task| {

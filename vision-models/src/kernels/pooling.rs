@@ -6,7 +6,7 @@ use crate::layout::{Extent, Layout, offset, position};
 
 use super::direct::{Window, share};
 use super::isa::{InstructionSet, Task};
-use super::shared::Shared;
+use super::shared_slice::SharedSlice;
 use super::threads::Pool;
 use super::vector::Vector;
 
@@ -35,7 +35,7 @@ impl MaxPool {
         let rows = to.size[0] * to.size[1];
         assert!(input.len() >= from.length() && output.len() >= to.length());
         assert!(to.channels >= from.channels);
-        let output = Shared::new(output);
+        let output = SharedSlice::new(output);
         let tasks = rows.min(8 * pool.lanes());
         pool.run(tasks, &|_, task| {
             for row in share(rows, tasks, task) {

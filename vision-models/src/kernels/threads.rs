@@ -26,7 +26,8 @@ struct Job {
     tasks: usize,
 }
 
-struct Shared {
+/// What the caller and the workers share.
+struct PoolState {
     /// Counts the loops; a worker that sees it change has work.
     epoch: AtomicUsize,
     /// Written by the owner while no worker is at work, read by the workers while they are.
@@ -45,13 +46,13 @@ struct Shared {
 
 // SAFETY: all fields but `job` are atomic. `job` is written only between loops, when `pending` is
 // zero, and read only after the `epoch` that follows the write was seen (release and acquire).
-unsafe impl Sync for Shared {}
+unsafe impl Sync for PoolState {}
 // SAFETY: the body in `job` is `Sync`, and everything else is plain data.
-unsafe impl Send for Shared {}
+unsafe impl Send for PoolState {}
 
 /// The threads that run a network: the caller's own, and a number of workers.
 pub(crate) struct Pool {
-    shared: Arc<Shared>,
+    state: Arc<PoolState>,
     workers: Vec<JoinHandle<()>>,
 }
 
@@ -68,7 +69,7 @@ impl Pool {
     /// The operating system's, if it starts no thread.
     pub(crate) fn new(lanes: usize) -> std::io::Result<Self> {
         let workers = lanes.saturating_sub(1);
-        let shared = Arc::new(Shared {
+        let state = Arc::new(PoolState {
             epoch: AtomicUsize::new(0),
             job: UnsafeCell::new(None),
             next: AtomicUsize::new(0),
@@ -77,12 +78,12 @@ impl Pool {
             stop: AtomicBool::new(false),
             asleep: (0..workers).map(|_| AtomicBool::new(false)).collect(),
         });
-        let mut pool = Self { shared, workers: Vec::with_capacity(workers) };
+        let mut pool = Self { state, workers: Vec::with_capacity(workers) };
         for worker in 0..workers {
-            let shared = Arc::clone(&pool.shared);
+            let state = Arc::clone(&pool.state);
             let handle = thread::Builder::new()
                 .name(format!("vision-models {}", worker + 1))
-                .spawn(move || work(&shared, worker))?;
+                .spawn(move || work(&state, worker))?;
             pool.workers.push(handle);
         }
         Ok(pool)
@@ -102,34 +103,34 @@ impl Pool {
             }
             return;
         }
-        let shared = &*self.shared;
+        let state = &*self.state;
         // A worker that panicked is gone.
-        assert!(!shared.panicked.load(Ordering::Relaxed), "a task of the network panicked");
+        assert!(!state.panicked.load(Ordering::Relaxed), "a task of the network panicked");
         // SAFETY: only the lifetime changes, and the body is called only before this returns: the
         // workers are waited for below, even if a task panics.
         let body: Body<'static> = unsafe { std::mem::transmute::<Body<'_>, Body<'static>>(body) };
         // SAFETY: `pending` is zero, so that no worker reads the job.
-        unsafe { *shared.job.get() = Some(Job { body, tasks }) };
-        shared.next.store(0, Ordering::Relaxed);
-        shared.pending.store(self.workers.len(), Ordering::Relaxed);
-        shared.epoch.fetch_add(1, Ordering::SeqCst);
-        for (worker, asleep) in self.workers.iter().zip(&shared.asleep) {
+        unsafe { *state.job.get() = Some(Job { body, tasks }) };
+        state.next.store(0, Ordering::Relaxed);
+        state.pending.store(self.workers.len(), Ordering::Relaxed);
+        state.epoch.fetch_add(1, Ordering::SeqCst);
+        for (worker, asleep) in self.workers.iter().zip(&state.asleep) {
             if asleep.load(Ordering::SeqCst) {
                 worker.thread().unpark();
             }
         }
-        let waiting = WaitForWorkers(shared);
-        take_tasks(shared, 0, body, tasks);
+        let waiting = WaitForWorkers(state);
+        take_tasks(state, 0, body, tasks);
         drop(waiting);
         // A task that panicked left its layer unfinished.
-        assert!(!shared.panicked.load(Ordering::Relaxed), "a task of the network panicked");
+        assert!(!state.panicked.load(Ordering::Relaxed), "a task of the network panicked");
     }
 }
 
 impl Drop for Pool {
     fn drop(&mut self) {
-        self.shared.stop.store(true, Ordering::Relaxed);
-        self.shared.epoch.fetch_add(1, Ordering::SeqCst);
+        self.state.stop.store(true, Ordering::Relaxed);
+        self.state.epoch.fetch_add(1, Ordering::SeqCst);
         for worker in self.workers.drain(..) {
             worker.thread().unpark();
             // A worker ends without a result, or with a panic that `run` has reported.
@@ -139,7 +140,7 @@ impl Drop for Pool {
 }
 
 /// Waits for all workers when dropped, so that a panic cannot leave them with a dangling body.
-struct WaitForWorkers<'a>(&'a Shared);
+struct WaitForWorkers<'a>(&'a PoolState);
 
 impl Drop for WaitForWorkers<'_> {
     fn drop(&mut self) {
@@ -151,7 +152,7 @@ impl Drop for WaitForWorkers<'_> {
 }
 
 /// Says that a worker has finished the loop, even if a task panicked.
-struct Finish<'a>(&'a Shared);
+struct Finish<'a>(&'a PoolState);
 
 impl Drop for Finish<'_> {
     fn drop(&mut self) {
@@ -162,9 +163,9 @@ impl Drop for Finish<'_> {
     }
 }
 
-fn take_tasks(shared: &Shared, lane: usize, body: Body, tasks: usize) {
+fn take_tasks(state: &PoolState, lane: usize, body: Body, tasks: usize) {
     loop {
-        let task = shared.next.fetch_add(1, Ordering::Relaxed);
+        let task = state.next.fetch_add(1, Ordering::Relaxed);
         if task >= tasks {
             return;
         }
@@ -172,34 +173,34 @@ fn take_tasks(shared: &Shared, lane: usize, body: Body, tasks: usize) {
     }
 }
 
-fn work(shared: &Shared, worker: usize) {
+fn work(state: &PoolState, worker: usize) {
     let mut seen = 0;
     loop {
-        wait_for_work(shared, worker, seen);
+        wait_for_work(state, worker, seen);
         seen += 1;
-        if shared.stop.load(Ordering::Relaxed) {
+        if state.stop.load(Ordering::Relaxed) {
             return;
         }
-        let _finish = Finish(shared);
+        let _finish = Finish(state);
         // SAFETY: the epoch was seen to change, so the job is written, and stays until this
         // worker's `Finish`.
-        if let Some(job) = unsafe { &*shared.job.get() } {
-            take_tasks(shared, worker + 1, job.body, job.tasks);
+        if let Some(job) = unsafe { &*state.job.get() } {
+            take_tasks(state, worker + 1, job.body, job.tasks);
         }
     }
 }
 
 /// Returns once the epoch is no longer `seen`.
-fn wait_for_work(shared: &Shared, worker: usize, seen: usize) {
+fn wait_for_work(state: &PoolState, worker: usize, seen: usize) {
     let mut spins = 0;
-    while shared.epoch.load(Ordering::SeqCst) == seen {
+    while state.epoch.load(Ordering::SeqCst) == seen {
         if spins < SPINS {
             pause(&mut spins);
             continue;
         }
-        if let Some(asleep) = shared.asleep.get(worker) {
+        if let Some(asleep) = state.asleep.get(worker) {
             asleep.store(true, Ordering::SeqCst);
-            if shared.epoch.load(Ordering::SeqCst) == seen {
+            if state.epoch.load(Ordering::SeqCst) == seen {
                 thread::park();
             }
             asleep.store(false, Ordering::SeqCst);

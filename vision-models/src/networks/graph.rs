@@ -1,10 +1,11 @@
 //! A network as its papers draw it: convolutions and poolings from one activation to the next.
 
+use crate::TensorSource;
 use crate::kernels::Window;
 use crate::layout::Extent;
 
 use super::head::Pooling;
-use super::parameters::Expected;
+use super::parameters::{Expected, Misfit};
 
 /// An activation: one box between the arrows of a paper's figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,6 +163,16 @@ impl Architecture {
         }
         expected.linear(self.classifier, self.features(), classes);
         expected
+    }
+
+    /// Holds a checkpoint against what this network takes. Gives the number of classes, which the
+    /// checkpoint says.
+    pub(crate) fn check(&self, tensors: &impl TensorSource) -> Result<usize, Misfit> {
+        let weight = format!("{}.weight", self.classifier);
+        let classes = tensors.shape(&weight).and_then(|shape| shape.first().copied());
+        let classes = classes.filter(|&classes| classes > 0).unwrap_or(1);
+        self.expected(classes).check(tensors)?;
+        Ok(classes)
     }
 
     /// Frames, rows and columns of each input for a clip of this size.

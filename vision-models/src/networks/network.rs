@@ -7,7 +7,8 @@ use crate::layout::Extent;
 use crate::{Error, TensorSource};
 
 use super::graph::{Architecture, Step};
-use super::parameters::Packed;
+use super::kind::NetworkKind;
+use super::parameters::{Misfit, Packed};
 use super::session::{Session, Weights, copy_clip};
 use super::shapes::{Algorithm, sizes};
 
@@ -21,11 +22,28 @@ use super::shapes::{Algorithm, sizes};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// Threads that share the work, the caller's included: at least one. The results are the same
-    /// for any number.
+    /// Threads that share the work, the caller's included: from 1 to [`Self::MAX_THREADS`]. The
+    /// results are the same for any number.
     pub threads: usize,
     /// The instruction set of the kernels.
     pub instruction_set: InstructionSet,
+}
+
+impl Options {
+    /// The most threads, more than any processor runs at once.
+    pub const MAX_THREADS: usize = 1024;
+
+    /// Checks every setting.
+    ///
+    /// # Errors
+    /// [`Error::Threads`] for none or more than [`Self::MAX_THREADS`].
+    pub fn validate(&self) -> Result<(), Error> {
+        if (1..=Self::MAX_THREADS).contains(&self.threads) {
+            return Ok(());
+        }
+        let reason = format!("give from 1 to {}", Self::MAX_THREADS);
+        Err(Error::Threads { threads: self.threads, reason })
+    }
 }
 
 impl Default for Options {
@@ -73,21 +91,21 @@ pub(crate) struct Network {
 
 impl Network {
     pub(crate) fn load(
-        architecture: Architecture,
+        kind: NetworkKind,
         mut tensors: impl TensorSource,
         size: Extent,
         options: Options,
     ) -> Result<Self, Error> {
-        let options = Options { threads: options.threads.max(1), ..options };
+        options.validate()?;
         let isa = options.instruction_set;
+        let architecture = kind.architecture();
+        let classes = architecture.check(&tensors).map_err(|misfit| {
+            let Misfit { missing, surplus, misshapen } = misfit;
+            let found = NetworkKind::of(&tensors);
+            Error::Weights { network: kind, found, missing, surplus, misshapen }
+        })?;
         let Architecture { graph, classifier, .. } = &architecture;
         let features = architecture.features();
-        // The checkpoint says how many classes there are.
-        let classes = tensors
-            .shape(&format!("{classifier}.weight"))
-            .and_then(|shape| shape.first().copied())
-            .unwrap_or(1);
-        architecture.expected(classes).check(&tensors)?;
         let sizes = sizes(graph, &graph.steps, &architecture.input_sizes(size))?;
         let mut operations = 2 * features * classes;
         let mut layers = Vec::with_capacity(graph.layers.len());
@@ -123,6 +141,10 @@ impl Network {
 
     pub(crate) fn classes(&self) -> usize {
         self.weights.classifier.panels.channels
+    }
+
+    pub(crate) fn features(&self) -> usize {
+        self.architecture.features()
     }
 
     /// Plans the steps from `inputs` to the scores.

@@ -16,6 +16,14 @@ pub(crate) struct Expected {
     optional: Vec<String>,
 }
 
+/// Everything that makes a checkpoint another network's; see [`Error::Weights`].
+#[derive(Clone, Debug)]
+pub(crate) struct Misfit {
+    pub(crate) missing: Vec<String>,
+    pub(crate) surplus: Vec<String>,
+    pub(crate) misshapen: Vec<String>,
+}
+
 impl Expected {
     pub(crate) fn convolution(&mut self, layer: &Layer) {
         self.tensors.push((format!("{}.weight", layer.names.convolution), kernel_shape(layer)));
@@ -36,10 +44,7 @@ impl Expected {
     }
 
     /// Holds a checkpoint against what is expected.
-    ///
-    /// # Errors
-    /// [`Error::Weights`] with everything that is missing, surplus or misshapen.
-    pub(crate) fn check(&self, tensors: &impl TensorSource) -> Result<(), Error> {
+    pub(crate) fn check(&self, tensors: &impl TensorSource) -> Result<(), Misfit> {
         let mut missing = Vec::new();
         let mut misshapen = Vec::new();
         let mut known =
@@ -63,7 +68,7 @@ impl Expected {
         if missing.is_empty() && surplus.is_empty() && misshapen.is_empty() {
             Ok(())
         } else {
-            Err(Error::Weights { missing, surplus, misshapen })
+            Err(Misfit { missing, surplus, misshapen })
         }
     }
 }

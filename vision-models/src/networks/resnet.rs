@@ -7,6 +7,7 @@ use crate::{Error, TensorSource};
 use super::backbone::{Backbone, ResNetDepth};
 use super::graph::{Architecture, Graph};
 use super::head::Pooling;
+use super::kind::NetworkKind;
 use super::naming::Naming;
 use super::network::{Clips, Network, Options, Scores};
 
@@ -25,15 +26,15 @@ impl ResNet {
     ///
     /// # Errors
     /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen;
-    /// [`Error::InputTooSmall`] if the images are too small; [`Error::Threads`] if the operating
-    /// system starts no threads.
+    /// [`Error::InputTooSmall`] if the images are too small; [`Error::Threads`] for a number of
+    /// threads that cannot be started.
     pub fn load(
         depth: ResNetDepth,
         tensors: impl TensorSource,
         [height, width]: [usize; 2],
         options: Options,
     ) -> Result<Self, Error> {
-        Network::load(architecture(depth), tensors, [1, height, width], options).map(Self)
+        Network::load(NetworkKind::ResNet(depth), tensors, [1, height, width], options).map(Self)
     }
 
     /// The scores of normalised images, N × 3 × height × width.
@@ -50,9 +51,19 @@ impl ResNet {
     pub fn operations(&self) -> u64 {
         self.0.operations()
     }
+
+    /// How many classes there are: the width of the logits.
+    pub fn classes(&self) -> usize {
+        self.0.classes()
+    }
+
+    /// How many features the last layer sees: the width of the features.
+    pub fn features(&self) -> usize {
+        self.0.features()
+    }
 }
 
-fn architecture(depth: ResNetDepth) -> Architecture {
+pub(super) fn architecture(depth: ResNetDepth) -> Architecture {
     let backbone =
         Backbone { depth, naming: Naming::Torchvision, width: 64, stem_frames: 1, frames: [1; 4] };
     let mut graph = Graph::default();

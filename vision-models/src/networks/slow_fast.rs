@@ -8,6 +8,7 @@ use crate::{Error, TensorSource};
 use super::backbone::{Backbone, ResNetDepth};
 use super::graph::{Architecture, Graph, Layer, Names, Value};
 use super::head::Pooling;
+use super::kind::NetworkKind;
 use super::naming::Naming;
 use super::network::{Clips, Network, Options, Scores};
 
@@ -37,15 +38,15 @@ impl SlowFast {
     ///
     /// # Errors
     /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen;
-    /// [`Error::InputTooSmall`] if the frames are too small; [`Error::Threads`] if the operating
-    /// system starts no threads.
+    /// [`Error::InputTooSmall`] if the frames are too small; [`Error::Threads`] for a number of
+    /// threads that cannot be started.
     pub fn load(
         tensors: impl TensorSource,
         [height, width]: [usize; 2],
         options: Options,
     ) -> Result<Self, Error> {
         let size = [FRAMES, height, width];
-        Network::load(architecture(), tensors, size, options).map(Self)
+        Network::load(NetworkKind::SlowFast, tensors, size, options).map(Self)
     }
 
     /// The scores of normalised clips, N × 3 × 32 × height × width.
@@ -67,9 +68,19 @@ impl SlowFast {
     pub fn operations(&self) -> u64 {
         self.0.operations()
     }
+
+    /// How many classes there are: the width of the logits.
+    pub fn classes(&self) -> usize {
+        self.0.classes()
+    }
+
+    /// How many features the last layer sees: the width of the features.
+    pub fn features(&self) -> usize {
+        self.0.features()
+    }
 }
 
-fn architecture() -> Architecture {
+pub(super) fn architecture() -> Architecture {
     let depth = ResNetDepth::Fifty;
     let path = Naming::PyTorchVideoPathway;
     let slow = Backbone { depth, naming: path(0), width: 64, stem_frames: 1, frames: [1, 1, 3, 3] };

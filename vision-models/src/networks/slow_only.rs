@@ -7,6 +7,7 @@ use crate::{Error, TensorSource};
 use super::backbone::{Backbone, ResNetDepth};
 use super::graph::{Architecture, Graph};
 use super::head::Pooling;
+use super::kind::NetworkKind;
 use super::naming::Naming;
 use super::network::{Clips, Network, Options, Scores};
 
@@ -39,15 +40,15 @@ impl SlowOnly {
     ///
     /// # Errors
     /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen;
-    /// [`Error::InputTooSmall`] if the frames are too small; [`Error::Threads`] if the operating
-    /// system starts no threads.
+    /// [`Error::InputTooSmall`] if the frames are too small; [`Error::Threads`] for a number of
+    /// threads that cannot be started.
     pub fn load(
         form: SlowOnlyForm,
         tensors: impl TensorSource,
         size: [usize; 3],
         options: Options,
     ) -> Result<Self, Error> {
-        Network::load(architecture(form), tensors, size, options).map(Self)
+        Network::load(NetworkKind::SlowOnly(form), tensors, size, options).map(Self)
     }
 
     /// The scores of normalised clips, N × 3 × frames × height × width.
@@ -64,9 +65,19 @@ impl SlowOnly {
     pub fn operations(&self) -> u64 {
         self.0.operations()
     }
+
+    /// How many classes there are: the width of the logits.
+    pub fn classes(&self) -> usize {
+        self.0.classes()
+    }
+
+    /// How many features the last layer sees: the width of the features.
+    pub fn features(&self) -> usize {
+        self.0.features()
+    }
 }
 
-fn architecture(form: SlowOnlyForm) -> Architecture {
+pub(super) fn architecture(form: SlowOnlyForm) -> Architecture {
     let (depth, naming, classifier, pooling) = match form {
         SlowOnlyForm::MmAction2 => {
             (ResNetDepth::Fifty, Naming::MmAction2, "cls_head.fc_cls", Pooling::Mean)

@@ -1,6 +1,8 @@
 //! Pillow's bilinear resize of 8-bit images: a triangle filter as wide as the pixels of the smaller
 //! image, in fixed point.
 
+use std::borrow::Cow;
+
 use ndarray::{Array3, ArrayView3};
 
 /// Bits after the point of a weight: 32, without 8 for the pixel and 2 for the sum.
@@ -14,14 +16,14 @@ const HALF: i32 = 1 << (PRECISION - 1);
 pub(super) fn resize(frame: ArrayView3<'_, u8>, height: usize, width: usize) -> Array3<u8> {
     let (rows, columns, _) = frame.dim();
     let frame = frame.as_standard_layout();
-    let mut bytes = frame.as_slice().unwrap_or_default().to_vec();
+    let mut bytes = Cow::Borrowed(frame.as_slice().unwrap_or_default());
     if columns != width {
-        bytes = along_rows(&bytes, columns, width);
+        bytes = along_rows(&bytes, columns, width).into();
     }
     if rows != height {
-        bytes = along_columns(&bytes, rows, height);
+        bytes = along_columns(&bytes, rows, height).into();
     }
-    Array3::from_shape_vec((height, width, 3), bytes).unwrap_or_default()
+    Array3::from_shape_vec((height, width, 3), bytes.into_owned()).unwrap_or_default()
 }
 
 /// Resizes each row of pixels from `from` to `to` pixels.

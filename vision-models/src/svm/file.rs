@@ -10,19 +10,35 @@
 //! ```
 //!
 //! The first line has the format's version. Class names have a line each. Then comes one line a
-//! plane: one plane for two classes, else one a class.
+//! plane: one plane for two classes, else one a class. The last line ends like every other, so that
+//! no part of a file reads as a whole one.
 
-use std::{fmt, str::FromStr};
+use std::{fmt, path::Path, str::FromStr};
 
 use ndarray::{Array1, Array2};
 
 use super::LinearSvm;
-use crate::Error;
+use crate::{
+    Error,
+    file::{read_text, without_byte_order_mark},
+    labels::MAX_CLASSES,
+};
 
 const FIRST_LINE: &str = "linear-svm 1";
-/// More classes, and more features, than any network has.
-const MAX_CLASSES: usize = 100_000;
+/// More features than any network has.
 const MAX_FEATURES: usize = 1_000_000;
+/// The largest file that is read (bytes): a thousand planes of ten thousand weights.
+const MAX_BYTES: u64 = 256 << 20;
+
+impl LinearSvm {
+    /// Reads a file of at most 256 MiB that `to_string` made.
+    ///
+    /// # Errors
+    /// [`Error::File`]; as of `parse`.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
+        read_text(path.as_ref(), MAX_BYTES)?.parse()
+    }
+}
 
 impl fmt::Display for LinearSvm {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -47,6 +63,7 @@ impl FromStr for LinearSvm {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
+        let text = without_byte_order_mark(text);
         let mut lines = text.lines().zip(1..);
         let mut next = |expected: &str| {
             lines.next().ok_or_else(|| Error::SvmFile {
@@ -90,7 +107,7 @@ impl FromStr for LinearSvm {
             let before = weights.len();
             let mut numbers = numbers.split(' ').map(str::parse::<f64>);
             biases.push(numbers.next().ok_or_else(expected)?.map_err(|_| expected())?);
-            for number in numbers {
+            for number in numbers.take(features + 1) {
                 weights.push(number.map_err(|_| expected())?);
             }
             if weights.len() - before != features {
@@ -99,6 +116,9 @@ impl FromStr for LinearSvm {
         }
         if let Some((_, line)) = lines.next() {
             return Err(refuse(line, "the end of the file"));
+        }
+        if !text.ends_with('\n') {
+            return Err(refuse(text.lines().count(), "the end of the line: the file is cut off"));
         }
         let weights = Array2::from_shape_vec((planes, features), weights)
             .map_err(|_| refuse(0, "weights for every plane"))?;

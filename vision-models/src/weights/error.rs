@@ -1,5 +1,7 @@
 //! What can be wrong with a checkpoint file.
 
+use crate::error::Excerpt;
+
 /// A checkpoint that is refused. Nothing of it is used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -29,7 +31,7 @@ pub enum CheckpointError {
         available: u64,
     },
     /// A zip archive that contradicts itself, or has what `torch.save` never writes.
-    #[error("zip archive, entry \"{entry}\": {problem}")]
+    #[error("zip archive, entry \"{}\": {problem}", Excerpt(.entry))]
     Archive {
         /// The entry's name; empty for the archive itself.
         entry: String,
@@ -46,8 +48,8 @@ pub enum CheckpointError {
     },
     /// A pickle without weights.
     #[error(
-        "no state dict: the file holds {found}; save it with torch.save(model.state_dict(), path), \
-         bare or under one of the keys {wrappers:?}"
+        "no state dict: the file holds {}; save it with torch.save(model.state_dict(), path), \
+         bare or under one of the keys {wrappers:?}", Excerpt(.found)
     )]
     NoStateDict {
         /// What there is instead.
@@ -56,7 +58,7 @@ pub enum CheckpointError {
         wrappers: &'static [&'static str],
     },
     /// A storage that the archive lacks, or that has another size than the pickle says.
-    #[error("storage \"{key}\": {problem}")]
+    #[error("storage \"{}\": {problem}", Excerpt(.key))]
     Storage {
         /// The storage's key.
         key: String,
@@ -65,8 +67,8 @@ pub enum CheckpointError {
     },
     /// A tensor that does not lie within its storage.
     #[error(
-        "tensor \"{name}\" of shape {shape:?}, strides {strides:?} and offset {offset} \
-         does not lie within its storage of {storage} elements"
+        "tensor \"{}\" of shape {shape:?}, strides {strides:?} and offset {offset} \
+         does not lie within its storage of {storage} elements", Excerpt(.name)
     )]
     OutsideStorage {
         /// The tensor's name.
@@ -81,7 +83,7 @@ pub enum CheckpointError {
         storage: usize,
     },
     /// Two tensors of one name.
-    #[error("two tensors are named \"{name}\"")]
+    #[error("two tensors are named \"{}\"", Excerpt(.name))]
     DuplicateName {
         /// The name.
         name: String,
@@ -98,7 +100,7 @@ pub enum CheckpointError {
         bytes: u64,
     },
     /// Weights that are not what was written.
-    #[error("tensor \"{name}\": its bytes have another checksum than the archive says")]
+    #[error("tensor \"{}\": its bytes have another checksum than the archive says", Excerpt(.name))]
     Checksum {
         /// The tensor's name.
         name: String,

@@ -18,7 +18,7 @@ use super::{
     checkpoint::Contents,
     input::{Input, reading},
 };
-use crate::{Error, Tensors};
+use crate::{Error, Tensors, error::Excerpt};
 
 /// The largest header that is accepted (bytes); the format allows 100 MB.
 const MAX_HEADER: u64 = 16 << 20;
@@ -47,25 +47,27 @@ pub(super) fn read<R: Read + Seek>(source: &mut R, length: u64) -> Result<Conten
         return Err(CheckpointError::Limit { what, value: size, limit: MAX_HEADER }.into());
     }
     let bytes = Input::open(source, 8, size, length)?.bytes(size, "header")?;
-    let header: Header =
-        serde_json::from_slice(&bytes).map_err(|error| problem(error.to_string()))?;
+    let header: Header = serde_json::from_slice(&bytes)
+        .map_err(|error| problem(Excerpt(&error.to_string()).to_string()))?;
 
     let start = 8 + size;
     let mut tensors = BTreeMap::new();
     let mut places = Vec::with_capacity(header.records.len());
     for (name, record) in header.records {
         let [begin, end] = record.data_offsets;
+        let shown = Excerpt(&name);
         let element = ElementType::from_name(&record.dtype).ok_or_else(|| {
-            problem(format!("tensor \"{name}\" has elements of the unknown type {}", record.dtype))
+            let kind = Excerpt(&record.dtype);
+            problem(format!("tensor \"{shown}\" has elements of the unknown type {kind}"))
         })?;
         let info = TensorInfo::contiguous(element, record.shape, start.saturating_add(begin));
         let bytes = info.as_ref().and_then(|info| info.elements().checked_mul(element.size()));
         let (Some(info), Some(bytes)) = (info, bytes) else {
-            return Err(problem(format!("tensor \"{name}\" has a shape beyond all bounds")));
+            return Err(problem(format!("tensor \"{shown}\" has a shape beyond all bounds")));
         };
         if begin.checked_add(bytes as u64) != Some(end) {
             return Err(problem(format!(
-                "tensor \"{name}\" takes {bytes} bytes, but its place is {begin} to {end}"
+                "tensor \"{shown}\" takes {bytes} bytes, but its place is {begin} to {end}"
             )));
         }
         places.push((begin, end));
@@ -186,7 +188,7 @@ impl<'de> Visitor<'de> for HeaderVisitor {
                     place.insert(map.next_value()?);
                 }
                 Entry::Occupied(place) => {
-                    let name = place.key();
+                    let name = Excerpt(place.key());
                     return Err(A::Error::custom(format_args!("two tensors are named \"{name}\"")));
                 }
             }

@@ -9,9 +9,9 @@ use super::{
     CheckpointError, Format, TensorInfo,
     checkpoint::Contents,
     input::{Input, reading},
-    layout::Region,
     pickle::{self, Pickle, Storage, Value, View},
     state_dict::StateDict,
+    tensor_info::Region,
     zip::Archive,
 };
 use crate::Error;

@@ -1,7 +1,7 @@
 //! Label files and figures of merit.
 
 use proptest::prelude::*;
-use vision_models::{Action, ClassNames, ConfusionMatrix, Error, likeliest, softmax, top_accuracy};
+use vision_models::{Action, ClassNames, ConfusionMatrix, Error, softmax, top_k, top_k_accuracy};
 
 #[test]
 fn hri30_in_its_forms() {
@@ -40,18 +40,112 @@ fn files_on_disk() {
 
 #[test]
 fn class_lists_that_are_refused() {
-    for (text, line) in [
-        ("", 1),
-        ("1 Walking\n3 Running", 2),
-        ("1 Walking\nRunning", 2),
-        ("1 Walking\n2 ", 2),
-        ("Walking\nwalk_ing", 2),
-    ] {
+    for (text, line) in
+        [("", 1), ("1 Walking\n3 Running", 2), ("1 Walking\nRunning", 2), ("1 Walking\n2 ", 2)]
+    {
         match text.parse::<ClassNames>() {
             Err(Error::Labels { line: at, .. }) => assert_eq!(at, line, "{text:?}"),
             other => panic!("{other:?} for {text:?}"),
         }
     }
+}
+
+/// A text of this many lines.
+fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
+    (0..count).map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// ImageNet has a dog and a jacket of one name but for its case, at these places in torchvision's
+/// list.
+#[test]
+fn names_are_distinct_by_case() {
+    let list = lines(1000, |class| match class {
+        264 => "Cardigan".to_owned(),
+        474 => "cardigan".to_owned(),
+        _ => format!("class number {class}"),
+    });
+    let names: ClassNames = list.parse().unwrap();
+    assert_eq!((names.index("Cardigan"), names.index("cardigan")), (Some(264), Some(474)));
+    // Neither is meant more than the other; the rest is still found in any case.
+    assert_eq!(names.index("CARDIGAN"), None);
+    assert_eq!(names.index("Class_Number_7"), Some(7));
+}
+
+#[test]
+fn two_names_that_are_one_are_shown_with_their_lines() {
+    for text in ["Walking\nRunning\n\nWalk_ing\n", "1 Walking\n2 Running\n\n3 Walk_ing\n"] {
+        let error = text.parse::<ClassNames>().unwrap_err();
+        let names = ["Walking", "Walk_ing"].map(str::to_owned);
+        assert_eq!(error, Error::EqualNames { names, lines: [1, 4] });
+        let message = error.to_string();
+        assert!(message.contains("lines 1 and 4: \"Walking\" and \"Walk_ing\""), "{message}");
+    }
+    // Signs alone are names, too.
+    let names: ClassNames = "+\n-\n".parse().unwrap();
+    assert_eq!((names.index("+"), names.index("-")), (Some(0), Some(1)));
+    assert!(matches!("+\n+\n".parse::<ClassNames>(), Err(Error::EqualNames { .. })));
+}
+
+#[test]
+fn a_byte_order_mark_is_not_part_of_the_first_line() {
+    let plain = "1 Walking\n2 Running\n";
+    let marked = format!("\u{feff}{plain}");
+    assert_eq!(marked.parse::<ClassNames>().unwrap(), plain.parse().unwrap());
+    let names: ClassNames = plain.parse().unwrap();
+    let clips = names.clips("\u{feff}a.avi,1\n").unwrap();
+    assert_eq!(clips, [("a.avi".to_owned(), 0)]);
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("marked.txt");
+    std::fs::write(&path, marked).unwrap();
+    assert_eq!(ClassNames::read(&path).unwrap(), names);
+}
+
+/// Were each clip compared with each name, this would take minutes.
+#[test]
+fn many_clips_of_many_names() {
+    let count = 50_000;
+    let list = lines(count, |class| format!("Name {class} a"));
+    let names: ClassNames = list.parse().unwrap();
+    let clips = lines(count, |clip| format!("{clip}.avi,name_{clip}_A"));
+    let clips = names.clips(&clips).unwrap();
+    assert_eq!(clips.len(), count);
+    for (clip, (name, class)) in clips.iter().enumerate() {
+        assert_eq!((name, class), (&format!("{clip}.avi"), &clip));
+    }
+}
+
+#[test]
+fn label_files_that_are_too_large() {
+    let list = lines(100_001, |class| format!("c{class}"));
+    assert!(matches!(list.parse::<ClassNames>(), Err(Error::Labels { line: 100_001, .. })));
+    // A device without an end.
+    match ClassNames::read("/dev/zero") {
+        Err(Error::File { path, reason }) => {
+            assert!(path == "/dev/zero" && reason.contains("67108864 bytes"), "{reason}");
+        }
+        other => panic!("{other:?}"),
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("latin.txt");
+    std::fs::write(&path, b"caf\xe9\n").unwrap();
+    let error = ClassNames::read(&path).unwrap_err().to_string();
+    assert!(error.contains("latin.txt") && error.contains("not UTF-8 text: byte 3"), "{error}");
+}
+
+/// However long a name in a file is, the message about it is short.
+#[test]
+fn messages_are_short() {
+    let name = "x".repeat(1 << 20);
+    for error in [
+        name.parse::<ClassNames>().unwrap().actions().unwrap_err(),
+        format!("{name}\n{name}\n").parse::<ClassNames>().unwrap_err(),
+        Action::from_name(&name).unwrap_err(),
+    ] {
+        assert!(error.to_string().len() < 500, "{} bytes", error.to_string().len());
+    }
+    let error = Action::from_name("a\nb\u{1b}[2J").unwrap_err().to_string();
+    assert!(error.contains(r"a\nb\u{1b}[2J") && !error.contains('\n'), "{error}");
 }
 
 #[test]
@@ -97,13 +191,13 @@ fn the_paper_s_accuracy() {
 #[test]
 fn top_five() {
     let scores = [0.1, 0.9, 0.5, 0.5, -1.0];
-    assert_eq!(likeliest(&scores, 3), [1, 2, 3]);
-    assert_eq!(likeliest(&scores, 9).len(), 5);
+    assert_eq!(top_k(&scores, 3), [1, 2, 3]);
+    assert_eq!(top_k(&scores, 9), [1, 2, 3, 0, 4]);
     let samples = [(&scores[..], 2), (&scores[..], 4), (&scores[..], 1), (&scores[..], 3)];
-    assert_eq!(top_accuracy(samples, 1), Some(0.25));
-    assert_eq!(top_accuracy(samples, 3), Some(0.75));
-    assert_eq!(top_accuracy(samples, 5), Some(1.0));
-    assert_eq!(top_accuracy([], 5), None);
+    assert_eq!(top_k_accuracy(samples, 1), Some(0.25));
+    assert_eq!(top_k_accuracy(samples, 3), Some(0.75));
+    assert_eq!(top_k_accuracy(samples, 5), Some(1.0));
+    assert_eq!(top_k_accuracy([], 5), None);
 }
 
 proptest! {
@@ -112,17 +206,43 @@ proptest! {
         let probabilities = softmax(&scores);
         prop_assert!((probabilities.iter().sum::<f32>() - 1.0).abs() < 1e-5);
         prop_assert!(probabilities.iter().all(|p| (0.0..=1.0).contains(p)));
-        prop_assert_eq!(likeliest(&probabilities, 1).len(), 1);
+        // exp grows: two probabilities are in the order of their scores, or equal by rounding; and
+        // p_i / p_j = exp(s_i − s_j).
+        for (&score, &p) in scores.iter().zip(&probabilities) {
+            for (&other, &q) in scores.iter().zip(&probabilities) {
+                prop_assert!(score <= other || p >= q, "{score}: {p}, {other}: {q}");
+                let ratio = f64::from(score - other).exp();
+                if q > 1e-30 && p > 1e-30 {
+                    let error = f64::from(p) / f64::from(q) / ratio - 1.0;
+                    prop_assert!(error.abs() < 1e-4, "{p} / {q} instead of {ratio}");
+                }
+            }
+        }
     }
 
     #[test]
     fn any_text_is_read_or_refused(text in "[0-9a-c ,:\n\t]{0,80}") {
-        if let Ok(names) = text.parse::<ClassNames>() {
-            prop_assert!(!names.names().is_empty());
-            for name in names.names() {
-                prop_assert!(names.index(name).is_some());
+        match text.parse::<ClassNames>() {
+            Ok(names) => {
+                prop_assert!(!names.names().is_empty());
+                for (class, name) in names.names().iter().enumerate() {
+                    prop_assert_eq!(names.index(name), Some(class));
+                }
+                let lines = text.lines().filter(|line| !line.trim().is_empty()).count();
+                prop_assert_eq!(names.names().len(), lines);
+                match names.clips(&text) {
+                    Ok(clips) => {
+                        prop_assert!(clips.len() == lines || clips.len() == lines - 1);
+                        prop_assert!(clips.iter().all(|&(_, class)| class < lines));
+                    }
+                    Err(error) => prop_assert!(matches!(error, Error::Labels { .. }), "{error}"),
+                }
             }
-            let _ = names.clips(&text);
+            Err(Error::Labels { line, .. }) => {
+                prop_assert!((1..=text.lines().count().max(1)).contains(&line));
+            }
+            Err(Error::EqualNames { lines: [one, other], .. }) => prop_assert!(one < other),
+            Err(error) => prop_assert!(false, "{error}"),
         }
     }
 }

@@ -5,8 +5,8 @@ use crate::support::{input, weights};
 use ndarray::{Array4, Array5, ArrayView2, Axis, concatenate, s};
 use serde::Deserialize;
 use vision_models::{
-    Error, InstructionSet, Options, ResNet, ResNetDepth, Scores, SlowFast, SlowOnly, SlowOnlyForm,
-    SlowOnlyStream, Tensor,
+    Error, InstructionSet, NetworkKind, Options, ResNet, ResNetDepth, Scores, SlowFast, SlowOnly,
+    SlowOnlyForm, SlowOnlyStream, Tensor, TensorSource,
 };
 
 /// The issue's floor, as a part of the largest value.
@@ -215,10 +215,119 @@ fn everything_wrong_with_a_checkpoint_is_listed() {
     tensors.insert("bn1.num_batches_tracked", batches.clone()).unwrap();
     tensors.insert("head.weight", batches).unwrap();
     let loaded = ResNet::load(ResNetDepth::Eighteen, tensors, [224, 224], options(1));
-    let Err(Error::Weights { missing, surplus, misshapen }) = loaded else { panic!("loaded") };
+    let error = loaded.unwrap_err();
+    let message = error.to_string();
+    let Error::Weights { network, found, missing, surplus, misshapen } = error else {
+        panic!("{message}")
+    };
+    assert_eq!((network, found), (NetworkKind::ResNet(ResNetDepth::Eighteen), None));
     assert_eq!(missing, ["conv1.weight [64, 3, 7, 7]", "layer4.1.bn2.running_var [512]"]);
     assert_eq!(surplus, ["head.weight"]);
     assert_eq!(misshapen, ["fc.bias [4] instead of [5]"]);
+    assert_eq!(
+        message,
+        "the checkpoint does not fit a ResNet-18; missing: conv1.weight [64, 3, 7, 7], \
+         layer4.1.bn2.running_var [512]; surplus: head.weight; misshapen: fc.bias [4] instead of \
+         [5]"
+    );
+}
+
+/// Names and shapes of a network's tensors, without their elements.
+struct Shapes(Vec<(String, Vec<usize>)>);
+
+impl TensorSource for Shapes {
+    fn names(&self) -> Vec<&str> {
+        self.0.iter().map(|(name, _)| name.as_str()).collect()
+    }
+
+    fn shape(&self, name: &str) -> Option<&[usize]> {
+        self.0.iter().find(|(own, _)| own == name).map(|(_, shape)| shape.as_slice())
+    }
+
+    fn take(&mut self, name: &str) -> Result<Tensor, Error> {
+        Err(Error::NoTensor { name: name.into() })
+    }
+}
+
+fn shapes(kind: NetworkKind, classes: usize) -> Shapes {
+    Shapes(match kind {
+        NetworkKind::ResNet(depth) => ResNet::parameters(depth, classes),
+        NetworkKind::SlowOnly(form) => SlowOnly::parameters(form, classes),
+        NetworkKind::SlowFast => SlowFast::parameters(classes),
+    })
+}
+
+#[test]
+fn a_checkpoint_of_another_network_is_recognised() {
+    for kind in NetworkKind::ALL {
+        assert_eq!(NetworkKind::of(&shapes(kind, 7)), Some(kind));
+        let mut other = shapes(kind, 7);
+        other.0.pop();
+        assert_eq!(NetworkKind::of(&other), None, "a {kind} without its last tensor");
+        if kind == NetworkKind::ResNet(ResNetDepth::Fifty) {
+            continue;
+        }
+        let fifty = ResNetDepth::Fifty;
+        let error = ResNet::load(fifty, shapes(kind, 7), [224, 224], options(1)).unwrap_err();
+        assert_eq!(error.to_string(), format!("the checkpoint is a {kind}, not a ResNet-50"));
+        assert!(matches!(error, Error::Weights { found, .. } if found == Some(kind)));
+    }
+    let names: std::collections::BTreeSet<_> =
+        NetworkKind::ALL.iter().map(ToString::to_string).collect();
+    assert_eq!(names.len(), NetworkKind::ALL.len());
+}
+
+/// A wall of names helps nobody.
+#[test]
+fn a_misfit_is_told_in_a_few_words() {
+    let nothing = Shapes(vec![("w".repeat(1 << 20), vec![1])]);
+    let error = ResNet::load(ResNetDepth::Fifty, nothing, [224, 224], options(1)).unwrap_err();
+    let message = error.to_string();
+    assert!(message.len() < 500, "{} bytes", message.len());
+    assert!(message.contains("missing: conv1.weight [64, 3, 7, 7], ") && message.contains(" more"));
+    let Error::Weights { missing, surplus, .. } = error else { panic!("{message}") };
+    assert_eq!((missing.len(), surplus.len()), (267, 1));
+}
+
+#[test]
+fn a_checkpoint_without_classes_is_refused() {
+    let kind = NetworkKind::ResNet(ResNetDepth::Eighteen);
+    let error = ResNet::load(ResNetDepth::Eighteen, shapes(kind, 0), [64, 64], options(1));
+    let Err(Error::Weights { found: None, misshapen, .. }) = error else { panic!("{error:?}") };
+    assert_eq!(misshapen[0], "fc.weight [0, 512] instead of [1, 512]");
+}
+
+#[test]
+fn threads_are_counted_before_they_are_started() {
+    let kind = NetworkKind::ResNet(ResNetDepth::Eighteen);
+    for threads in [0, Options::MAX_THREADS + 1, 40_000, 100_000, usize::MAX] {
+        let loaded =
+            ResNet::load(ResNetDepth::Eighteen, shapes(kind, 5), [64, 64], options(threads));
+        let error = loaded.unwrap_err();
+        let reason = "give from 1 to 1024".to_owned();
+        assert_eq!(error, Error::Threads { threads, reason });
+        assert_eq!(options(threads).validate(), Err(error));
+    }
+    assert_eq!(options(1).validate(), Ok(()));
+    assert_eq!(options(Options::MAX_THREADS).validate(), Ok(()));
+}
+
+/// As many threads as are promised start, work and end.
+#[test]
+fn the_most_threads_there_may_be() {
+    let images: Array4<f32> = input((1, 3, 32, 32));
+    let expected = bits(small(options(1), [32, 32]).infer(images.view()).unwrap().logits);
+    let mut network = small(options(Options::MAX_THREADS), [32, 32]);
+    assert_eq!(bits(network.infer(images.view()).unwrap().logits), expected);
+}
+
+#[test]
+fn the_widths_of_scores_are_known_before_an_inference() {
+    let mut network = small(options(1), [32, 32]);
+    let (classes, features) = (network.classes(), network.features());
+    let images: Array4<f32> = input((1, 3, 32, 32));
+    let scores = network.infer(images.view()).unwrap();
+    assert_eq!((scores.logits.ncols(), scores.features.ncols()), (classes, features));
 }
 
 #[test]

@@ -220,19 +220,101 @@ fn images_and_folders_of_images() {
     assert!(matches!(list_frames(empty.path().join("none")), Err(Error::File { .. })));
 }
 
-/// A PNG of 30,000 × 30,000 pixels that takes a few hundred bytes must not take 2.7 GB.
-#[test]
-fn images_that_claim_to_be_huge() {
+/// A PNG whose header claims these sides (pixels) in this colour type and depth (bits), with the
+/// pixels of a much smaller one.
+fn png_that_claims(sides: [u32; 2], depth: u8, colour: u8) -> Vec<u8> {
     let mut png = Vec::new();
     RgbImage::new(1, 1).write_to(&mut std::io::Cursor::new(&mut png), ImageFormat::Png).unwrap();
-    for sides in [[30_000_u32, 30_000], [16_384, 16_384]] {
-        let mut huge = png.clone();
-        // The header chunk: its kind at 12, then width, height, five bytes, and the checksum.
-        huge[16..20].copy_from_slice(&sides[0].to_be_bytes());
-        huge[20..24].copy_from_slice(&sides[1].to_be_bytes());
-        let checksum = crc32fast::hash(&huge[12..29]);
-        huge[29..33].copy_from_slice(&checksum.to_be_bytes());
-        assert!(matches!(decode_image(&huge), Err(Error::Image { .. })));
+    // The header chunk: its kind at 12, then width, height, depth, colour type, three bytes, and
+    // the checksum.
+    png[16..20].copy_from_slice(&sides[0].to_be_bytes());
+    png[20..24].copy_from_slice(&sides[1].to_be_bytes());
+    (png[24], png[25]) = (depth, colour);
+    let checksum = crc32fast::hash(&png[12..29]);
+    png[29..33].copy_from_slice(&checksum.to_be_bytes());
+    png
+}
+
+/// A JPEG whose header claims these sides (pixels), with the pixels of a much smaller one.
+fn jpeg_that_claims(sides: [u16; 2]) -> Vec<u8> {
+    let mut jpeg = Vec::new();
+    RgbImage::new(8, 8).write_to(&mut std::io::Cursor::new(&mut jpeg), ImageFormat::Jpeg).unwrap();
+    // The frame header: marker, length, precision, height, width.
+    let start = jpeg.windows(2).position(|marker| marker == [0xff, 0xc0]).unwrap();
+    jpeg[start + 5..start + 7].copy_from_slice(&sides[1].to_be_bytes());
+    jpeg[start + 7..start + 9].copy_from_slice(&sides[0].to_be_bytes());
+    jpeg
+}
+
+fn reason(bytes: &[u8]) -> String {
+    match decode_image(bytes) {
+        Err(Error::Image { reason, .. }) => reason,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// A few hundred bytes that claim gigabytes are refused for what they claim, not after it is taken.
+#[test]
+fn images_that_claim_to_be_huge() {
+    const GREY: u8 = 0;
+    const COLOUR: u8 = 2;
+    const TRANSPARENT: u8 = 6;
+    for (claim, taken) in [
+        // Grey becomes colour: 1 + 3 bytes a pixel.
+        (png_that_claims([16_384, 16_384], 8, GREY), "1024 MiB"),
+        (png_that_claims([16_384, 8_193], 8, GREY), "512 MiB"),
+        (png_that_claims([16_384, 16_384], 1, GREY), "1024 MiB"),
+        (png_that_claims([16_384, 16_384], 16, GREY), "1280 MiB"),
+        (png_that_claims([16_384, 16_384], 8, COLOUR), "768 MiB"),
+        (png_that_claims([16_384, 16_384], 16, TRANSPARENT), "2816 MiB"),
+        // 3 bytes a pixel, and 6 of coefficients.
+        (jpeg_that_claims([16_384, 16_384]), "2304 MiB"),
+        (jpeg_that_claims([16_384, 7_300]), "1026 MiB"),
+    ] {
+        let reason = reason(&claim);
+        assert!(reason.contains(&format!("pixels take {taken}")), "{reason}");
+    }
+    // What is within the limits is refused only for the pixels that are not there.
+    for claim in
+        [png_that_claims([4096, 4096], 8, GREY), png_that_claims([2000, 2000], 16, TRANSPARENT)]
+    {
+        assert!(!reason(&claim).contains("MiB"), "{}", reason(&claim));
+    }
+    for claim in [
+        png_that_claims([30_000, 1], 8, GREY),
+        png_that_claims([1, 16_385], 8, COLOUR),
+        jpeg_that_claims([16_385, 1]),
+    ] {
+        assert_eq!(reason(&claim), "Image size exceeds limit");
+    }
+}
+
+#[test]
+fn every_kind_of_pixel_becomes_colour() {
+    use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgba, RgbaImage};
+    let grey = GrayImage::from_fn(5, 4, |x, y| Luma([u8::try_from(40 * x + y).unwrap()]));
+    let deep = ImageBuffer::from_fn(5, 4, |x, y| Luma([257 * u16::try_from(40 * x + y).unwrap()]));
+    let clear = RgbaImage::from_fn(5, 4, |x, y| {
+        let value = u8::try_from(40 * x + y).unwrap();
+        Rgba([value, value, value, 7])
+    });
+    let expected = Array3::from_shape_fn((4, 5, 3), |(y, x, _)| u8::try_from(40 * x + y).unwrap());
+    for image in
+        [DynamicImage::from(grey), DynamicImage::ImageLuma16(deep), DynamicImage::from(clear)]
+    {
+        let mut png = std::io::Cursor::new(Vec::new());
+        image.write_to(&mut png, ImageFormat::Png).unwrap();
+        assert_eq!(decode_image(png.get_ref()).unwrap(), expected, "{:?}", image.color());
+    }
+}
+
+#[test]
+fn image_files_without_an_end() {
+    match read_image("/dev/zero") {
+        Err(Error::File { path, reason }) => {
+            assert!(path == "/dev/zero" && reason.contains("268435456 bytes"), "{reason}");
+        }
+        other => panic!("{other:?}"),
     }
 }
 

@@ -147,12 +147,28 @@ fn files_that_are_refused() {
         }
     }
     assert!(matches!(text.replace("1e0", "NaN").parse::<LinearSvm>(), Err(Error::Feature { .. })));
-    for end in 0..text.len() - 1 {
-        if let Ok(svm) = text[..end].parse::<LinearSvm>() {
-            // Cut within the last number.
-            assert_eq!(svm.classes(), names(2));
-        }
+    // No part of a file is a whole one, not even one that is cut within the last number.
+    for end in 0..text.len() {
+        let cut = &text[..end];
+        assert!(matches!(cut.parse::<LinearSvm>(), Err(Error::SvmFile { .. })), "{cut:?}");
     }
+    assert_eq!(text.parse::<LinearSvm>().unwrap(), svm);
+}
+
+#[test]
+fn files_with_a_byte_order_mark_or_other_line_ends() {
+    let svm = LinearSvm::new(names(2), array![[1.0, -2.5e-300]], array![0.1]).unwrap();
+    let text = svm.to_string();
+    assert_eq!(format!("\u{feff}{text}").parse::<LinearSvm>().unwrap(), svm);
+    let windows = text.replace('\n', "\r\n");
+    assert_eq!(windows.parse::<LinearSvm>().unwrap(), svm);
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("svm.txt");
+    std::fs::write(&path, &text).unwrap();
+    assert_eq!(LinearSvm::read(&path).unwrap(), svm);
+    let none = LinearSvm::read(folder.path().join("none"));
+    assert!(matches!(none, Err(Error::File { path, .. }) if path.ends_with("none")));
 }
 
 fn samples() -> impl Strategy<Value = (Array2<f32>, Vec<usize>)> {
@@ -220,8 +236,43 @@ proptest! {
         prop_assert_eq!(svm.to_string().parse::<LinearSvm>().unwrap(), svm);
     }
 
+    /// A whole file with some characters changed is the machine that it then describes, or refused.
     #[test]
-    fn any_text_is_read_or_refused(text in "(linear-svm 1\n)?(classes [0-9]{1,3}\n)?[a-z0-9 \n.e-]{0,60}") {
-        let _ = text.parse::<LinearSvm>();
+    fn any_text_is_read_or_refused(
+        changes in prop::collection::vec(
+            (any::<prop::sample::Index>(), prop::sample::select(b"0129 -.e\nax".to_vec())),
+            0..4,
+        ),
+    ) {
+        let weights = array![[1.0, -2.5e-3], [0.0, 4.0], [0.25, 1e10]];
+        let svm = LinearSvm::new(names(3), weights, array![0.1, 2.0, -3.0]).unwrap();
+        let mut text = svm.to_string().into_bytes();
+        for (place, byte) in &changes {
+            let place = place.index(text.len());
+            text[place] = *byte;
+        }
+        let text = String::from_utf8(text).unwrap();
+        match text.parse::<LinearSvm>() {
+            Ok(read) => {
+                // What was read is all that stands there: the same names, the same numbers.
+                let again = read.to_string();
+                prop_assert_eq!(again.parse::<LinearSvm>().unwrap(), read);
+                let words = |text: &str| -> Vec<Result<f64, String>> {
+                    text.split_whitespace()
+                        .map(|word| word.parse().map_err(|_| word.to_owned()))
+                        .collect()
+                };
+                prop_assert_eq!(words(&again), words(&text));
+            }
+            Err(Error::SvmFile { line, .. }) => {
+                prop_assert!((1..=text.lines().count() + 1).contains(&line));
+            }
+            Err(error) => prop_assert!(
+                matches!(error, Error::Samples { .. } | Error::Feature { .. }), "{error}"
+            ),
+        }
+        if changes.is_empty() {
+            prop_assert_eq!(text.parse::<LinearSvm>().unwrap(), svm);
+        }
     }
 }

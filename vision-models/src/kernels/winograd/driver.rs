@@ -8,7 +8,7 @@ use super::super::{
     isa::InstructionSet,
     pack::{Panels, pack},
     product::{Product, Segment, Start},
-    shared::Shared,
+    shared_slice::SharedSlice,
     threads::Pool,
 };
 use super::lines::Tiling;
@@ -149,9 +149,10 @@ impl Winograd {
         let sums = self.tiling.points() * self.panel_stride();
         let input_points = if self.cooperative { inputs } else { inputs * pool.lanes() };
         let (input_points, sum_points) = scratch.split_at_mut(input_points);
-        let (input_points, sum_points) = (Shared::new(input_points), Shared::new(sum_points));
+        let (input_points, sum_points) =
+            (SharedSlice::new(input_points), SharedSlice::new(sum_points));
         let layer =
-            Layer { plan: self, input, weights, bias, output: Shared::new(output), epilogue };
+            Layer { plan: self, input, weights, bias, output: SharedSlice::new(output), epilogue };
         let tiles: usize = self.tiling.tiles(self.output.size).iter().product();
         let lanes = pool.lanes();
         if self.cooperative {
@@ -195,7 +196,7 @@ struct Layer<'a> {
     input: &'a [f32],
     weights: &'a [f32],
     bias: &'a [f32],
-    output: Shared<'a>,
+    output: SharedSlice<'a>,
     epilogue: Epilogue,
 }
 

@@ -5,18 +5,18 @@ use std::marker::PhantomData;
 /// A borrowed slice whose disjoint parts several threads write at once. It hands out pointers
 /// only: who writes through one says why nobody else touches that part.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shared<'a> {
+pub(super) struct SharedSlice<'a> {
     start: *mut f32,
     length: usize,
     borrow: PhantomData<&'a mut [f32]>,
 }
 
-// SAFETY: a `Shared` by itself reads and writes nothing.
-unsafe impl Send for Shared<'_> {}
+// SAFETY: a `SharedSlice` by itself reads and writes nothing.
+unsafe impl Send for SharedSlice<'_> {}
 // SAFETY: as above.
-unsafe impl Sync for Shared<'_> {}
+unsafe impl Sync for SharedSlice<'_> {}
 
-impl<'a> Shared<'a> {
+impl<'a> SharedSlice<'a> {
     pub(super) fn new(slice: &'a mut [f32]) -> Self {
         Self { start: slice.as_mut_ptr(), length: slice.len(), borrow: PhantomData }
     }

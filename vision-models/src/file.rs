@@ -1,0 +1,38 @@
+//! Files and texts from outside, taken into memory up to a limit.
+
+use std::{fs::File, io::Read, path::Path};
+
+use crate::Error;
+
+/// Reads a file of at most `limit` bytes.
+///
+/// # Errors
+/// [`Error::File`] if it cannot be read or is larger.
+pub(crate) fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
+    let refuse = |reason: String| Error::File { path: path.display().to_string(), reason };
+    let file = File::open(path).map_err(|error| refuse(error.to_string()))?;
+    let mut bytes = Vec::new();
+    // A device or a pipe has no length: what is read is counted.
+    let read = file.take(limit.saturating_add(1)).read_to_end(&mut bytes);
+    read.map_err(|error| refuse(error.to_string()))?;
+    if bytes.len() as u64 > limit {
+        return Err(refuse(format!("larger than the {limit} bytes that are read of such a file")));
+    }
+    Ok(bytes)
+}
+
+/// Reads a text of at most `limit` bytes.
+///
+/// # Errors
+/// [`Error::File`] if it cannot be read, is larger or is not UTF-8.
+pub(crate) fn read_text(path: &Path, limit: u64) -> Result<String, Error> {
+    String::from_utf8(read_bytes(path, limit)?).map_err(|error| Error::File {
+        path: path.display().to_string(),
+        reason: format!("not UTF-8 text: byte {}", error.utf8_error().valid_up_to()),
+    })
+}
+
+/// The text behind a byte-order mark, which some editors write at the start.
+pub(crate) fn without_byte_order_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
