@@ -153,7 +153,7 @@ pub enum Error {
         name: String,
     },
     /// A file that the operating system does not let us read or write.
-    #[error("{path}: {reason}")]
+    #[error("{}{reason}", place(.path))]
     File {
         /// The path; empty for a reader that is no file.
         path: String,
@@ -164,7 +164,7 @@ pub enum Error {
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
     /// An image file that cannot be decoded.
-    #[error("{path}: no JPEG or PNG image that can be read: {reason}")]
+    #[error("{}no JPEG or PNG image that can be read: {reason}", place(.path))]
     Image {
         /// The path; empty for bytes in memory.
         path: String,
@@ -243,6 +243,11 @@ pub enum Error {
         /// How many there are.
         classes: usize,
     },
+}
+
+/// What a message about a file starts with.
+fn place(path: &str) -> String {
+    if path.is_empty() { String::new() } else { format!("{path}: ") }
 }
 
 /// The start of a text from outside, so that no file makes a message long. Control characters are

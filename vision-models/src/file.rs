@@ -10,15 +10,16 @@ use crate::Error;
 /// [`Error::File`] if it cannot be read or is larger.
 pub(crate) fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
     let refuse = |reason: String| Error::File { path: path.display().to_string(), reason };
-    let file = File::open(path).map_err(|error| refuse(error.to_string()))?;
-    let mut bytes = Vec::new();
-    // A device or a pipe has no length: what is read is counted.
-    let read = file.take(limit.saturating_add(1)).read_to_end(&mut bytes);
-    read.map_err(|error| refuse(error.to_string()))?;
-    if bytes.len() as u64 > limit {
-        return Err(refuse(format!("larger than the {limit} bytes that are read of such a file")));
+    let of_system = |error: std::io::Error| refuse(error.to_string());
+    let too_large = || refuse(format!("larger than the {limit} bytes that such a file may have"));
+    let file = File::open(path).map_err(of_system)?;
+    if file.metadata().map_err(of_system)?.len() > limit {
+        return Err(too_large());
     }
-    Ok(bytes)
+    // A device or a pipe has no length: what comes is counted.
+    let mut bytes = Vec::new();
+    file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(of_system)?;
+    if bytes.len() as u64 > limit { Err(too_large()) } else { Ok(bytes) }
 }
 
 /// Reads a text of at most `limit` bytes.

@@ -268,15 +268,29 @@ proptest! {
 
     #[test]
     fn every_task_runs_once(lanes in 1..5_usize, loops in prop::collection::vec(0..40_usize, 1..9)) {
-        use std::sync::atomic::{AtomicUsize, Ordering};
         let mut pool = pool(lanes)?;
         for tasks in loops {
-            let counts: Vec<AtomicUsize> = (0..tasks).map(|_| AtomicUsize::new(0)).collect();
-            pool.run(tasks, &|lane, task| {
-                assert!(lane < lanes);
-                counts[task].fetch_add(1, Ordering::Relaxed);
-            });
-            prop_assert!(counts.iter().all(|count| count.load(Ordering::Relaxed) == 1));
+            prop_assert!(runs(&mut pool, lanes, tasks).iter().all(|&count| count == 1));
         }
     }
+}
+
+/// As many threads as are promised start, work and end.
+#[test]
+fn the_most_threads_run_every_task_once() {
+    let lanes = crate::Options::MAX_THREADS;
+    let mut pool = Pool::new(lanes).expect("so many threads");
+    assert_eq!(pool.lanes(), lanes);
+    assert!(runs(&mut pool, lanes, 5000).iter().all(|&count| count == 1));
+}
+
+/// How often each task of a loop runs.
+fn runs(pool: &mut Pool, lanes: usize, tasks: usize) -> Vec<usize> {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    let counts: Vec<AtomicUsize> = (0..tasks).map(|_| AtomicUsize::new(0)).collect();
+    pool.run(tasks, &|lane, task| {
+        assert!(lane < lanes);
+        counts[task].fetch_add(1, Ordering::Relaxed);
+    });
+    counts.into_iter().map(AtomicUsize::into_inner).collect()
 }

@@ -174,9 +174,14 @@ impl<R: Read + Seek> Checkpoint<R> {
         let entries = self.tensors().map(|(name, info)| (name, info.element(), info.shape()));
         safetensors::write_header(&mut writer, entries)?;
         for (name, info) in &self.contents.tensors {
-            info.read(name, &mut self.source, |bytes| {
-                writer.write_all(bytes).map_err(|error| reading(&error))
-            })?;
+            let mut is_written = true;
+            let copied = info.read(name, &mut self.source, |bytes| {
+                let written = writer.write_all(bytes);
+                is_written = written.is_ok();
+                written.map_err(|error| reading(&error))
+            });
+            // The checkpoint's path stands only with what went wrong there.
+            copied.map_err(|error| if is_written { at_path(&self.path, error) } else { error })?;
         }
         writer.flush().map_err(|error| reading(&error))
     }

@@ -312,15 +312,6 @@ fn threads_are_counted_before_they_are_started() {
     assert_eq!(options(Options::MAX_THREADS).validate(), Ok(()));
 }
 
-/// As many threads as are promised start, work and end.
-#[test]
-fn the_most_threads_there_may_be() {
-    let images: Array4<f32> = input((1, 3, 32, 32));
-    let expected = bits(small(options(1), [32, 32]).infer(images.view()).unwrap().logits);
-    let mut network = small(options(Options::MAX_THREADS), [32, 32]);
-    assert_eq!(bits(network.infer(images.view()).unwrap().logits), expected);
-}
-
 #[test]
 fn the_widths_of_scores_are_known_before_an_inference() {
     let mut network = small(options(1), [32, 32]);

@@ -271,8 +271,10 @@ fn images_that_claim_to_be_huge() {
         (jpeg_that_claims([16_384, 16_384]), "2304 MiB"),
         (jpeg_that_claims([16_384, 7_300]), "1026 MiB"),
     ] {
-        let reason = reason(&claim);
-        assert!(reason.contains(&format!("pixels take {taken}")), "{reason}");
+        let mut text = String::new();
+        let held = allocation_counter::measure(|| text = reason(&claim)).bytes_max;
+        assert!(text.contains(&format!("pixels take {taken}")), "{text}");
+        assert!(held < 1 << 20, "{held} bytes for {text}");
     }
     // What is within the limits is refused only for the pixels that are not there.
     for claim in
