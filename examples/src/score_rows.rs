@@ -1,7 +1,7 @@
 //! The table of the likeliest classes.
 
 use anyhow::{Result, ensure};
-use vision_models::{ClassNames, likeliest};
+use vision_models::{ClassNames, top_k};
 
 /// Prints the five likeliest classes with their probabilities, by name if there are names.
 ///
@@ -12,7 +12,7 @@ pub fn print_likeliest(probabilities: &[f32], names: Option<&ClassNames>) -> Res
         let (classes, names) = (probabilities.len(), names.names().len());
         ensure!(classes == names, "the network has {classes} classes, the file {names} names");
     }
-    for (rank, class) in (1..).zip(likeliest(probabilities, 5)) {
+    for (rank, class) in (1..).zip(top_k(probabilities, 5)) {
         let name = match names.and_then(|names| names.names().get(class)) {
             Some(name) => name.clone(),
             None => format!("class {class}"),
