@@ -22,7 +22,7 @@ pub use manikin::manikin;
 pub use map_report::MapReport;
 pub use slices::slices;
 pub use study::{ACCEPTABLE, Acceptable, MapStudy};
-pub use table::{Cell, Column, Sheet, SheetTable, TableError, Unknown};
+pub use table::{Cell, Column, Extent, Sheet, SheetTable, TableError, Unknown};
 
 fn side_name(side: Side) -> &'static str {
     match side {

@@ -172,7 +172,11 @@ impl Proofs {
             return None;
         }
         self.failed += 1;
-        Some(format!("certificate of problem {}: {residuals:?}", problem.index))
+        let Problem { index, name, .. } = problem;
+        Some(match residuals {
+            Ok(residuals) => format!("problem {index} ({name}), not proved: {residuals:?}"),
+            Err(error) => format!("problem {index} ({name}), not proved: {error}"),
+        })
     }
 }
 

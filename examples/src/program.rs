@@ -65,6 +65,7 @@ mod message;
 mod options;
 mod progress;
 mod session;
+mod standard_input;
 mod standard_output;
 
 pub use begin::{Program, main};
@@ -77,4 +78,5 @@ pub use interrupt::Interrupt;
 pub use options::{Json, Quiet, ResultFile, Seed, Threads, thread_count};
 pub use progress::Progress;
 pub use session::Session;
+pub use standard_input::StandardInput;
 pub use standard_output::StandardOutput;

@@ -49,7 +49,7 @@ struct Options {
     #[arg(long, short, alias = "report", value_name = "FOLDER", default_value = "report")]
     output: PathBuf,
     /// Write no report.
-    #[arg(long, alias = "no-output", conflicts_with = "output")]
+    #[arg(long)]
     no_report: bool,
     #[command(flatten)]
     json: Json,

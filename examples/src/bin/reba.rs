@@ -2,7 +2,7 @@
 
 use std::{
     fs::File,
-    io::{self, BufRead, BufReader, Write},
+    io::{BufRead, BufReader, Write},
     path::PathBuf,
     process::ExitCode,
 };
@@ -10,7 +10,7 @@ use std::{
 use anyhow::{Context, Result};
 use clap::Parser;
 use ergo_map::{RulaWorksheet, Worksheet};
-use examples::ergonomics::{Sheet, SheetTable, Unknown};
+use examples::ergonomics::{Extent, Sheet, SheetTable, TableError, Unknown};
 use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session};
 use serde::Serialize;
 
@@ -43,7 +43,7 @@ struct Options {
 /// The line of `--json`.
 #[derive(Serialize)]
 struct Scored {
-    rows: usize,
+    rows: u64,
     passed_through: Vec<String>,
 }
 
@@ -69,7 +69,9 @@ impl Options {
             _ => self.input.display().to_string(),
         };
         let unknown = if self.strict { Unknown::Refuse } else { Unknown::PassThrough };
-        let mut table = SheetTable::<S, _>::new(self.open()?, unknown).with_context(shown)?;
+        let table = SheetTable::<S, _>::new(self.open(session)?, unknown);
+        session.interrupt().check()?;
+        let mut table = table.with_context(shown)?;
         let passed_through: Vec<String> = table.unknown().map(str::to_owned).collect();
         if !passed_through.is_empty() {
             let names = passed_through.join(", ");
@@ -81,15 +83,20 @@ impl Options {
             Some(file) => file,
             None => session.output(),
         };
-        let mut begun = 0;
-        let rows = table.score(output, || {
-            progress.set(begun);
-            begun += 1;
+        let mut rows = 0;
+        let scored = table.score(output, |count| {
+            rows = count;
+            progress.set(count);
             !interrupt.requested()
         });
         progress.finish();
-        let rows = rows.with_context(shown)?;
-        let ending = if interrupt.requested() { Ending::Partial } else { Ending::Complete };
+        let ending = match scored {
+            Ok(Extent::Whole) => Ending::Complete,
+            Ok(Extent::Begun) => Ending::Partial,
+            // An interrupt ends standard input with an error.
+            Err(TableError::Read { .. }) if interrupt.requested() => Ending::Partial,
+            Err(error) => return Err(anyhow::Error::from(error).context(shown())),
+        };
         match (file, ending) {
             (Some(file), Ending::Partial) => file.keep_partial().map(drop)?,
             (Some(file), _) => file.keep()?,
@@ -102,9 +109,9 @@ impl Options {
         Ok(ending)
     }
 
-    fn open(&self) -> Result<Box<dyn BufRead>> {
+    fn open(&self, session: &Session) -> Result<Box<dyn BufRead>> {
         if self.input.as_os_str() == "-" {
-            return Ok(Box::new(io::stdin().lock()));
+            return Ok(Box::new(session.standard_input()?));
         }
         let shown = self.input.display();
         let file = File::open(&self.input).with_context(|| format!("cannot open {shown}"))?;

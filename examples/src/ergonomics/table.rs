@@ -31,6 +31,15 @@ pub trait Sheet: Default + 'static {
     fn scores(&self) -> Result<Vec<String>, ergo_map::Error>;
 }
 
+/// How much of a table has been scored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// All rows.
+    Whole,
+    /// Those up to where it was ended.
+    Begun,
+}
+
 /// A comma-separated table of sheets, whose header has been read.
 ///
 /// The first line names the columns of [`Sheet::COLUMNS`], in any order; other columns are passed
@@ -39,14 +48,14 @@ pub trait Sheet: Default + 'static {
 ///
 /// ```
 /// use ergo_map::Worksheet;
-/// use examples::ergonomics::{SheetTable, Unknown};
+/// use examples::ergonomics::{Extent, SheetTable, Unknown};
 ///
 /// let table = "id,trunk_flex_deg,neck_flex_deg,knee_flex_deg,upper_arm_flex_deg,\
 ///              lower_arm_flex_deg,wrist_flex_deg\nlift,70,10,0,30,80,0\n";
 /// let mut table = SheetTable::<Worksheet, _>::new(table.as_bytes(), Unknown::PassThrough)?;
 /// assert_eq!(table.unknown().collect::<Vec<_>>(), ["id"]);
 /// let mut scored = Vec::new();
-/// assert_eq!(table.score(&mut scored, || true)?, 1);
+/// assert_eq!(table.score(&mut scored, |_| true)?, Extent::Whole);
 /// let scored = String::from_utf8(scored)?;
 /// assert!(scored.ends_with("\nlift,70,10,0,30,80,0,1,4,1,2,1,1,3,3,1,1,2,2,1,2,0.8279687499999999\n"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -84,16 +93,16 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
     }
 
     /// Writes the same table with the scores of each row behind it, row by row, as long as
-    /// `go_on` says so; gives the number of rows. Rows before a fault have been written when the
-    /// error is returned.
+    /// `go_on`, which is told the number of rows so far, says so. Rows before a fault have been
+    /// written when the error is returned.
     ///
     /// # Errors
     /// [`TableError`] with line and column for the first fault.
     pub fn score(
         &mut self,
         output: impl Write,
-        go_on: impl FnMut() -> bool,
-    ) -> Result<usize, TableError> {
+        go_on: impl FnMut(u64) -> bool,
+    ) -> Result<Extent, TableError> {
         let mut scored = csv::Writer::from_writer(output);
         let outcome = self.append_scores(&mut scored, go_on);
         // What was right before a fault is worth having.
@@ -104,19 +113,22 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
     fn append_scores(
         &mut self,
         scored: &mut csv::Writer<impl Write>,
-        mut go_on: impl FnMut() -> bool,
-    ) -> Result<usize, TableError> {
+        mut go_on: impl FnMut(u64) -> bool,
+    ) -> Result<Extent, TableError> {
         let scores = S::SCORES.iter().copied();
         write(scored, self.names.iter().map(String::as_str).chain(scores))?;
         let mut row = csv::StringRecord::new();
         let mut count = 0;
-        while go_on() && read(&mut self.rows, &mut row)? {
+        while go_on(count) {
+            if !read(&mut self.rows, &mut row)? {
+                return Ok(Extent::Whole);
+            }
             let line = self.rows.get_ref().line();
             let scores = self.scores(line, &row)?;
             write(scored, row.iter().chain(scores.iter().map(String::as_str)))?;
             count += 1;
         }
-        Ok(count)
+        Ok(Extent::Begun)
     }
 
     /// The scores of a row.

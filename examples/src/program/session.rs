@@ -4,7 +4,9 @@ use std::{fmt::Display, io::Write};
 
 use serde::Serialize;
 
-use super::{Ending, Interrupt, Json, Progress, Quiet, StandardOutput, message};
+use super::{
+    Ending, Interrupt, Json, ProgramError, Progress, Quiet, StandardInput, StandardOutput, message,
+};
 
 /// A running program's ways to the outside: standard output, notes on standard error, progress,
 /// and the request to stop.
@@ -35,6 +37,14 @@ impl Session {
     /// Standard output, for results.
     pub fn output(&mut self) -> &mut StandardOutput {
         &mut self.output
+    }
+
+    /// Standard input, which fails to be read once an interrupt has come.
+    ///
+    /// # Errors
+    /// [`ProgramError::Refused`] if there is no thread to be had.
+    pub fn standard_input(&self) -> Result<StandardInput, ProgramError> {
+        StandardInput::new(self.interrupt.clone())
     }
 
     /// Whether the program should stop.

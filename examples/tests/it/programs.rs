@@ -2,6 +2,7 @@
 //! results, and messages.
 
 use std::fs;
+use std::io::Write;
 use std::path::Path;
 
 use crate::support::{Ran, Runs, SmallDisk, signal};
@@ -233,9 +234,33 @@ fn a_set_that_is_interrupted_prints_what_it_has() {
     assert_eq!(kept.split(' ').take(2).collect::<Vec<_>>(), ["0", "0"]);
 }
 
+/// Waiting for the next line of standard input, a program does not wait for ever.
+#[test]
+fn a_table_that_is_interrupted_keeps_the_rows_before() {
+    let inputs = Inputs::new();
+    let output = inputs.path("out.csv");
+    let reba = Runs::new("reba").with(&["--input", "-", "--json", "--output", &output]);
+    let mut child = reba.start();
+    let mut table = SHEETS.replacen("trunk", "id,trunk", 1).replace("\n0,", "\n1,0,");
+    // The second row has only begun.
+    table.push_str("2,0,0");
+    let mut stdin = child.stdin.take().unwrap();
+    stdin.write_all(table.as_bytes()).unwrap();
+    wait_for_line(&mut child);
+    signal(&child, "INT");
+    let ran = Ran::of(child);
+    drop(stdin);
+    assert_eq!(ran.code(), Some(130), "{ran:?}");
+    assert!(!Path::new(&output).exists());
+    let kept = fs::read_to_string(inputs.path("out.partial.csv")).unwrap();
+    assert_eq!(ran.json()["partial"], true);
+    assert_eq!(kept.lines().count() as u64, 1 + ran.json()["rows"].as_u64().unwrap());
+    assert!(kept.lines().skip(1).all(|row| row.starts_with("1,0,0,0,0,80,0,1,")), "{kept}");
+}
+
 #[test]
 fn a_quiet_program_says_nothing_but_results() {
-    let ran = Runs::new("soak").with(&["--ticks=30000", "--quiet", "--json"]).run().done();
+    let ran = Runs::new("soak").with(&["--ticks=8000", "--quiet", "--json"]).run().done();
     assert_eq!(ran.errors, "");
     assert_eq!(ran.json()["partial"], false);
 }

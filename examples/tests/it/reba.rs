@@ -5,7 +5,7 @@ use std::io::Write;
 use std::process::Stdio;
 
 use ergo_map::{ContinuousReba, Mode, RulaWorksheet, Worksheet};
-use examples::ergonomics::{Cell, Sheet, SheetTable, TableError, Unknown};
+use examples::ergonomics::{Cell, Extent, Sheet, SheetTable, TableError, Unknown};
 
 use crate::support::{Ran, Runs};
 use proptest::prelude::*;
@@ -19,8 +19,8 @@ fn scored<S: Sheet>(table: &str) -> Result<String, TableError> {
     Ok(String::from_utf8(output).unwrap())
 }
 
-fn score<S: Sheet>(table: &[u8], output: &mut Vec<u8>) -> Result<usize, TableError> {
-    SheetTable::<S, _>::new(table, Unknown::PassThrough)?.score(output, || true)
+fn score<S: Sheet>(table: &[u8], output: &mut Vec<u8>) -> Result<Extent, TableError> {
+    SheetTable::<S, _>::new(table, Unknown::PassThrough)?.score(output, |_| true)
 }
 
 /// The cells of each row by the names of their columns.
