@@ -22,15 +22,16 @@ use examples::program::{
 };
 use nalgebra::Vector3;
 
-/// Builds the ergonomics map of a person, fits its quadratic, and shows both.
+/// Builds the ergonomics map of a person: how strenuous each place of the hand is, by REBA.
 ///
+/// Fits the convex quadratic to it that the controller minimises, and says how good the fit is.
 /// Writes to the folder: person.ergomap (the map), report.txt and report.json, slices.svg (heat maps
 /// through the optimum), manikin.svg (the posture there), and manikin-at.svg with --hand-at.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
     /// The person's stature (m).
-    #[arg(long, required_unless_present_any = ["preset", "load"], conflicts_with = "preset")]
+    #[arg(long, value_name = "METRES", required_unless_present_any = ["preset", "load"], conflicts_with = "preset")]
     stature: Option<f64>,
     /// In place of --stature: short 1.58 m, average 1.75 m, tall 1.94 m.
     #[arg(long)]
@@ -42,7 +43,7 @@ struct Options {
     #[arg(long, default_value = "right")]
     hand: Hand,
     /// Distance between the map's nodes, as a fraction of stature.
-    #[arg(long, default_value_t = MapOptions::default().spacing)]
+    #[arg(long, value_name = "STATURES", default_value_t = MapOptions::default().spacing)]
     spacing: f64,
     /// Make the map from these recorded postures (CSV) instead of predicted ones.
     #[arg(long, value_name = "FILE")]
@@ -56,8 +57,8 @@ struct Options {
     /// Draw the posture for this hand position as well (m; x forward, y left, z up).
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     hand_at: Option<Vector3<f64>>,
-    /// Highest e_s that counts as acceptable.
-    #[arg(long, default_value_t = ACCEPTABLE)]
+    /// Highest score e_s, 0 (good) to 4.25, that counts as acceptable.
+    #[arg(long, value_name = "SCORE", default_value_t = ACCEPTABLE)]
     acceptable: f64,
     /// Threads that share the work, 1 to 1024 [default: one for each core].
     #[arg(long, value_name = "COUNT", value_parser = thread_count())]

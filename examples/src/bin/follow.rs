@@ -125,7 +125,7 @@ impl Options {
             None => read(recording::shipped()?)?,
         };
         let stature = self.stature.or(recorded).unwrap_or(DEFAULT_STATURE);
-        let person = Person::new(stature)?;
+        let person = Person::new(stature).context("--stature")?;
         let map = build_map(session, &person, &MapOptions::default(), None)?;
         let scenario = Scenario::new(percepts, &person, map)?;
         Ok(if self.separation { scenario.with_separation() } else { scenario })

@@ -46,7 +46,7 @@ struct Options {
 
 /// What the solves of a set came to: the line of `--json`.
 #[derive(Debug, Serialize)]
-struct Counts {
+struct SetSummary {
     problems: usize,
     solved: usize,
     iteration_limit: usize,
@@ -90,14 +90,14 @@ impl Program for Options {
                     counts[outcome.code as usize] += 1;
                     progress.suspend(|| report(&mut output, problem, &outcome))?;
                     if let Some(reason) = &outcome.reason {
-                        progress.note(reason);
+                        progress.note(format_args!("{}: {reason}", self.file.display()));
                     }
                 }
                 if let (Some(proofs), Some(solver), Code::Solved) =
                     (&mut proofs, &mut solver, outcome.code)
                     && let Some(failure) = proofs.check(problem, solver, &outcome.x)
                 {
-                    progress.note(failure);
+                    progress.note(format_args!("{}: {failure}", self.file.display()));
                 }
                 done += 1;
                 progress.set(done);
@@ -120,7 +120,7 @@ impl Program for Options {
         let times = runs.times();
         session.note(times);
         let [solved, iteration_limit, infeasible, unbounded, refused] = counts;
-        let result = Counts {
+        let result = SetSummary {
             problems: counts.iter().sum(),
             solved,
             iteration_limit,

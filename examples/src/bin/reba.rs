@@ -16,10 +16,13 @@ use serde::Serialize;
 
 /// Scores filled-in REBA sheets, one a row of a comma-separated table.
 ///
+/// The first line names the columns. Needed are the angles in degrees: trunk_flex_deg,
+/// neck_flex_deg, knee_flex_deg, upper_arm_flex_deg, lower_arm_flex_deg and wrist_flex_deg. The
+/// book's page "Scores, maps and pictures" names the others, such as load_kg and coupling.
+///
 /// Writes the same rows with the sub-scores, the tables' values, the score and its action level
 /// behind them, for REBA also the continuous score (faithful) and e_s (graded). Columns that it does
-/// not know are passed through and named on standard error. The book's page "Scores, maps and
-/// pictures" names the columns.
+/// not know are passed through and named on standard error.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {

@@ -29,16 +29,16 @@ struct Options {
     #[arg(long, value_name = "SECONDS", default_value_t = WalkerSettings::default().duration, allow_negative_numbers = true)]
     duration: f64,
     /// Factor on the camera's noise: 0 is none, 1 that of a RealSense D435i.
-    #[arg(long, default_value_t = CameraSettings::default().noise)]
+    #[arg(long, value_name = "FACTOR", default_value_t = CameraSettings::default().noise)]
     noise: f64,
     /// Probability that a joint is missing in a frame; frames are missing in proportion.
-    #[arg(long, default_value_t = CameraSettings::default().drop)]
+    #[arg(long, value_name = "PROBABILITY", default_value_t = CameraSettings::default().drop)]
     drop: f64,
     /// How many times the person seems to jump by two metres, for a moment.
-    #[arg(long, default_value_t = CameraSettings::default().jumps)]
+    #[arg(long, value_name = "TIMES", default_value_t = CameraSettings::default().jumps)]
     jump: u32,
     /// How many times the person is not seen, for up to three seconds.
-    #[arg(long, default_value_t = CameraSettings::default().vanishings)]
+    #[arg(long, value_name = "TIMES", default_value_t = CameraSettings::default().vanishings)]
     vanish: u32,
     /// What the person works with: drill or polisher.
     #[arg(long, default_value = "drill", value_parser = tool)]

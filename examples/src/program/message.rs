@@ -17,7 +17,7 @@ pub(super) fn with_causes(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain() {
         let cause = cause.to_string();
-        if text.is_empty() {
+        if cause.contains(&text) {
             text = cause;
         } else if !text.ends_with(&cause) {
             text.push_str(": ");
@@ -41,5 +41,9 @@ mod tests {
         assert_eq!(with_causes(&error), "cannot write a.csv: the disk is full");
         let error = error.context("the report");
         assert_eq!(with_causes(&error), "the report: cannot write a.csv: the disk is full");
+        let full = io::Error::other("the disk is full");
+        let error = anyhow::Error::from(ProgramError::write(Path::new("a.csv"), full));
+        let error = error.context("a.csv");
+        assert_eq!(with_causes(&error), "cannot write a.csv: the disk is full");
     }
 }

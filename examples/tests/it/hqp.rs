@@ -252,6 +252,8 @@ level G 0 1
     let [infeasible, refused, times] = errors.lines().collect::<Vec<_>>()[..] else {
         panic!("{errors}")
     };
+    // The file's name stands before the first colon.
+    let [infeasible, refused] = [infeasible, refused].map(|line| line.split_once(": ").unwrap().1);
     assert!(
         infeasible.starts_with(
             "problem 0 (contradiction), the level of line 5: its hard rows cannot hold together \

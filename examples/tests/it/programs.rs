@@ -72,6 +72,13 @@ fn a_full_output_is_an_error_with_a_code_of_its_own() {
     for name in PROGRAMS {
         Runs::new(name).with(&["--help"]).run_full().failed(74, says);
     }
+    // Nor does a full standard error matter.
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("r.jsonl");
+    let record = ["--duration=1", "--output", output.to_str().unwrap()];
+    assert_eq!(Runs::new("record").with(&record).code_with_full_errors(), Some(0));
+    assert_eq!(Runs::new("record").code_with_full_errors(), Some(2));
+    assert_eq!(Runs::new("hqp").with(&["/nope"]).code_with_full_errors(), Some(1));
 }
 
 #[test]
@@ -92,7 +99,7 @@ fn help_says_what_each_program_does_and_how_it_ends() {
         ("soak", "Tries the controller on random people"),
         ("hqp", "Solves a set of hierarchical quadratic problems"),
         ("reba", "Scores filled-in REBA sheets"),
-        ("ergo_map", "Builds the ergonomics map of a person"),
+        ("ergo_map", "Builds the ergonomics map of a person: how"),
     ] {
         let help = Runs::new(name).with(&["--help"]).run().done().output;
         assert!(help.starts_with(does), "{name}: {help}");

@@ -46,6 +46,13 @@ impl Runs {
         self.run_on("")
     }
 
+    /// Runs it to its end with a standard error on a full device; its exit status.
+    pub(crate) fn code_with_full_errors(mut self) -> Option<i32> {
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        let status = self.command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(full).status();
+        status.unwrap().code()
+    }
+
     /// Runs it to its end with this on standard input.
     pub(crate) fn run_on(mut self, input: &str) -> Ran {
         self.command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
