@@ -8,6 +8,6 @@ pub mod program;
 mod random;
 pub mod recording;
 pub mod report;
-pub mod score_rows;
 pub mod soak;
+pub mod vision;
 pub mod walker;

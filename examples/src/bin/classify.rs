@@ -1,21 +1,38 @@
 //! Classifies images with a ResNet, or with a linear SVM over its features.
 
 use std::{
-    fs,
-    path::{Path, PathBuf},
+    io::{self, Write},
+    path::PathBuf,
+    process::ExitCode,
 };
 
-use anyhow::{Context, Result, bail, ensure};
-use clap::{Parser, ValueEnum};
-use examples::score_rows::print_likeliest;
-use ndarray::{Array2, Axis};
+use anyhow::{Result, ensure};
+use clap::Parser;
+use examples::program::{
+    self, Ending, Json, OutputFile, Program, Quiet, ResultFile, Session, Threads,
+};
+use examples::vision::{
+    choices,
+    classifier::{Classifier, Scored},
+    confusion::{TestReport, test},
+    errors::{in_file, of_option},
+    folders::{LabelledImage, Unreadable, list_images},
+    results::Results,
+    top_k::{ScoredClass, check_names, top_classes, write_top_classes},
+    training::{TrainingReport, TrainingSet},
+};
+use ndarray::aview1;
+use serde::Serialize;
 use vision_models::{
-    Checkpoint, ClassNames, ConfusionMatrix, LinearSvm, Loss, Options, Preprocessing, ResNet,
-    ResNetDepth, SvmSettings, list_frames, read_image, softmax,
+    ClassNames, LinearSvm, Loss, Preprocessing, ResNetDepth, SvmSettings, softmax,
 };
 
-/// Classifies images: the five likeliest classes of each, by a ResNet or, as the paper classifies
-/// surfaces, by a linear SVM over the features of its average pool.
+/// Classifies images: the five most probable classes of each, by a ResNet; or, as the paper
+/// classifies surfaces, the class by a linear SVM over the features of its average pool, which this
+/// program can train and test, too.
+///
+/// An image that cannot be read is named on standard error and left out. Where one of IMAGES is, the
+/// exit status is 1. Ctrl-C ends early: the images so far are printed, a training is not kept.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {
@@ -26,8 +43,8 @@ struct Arguments {
     #[arg(long, value_name = "FILE")]
     weights: PathBuf,
     /// How many layers the ResNet has.
-    #[arg(long, default_value = "50")]
-    depth: Depth,
+    #[arg(long, default_value = "50", value_parser = choices::depth())]
+    depth: ResNetDepth,
     /// The names of the network's classes, one a line.
     #[arg(long, value_name = "FILE", conflicts_with = "svm")]
     names: Option<PathBuf>,
@@ -46,190 +63,242 @@ struct Arguments {
     #[arg(long, requires = "train")]
     hinge: bool,
     /// The weight of the penalty against the margin.
-    #[arg(long, default_value_t = 1.0, requires = "train")]
+    #[arg(long, default_value_t = 1.0, requires = "train", allow_negative_numbers = true)]
     cost: f64,
     /// Resize to 255 × 255, as the paper says, instead of the short side to 255.
     #[arg(long)]
     square: bool,
-    /// Threads that share the work.
-    #[arg(long, default_value_t = 1)]
-    threads: usize,
+    /// Stop at the first image that cannot be read.
+    #[arg(long)]
+    strict: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    result: ResultFile,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Depth {
-    #[value(name = "18")]
-    Eighteen,
-    #[value(name = "34")]
-    ThirtyFour,
-    #[value(name = "50")]
-    Fifty,
-    #[value(name = "101")]
-    OneHundredOne,
-    #[value(name = "152")]
-    OneHundredFiftyTwo,
+/// The line of `--json`.
+#[derive(Default, Serialize)]
+struct Report {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    training: Option<TrainingReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    test: Option<TestReport>,
+    images: Vec<ImageReport>,
+    /// Images that could not be read, those of the training and the test, too.
+    unreadable: usize,
 }
 
-impl From<Depth> for ResNetDepth {
-    fn from(depth: Depth) -> Self {
-        match depth {
-            Depth::Eighteen => Self::Eighteen,
-            Depth::ThirtyFour => Self::ThirtyFour,
-            Depth::Fifty => Self::Fifty,
-            Depth::OneHundredOne => Self::OneHundredOne,
-            Depth::OneHundredFiftyTwo => Self::OneHundredFiftyTwo,
-        }
+#[derive(Serialize)]
+struct ImageReport {
+    image: PathBuf,
+    #[serde(flatten)]
+    result: ImageResult,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum ImageResult {
+    Network {
+        classes: Vec<ScoredClass>,
+    },
+    Svm {
+        class: String,
+        /// f(x) of each plane.
+        decisions: Vec<f64>,
+    },
+}
+
+/// What the scores of an image are made classes by.
+enum Decision {
+    Network(Option<ClassNames>),
+    Svm(LinearSvm),
+}
+
+impl Decision {
+    fn decide(&self, scored: &Scored) -> Result<ImageResult> {
+        Ok(match self {
+            Self::Network(names) => {
+                let classes = top_classes(&softmax(&scored.logits), names.as_ref());
+                ImageResult::Network { classes }
+            }
+            Self::Svm(svm) => {
+                let features = aview1(&scored.features);
+                let class = svm.classify(features)?;
+                let class = svm.classes().get(class).cloned().unwrap_or_default();
+                ImageResult::Svm { class, decisions: svm.decide(features)?.to_vec() }
+            }
+        })
     }
 }
 
-/// What an image goes through.
-struct Classifier {
-    preprocessing: Preprocessing,
-    network: ResNet,
+/// What there is to do, checked before any of it is done.
+struct Work {
+    names: Option<ClassNames>,
+    training: Option<(TrainingSet, SvmSettings, OutputFile)>,
+    svm: Option<LinearSvm>,
+    test: Option<Vec<LabelledImage>>,
 }
 
-impl Classifier {
-    fn load(arguments: &Arguments) -> Result<Self> {
-        ensure!(arguments.threads > 0, "--threads 0: give at least one");
+impl Arguments {
+    fn check(&self) -> Result<Work> {
+        let names = self
+            .names
+            .as_ref()
+            .map(|file| ClassNames::read(file).map_err(|error| in_file(file, error)));
+        let mut training = None;
+        let mut svm = None;
+        match (&self.train, &self.svm) {
+            (Some(folder), Some(file)) => {
+                let settings = self.settings()?;
+                let file = OutputFile::create(file)?;
+                training = Some((TrainingSet::list(folder)?, settings, file));
+            }
+            (None, Some(file)) => {
+                svm = Some(LinearSvm::read(file).map_err(|error| in_file(file, error))?);
+            }
+            (_, None) => {}
+        }
+        let classes = match (&training, &svm) {
+            (Some((set, ..)), _) => set.classes(),
+            (None, Some(svm)) => svm.classes(),
+            (None, None) => &[],
+        };
+        let test = self.test.as_ref().map(|folder| list_images(folder, classes)).transpose()?;
+        Ok(Work { names: names.transpose()?, training, svm, test })
+    }
+
+    fn settings(&self) -> Result<SvmSettings> {
+        let loss = if self.hinge { Loss::Hinge } else { Loss::SquaredHinge };
+        let settings = SvmSettings { loss, cost: self.cost, ..SvmSettings::default() };
+        settings.validate().map_err(of_option)?;
+        Ok(settings)
+    }
+
+    fn load(&self, work: &Work) -> Result<Classifier> {
         let preprocessing =
-            if arguments.square { Preprocessing::SURFACE } else { Preprocessing::TORCHVISION };
-        let options = Options { threads: arguments.threads, ..Options::default() };
-        let side = preprocessing.crop;
-        let weights = Checkpoint::open(&arguments.weights)
-            .with_context(|| arguments.weights.display().to_string())?;
-        let network = ResNet::load(arguments.depth.into(), weights, [side, side], options)?;
-        Ok(Self { preprocessing, network })
+            if self.square { Preprocessing::SURFACE } else { Preprocessing::TORCHVISION };
+        let classifier =
+            Classifier::load(&self.weights, self.depth, preprocessing, self.threads.count())?;
+        if let (Some(names), Some(file)) = (&work.names, &self.names) {
+            check_names(file, names, classifier.classes())?;
+        }
+        if let (Some(svm), Some(file)) = (&work.svm, &self.svm) {
+            let (taken, given) = (svm.weights().ncols(), classifier.features());
+            ensure!(
+                taken == given,
+                "{}: this SVM takes {taken} features, but {} has {given}: give the network that it \
+                 was trained with",
+                file.display(),
+                classifier.describe()
+            );
+        }
+        Ok(classifier)
+    }
+}
+
+impl Program for Arguments {
+    fn quiet(&self) -> Quiet {
+        self.quiet
     }
 
-    /// The network's features and class scores of an image.
-    fn see(&mut self, path: &Path) -> Result<(Vec<f32>, Vec<f32>)> {
-        let image = self
-            .preprocessing
-            .image(read_image(path)?.view())
-            .with_context(|| path.display().to_string())?;
-        let scores = self.network.infer(image.view())?;
-        Ok((scores.features.iter().copied().collect(), scores.logits.iter().copied().collect()))
-    }
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        let mut results = Results::begin(&self.result)?;
+        let work = self.check()?;
+        let mut classifier = self.load(&work)?;
+        session.interrupt().check()?;
 
-    /// The features of all images in the folders of these classes, and the class of each.
-    fn see_folders(
-        &mut self,
-        folder: &Path,
-        classes: &[String],
-    ) -> Result<(Array2<f32>, Vec<usize>)> {
-        let mut features = Vec::new();
-        let mut labels = Vec::new();
-        for (label, class) in classes.iter().enumerate() {
-            let folder = folder.join(class);
-            let images = list_frames(&folder).with_context(|| folder.display().to_string())?;
-            for image in images {
-                features.extend(self.see(&image)?.0);
-                labels.push(label);
+        let mut report = Report::default();
+        let mut unreadable = Unreadable::new(self.strict);
+        let mut ending = Ending::Complete;
+        let svm = match work.training {
+            Some((set, settings, mut file)) => {
+                let (svm, training) =
+                    set.train(&mut classifier, settings, session, &mut unreadable)?;
+                file.push(svm.to_string().as_bytes())?;
+                file.keep()?;
+                training.write(results.writer(session))?;
+                report.training = Some(training);
+                Some(svm)
             }
+            None => work.svm,
+        };
+        if let (Some(images), Some(svm)) = (&work.test, &svm) {
+            let (test, ended) = test(&mut classifier, svm, images, session, &mut unreadable)?;
+            test.write(results.writer(session), svm.classes())?;
+            (report.test, ending) = (Some(test), ended);
         }
-        let width = features.len() / labels.len().max(1);
-        Ok((Array2::from_shape_vec((labels.len(), width), features)?, labels))
-    }
-}
-
-fn main() -> Result<()> {
-    let arguments = Arguments::parse();
-    let mut classifier = Classifier::load(&arguments)?;
-    let Some(file) = &arguments.svm else {
-        return classify_by_network(&mut classifier, &arguments);
-    };
-    let svm = match &arguments.train {
-        Some(folder) => {
-            let svm = train(&mut classifier, folder, &arguments)?;
-            fs::write(file, svm.to_string())
-                .with_context(|| format!("cannot write {}", file.display()))?;
-            svm
+        if ending == Ending::Complete {
+            let decision = svm.map_or(Decision::Network(work.names), Decision::Svm);
+            (report.images, ending) =
+                self.classify(&mut classifier, &decision, session, &mut results, &mut unreadable)?;
         }
-        None => fs::read_to_string(file)
-            .with_context(|| format!("cannot read {}", file.display()))?
-            .parse()?,
-    };
-    if let Some(folder) = &arguments.test {
-        test(&mut classifier, &svm, folder)?;
+        report.unreadable = unreadable.count();
+        if report.unreadable > 0 {
+            session.warn(format_args!("{} images could not be read", report.unreadable));
+        }
+        if ending == Ending::Partial {
+            session.warn("interrupted: the results are of the images up to there");
+        }
+        results.keep(ending)?;
+        session.print_json(self.json, &report, ending)?;
+        Ok(ending)
     }
-    for path in &arguments.images {
-        let (features, _) = classifier.see(path)?;
-        let features = ndarray::aview1(&features);
-        let class = svm.classify(features)?;
-        let decisions = svm.decide(features)?;
-        println!("{}: {} (f = {decisions:.3})", path.display(), svm.classes()[class]);
-    }
-    Ok(())
 }
 
-fn classify_by_network(classifier: &mut Classifier, arguments: &Arguments) -> Result<()> {
-    let names = arguments.names.as_ref().map(ClassNames::read).transpose()?;
-    for path in &arguments.images {
-        let (_, logits) = classifier.see(path)?;
-        println!("{}", path.display());
-        print_likeliest(&softmax(&logits), names.as_ref())?;
+impl Arguments {
+    /// Classifies the images that are named on the command line.
+    fn classify(
+        &self,
+        classifier: &mut Classifier,
+        decision: &Decision,
+        session: &mut Session,
+        results: &mut Results,
+        unreadable: &mut Unreadable,
+    ) -> Result<(Vec<ImageReport>, Ending)> {
+        let before = unreadable.count();
+        let progress = session.progress("images", self.images.len() as u64);
+        let mut reports = Vec::new();
+        for (done, path) in (1..).zip(&self.images) {
+            if session.interrupt().requested() {
+                return Ok((reports, Ending::Partial));
+            }
+            match classifier.read(path) {
+                Ok(image) => {
+                    let result = decision.decide(&classifier.infer(&image)?)?;
+                    let report = ImageReport { image: path.clone(), result };
+                    progress.suspend(|| report.write(results.writer(session)))?;
+                    reports.push(report);
+                }
+                Err(error) => unreadable.leave_out(&progress, path, error)?,
+            }
+            progress.set(done);
+        }
+        let whole = unreadable.count() == before;
+        Ok((reports, if whole { Ending::Complete } else { Ending::Failed }))
     }
-    Ok(())
 }
 
-fn train(classifier: &mut Classifier, folder: &Path, arguments: &Arguments) -> Result<LinearSvm> {
-    let classes = list_classes(folder)?;
-    let (features, labels) = classifier.see_folders(folder, &classes)?;
-    let settings = SvmSettings {
-        loss: if arguments.hinge { Loss::Hinge } else { Loss::SquaredHinge },
-        cost: arguments.cost,
-        ..SvmSettings::default()
-    };
-    let (svm, trainings) = LinearSvm::train(features.view(), &labels, classes, &settings)?;
-    for training in trainings {
-        ensure!(
-            training.converged,
-            "the training did not converge in {} steps: the objective is {}, at best {}",
-            training.iterations,
-            training.objective,
-            training.bound
-        );
-        println!(
-            "trained with {} images in {} steps: objective {:.6}",
-            labels.len(),
-            training.iterations,
-            training.objective
-        );
-    }
-    Ok(svm)
-}
-
-/// The folders in a folder, by name.
-fn list_classes(folder: &Path) -> Result<Vec<String>> {
-    let mut classes = Vec::new();
-    for entry in fs::read_dir(folder).with_context(|| folder.display().to_string())? {
-        let entry = entry?;
-        if entry.file_type()?.is_dir() {
-            match entry.file_name().into_string() {
-                Ok(name) => classes.push(name),
-                Err(name) => bail!("the folder {} is no class name", name.display()),
+impl ImageReport {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let shown = self.image.display();
+        match &self.result {
+            ImageResult::Network { classes } => {
+                writeln!(out, "{shown}")?;
+                write_top_classes(out, classes)
+            }
+            ImageResult::Svm { class, decisions } => {
+                let decisions = aview1(decisions);
+                writeln!(out, "{shown}: {class} (f = {decisions:.3})")
             }
         }
     }
-    classes.sort();
-    Ok(classes)
 }
 
-fn test(classifier: &mut Classifier, svm: &LinearSvm, folder: &Path) -> Result<()> {
-    let classes = svm.classes();
-    let (features, labels) = classifier.see_folders(folder, classes)?;
-    let mut matrix = ConfusionMatrix::new(classes.len());
-    for (features, &label) in features.axis_iter(Axis(0)).zip(&labels) {
-        matrix.add(label, svm.classify(features)?)?;
-    }
-    println!("rows: the class, columns: what it was taken for, in percent of the row");
-    for (truth, name) in classes.iter().enumerate() {
-        print!("{name:>20}");
-        for given in 0..classes.len() {
-            print!(" {:6.2}", matrix.percent(truth, given).unwrap_or(0.0));
-        }
-        println!();
-    }
-    println!("accuracy {:.2} %", 100.0 * matrix.accuracy().unwrap_or(0.0));
-    Ok(())
+fn main() -> ExitCode {
+    program::main::<Arguments>()
 }

@@ -1,63 +1,135 @@
 //! Says what is in a checkpoint, and writes it as safetensors.
 
 use std::{
-    fs::File,
-    io::{BufWriter, Write, stdout},
-    path::PathBuf,
+    io::{self, Write},
+    path::{Path, PathBuf},
+    process::ExitCode,
 };
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use clap::Parser;
-use vision_models::Checkpoint;
+use examples::program::{self, Ending, Interrupt, Json, OutputFile, Program, Quiet, Session};
+use examples::vision::errors::{in_file, open_checkpoint};
+use serde::Serialize;
+use vision_models::{Checkpoint, NetworkKind};
 
 /// Prints what a checkpoint holds and writes its tensors as safetensors.
 ///
 /// The input is a file of torch.save (.pth, .pt, .pyth; zip format or the older one) or a
-/// .safetensors. Nothing in it is executed. Every tensor keeps its element type.
+/// .safetensors. Nothing in it is executed. Every tensor keeps its element type. An interrupted
+/// conversion leaves no file.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {
     /// The checkpoint.
     #[arg(value_name = "IN")]
     input: PathBuf,
-    /// Where the tensors go; without it, they are only listed.
+    /// Where the tensors go, the same as --output; without either, they are only listed.
     #[arg(value_name = "OUT.safetensors")]
+    place: Option<PathBuf>,
+    /// Where the tensors go.
+    #[arg(long, short, value_name = "FILE", conflicts_with = "place")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
+}
+
+/// The line of `--json`.
+#[derive(Serialize)]
+struct Contents {
+    format: String,
+    /// Null if it is none of this project's networks.
+    network: Option<String>,
+    tensors: usize,
+    elements: usize,
     output: Option<PathBuf>,
 }
 
-fn main() -> Result<()> {
-    let arguments = Arguments::parse();
-    let shown = arguments.input.display();
-    let mut checkpoint =
-        Checkpoint::open(&arguments.input).with_context(|| format!("cannot read {shown}"))?;
-    list(&checkpoint)?;
-    let Some(output) = arguments.output else { return Ok(()) };
-    let same = output.canonicalize().ok() == Some(arguments.input.canonicalize()?);
-    ensure!(!same, "{shown} would be overwritten while it is read: give another name");
-    let file =
-        File::create(&output).with_context(|| format!("cannot write {}", output.display()))?;
-    checkpoint
-        .write_safetensors(BufWriter::new(file))
-        .with_context(|| format!("cannot write {}", output.display()))
+impl Program for Arguments {
+    fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        let output = self.output.or(self.place);
+        let file = output.as_deref().map(|output| begin(&self.input, output)).transpose()?;
+        let mut checkpoint = open_checkpoint(&self.input)?;
+        let contents = Contents::of(&checkpoint, output);
+        contents.list(&checkpoint, session.output())?;
+        if let Some(file) = file {
+            let mut writer = UntilInterrupt { file, interrupt: session.interrupt().clone() };
+            let written = checkpoint.write_safetensors(&mut writer);
+            session.interrupt().check()?;
+            written.map_err(|error| in_file(&self.input, error))?;
+            writer.file.keep()?;
+        }
+        session.print_json(self.json, &contents, Ending::Complete)?;
+        Ok(Ending::Complete)
+    }
 }
 
-fn list(checkpoint: &Checkpoint) -> Result<()> {
-    let mut out = stdout().lock();
-    write!(out, "{}", checkpoint.format())?;
-    for wrapper in checkpoint.wrappers() {
-        write!(out, ", under \"{wrapper}\"")?;
+/// Begins the output. It may not be the input, which would be lost while it is read.
+fn begin(input: &Path, output: &Path) -> Result<OutputFile> {
+    let same = output
+        .canonicalize()
+        .is_ok_and(|output| input.canonicalize().is_ok_and(|input| input == output));
+    let shown = input.display();
+    ensure!(!same, "{shown} would be overwritten while it is read: give another name");
+    Ok(OutputFile::create(output)?)
+}
+
+/// A file whose writing fails after an interrupt.
+struct UntilInterrupt {
+    file: OutputFile,
+    interrupt: Interrupt,
+}
+
+impl Write for UntilInterrupt {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // `ErrorKind::Interrupted` would be tried again.
+        self.interrupt.check().map_err(io::Error::other)?;
+        self.file.write(bytes)
     }
-    writeln!(out)?;
-    if !checkpoint.others().is_empty() {
-        writeln!(out, "not read: {}", checkpoint.others().join(", "))?;
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
     }
-    let width = checkpoint.tensors().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-    let (mut tensors, mut elements) = (0_usize, 0_usize);
-    for (name, info) in checkpoint.tensors() {
-        writeln!(out, "{name:width$}  {:4}  {:?}", info.element(), info.shape())?;
-        tensors += 1;
-        elements += info.elements();
+}
+
+impl Contents {
+    fn of(checkpoint: &Checkpoint, output: Option<PathBuf>) -> Self {
+        Self {
+            format: checkpoint.format().to_string(),
+            network: NetworkKind::of(checkpoint).map(|kind| kind.to_string()),
+            tensors: checkpoint.tensors().count(),
+            elements: checkpoint.tensors().map(|(_, info)| info.elements()).sum(),
+            output,
+        }
     }
-    writeln!(out, "{tensors} tensors, {elements} elements")?;
-    Ok(())
+
+    fn list(&self, checkpoint: &Checkpoint, out: &mut impl Write) -> Result<()> {
+        write!(out, "{}", self.format)?;
+        for wrapper in checkpoint.wrappers() {
+            write!(out, ", under \"{wrapper}\"")?;
+        }
+        writeln!(out)?;
+        if let Some(network) = &self.network {
+            writeln!(out, "a {network}")?;
+        }
+        if !checkpoint.others().is_empty() {
+            writeln!(out, "not read: {}", checkpoint.others().join(", "))?;
+        }
+        let width = checkpoint.tensors().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+        for (name, info) in checkpoint.tensors() {
+            writeln!(out, "{name:width$}  {:4}  {:?}", info.element(), info.shape())?;
+        }
+        writeln!(out, "{} tensors, {} elements", self.tensors, self.elements)?;
+        Ok(())
+    }
+}
+
+fn main() -> ExitCode {
+    program::main::<Arguments>()
 }

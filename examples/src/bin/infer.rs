@@ -1,28 +1,33 @@
 //! Runs a network on arrays, and says how long it takes.
 
-use std::{
-    path::{Path, PathBuf},
-    time::Instant,
-};
+use std::{io::Write, path::PathBuf, process::ExitCode, time::Instant};
 
-use anyhow::{Context, Result, ensure};
-use clap::{Parser, ValueEnum};
-use ndarray::{Array2, Array4, Array5, ArrayD, Ix4, Ix5};
-use ndarray_npy::{read_npy, write_npy};
-use vision_models::{
-    Checkpoint, Error, Options, ResNet, ResNetDepth, Scores, SlowFast, SlowOnly, SlowOnlyForm,
+use anyhow::{Context, Result};
+use clap::Parser;
+use examples::program::{
+    self, Ending, Json, OutputFile, Program, ProgramError, Quiet, Session, Threads,
 };
+use examples::vision::{
+    choices::{self, Accepted},
+    errors::{of_weights, open_checkpoint},
+    npy::read_array,
+};
+use ndarray::{Array, Array2, Array4, Array5, ArrayD, Dimension};
+use ndarray_npy::WriteNpyExt;
+use serde::Serialize;
+use vision_models::{Error, NetworkKind, Options, ResNet, Scores, SlowFast, SlowOnly};
 
 /// Runs a network on an array of normalised images or clips.
 ///
-/// Prints the median and the minimum time of an inference (of the whole batch) and the rate that
-/// the median means, counting the multiplications and additions of the plain convolutions.
+/// Writes its scores, and prints the median and the minimum time of an inference (of the whole
+/// batch) and the rate that the median means, counting the multiplications and additions of the
+/// plain convolutions. Ctrl-C ends the repetitions early; the scores are written if there are any.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {
     /// The network.
-    #[arg(long)]
-    model: Model,
+    #[arg(long, value_parser = choices::network())]
+    model: NetworkKind,
     /// The checkpoint: safetensors, or PyTorch's .pth, .pt, .pyth. It says how many classes.
     #[arg(long, value_name = "FILE")]
     weights: PathBuf,
@@ -32,33 +37,18 @@ struct Arguments {
     /// Write the features of the average pool instead of the logits.
     #[arg(long)]
     features: bool,
-    /// Threads that share the work.
-    #[arg(long, default_value_t = 1)]
-    threads: usize,
     /// How often to run; the first run is not counted if there are more.
-    #[arg(long, default_value_t = 1)]
-    repeat: usize,
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    repeat: u32,
     /// Where the scores go, N × classes (or features), f32, as .npy.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-#[value(rename_all = "snake_case")]
-enum Model {
-    Resnet18,
-    Resnet34,
-    Resnet50,
-    Resnet101,
-    Resnet152,
-    /// SlowOnly with a ResNet-50, mmaction2's.
-    SlowonlyMm,
-    /// SlowOnly with a ResNet-18, mmaction2's.
-    SlowonlyR18Mm,
-    /// SlowOnly with a ResNet-50, PyTorchVideo's.
-    SlowonlyPtv,
-    /// SlowFast with a ResNet-50, PyTorchVideo's.
-    SlowfastPtv,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// A loaded network with its input.
@@ -88,83 +78,130 @@ impl Inference {
     }
 }
 
-fn main() -> Result<()> {
-    let arguments = Arguments::parse();
-    ensure!(arguments.threads > 0, "--threads 0: give at least one");
-    ensure!(arguments.repeat > 0, "--repeat 0: give at least one");
-    let start = Instant::now();
-    let mut inference = load(&arguments)?;
-    println!("loaded in {:.3} s", start.elapsed().as_secs_f64());
-    let mut times = Vec::with_capacity(arguments.repeat);
-    for _ in 0..arguments.repeat {
-        let start = Instant::now();
-        inference.run()?;
-        times.push(start.elapsed().as_secs_f64());
+/// The line of `--json`.
+#[derive(Serialize)]
+struct Timed {
+    network: String,
+    output: PathBuf,
+    /// Inputs, and classes or features.
+    shape: [usize; 2],
+    load_s: f64,
+    #[serde(flatten)]
+    times: Times,
+    gflop_per_s: f64,
+}
+
+impl Program for Arguments {
+    fn quiet(&self) -> Quiet {
+        self.quiet
     }
-    report(&mut times, inference.operations());
-    let scores = inference.run()?;
-    let scores: Array2<f32> =
-        if arguments.features { scores.features } else { scores.logits }.to_owned();
-    write_npy(&arguments.output, &scores)
-        .with_context(|| format!("cannot write {}", arguments.output.display()))
-}
 
-fn load(arguments: &Arguments) -> Result<Inference> {
-    let options = Options { threads: arguments.threads, ..Options::default() };
-    let input = read_input(&arguments.input)?;
-    let weights = Checkpoint::open(&arguments.weights)?;
-    let slow_only = match arguments.model {
-        Model::Resnet18 => return images(ResNetDepth::Eighteen, weights, input, options),
-        Model::Resnet34 => return images(ResNetDepth::ThirtyFour, weights, input, options),
-        Model::Resnet50 => return images(ResNetDepth::Fifty, weights, input, options),
-        Model::Resnet101 => return images(ResNetDepth::OneHundredOne, weights, input, options),
-        Model::Resnet152 => {
-            return images(ResNetDepth::OneHundredFiftyTwo, weights, input, options);
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        let mut file = OutputFile::create(&self.output)?;
+        let start = Instant::now();
+        let mut inference = self.load()?;
+        let load_s = start.elapsed().as_secs_f64();
+        writeln!(session.output(), "loaded in {load_s:.3} s")?;
+        let operations = inference.operations();
+
+        let progress = session.progress("runs", u64::from(self.repeat));
+        let repeat = self.repeat as usize;
+        let mut times = Vec::new();
+        let mut result = Array2::default((0, 0));
+        while times.len() < repeat {
+            if session.interrupt().requested() {
+                break;
+            }
+            let start = Instant::now();
+            let scores = inference.run()?;
+            times.push(start.elapsed().as_secs_f64());
+            result = if self.features { scores.features } else { scores.logits }.to_owned();
+            progress.set(times.len() as u64);
         }
-        Model::SlowonlyMm => Some(SlowOnlyForm::MmAction2),
-        Model::SlowonlyR18Mm => Some(SlowOnlyForm::MmAction2Depth18),
-        Model::SlowonlyPtv => Some(SlowOnlyForm::PyTorchVideo),
-        Model::SlowfastPtv => None,
-    };
-    let shape = input.shape().to_vec();
-    let clips = input
-        .into_dimensionality::<Ix5>()
-        .with_context(|| format!("clips are N x 3 x T x H x W, not {shape:?}"))?;
-    let (_, _, frames, height, width) = clips.dim();
-    Ok(if let Some(form) = slow_only {
-        Inference::Clips(SlowOnly::load(form, weights, [frames, height, width], options)?, clips)
-    } else {
-        Inference::TwoSpeeds(SlowFast::load(weights, [height, width], options)?, clips)
-    })
+        progress.finish();
+        if times.is_empty() {
+            return Err(ProgramError::Interrupted.into());
+        }
+        // The scores of each run are the same: they are whole after the first.
+        result
+            .write_npy(&mut file)
+            .with_context(|| format!("cannot write {}", self.output.display()))?;
+        file.keep()?;
+        let ending = if times.len() < repeat { Ending::Partial } else { Ending::Complete };
+        if ending == Ending::Partial {
+            session.warn(format_args!("interrupted after {} of {repeat} runs", times.len()));
+        }
+        let times = Times::of(&mut times);
+        let Times { median_s, minimum_s, .. } = times;
+        let gflop_per_s = 1e-9 * operations / median_s;
+        writeln!(
+            session.output(),
+            "median {:.3} ms, minimum {:.3} ms, {gflop_per_s:.1} GFLOP/s",
+            1e3 * median_s,
+            1e3 * minimum_s
+        )?;
+        let shape = result.dim().into();
+        let network = self.model.to_string();
+        let timed = Timed { network, output: self.output, shape, load_s, times, gflop_per_s };
+        session.print_json(self.json, &timed, ending)?;
+        Ok(ending)
+    }
 }
 
-fn images(
-    depth: ResNetDepth,
-    weights: Checkpoint,
-    input: ArrayD<f32>,
-    options: Options,
-) -> Result<Inference> {
-    let shape = input.shape().to_vec();
-    let images = input
-        .into_dimensionality::<Ix4>()
-        .with_context(|| format!("images are N x 3 x H x W, not {shape:?}"))?;
-    let (_, _, height, width) = images.dim();
-    Ok(Inference::Images(ResNet::load(depth, weights, [height, width], options)?, images))
+/// The times of the runs, without the first if there are more.
+#[derive(Clone, Copy, Serialize)]
+struct Times {
+    /// Runs that were counted.
+    runs: usize,
+    median_s: f64,
+    minimum_s: f64,
 }
 
-fn read_input(path: &Path) -> Result<ArrayD<f32>> {
-    read_npy(path).with_context(|| format!("cannot read {} as an f32 array", path.display()))
+impl Times {
+    fn of(times: &mut [f64]) -> Self {
+        let counted = if times.len() > 1 { &mut times[1..] } else { times };
+        counted.sort_by(f64::total_cmp);
+        let runs = counted.len();
+        let median_s = 0.5 * (counted[(runs - 1) / 2] + counted[runs / 2]);
+        Self { runs, median_s, minimum_s: counted[0] }
+    }
 }
 
-fn report(times: &mut [f64], operations: f64) {
-    let counted = if times.len() > 1 { &mut times[1..] } else { times };
-    counted.sort_by(f64::total_cmp);
-    let (low, high) = (counted[(counted.len() - 1) / 2], counted[counted.len() / 2]);
-    let median = 0.5 * (low + high);
-    println!(
-        "median {:.3} ms, minimum {:.3} ms, {:.1} GFLOP/s",
-        1e3 * median,
-        1e3 * counted[0],
-        1e-9 * operations / median
-    );
+impl Arguments {
+    fn load(&self) -> Result<Inference> {
+        let options = Options { threads: self.threads.count(), ..Options::default() };
+        let input = read_array(&self.input)?;
+        let weights = open_checkpoint(&self.weights)?;
+        let of_weights = |error| of_weights(&self.weights, Accepted::All, error);
+        if let NetworkKind::ResNet(depth) = self.model {
+            let images: Array4<f32> = self.of_dimension(input, "images are N × 3 × H × W")?;
+            let (_, _, height, width) = images.dim();
+            let network = ResNet::load(depth, weights, [height, width], options);
+            return Ok(Inference::Images(network.map_err(of_weights)?, images));
+        }
+        let clips: Array5<f32> = self.of_dimension(input, "clips are N × 3 × T × H × W")?;
+        let (_, _, frames, height, width) = clips.dim();
+        if let NetworkKind::SlowOnly(form) = self.model {
+            let network = SlowOnly::load(form, weights, [frames, height, width], options);
+            return Ok(Inference::Clips(network.map_err(of_weights)?, clips));
+        }
+        let network = SlowFast::load(weights, [height, width], options);
+        Ok(Inference::TwoSpeeds(network.map_err(of_weights)?, clips))
+    }
+
+    /// The input with the number of axes that the network takes.
+    fn of_dimension<D: Dimension>(
+        &self,
+        input: ArrayD<f32>,
+        expected: &str,
+    ) -> Result<Array<f32, D>> {
+        let shape = input.shape().to_vec();
+        input.into_dimensionality().ok().with_context(|| {
+            format!("{}: an array of shape {shape:?}, but {expected}", self.input.display())
+        })
+    }
+}
+
+fn main() -> ExitCode {
+    program::main::<Arguments>()
 }

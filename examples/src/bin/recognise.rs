@@ -1,19 +1,30 @@
 //! Recognises the action in a folder of frames.
 
-use std::path::PathBuf;
-
-use anyhow::{Context, Result, ensure};
-use clap::{Parser, ValueEnum};
-use examples::score_rows::print_likeliest;
-use ndarray::{Array3, Array5, ArrayView3};
-use vision_models::{
-    Checkpoint, ClassNames, ClipSampling, Crops, Options, Preprocessing, SlowOnly, SlowOnlyForm,
-    list_frames, read_image, softmax,
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
 };
 
-/// Recognises the action in a folder of frames with SlowOnly: the five likeliest classes.
+use anyhow::Result;
+use clap::{Parser, ValueEnum};
+use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session, Threads};
+use examples::vision::{
+    choices::{self, Accepted},
+    clips::read_clip,
+    errors::{in_file, of_option, of_weights, open_checkpoint},
+    results::Results,
+    top_k::{ScoredClass, check_names, top_classes, write_top_classes},
+};
+use serde::Serialize;
+use vision_models::{
+    ClassNames, ClipSampling, Crops, Options, Preprocessing, SlowOnly, SlowOnlyForm, list_frames,
+    softmax,
+};
+
+/// Recognises the action in a folder of frames with SlowOnly, and prints the five most probable
+/// classes.
 ///
-/// The probabilities are the mean over all clips and crops.
+/// The probabilities are the mean over all clips and crops; after Ctrl-C over those up to there.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {
@@ -23,8 +34,8 @@ struct Arguments {
     #[arg(long, value_name = "FILE")]
     weights: PathBuf,
     /// Whose network, pre-processing and choice of frames.
-    #[arg(long, default_value = "slowonly_mm")]
-    model: Model,
+    #[arg(long, default_value = "slowonly_mm", value_parser = choices::slow_only())]
+    model: SlowOnlyForm,
     /// The names of the classes, one a line; HRI30's if there are thirty.
     #[arg(long, value_name = "FILE")]
     names: Option<PathBuf>,
@@ -43,20 +54,14 @@ struct Arguments {
     /// The parts of the frames.
     #[arg(long, default_value = "centre")]
     crops: CropsOption,
-    /// Threads that share the work.
-    #[arg(long, default_value_t = 1)]
-    threads: usize,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[value(rename_all = "snake_case")]
-enum Model {
-    /// mmaction2's SlowOnly with a ResNet-50.
-    SlowonlyMm,
-    /// mmaction2's SlowOnly with a ResNet-18.
-    SlowonlyR18Mm,
-    /// PyTorchVideo's `slow_r50`.
-    SlowonlyPtv,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    result: ResultFile,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -69,69 +74,122 @@ enum CropsOption {
     Ten,
 }
 
-fn main() -> Result<()> {
-    let arguments = Arguments::parse();
-    ensure!(arguments.threads > 0, "--threads 0: give at least one");
-    let frames = list_frames(&arguments.folder)?;
-    let clips = sampling(&arguments).indices(frames.len())?;
-    let preprocessing = preprocessing(&arguments);
+/// The line of `--json`.
+#[derive(Serialize)]
+struct Recognised {
+    /// Clips that were seen.
+    clips: usize,
+    /// Clips and crops whose probabilities were averaged.
+    views: usize,
+    classes: Vec<ScoredClass>,
+}
 
-    let form = match arguments.model {
-        Model::SlowonlyMm => SlowOnlyForm::MmAction2,
-        Model::SlowonlyR18Mm => SlowOnlyForm::MmAction2Depth18,
-        Model::SlowonlyPtv => SlowOnlyForm::PyTorchVideo,
-    };
-    let size = [arguments.length, preprocessing.crop, preprocessing.crop];
-    let options = Options { threads: arguments.threads, ..Options::default() };
-    let weights = Checkpoint::open(&arguments.weights)
-        .with_context(|| arguments.weights.display().to_string())?;
-    let mut network = SlowOnly::load(form, weights, size, options)?;
+/// The sum of the probabilities of all views.
+#[derive(Default)]
+struct Sums {
+    probabilities: Vec<f32>,
+    views: usize,
+}
 
-    let mut sums: Vec<f32> = Vec::new();
-    let mut views = 0.0;
-    for clip in clips {
-        let read = clip.iter().filter_map(|&index| frames.get(index)).map(read_image);
-        let crops = crops(&preprocessing, &read.collect::<Result<Vec<_>, _>>()?)?;
-        for scores in network.infer(crops.view())?.logits.outer_iter() {
-            let probabilities = softmax(&scores.to_vec());
-            sums.resize(probabilities.len(), 0.0);
-            for (sum, probability) in sums.iter_mut().zip(probabilities) {
-                *sum += probability;
+impl Sums {
+    fn add(&mut self, logits: &[f32]) {
+        let probabilities = softmax(logits);
+        self.probabilities.resize(probabilities.len(), 0.0);
+        for (sum, probability) in self.probabilities.iter_mut().zip(probabilities) {
+            *sum += probability;
+        }
+        self.views += 1;
+    }
+
+    fn means(&self) -> Vec<f32> {
+        self.probabilities.iter().map(|sum| sum / self.views as f32).collect()
+    }
+}
+
+impl Program for Arguments {
+    fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        let mut results = Results::begin(&self.result)?;
+        let frames = list_frames(&self.folder).map_err(|error| in_file(&self.folder, error))?;
+        let clips = self.sampling().indices(frames.len()).map_err(of_option)?;
+        let names = self.names.as_deref().map(read_names).transpose()?;
+        let preprocessing = self.preprocessing();
+        let mut network = self.load(&preprocessing)?;
+        let names = match (names, &self.names) {
+            (Some(names), Some(file)) => {
+                check_names(file, &names, network.classes())?;
+                Some(names)
             }
-            views += 1.0;
+            _ => Some(ClassNames::hri30()).filter(|names| names.names().len() == network.classes()),
+        };
+
+        let progress = session.progress("clips", clips.len() as u64);
+        let mut sums = Sums::default();
+        let mut seen = 0;
+        for clip in &clips {
+            let interrupt = session.interrupt();
+            let Some(crops) = read_clip(&preprocessing, &frames, clip, interrupt)? else { break };
+            for logits in network.infer(crops.view())?.logits.outer_iter() {
+                sums.add(&logits.to_vec());
+            }
+            seen += 1;
+            progress.set(seen as u64);
+        }
+        progress.finish();
+        if seen == 0 {
+            session.interrupt().check()?;
+        }
+        let ending = if seen < clips.len() { Ending::Partial } else { Ending::Complete };
+        if ending == Ending::Partial {
+            session.warn(format_args!("interrupted after {seen} of {} clips", clips.len()));
+        }
+        let classes = top_classes(&sums.means(), names.as_ref());
+        write_top_classes(results.writer(session), &classes)?;
+        results.keep(ending)?;
+        let result = Recognised { clips: seen, views: sums.views, classes };
+        session.print_json(self.json, &result, ending)?;
+        Ok(ending)
+    }
+}
+
+fn read_names(file: &Path) -> Result<ClassNames> {
+    ClassNames::read(file).map_err(|error| in_file(file, error))
+}
+
+impl Arguments {
+    fn load(&self, preprocessing: &Preprocessing) -> Result<SlowOnly> {
+        let size = [self.length, preprocessing.crop, preprocessing.crop];
+        let options = Options { threads: self.threads.count(), ..Options::default() };
+        SlowOnly::load(self.model, open_checkpoint(&self.weights)?, size, options)
+            .map_err(|error| of_weights(&self.weights, Accepted::SlowOnlys, error))
+    }
+
+    fn sampling(&self) -> ClipSampling {
+        let Self { length, interval, clips, .. } = *self;
+        match (self.model, self.before1) {
+            (SlowOnlyForm::PyTorchVideo, _) => ClipSampling::PyTorchVideo { length },
+            (_, true) => ClipSampling::Mmaction2Before1 { length, interval, clips },
+            (_, false) => ClipSampling::Mmaction2 { length, interval, clips },
         }
     }
-    let means: Vec<f32> = sums.iter().map(|sum| sum / views).collect();
-    let names = match &arguments.names {
-        Some(file) => Some(ClassNames::read(file)?),
-        None => Some(ClassNames::hri30()).filter(|names| names.names().len() == means.len()),
-    };
-    print_likeliest(&means, names.as_ref())
-}
 
-fn crops(preprocessing: &Preprocessing, frames: &[Array3<u8>]) -> Result<Array5<f32>> {
-    let views: Vec<ArrayView3<'_, u8>> = frames.iter().map(|frame| frame.view()).collect();
-    Ok(preprocessing.clip(&views)?)
-}
-
-fn sampling(arguments: &Arguments) -> ClipSampling {
-    let Arguments { length, interval, clips, .. } = *arguments;
-    match (arguments.model, arguments.before1) {
-        (Model::SlowonlyPtv, _) => ClipSampling::PyTorchVideo { length },
-        (_, true) => ClipSampling::Mmaction2Before1 { length, interval, clips },
-        (_, false) => ClipSampling::Mmaction2 { length, interval, clips },
+    fn preprocessing(&self) -> Preprocessing {
+        let crops = match self.crops {
+            CropsOption::Centre => Crops::Centre,
+            CropsOption::Three => Crops::Three,
+            CropsOption::Ten => Crops::Ten,
+        };
+        let library = match self.model {
+            SlowOnlyForm::PyTorchVideo => Preprocessing::PYTORCHVIDEO,
+            SlowOnlyForm::MmAction2 | SlowOnlyForm::MmAction2Depth18 => Preprocessing::MMACTION2,
+        };
+        Preprocessing { crops, ..library }
     }
 }
 
-fn preprocessing(arguments: &Arguments) -> Preprocessing {
-    let crops = match arguments.crops {
-        CropsOption::Centre => Crops::Centre,
-        CropsOption::Three => Crops::Three,
-        CropsOption::Ten => Crops::Ten,
-    };
-    let library = match arguments.model {
-        Model::SlowonlyPtv => Preprocessing::PYTORCHVIDEO,
-        Model::SlowonlyMm | Model::SlowonlyR18Mm => Preprocessing::MMACTION2,
-    };
-    Preprocessing { crops, ..library }
+fn main() -> ExitCode {
+    program::main::<Arguments>()
 }

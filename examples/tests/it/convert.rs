@@ -1,40 +1,94 @@
 //! The program that lists and converts checkpoints.
 
-use std::process::{Command, Output};
+use std::{fs, io::Read};
 
-use vision_models::Tensors;
+use vision_models::{Tensor, Tensors};
+
+use crate::support::{Ran, Runs, SmallDisk, resnet18, signal};
 
 fn data(name: &str) -> String {
     format!("{}/../vision-models/tests/data/{name}", env!("CARGO_MANIFEST_DIR"))
 }
 
-fn convert(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_convert")).args(arguments).output().unwrap()
+fn convert(arguments: &[&str]) -> Ran {
+    Runs::new("convert").with(arguments).run()
 }
 
 #[test]
 fn lists_and_converts() {
     let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out.safetensors");
-    let out = out.to_str().unwrap();
-    let output = convert(&[&data("wrapped.pth"), out]);
-    let text = String::from_utf8(output.stdout).unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let out = path("out.safetensors");
+    let ran = convert(&[&data("wrapped.pth"), &out]).done();
+    let text = &ran.output;
     assert!(text.starts_with("PyTorch (zip), under \"state_dict\"\nnot read: meta, "), "{text}");
     assert!(text.contains("backbone.conv1.conv.weight  F32   [4, 3, 1, 2, 2]"), "{text}");
     assert!(text.ends_with("3 tensors, 54 elements\n"), "{text}");
-    assert_eq!(Tensors::read(out).unwrap(), Tensors::read(data("wrapped.pth")).unwrap());
+    assert_eq!(Tensors::read(&out).unwrap(), Tensors::read(data("wrapped.pth")).unwrap());
+
+    // The same by the option that all programs have.
+    let again = path("again.safetensors");
+    let ran = convert(&[&data("wrapped.pth"), "--output", &again, "--json"]).done();
+    assert_eq!(fs::read(&again).unwrap(), fs::read(&out).unwrap());
+    let json = ran.json();
+    assert_eq!((&json["tensors"], &json["elements"]), (&3.into(), &54.into()));
+    assert_eq!((&json["network"], &json["output"]), (&().into(), &again.as_str().into()));
 
     // Not onto itself: it would be lost.
-    let before = std::fs::read(out).unwrap();
-    assert!(!convert(&[out, out]).status.success());
-    assert_eq!(std::fs::read(out).unwrap(), before);
+    let before = fs::read(&out).unwrap();
+    convert(&[&out, &out]).failed(1, "out.safetensors would be overwritten while it is read");
+    assert_eq!(fs::read(&out).unwrap(), before);
+}
+
+#[test]
+fn says_which_network_it_is() {
+    let ran = convert(&[resnet18(), "--json"]).done();
+    assert!(ran.output.starts_with("safetensors\na ResNet-18\n"), "{}", &ran.output[..200]);
+    assert_eq!(ran.json()["network"], "ResNet-18");
 }
 
 #[test]
 fn refuses_what_is_no_checkpoint() {
-    let output = convert(&[&data("checkpoints.py")]);
-    assert!(!output.status.success());
-    let text = String::from_utf8(output.stderr).unwrap();
-    assert!(text.contains("checkpoints.py") && text.contains("not a checkpoint"), "{text}");
+    convert(&[&data("checkpoints.py")]).failed(1, "checkpoints.py: not a checkpoint");
+}
+
+#[test]
+fn outputs_are_checked_before_the_work() {
+    let says = "cannot write /nope/out: there is no folder /nope";
+    convert(&["/nope/in.pth", "/nope/out"]).failed(1, says);
+}
+
+#[test]
+fn a_full_disk_leaves_what_was_there() {
+    let Some(disk) = SmallDisk::new(256) else { return };
+    let out = disk.path().join("out.safetensors");
+    fs::write(&out, "as it was").unwrap();
+    let ran = convert(&[resnet18(), out.to_str().unwrap()]);
+    let says = format!("error: cannot write {}: No space left on device", out.display());
+    ran.failed(1, &says);
+    assert_eq!(fs::read_to_string(&out).unwrap(), "as it was");
+    assert_eq!(fs::read_dir(disk.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn an_interrupted_conversion_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let mut tensors = Tensors::new();
+    for index in 0..5000 {
+        let name = format!("{index}.{}", "name".repeat(20));
+        tensors.insert(name, Tensor::new(vec![1], vec![0.5]).unwrap()).unwrap();
+    }
+    tensors.write_safetensors(fs::File::create(path("in.safetensors")).unwrap()).unwrap();
+
+    // The list is longer than a pipe holds: the program cannot come to the writing before it is
+    // read, and by its first byte the handler of signals stands.
+    let convert = Runs::new("convert").with(&[path("in.safetensors"), path("out.safetensors")]);
+    let mut child = convert.start();
+    child.stdout.as_mut().unwrap().read_exact(&mut [0]).unwrap();
+    signal(&child, "INT");
+    let ran = Ran::of(child);
+    assert_eq!(ran.code(), Some(130), "{ran:?}");
+    assert!(ran.errors.contains("interrupted, and nothing is kept"), "{}", ran.errors);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }

@@ -1,14 +1,18 @@
 //! The integration tests, one module a topic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
+mod classify;
 mod convert;
 mod ergo_map;
 mod follow;
 mod hqp;
+mod infer;
 mod programs;
 mod reba;
+mod recognise;
 mod record;
 mod recording;
 mod soak;
 mod support;
+mod vision_programs;
 mod walker;

@@ -36,6 +36,16 @@ impl Runs {
         Self { name, command }
     }
 
+    /// The program of this name with at most so much memory (MiB). What it has does not count by its
+    /// use but by its addresses.
+    pub(crate) fn within(name: &'static str, mebibytes: u32) -> Self {
+        let Self { command: program, .. } = Self::new(name);
+        let mut command = Command::new("sh");
+        let limit = format!("ulimit -v {}; exec \"$0\" \"$@\"", mebibytes * 1024);
+        command.env("RUST_BACKTRACE", "1").args(["-c", &limit]).arg(program.get_program());
+        Self { name, command }
+    }
+
     pub(crate) fn with<A: AsRef<std::ffi::OsStr>>(mut self, arguments: &[A]) -> Self {
         self.command.args(arguments);
         self

@@ -1,0 +1,12 @@
+//! What the programs `classify`, `infer`, `recognise` and `convert` are made of.
+
+pub mod choices;
+pub mod classifier;
+pub mod clips;
+pub mod confusion;
+pub mod errors;
+pub mod folders;
+pub mod npy;
+pub mod results;
+pub mod top_k;
+pub mod training;

@@ -1,0 +1,290 @@
+//! The program that classifies images.
+
+use std::{fs, path::Path};
+
+use serde_json::Value;
+use vision_models::{
+    Checkpoint, LinearSvm, Options, Preprocessing, ResNet, ResNetDepth, read_image, softmax,
+};
+
+use crate::support::{Runs, png_that_claims, resnet18, save_picture};
+
+const NAMES: &str = "Cardigan\nbeach\ncardigan\ndrill\nhammer\nlamp\nsaw\n";
+
+/// The program with the small network.
+fn classify() -> Runs {
+    Runs::new("classify").with(&["--weights", resnet18(), "--depth=18"])
+}
+
+/// A folder with pictures of two kinds, a folder for each.
+fn surfaces(folder: &Path, count: u32) -> String {
+    for (class, level) in [("drilled", 30), ("smooth", 200)] {
+        let folder = folder.join(class);
+        fs::create_dir_all(&folder).unwrap();
+        for seed in 0..count {
+            save_picture(&folder.join(format!("{seed}.png")), level, seed);
+        }
+    }
+    folder.to_str().unwrap().to_owned()
+}
+
+fn floats(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn prints_the_most_probable_classes_as_the_network_scores_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let image = save_picture(&folder.path().join("a.png"), 90, 1);
+    let names = folder.path().join("names.txt");
+    fs::write(&names, format!("\u{feff}{NAMES}")).unwrap();
+
+    let ran = classify().with(&[&image, "--json", "--names", names.to_str().unwrap()]).run().done();
+    let json = ran.json();
+    assert_eq!((&json["partial"], &json["unreadable"]), (&false.into(), &0.into()));
+    let classes = json["images"][0]["classes"].as_array().unwrap();
+
+    let preprocessing = Preprocessing::TORCHVISION;
+    let weights = Checkpoint::open(resnet18()).unwrap();
+    let mut network =
+        ResNet::load(ResNetDepth::Eighteen, weights, [224, 224], Options::default()).unwrap();
+    let pixels = preprocessing.image(read_image(&image).unwrap().view()).unwrap();
+    let scores = network.infer(pixels.view()).unwrap().logits;
+    let probabilities = softmax(&scores.iter().copied().collect::<Vec<_>>());
+    let mut order: Vec<usize> = (0..7).collect();
+    order.sort_by(|&one, &other| probabilities[other].total_cmp(&probabilities[one]));
+
+    let names: Vec<&str> = NAMES.lines().collect();
+    let mut lines = ran.output.lines();
+    assert_eq!(lines.next(), Some(image.as_str()));
+    for (rank, (class, expected)) in classes.iter().zip(&order).enumerate() {
+        let probability = probabilities[*expected];
+        assert_eq!(class["class"], *expected);
+        assert_eq!(class["name"], names[*expected]);
+        assert!((class["probability"].as_f64().unwrap() - f64::from(probability)).abs() < 1e-6);
+        let (rank, name) = (rank + 1, names[*expected]);
+        let line = format!("{rank}  {:6.2} %  {name}", 100.0 * probability);
+        assert_eq!(lines.next(), Some(line.as_str()));
+    }
+    assert_eq!(classes.len(), 5);
+}
+
+#[test]
+fn trains_tests_and_classifies_by_an_svm() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let (train, test) = (surfaces(&path("train"), 6), surfaces(&path("test"), 3));
+    let svm = path("surface.svm").to_str().unwrap().to_owned();
+    let ran = classify()
+        .with(&["--svm", &svm, "--train", &train, "--test", &test, "--json", "--quiet"])
+        .run()
+        .done();
+    assert!(ran.output.starts_with("trained with 12 images in "), "{ran:?}");
+    assert!(ran.output.contains("\naccuracy 100.00 %\n") && ran.errors.is_empty(), "{ran:?}");
+    let json = ran.json();
+    assert_eq!(json["training"]["images"], 12);
+    assert_eq!(json["test"]["confusion"], serde_json::json!([[3, 0], [0, 3]]));
+    assert_eq!(json["test"]["accuracy"], 1.0);
+
+    // The file is the machine that the results are of.
+    let machine = LinearSvm::read(&svm).unwrap();
+    assert_eq!(machine.classes(), ["drilled", "smooth"]);
+    let [dark, light] = [(30, "dark"), (200, "light")]
+        .map(|(level, name)| save_picture(&path(&format!("{name}.png")), level, 99));
+    let ran = classify().with(&["--svm", &svm, &dark, &light, "--json"]).run().done();
+    let json = ran.json();
+    for (image, (path, class)) in [(&dark, "drilled"), (&light, "smooth")].into_iter().enumerate() {
+        let image = &json["images"][image];
+        assert_eq!((&image["image"], &image["class"]), (&path.as_str().into(), &class.into()));
+        let decision = floats(&image["decisions"]);
+        assert_eq!((decision.len(), decision[0] > 0.0), (1, class == "smooth"));
+        assert!(ran.output.contains(&format!("{path}: {class} (f = [")), "{ran:?}");
+    }
+}
+
+#[test]
+fn one_unreadable_image_does_not_end_the_training() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (train, svm) = (surfaces(folder.path(), 3), path("s.svm"));
+    fs::write(path("smooth/broken.png"), "no image").unwrap();
+    fs::write(path("smooth/huge.png"), png_that_claims(16_384, 16_384)).unwrap();
+
+    let strict = classify().with(&["--svm", &svm, "--train", &train, "--strict"]).run();
+    strict.failed(1, "smooth/broken.png: no JPEG or PNG image");
+    assert!(!Path::new(&svm).exists());
+
+    let ran =
+        classify().with(&["--svm", &svm, "--train", &train, "--json", "--quiet"]).run().done();
+    assert!(
+        ran.errors.contains("left out: ") && ran.errors.contains("smooth/broken.png"),
+        "{ran:?}"
+    );
+    assert!(ran.errors.contains("smooth/huge.png") && ran.errors.contains("1024 MiB"), "{ran:?}");
+    assert!(ran.errors.ends_with("2 images could not be read\n"), "{ran:?}");
+    let json = ran.json();
+    assert_eq!((&json["unreadable"], &json["training"]["images"]), (&2.into(), &6.into()));
+    assert!(Path::new(&svm).exists());
+
+    // A class of which nothing is left, though, is named.
+    for seed in 0..3 {
+        fs::write(path(&format!("smooth/{seed}.png")), "no image").unwrap();
+    }
+    let before = fs::read(&svm).unwrap();
+    let none = classify().with(&["--svm", &svm, "--train", &train]).run();
+    assert!(none.errors.ends_with("smooth: no image can be read\n"), "{none:?}");
+    assert_eq!((none.code(), fs::read(&svm).unwrap() == before), (Some(1), true));
+}
+
+#[test]
+fn an_unreadable_image_among_others_fails_the_run_but_not_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let (one, two) = (save_picture(&path("1.png"), 30, 1), save_picture(&path("2.png"), 60, 2));
+    let none = path("none.png").to_str().unwrap().to_owned();
+    let ran = classify().with(&[&one, &none, &two, "--json"]).run();
+    assert_eq!(ran.code(), Some(1), "{ran:?}");
+    assert!(ran.errors.contains(&format!("left out: {none}: No such file")), "{ran:?}");
+    let images: Vec<Value> =
+        ran.json()["images"].as_array().unwrap().iter().map(|i| i["image"].clone()).collect();
+    assert_eq!(images, [one.as_str(), &two]);
+}
+
+/// 33 kB that claim 16,384 × 16,384 pixels took 1.7 GB.
+#[test]
+fn a_small_file_with_a_large_claim_is_refused_in_little_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("huge.png");
+    fs::write(&path, png_that_claims(16_384, 16_384)).unwrap();
+    let ran = Runs::within("classify", 512)
+        .with(&["--weights", resnet18(), "--depth=18", path.to_str().unwrap()])
+        .run();
+    let says =
+        "huge.png: no JPEG or PNG image that can be read: 16384 × 16384 pixels take 1024 MiB";
+    ran.failed(1, says);
+}
+
+#[test]
+fn a_wrong_depth_is_told_in_one_line() {
+    let wrong = Runs::new("classify").with(&["--weights", resnet18(), "none.png"]).run();
+    assert_eq!(
+        wrong.errors,
+        format!("error: {}: this is a ResNet-18: try --depth 18\n", resnet18())
+    );
+    wrong.failed(1, "");
+}
+
+#[test]
+fn threads_are_from_1_to_1024() {
+    for (threads, says) in [
+        ("0", "0 is not in 1..=1024"),
+        ("1025", "1025 is not in 1..=1024"),
+        ("40000", "40000 is not in 1..=1024"),
+        ("100000", "'100000' for '--threads"),
+        ("18446744073709551615", "'18446744073709551615' for '--threads"),
+    ] {
+        let threads = format!("--threads={threads}");
+        classify().with(&["none.png", &threads]).run().failed(2, says);
+    }
+}
+
+/// The weights are not there, either: what is written is looked at before what is read.
+#[test]
+fn outputs_are_checked_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let train = surfaces(folder.path(), 1);
+    let none = || Runs::new("classify").with(&["--weights=/nope/weights.pth"]);
+    let says = "cannot write /nope/s.svm: there is no folder /nope";
+    none().with(&["--train", &train, "--svm=/nope/s.svm"]).run().failed(1, says);
+    let says = "cannot write /nope/out.txt: there is no folder /nope";
+    none().with(&["a.png", "--output=/nope/out.txt"]).run().failed(1, says);
+}
+
+#[test]
+fn wrong_inputs_are_refused_before_the_network_is_loaded() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let refused = |arguments: &[&str], says: &str| {
+        let none = Runs::new("classify").with(&["--weights=/nope/weights.pth"]);
+        none.with(arguments).run().failed(1, says);
+    };
+    fs::write(path("clash.txt"), "Walking\nrun\n\nwalk\nWalk_ing\n").unwrap();
+    let clash = "clash.txt: label file, lines 1 and 5: \"Walking\" and \"Walk_ing\" are one name";
+    refused(&["a.png", "--names", &path("clash.txt")], clash);
+    fs::write(path("cut.svm"), "linear-svm 1\nclasses 2\na\nb\nplanes 1 features 2\n0 1 1")
+        .unwrap();
+    refused(&["a.png", "--svm", &path("cut.svm")], "cut.svm: linear SVM file, line 6");
+    refused(&["a.png", "--svm", &path("none.svm")], "none.svm: No such file");
+
+    let train = surfaces(&folder.path().join("train"), 1);
+    let svm = path("new.svm");
+    let cost = ["--svm", &svm, "--train", &train, "--cost=-1"];
+    refused(&cost, "--cost -1: give a positive finite number");
+    fs::create_dir(path("train/empty")).unwrap();
+    refused(&["--svm", &svm, "--train", &train], "train/empty: no JPEG or PNG files");
+    let alone = path("train/empty");
+    refused(&["--svm", &svm, "--train", &alone], "train/empty: 0 folders with images");
+    fs::create_dir(path("train/a\nb")).unwrap();
+    refused(&["--svm", &svm, "--train", &train], r#"the folder "a\nb" is no class name"#);
+    assert!(!Path::new(&svm).exists());
+}
+
+#[test]
+fn names_and_machines_of_another_network_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    fs::write(path("two.txt"), "a\nb\n").unwrap();
+    let says = "two.txt has 2 names, but the network has 7 classes";
+    classify().with(&["a.png", "--names", &path("two.txt")]).run().failed(1, says);
+    fs::write(path("two.svm"), "linear-svm 1\nclasses 2\na\nb\nplanes 1 features 2\n0 1 1\n")
+        .unwrap();
+    let says = "two.svm: this SVM takes 2 features, but the ResNet-18 of ";
+    classify().with(&["a.png", "--svm", &path("two.svm")]).run().failed(1, says);
+}
+
+#[test]
+fn results_go_to_a_file_if_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let image = save_picture(&folder.path().join("a.png"), 90, 1);
+    let out = folder.path().join("out.txt");
+    let ran = classify().with(&[&image, "--json", "-o", out.to_str().unwrap()]).run().done();
+    let (whole, alone) = (ran.json(), ran.output.lines().count());
+    assert_eq!((alone, whole["images"][0]["image"].as_str()), (1, Some(image.as_str())));
+    let text = fs::read_to_string(out).unwrap();
+    assert!(text.starts_with(&format!("{image}\n1  ")) && text.lines().count() == 6, "{text}");
+}
+
+#[test]
+fn an_interrupt_keeps_the_images_so_far() {
+    let folder = tempfile::tempdir().unwrap();
+    let image = save_picture(&folder.path().join("a.png"), 90, 1);
+    let out = folder.path().join("out.txt");
+    let many = vec![image.as_str(); 20_000];
+    let ran = classify()
+        .with(&many)
+        .with(&["--json", "-o", out.to_str().unwrap()])
+        .interrupt_at("images: ", "INT");
+    assert_eq!(ran.code(), Some(130), "{ran:?}");
+    let json = ran.json();
+    let count = json["images"].as_array().unwrap().len();
+    assert!(json["partial"] == true && (1..20_000).contains(&count), "{count}");
+    assert!(!out.exists());
+    let kept = fs::read_to_string(folder.path().join("out.partial.txt")).unwrap();
+    assert_eq!(kept.lines().count(), 6 * count);
+    assert!(ran.errors.contains("interrupted: "), "{}", ran.errors);
+}
+
+#[test]
+fn an_interrupted_training_leaves_the_machine_that_was_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let train = surfaces(&folder.path().join("train"), 1000);
+    let svm = folder.path().join("s.svm");
+    fs::write(&svm, "as it was").unwrap();
+    let ran = classify()
+        .with(&["--train", &train, "--svm", svm.to_str().unwrap()])
+        .interrupt_at("training images: ", "INT");
+    assert_eq!((ran.code(), ran.output.as_str()), (Some(130), ""), "{ran:?}");
+    assert!(ran.errors.contains("interrupted, and nothing is kept"), "{ran:?}");
+    assert_eq!(fs::read_to_string(&svm).unwrap(), "as it was");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+}

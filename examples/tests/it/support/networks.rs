@@ -1,0 +1,48 @@
+//! Networks with random weights.
+
+use std::{io::BufWriter, path::PathBuf, sync::OnceLock};
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use vision_models::{ResNet, ResNetDepth, SlowOnly, SlowOnlyForm, Tensor, Tensors};
+
+/// The checkpoint of a ResNet-18 with seven classes.
+pub(crate) fn resnet18() -> &'static str {
+    static PATH: OnceLock<String> = OnceLock::new();
+    PATH.get_or_init(|| write("resnet18", ResNet::parameters(ResNetDepth::Eighteen, 7)))
+}
+
+/// The checkpoint of a SlowOnly-R18 of mmaction2 with thirty classes.
+pub(crate) fn slow_only_r18() -> &'static str {
+    static PATH: OnceLock<String> = OnceLock::new();
+    let form = SlowOnlyForm::MmAction2Depth18;
+    PATH.get_or_init(|| write("slow_only_r18", SlowOnly::parameters(form, 30)))
+}
+
+/// Writes a checkpoint in the folder for files of tests, from where it may be read at any time.
+fn write(name: &str, parameters: Vec<(String, Vec<usize>)>) -> String {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut tensors = Tensors::new();
+    for (name, shape) in parameters {
+        let size = shape.iter().product();
+        let fan_in: usize = shape.iter().skip(1).product();
+        // Activations keep about their size from layer to layer.
+        let range = match name.rsplit('.').next() {
+            Some("running_var") => 0.5..1.5,
+            Some("weight") if shape.len() == 1 => 0.5..1.0,
+            Some("weight") => {
+                let bound = (6.0 / fan_in as f32).sqrt();
+                -bound..bound
+            }
+            _ => -0.1..0.1,
+        };
+        let values = (0..size).map(|_| random.random_range(range.clone())).collect();
+        tensors.insert(name, Tensor::new(shape, values).unwrap()).unwrap();
+    }
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    let unfinished = tempfile::NamedTempFile::new_in(&folder).unwrap();
+    tensors.write_safetensors(BufWriter::new(unfinished.as_file())).unwrap();
+    let path = folder.join(format!("{name}.safetensors"));
+    unfinished.persist(&path).unwrap();
+    path.to_str().unwrap().to_owned()
+}

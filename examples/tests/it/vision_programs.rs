@@ -1,0 +1,87 @@
+//! What the programs with networks do in the same way.
+
+use std::path::Path;
+
+use ndarray::Array4;
+
+use crate::support::{Runs, resnet18, save_picture, slow_only_r18};
+
+const PROGRAMS: [&str; 4] = ["classify", "infer", "recognise", "convert"];
+
+/// Each program with options that let it print something soon.
+fn programs(folder: &Path) -> Vec<Runs> {
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    std::fs::create_dir_all(path("frames")).unwrap();
+    let frame = save_picture(&folder.join("frames/1.png"), 60, 1);
+    ndarray_npy::write_npy(path("in.npy"), &Array4::<f32>::zeros((1, 3, 32, 32))).unwrap();
+    let resnet = ["--weights", resnet18()];
+    let slow_only = ["--weights", slow_only_r18(), "--model=slowonly_r18_mm", "--length=1"];
+    vec![
+        Runs::new("classify").with(&resnet).with(&["--depth=18", &frame]),
+        Runs::new("infer").with(&resnet).with(&[
+            "--model=resnet18",
+            "--input",
+            &path("in.npy"),
+            "--output",
+            &path("out.npy"),
+        ]),
+        Runs::new("recognise").with(&slow_only).with(&[path("frames")]),
+        Runs::new("convert").with(&[resnet18()]),
+    ]
+}
+
+#[test]
+fn a_closed_output_ends_each_quietly() {
+    let folder = tempfile::tempdir().unwrap();
+    for program in programs(folder.path()) {
+        let ran = program.run_closed();
+        assert_eq!((ran.code(), ran.errors.as_str()), (Some(141), ""), "{ran:?}");
+    }
+    for name in PROGRAMS {
+        let ran = Runs::new(name).with(&["--help"]).run_closed();
+        assert_eq!((ran.code(), ran.errors.as_str()), (Some(141), ""), "{name}");
+    }
+}
+
+#[test]
+fn a_full_output_is_an_error_with_a_code_of_its_own() {
+    let says = "cannot write to standard output: No space left on device";
+    let folder = tempfile::tempdir().unwrap();
+    for program in programs(folder.path()) {
+        program.run_full().failed(74, says);
+    }
+}
+
+#[test]
+fn the_last_line_is_json_and_a_quiet_program_says_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    for program in programs(folder.path()) {
+        let ran = program.with(&["--json", "--quiet"]).run().done();
+        assert_eq!((ran.errors.as_str(), &ran.json()["partial"]), ("", &false.into()), "{ran:?}");
+    }
+}
+
+#[test]
+fn help_says_what_each_does() {
+    for (name, does) in [
+        ("classify", "Classifies images"),
+        ("infer", "Runs a network on an array"),
+        ("recognise", "Recognises the action in a folder of frames"),
+        ("convert", "Prints what a checkpoint holds"),
+    ] {
+        let help = Runs::new(name).with(&["--help"]).run().done().output;
+        assert!(help.starts_with(does), "{name}: {help}");
+        for part in ["--json", "--quiet", "--output", "Exit status: 0 done"] {
+            assert!(help.contains(part), "{name}: {part}");
+        }
+    }
+}
+
+#[test]
+fn a_directory_or_a_device_in_place_of_a_checkpoint_is_refused() {
+    for place in ["/", "/dev/zero", "/dev/null", "/nope"] {
+        let named = format!("error: {place}: ");
+        Runs::new("convert").with(&[place]).run().failed(1, &named);
+        Runs::new("classify").with(&["a.png", "--weights", place]).run().failed(1, &named);
+    }
+}
