@@ -123,13 +123,22 @@ impl BodyTracker {
         Ok(())
     }
 
+    /// Forgets where anybody was, and when: for frames whose time stamps turned out to be wrong, or a
+    /// clock that was set. The stature stays.
+    pub fn forget(&mut self) {
+        self.last_time = None;
+        self.track = None;
+        self.candidate = None;
+    }
+
     /// Where the person is at the time `now` (s), or `None` if nobody has been taken up yet. A time
-    /// before the last measurement gives the pose of that measurement.
+    /// before the last measurement gives the pose of that measurement; one that is earlier by more
+    /// than `tracked_age` says that a clock is wrong, and the person counts as lost.
     pub fn predict(&self, now: f64) -> Option<TrackedPerson> {
         let settings = &self.settings;
         let track = self.track.as_ref()?;
-        let age = age_at(now, track.floor_time);
-        let heading_age = age_at(now, track.heading_time);
+        let age = age_at(now, track.floor_time, settings.tracked_age);
+        let heading_age = age_at(now, track.heading_time, settings.tracked_age);
         let status = if age <= settings.tracked_age {
             TrackStatus::Tracked
         } else if age <= settings.coast_limit {
@@ -139,11 +148,12 @@ impl BodyTracker {
         };
         let moving = if status == TrackStatus::Lost { 0.0 } else { 1.0 };
         let turning = if heading_age > settings.turn_limit { 0.0 } else { 1.0 };
-        let turned = track.heading.velocity * heading_age.min(settings.turn_limit);
+        let turned =
+            track.heading.velocity * extrapolated(now, track.heading_time, settings.turn_limit);
+        let walked =
+            track.floor.velocity * extrapolated(now, track.floor_time, settings.coast_limit);
         Some(TrackedPerson {
-            floor: Point2::from(
-                track.floor.position + track.floor.velocity * age.min(settings.coast_limit),
-            ),
+            floor: Point2::from(track.floor.position + walked),
             heading: (track.heading.position + turned).x,
             velocity: track.floor.velocity * moving,
             heading_rate: track.heading.velocity.x * turning,
@@ -237,10 +247,16 @@ impl Candidate {
     }
 }
 
-/// The time since `then`; infinite if `now` is no time at all.
-fn age_at(now: f64, then: f64) -> f64 {
+/// The time since `then`; infinite if `now` is no time at all, or earlier by more than `tolerance`.
+fn age_at(now: f64, then: f64, tolerance: f64) -> f64 {
     let age = now - then;
-    if age.is_nan() { f64::INFINITY } else { age.max(0.0) }
+    if age >= -tolerance { age.max(0.0) } else { f64::INFINITY }
+}
+
+/// How long a motion measured at `then` is carried on until `now`: at most `limit`, and for all of it
+/// if `now` is no time at all.
+fn extrapolated(now: f64, then: f64, limit: f64) -> f64 {
+    if now < then { 0.0 } else { (now - then).min(limit) }
 }
 
 /// The angle that differs from `angle` by whole turns and is nearest to `reference` (rad).

@@ -250,6 +250,30 @@ fn wrong_time_stamps_are_refused_and_change_nothing() {
     assert_eq!(tracker.predict(0.5), before);
 }
 
+/// A stamp an hour ahead must not make the person look fresh for an hour.
+#[test]
+fn a_measurement_from_the_future_is_of_nobody_who_can_be_relied_on() {
+    let mut tracker = tracker();
+    watch(&mut tracker, 0..10, |_| (vector![2.0, 0.0], 0.0));
+    let seen = 9.0 * FRAME;
+    assert_eq!(tracker.predict(seen - 0.1).unwrap().status, TrackStatus::Tracked);
+    let pose = tracker.predict(seen - 3600.0).unwrap();
+    assert_eq!((pose.status, pose.age), (TrackStatus::Lost, f64::INFINITY));
+    assert!((pose.floor.x - 2.0).abs() < 1e-9 && pose.velocity.norm() == 0.0);
+}
+
+#[test]
+fn what_is_forgotten_blocks_no_earlier_frame() {
+    let mut tracker = tracker();
+    watch(&mut tracker, 100..140, |_| (vector![2.0, 0.0], 0.0));
+    let stature = tracker.stature();
+    tracker.forget();
+    assert_eq!(tracker.predict(140.0 * FRAME), None);
+    watch(&mut tracker, 0..10, |_| (vector![1.0, 0.0], 0.0));
+    assert!((tracker.predict(9.0 * FRAME).unwrap().floor.x - 1.0).abs() < 1e-9);
+    assert!(stature.is_some() && tracker.stature().is_some());
+}
+
 #[test]
 fn wrong_settings_are_refused_by_name() {
     let base = TrackerSettings::default;
