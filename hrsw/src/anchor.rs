@@ -5,6 +5,9 @@ use nalgebra::{Isometry3, Vector3, Vector6};
 use crate::error::{Error, check_all, check_pose, not_negative, positive};
 use crate::motion::{is_period, moved};
 
+/// Two measurements whose ages differ by less are the same one \[s\]: ages are sums of periods.
+const SIMULTANEOUS: f64 = 1e-6;
+
 /// How long a frame is believed to go on without being seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnchorSettings {
@@ -70,8 +73,9 @@ impl Anchor {
     /// origin, then angular, in world axes.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotUnit`], [`Error::Parameter`] for a negative age; the
-    /// frame then goes on as before.
+    /// [`Error::NotFinite`], [`Error::NotUnit`], [`Error::Parameter`] for a negative age,
+    /// [`Error::OutOfOrder`] for a measurement older than the newest one; the frame then goes on as
+    /// before.
     pub fn observe(
         &mut self,
         pose: Isometry3<f64>,
@@ -81,6 +85,9 @@ impl Anchor {
         check_pose(&pose)?;
         check_all("the twist of an anchor", twist.iter())?;
         let age = not_negative("the age of a measurement", age)?;
+        if age > self.age + SIMULTANEOUS {
+            return Err(Error::OutOfOrder { age, newest: self.age });
+        }
         let now = carried(&pose, &twist, self.settings.coasted(age));
         check_pose(&now)?;
         self.pose = Some(now);

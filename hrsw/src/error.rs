@@ -84,6 +84,18 @@ pub enum Error {
         expected: &'static str,
     },
 
+    /// A measurement is older than the newest one.
+    #[error(
+        "a measurement that is {age} s old comes after one that is {newest} s old; give them in \
+         the order in which they were taken"
+    )]
+    OutOfOrder {
+        /// Its age \[s\].
+        age: f64,
+        /// The age of the newest one \[s\].
+        newest: f64,
+    },
+
     /// The augmented state has no room for the slack, or no 6-dimensional task.
     #[error("the augmented state has {found} {what}; the softened workspace needs {expected}")]
     State {

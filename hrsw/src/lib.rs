@@ -21,11 +21,14 @@
 //! # Ok::<(), hrsw::Error>(())
 //! ```
 
+mod age;
 mod anchor;
 mod approach;
 mod change;
+mod clock;
 mod distance;
 mod error;
+mod fault;
 mod intent;
 mod motion;
 mod moving;
@@ -40,10 +43,13 @@ mod supervisor;
 mod surroundings;
 mod workspace;
 
+pub use age::Age;
 pub use anchor::{Anchor, AnchorSettings};
 pub use approach::{ApproachRows, JointMotion, Nearest, PersonBody, RobotBody};
+pub use clock::{ClockSettings, LoopClock, Tick};
 pub use distance::{Proximity, proximity};
 pub use error::Error;
+pub use fault::{ClockFault, Fault, FrameFault};
 pub use intent::{Heading, Intent, IntentSettings, IntentUpdate};
 pub use motion::{FollowerSettings, FrameFollower};
 pub use moving::{Attachment, MovingSettings, MovingWorkspace};
@@ -55,6 +61,6 @@ pub use shape::{
 };
 pub use softening::{Slack, SoftWorkspace, Softening};
 pub use speed_cap::SpeedCap;
-pub use supervisor::{Cause, Fault, Observation, SafetyState, Supervisor, SupervisorSettings};
+pub use supervisor::{Cause, Observation, SafetyState, Supervisor, SupervisorSettings};
 pub use surroundings::{ForbiddenRegion, Intersection, Reach, Surroundings};
 pub use workspace::Workspace;

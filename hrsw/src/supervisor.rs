@@ -1,7 +1,9 @@
 //! The safety state of the robot: what brought it there, and by which rule it recovers.
 
+use crate::age::Age;
 use crate::approach::Nearest;
 use crate::error::{Error, not_negative, positive};
+use crate::fault::Fault;
 use crate::motion::is_period;
 
 /// How much the robot may do.
@@ -16,20 +18,6 @@ pub enum SafetyState {
     ProtectiveStop,
 }
 
-/// Something that went wrong in the control loop.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Fault {
-    /// The solver found no command.
-    NoSolution,
-    /// A measurement or a command was not finite, or out of range.
-    BadData,
-    /// A limit of the robot was violated.
-    LimitViolated,
-    /// A control period was missed.
-    LatePeriod,
-}
-
 /// What brought the robot to its state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -40,11 +28,28 @@ pub enum Cause {
     TooClose(Nearest),
     /// People were not seen for too long.
     Stale {
-        /// The age of the last percept \[s\].
-        age: f64,
+        /// The age of the newest frame.
+        age: Age,
     },
     /// The loop reported a fault.
     Fault(Fault),
+}
+
+impl Cause {
+    /// Of causes that ask for the same state the one that says more: a fault before what follows
+    /// from it.
+    fn rank(&self) -> u8 {
+        match self {
+            Self::Fault(_) => 2,
+            Self::TooClose(_) => 1,
+            Self::PersonNear(_) | Self::Stale { .. } => 0,
+        }
+    }
+
+    /// Whether the robot is to stop as fast as it can, and not along a ramp.
+    fn is_urgent(&self) -> bool {
+        matches!(self, Self::Fault(_) | Self::TooClose(_))
+    }
 }
 
 /// When the states change.
@@ -63,8 +68,8 @@ pub struct SupervisorSettings {
     pub reduced_age: f64,
     /// Age of the last percept from which the robot stops \[s\]. Default 0.8.
     pub stop_age: f64,
-    /// Whether somebody must acknowledge a protective stop before the robot recovers; one for a
-    /// fault must always be. Default false.
+    /// Whether somebody must acknowledge every protective stop before the robot recovers; some
+    /// faults ask for that always, see [`Fault::waits`]. Default false.
     pub acknowledge: bool,
     /// Share of the speed when reduced \[-\]. Default 0.3.
     pub reduced_scale: f64,
@@ -112,33 +117,32 @@ impl SupervisorSettings {
     }
 }
 
-/// What a tick tells the supervisor.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// What a tick saw of people. It has no default: that nobody is near has to be seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observation {
     /// The pair with the least room, from [`ApproachRows::write`](crate::ApproachRows::write);
     /// none with nobody there.
     pub nearest: Option<Nearest>,
-    /// The age of the last percept \[s\].
-    pub age: f64,
-    /// What went wrong.
-    pub fault: Option<Fault>,
+    /// The age of the newest frame.
+    pub age: Age,
 }
 
 /// Goes down at once, comes up by rule.
 ///
 /// ```
-/// use hrsw::{Fault, Observation, SafetyState, Supervisor, SupervisorSettings};
+/// use hrsw::{Age, Fault, Observation, SafetyState, Supervisor, SupervisorSettings};
 ///
 /// let mut supervisor = Supervisor::new(SupervisorSettings::default())?;
-/// let fault = Observation { fault: Some(Fault::BadData), ..Observation::default() };
-/// supervisor.update(&fault, 1e-3);
+/// let nobody = Observation { nearest: None, age: Age::new(0.05)? };
+/// supervisor.report(Fault::BadMeasurement);
 /// assert_eq!(supervisor.state(), SafetyState::ProtectiveStop);
 /// for _ in 0..2000 {
-///     supervisor.update(&Observation::default(), 1e-3);
+///     supervisor.update(&nobody, 1e-3);
 /// }
-/// assert_eq!(supervisor.state(), SafetyState::ProtectiveStop); // a fault waits for somebody
+/// assert_eq!(supervisor.state(), SafetyState::ProtectiveStop); // it waits for somebody
+/// assert_eq!(supervisor.unacknowledged(), Some(Fault::BadMeasurement));
 /// supervisor.acknowledge();
-/// supervisor.update(&Observation::default(), 1e-3);
+/// supervisor.update(&nobody, 1e-3);
 /// assert_eq!(supervisor.state(), SafetyState::Reduced);
 /// # Ok::<(), hrsw::Error>(())
 /// ```
@@ -149,6 +153,10 @@ pub struct Supervisor {
     cause: Option<Cause>,
     clear_for: f64,
     waits: bool,
+    unacknowledged: Option<Fault>,
+    urgent: bool,
+    /// Whether a fault was reported since the last update.
+    reported: bool,
     scale: f64,
 }
 
@@ -160,7 +168,17 @@ impl Supervisor {
     pub fn new(settings: SupervisorSettings) -> Result<Self, Error> {
         settings.validate()?;
         let state = SafetyState::Normal;
-        Ok(Self { settings, state, cause: None, clear_for: 0.0, waits: false, scale: 1.0 })
+        Ok(Self {
+            settings,
+            state,
+            cause: None,
+            clear_for: 0.0,
+            waits: false,
+            unacknowledged: None,
+            urgent: false,
+            reported: false,
+            scale: 1.0,
+        })
     }
 
     /// How much the robot may do.
@@ -168,7 +186,8 @@ impl Supervisor {
         self.state
     }
 
-    /// What brought it to its state, as seen last; none in the normal state.
+    /// What brought it to its state, as seen last, a fault before what follows from it; none in the
+    /// normal state.
     pub fn cause(&self) -> Option<&Cause> {
         self.cause.as_ref()
     }
@@ -178,15 +197,40 @@ impl Supervisor {
         self.scale
     }
 
+    /// Whether the present stop is for somebody too close or a fault: the robot then stops as fast
+    /// as it can, whatever [`speed_scale`](Self::speed_scale) is on its ramp.
+    pub fn stops_at_once(&self) -> bool {
+        self.urgent
+    }
+
     /// Whether the present stop waits for [`acknowledge`](Self::acknowledge).
     pub fn waits_for_acknowledgement(&self) -> bool {
         self.waits
+    }
+
+    /// The first fault that waits for [`acknowledge`](Self::acknowledge).
+    pub fn unacknowledged(&self) -> Option<Fault> {
+        self.unacknowledged
     }
 
     /// Somebody has seen to the reason of a stop. The robot still recovers only once the reason
     /// is gone.
     pub fn acknowledge(&mut self) {
         self.waits = false;
+        self.unacknowledged = None;
+    }
+
+    /// Takes a fault, at any moment: its state is entered at once. It counts as gone from the first
+    /// [`update`](Self::update) on before which it was not reported again.
+    pub fn report(&mut self, fault: Fault) {
+        if fault.waits() {
+            self.waits = true;
+            self.unacknowledged = self.unacknowledged.or(Some(fault));
+        }
+        if fault.state() >= self.state {
+            self.enter(fault.state(), Cause::Fault(fault));
+            self.reported = true;
+        }
     }
 
     /// Takes what a tick observed, `period` \[s\] after the one before.
@@ -197,15 +241,22 @@ impl Supervisor {
     pub fn update(&mut self, observation: &Observation, period: f64) {
         // Without time nothing recovers; a worse state is still entered.
         let period = if is_period(period) { period } else { 0.0 };
-        let (demanded, cause) = self.demand(observation, 0.0);
-        if demanded >= self.state && demanded != SafetyState::Normal {
-            self.enter(demanded, cause);
-        } else if self.state != SafetyState::Normal {
-            let (cautious, _) = self.demand(observation, self.settings.hysteresis);
-            self.clear_for = if cautious < self.state { self.clear_for + period } else { 0.0 };
-            if self.clear_for >= self.settings.dwell && !self.waits {
-                self.recover(demanded, cause);
+        if observation.nearest.is_some_and(|pair| pair.room().is_nan()) {
+            self.report(Fault::BadData);
+        }
+        let demanded = self.demand(observation, 0.0);
+        let faulty = std::mem::take(&mut self.reported);
+        match demanded {
+            Some((state, cause)) if state >= self.state => self.enter(state, cause),
+            _ if self.state != SafetyState::Normal && !faulty => {
+                let cautious = self.demand(observation, self.settings.hysteresis);
+                let better = cautious.is_none_or(|(state, _)| state < self.state);
+                self.clear_for = if better { self.clear_for + period } else { 0.0 };
+                if self.clear_for >= self.settings.dwell && !self.waits {
+                    self.recover(demanded.map(|(_, cause)| cause));
+                }
             }
+            _ => {}
         }
         let goal = match self.state {
             SafetyState::Normal => 1.0,
@@ -216,53 +267,48 @@ impl Supervisor {
         self.scale += (goal - self.scale).clamp(-step, step);
     }
 
-    fn enter(&mut self, state: SafetyState, cause: Option<Cause>) {
-        let stops = state == SafetyState::ProtectiveStop;
-        let fault = matches!(cause, Some(Cause::Fault(_)));
+    fn enter(&mut self, state: SafetyState, cause: Cause) {
         let newly = self.state != state;
-        self.waits |= stops && (fault || (newly && self.settings.acknowledge));
+        if state == SafetyState::ProtectiveStop {
+            self.waits |= newly && self.settings.acknowledge;
+            self.urgent |= cause.is_urgent();
+        }
+        if newly || self.cause.is_none_or(|present| cause.rank() >= present.rank()) {
+            self.cause = Some(cause);
+        }
         self.state = state;
-        self.cause = cause;
         self.clear_for = 0.0;
     }
 
-    /// One step up. From a stop the reason of the stop stays the cause until normal.
-    fn recover(&mut self, demanded: SafetyState, cause: Option<Cause>) {
+    /// One step up, with the cause of what is still demanded; without one that of the stop stays
+    /// until normal.
+    fn recover(&mut self, demanded: Option<Cause>) {
         self.clear_for = 0.0;
+        self.urgent = false;
         if self.state == SafetyState::ProtectiveStop {
             self.state = SafetyState::Reduced;
-            self.cause = if demanded == SafetyState::Reduced { cause } else { self.cause };
+            self.cause = demanded.or(self.cause);
         } else {
             self.state = SafetyState::Normal;
             self.cause = None;
         }
     }
 
-    /// The state that the observation asks for, with `extra` room demanded.
-    fn demand(&self, observation: &Observation, extra: f64) -> (SafetyState, Option<Cause>) {
-        use SafetyState::{Normal, ProtectiveStop, Reduced};
+    /// The state that the observation asks for, with `extra` room demanded; none for normal.
+    fn demand(&self, observation: &Observation, extra: f64) -> Option<(SafetyState, Cause)> {
+        use SafetyState::{ProtectiveStop, Reduced};
         let settings = &self.settings;
-        let Observation { nearest, age, fault } = *observation;
-        if let Some(fault) = fault {
-            return (ProtectiveStop, Some(Cause::Fault(fault)));
-        }
+        let Observation { nearest, age } = *observation;
         let room = nearest.map_or(f64::INFINITY, |pair| pair.room());
-        if age.is_nan() || room.is_nan() {
-            return (ProtectiveStop, Some(Cause::Fault(Fault::BadData)));
+        if let Some(pair) = nearest.filter(|_| room < extra - settings.tolerance) {
+            return Some((ProtectiveStop, Cause::TooClose(pair)));
         }
-        let closeness = nearest.filter(|_| room < extra - settings.tolerance);
-        if let Some(pair) = closeness {
-            return (ProtectiveStop, Some(Cause::TooClose(pair)));
-        }
-        if age > settings.stop_age {
-            return (ProtectiveStop, Some(Cause::Stale { age }));
+        if age.seconds() > settings.stop_age {
+            return Some((ProtectiveStop, Cause::Stale { age }));
         }
         if let Some(pair) = nearest.filter(|_| room < settings.reduced_room + extra) {
-            return (Reduced, Some(Cause::PersonNear(pair)));
+            return Some((Reduced, Cause::PersonNear(pair)));
         }
-        if age > settings.reduced_age {
-            return (Reduced, Some(Cause::Stale { age }));
-        }
-        (Normal, None)
+        (age.seconds() > settings.reduced_age).then_some((Reduced, Cause::Stale { age }))
     }
 }

@@ -1,7 +1,7 @@
 //! What the controller sends each tick.
 
 use ahqp_core::Status;
-use hrsw::SafetyState;
+use hrsw::{Fault, SafetyState};
 use nalgebra::{Isometry3, Vector6};
 
 use crate::intention::Intention;
@@ -12,7 +12,7 @@ use crate::intention::Intention;
 pub enum Outcome {
     /// The hierarchy was solved.
     Solved(Status),
-    /// The hierarchy was not solved; the robot brakes within its limits.
+    /// There was no solution, or no tick could be computed; the robot brakes within its limits.
     Braking,
 }
 
@@ -28,8 +28,8 @@ impl Outcome {
 pub struct Command {
     /// q̇* of all joints \[m/s or rad/s\].
     pub joint_velocity: Vec<f64>,
-    /// q* of all joints, the integral of q̇* \[m or rad\]; the arm's part goes to the joint
-    /// impedance.
+    /// q* of all joints, the integral of q̇*, but within the leash of the measured configuration
+    /// \[m or rad\]; the arm's part goes to the joint impedance.
     pub joint_position: Vec<f64>,
     /// The base's velocity in its own frame, (ẋ, ẏ, θ̇) \[m/s, rad/s\]; zero for a robot
     /// without a base.
@@ -48,6 +48,9 @@ pub struct Command {
     pub safety: SafetyState,
     /// How the tick went.
     pub outcome: Outcome,
+    /// What went wrong since the command before; of several faults the one that asks for the worst
+    /// state.
+    pub fault: Option<Fault>,
 }
 
 impl Command {
@@ -63,6 +66,7 @@ impl Command {
             activation: 0.0,
             safety: SafetyState::Normal,
             outcome: Outcome::Solved(Status::Solved),
+            fault: None,
         }
     }
 }

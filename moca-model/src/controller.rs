@@ -1,22 +1,28 @@
 //! The control loop: percepts in at camera rate, commands out once a millisecond.
 
-use ahqp_core::{Limits, VelocityInterval, integrate_pose, pose_error};
+use ahqp_core::{Limits, Status, VelocityInterval, integrate_pose, pose_error};
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::Softening;
+use hrsw::{Fault, LoopClock, Softening};
 use nalgebra::{Isometry3, Vector6};
 use vision_models::Percept;
 
 use crate::command::{Command, Outcome};
 use crate::error::{Error, check_size};
-use crate::motion_limits::{admit_braking, joint_limits, nearest_to_rest, write_intervals};
+use crate::leash::Leash;
+use crate::motion_limits::{admit_braking, brake, joint_limits, nearest_to_rest, write_intervals};
 use crate::robot::{RobotData, RobotModel, forward_kinematics, jacobian};
-use crate::safety::Safety;
+use crate::safety::{Safety, SafetyInput};
 use crate::settings::{ControllerSettings, DesiredMotion, Goal};
 use crate::shared_space::SharedSpace;
 use crate::stack::{GoalTerms, StackInput, StackSettings, TaskStack};
 
 /// Ergonomic collaboration with a person: AHQP over the robot, the shared workspace and the
 /// person's ergonomics.
+///
+/// Ticks and camera frames are timed on one clock, in seconds from any origin. Whatever goes wrong
+/// in the loop is a [`Fault`]: the supervisor of [`safety`](Self::safety) hears of it at once, and
+/// the robot slows down or stops as [`Fault::state`] says, always within its limits. A stop that
+/// waits for somebody ends with [`Supervisor::acknowledge`](hrsw::Supervisor::acknowledge).
 ///
 /// ```
 /// use ergo_map::ErgonomicsQuadratic;
@@ -38,6 +44,8 @@ pub struct Controller {
     data: RobotData,
     settings: ControllerSettings,
     comfort: ErgonomicsQuadratic,
+    clock: LoopClock,
+    leash: Leash,
     space: SharedSpace,
     safety: Safety,
     stack: TaskStack,
@@ -50,6 +58,10 @@ pub struct Controller {
     /// Of the joints, as near to rest as the intervals allow.
     braking: Vec<f64>,
     command: Command,
+    /// What was reported since the last command, the worst of it.
+    fault: Option<Fault>,
+    /// The base's, as measured last \[rad\].
+    yaw: f64,
     speed: f64,
 }
 
@@ -70,6 +82,7 @@ impl Controller {
         forward_kinematics(&model, &mut data, configuration)?;
         let layout = TaskStack::layout(n);
         let mut safety = Safety::new(&model, layout, settings.safety.clone(), settings.period)?;
+        let clock = LoopClock::new(settings.period, settings.clock)?;
         let rest = vec![0.0; n];
         let softening = Softening {
             position_rows: settings.space.position_rows,
@@ -94,7 +107,11 @@ impl Controller {
             returns: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
             braking: rest,
             command: Command::at_rest(configuration, tool),
+            leash: Leash::new(settings.leash, &model),
+            fault: None,
+            yaw: 0.0,
             speed: 1.0,
+            clock,
             model,
             data,
             settings,
@@ -104,11 +121,17 @@ impl Controller {
         })
     }
 
-    /// Takes a camera frame.
+    /// Takes a camera frame, stamped when it was taken, on the clock of the ticks.
     ///
     /// # Errors
-    /// [`Error::Perception`] for a frame that is older than the one before; it is ignored.
+    /// [`Error::Frame`] for one that counts as no data because of its time; it leaves no trace but
+    /// the fault that the supervisor is told.
     pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
+        if let Err(fault) = self.clock.frame(percept.time) {
+            self.report(fault.into());
+            let (now, newest) = (self.clock.now(), self.clock.newest());
+            return Err(Error::Frame { fault, stamp: percept.time, now, newest });
+        }
         self.space.observe(percept)?;
         self.safety.observe(percept, self.space.person_at(percept.time).as_ref());
         Ok(())
@@ -122,72 +145,141 @@ impl Controller {
     /// The command for the period that begins at `now` \[s\], with the robot at the
     /// `configuration` measured \[m or rad\]. Allocates nothing.
     ///
-    /// A hierarchy that cannot be solved brakes the robot within its limits and says so in
-    /// [`Command::outcome`].
+    /// A tick that cannot be computed brakes every joint at its limit and says so in
+    /// [`Command::outcome`] and [`Command::fault`]: for a time that cannot be used, a measurement
+    /// that is not finite, a hierarchy that cannot be solved.
     ///
     /// # Errors
-    /// A configuration of the wrong size or with values that are not finite; the robot must
-    /// then be stopped by other means.
+    /// [`Error::WrongSize`] for a configuration of the wrong size. The supervisor then knows, and
+    /// [`command`](Self::command) brakes as well.
     pub fn step(&mut self, now: f64, configuration: &[f64]) -> Result<&Command, Error> {
-        check_size("configuration", configuration, self.model.joint_count())?;
-        let period = self.settings.period;
-        forward_kinematics(&self.model, &mut self.data, configuration)?;
-        jacobian(&self.model, &mut self.data)?;
-        self.space.advance(now, period)?;
-        self.watch(now)?;
-        self.advance_speed();
-        self.advance_activation();
-        self.write_intervals(configuration);
-        if self.solve(configuration).is_err() {
-            self.brake();
+        let size = check_size("configuration", configuration, self.model.joint_count());
+        let tick = self.clock.tick(now);
+        if tick.forgets {
+            self.space.forget();
+            self.safety.forget();
         }
-        self.integrate(configuration);
-        Ok(&self.command)
+        if let Some(fault) = tick.fault {
+            self.report(fault);
+        }
+        // The robot went on at the last velocities for as long as this tick took to come.
+        self.integrate(tick.elapsed - self.settings.period);
+        let in_time = !matches!(tick.fault, Some(Fault::Clock(_) | Fault::EarlyTick));
+        let measured = size.is_ok() && self.measure(configuration);
+        if !measured {
+            self.report(Fault::BadMeasurement);
+        }
+        if !(measured && in_time && self.control(tick.elapsed, configuration)) {
+            self.halt(tick.elapsed);
+        }
+        self.integrate(self.settings.period);
+        self.finish();
+        size.map(|()| &self.command)
     }
 
-    fn watch(&mut self, now: f64) -> Result<(), Error> {
-        let together = self.space.is_shared();
-        let person = self.space.person();
-        let velocity = &self.command.joint_velocity;
-        self.safety.watch(&self.model, &self.data, velocity, now, person, together)?;
-        self.command.safety = self.safety.supervisor().state();
-        Ok(())
+    /// Tells the supervisor what went wrong.
+    fn report(&mut self, fault: Fault) {
+        self.safety.report(fault);
+        let worse = |known: Fault| fault.state() > known.state();
+        if self.fault.is_none_or(worse) {
+            self.fault = Some(fault);
+        }
+    }
+
+    /// Takes the measured configuration, and holds the commanded state to it; returns false if it
+    /// cannot be used.
+    fn measure(&mut self, configuration: &[f64]) -> bool {
+        let finite = configuration.iter().all(|q| q.is_finite());
+        let kinematics = |model: &RobotModel, data: &mut RobotData| {
+            forward_kinematics(model, data, configuration)?;
+            jacobian(model, data)
+        };
+        if !finite || kinematics(&self.model, &mut self.data).is_err() {
+            return false;
+        }
+        let tool = self.data.world_from_tool();
+        if !tool.translation.vector.iter().all(|coordinate| coordinate.is_finite()) {
+            return false;
+        }
+        if let [_, _, yaw, ..] = configuration {
+            self.yaw = *yaw;
+        }
+        if self.leash.hold(&mut self.command, configuration, tool) {
+            self.report(Fault::FollowingError);
+        }
+        true
+    }
+
+    /// Computes the velocities of a tick; returns false if they cannot be computed.
+    fn control(&mut self, elapsed: f64, configuration: &[f64]) -> bool {
+        if self.watch(elapsed).is_err() {
+            self.report(Fault::BadData);
+            return false;
+        }
+        self.advance_speed(elapsed);
+        self.advance_activation(elapsed);
+        self.write_intervals(elapsed, configuration);
+        match self.solve(configuration) {
+            Ok(Status::Solved) => {}
+            Ok(_) => self.report(Fault::IterationLimit),
+            Err(_) => {
+                self.report(Fault::NoSolution);
+                self.brake();
+            }
+        }
+        true
+    }
+
+    /// Where the person is, and how far from the robot.
+    fn watch(&mut self, elapsed: f64) -> Result<(), Error> {
+        let Some(now) = self.clock.now() else { return Ok(()) };
+        self.space.advance(now, elapsed)?;
+        let input = SafetyInput {
+            velocity: &self.command.joint_velocity,
+            now,
+            elapsed,
+            age: self.clock.age(),
+            person: self.space.person(),
+            together: self.space.is_shared(),
+        };
+        self.safety.watch(&self.model, &self.data, &input)
     }
 
     /// Rest when nothing has been seen for too long, by way of a shrinking velocity limit.
-    fn advance_speed(&mut self) {
+    fn advance_speed(&mut self, elapsed: f64) {
         let stale = &self.settings.stale;
-        let step = self.settings.period / stale.ramp;
+        let step = elapsed / stale.ramp;
         let seen = !self.space.is_shared() || self.space.age() <= stale.rest_after;
         self.speed = (self.speed + if seen { step } else { -step }).clamp(0.0, 1.0);
     }
 
     /// Ergonomics come in when working together begins, and go when it ends.
-    fn advance_activation(&mut self) {
+    fn advance_activation(&mut self, elapsed: f64) {
         let wanted = self.settings.goal == Goal::Ergonomics && self.space.is_shared();
-        let step = self.settings.period / self.settings.activation_time;
+        let step = elapsed / self.settings.activation_time;
         let activation = self.command.activation + if wanted { step } else { -step };
         self.command.activation = activation.clamp(0.0, 1.0);
     }
 
-    fn write_intervals(&mut self, configuration: &[f64]) {
-        let period = self.settings.period;
+    fn write_intervals(&mut self, elapsed: f64, configuration: &[f64]) {
+        let times = [self.settings.period, elapsed];
         let (joints, desired) = self.intervals.split_at_mut(configuration.len());
         let velocity = &self.command.joint_velocity;
         let scale = self.speed.min(self.safety.speed_scale());
         let limits = &self.joint_limits;
-        write_intervals(limits, configuration, velocity, scale, period, joints);
+        write_intervals(limits, configuration, velocity, scale, times, joints);
         let returns = &mut self.returns;
-        admit_braking(limits, configuration, velocity, period, joints, returns);
+        let step = elapsed.min(self.settings.period);
+        admit_braking(limits, configuration, velocity, step, joints, returns);
         for (braking, interval) in self.braking.iter_mut().zip(joints) {
             *braking = nearest_to_rest(interval);
         }
         let twist = self.command.desired_twist.as_slice();
         // Not slowed by safety: the desired pose goes along with a robot that stops.
-        write_intervals(&self.desired_limits, &[0.0; 6], twist, self.speed, period, desired);
+        write_intervals(&self.desired_limits, &[0.0; 6], twist, self.speed, times, desired);
     }
 
-    fn solve(&mut self, configuration: &[f64]) -> Result<(), Error> {
+    fn solve(&mut self, configuration: &[f64]) -> Result<Status, Error> {
         let error = pose_error(&self.command.desired, self.data.world_from_tool());
         let comfort = self.comfort.placed(&self.space.person_frame()?);
         let ergonomics = self.space.person().map(|_| &comfort);
@@ -206,13 +298,14 @@ impl Controller {
             returns: &self.returns,
             safety: self.safety.bound(&self.data, &self.command.joint_velocity, &self.braking)?,
         })?;
-        self.command.outcome = Outcome::Solved(solution.status());
+        let status = solution.status();
+        self.command.outcome = Outcome::Solved(status);
         let (joints, rest) = solution.x().split_at(configuration.len());
         let (desired, slack) = rest.split_at(6);
         self.command.joint_velocity.copy_from_slice(joints);
         self.command.desired_twist.copy_from_slice(desired);
         self.command.slack.copy_from_slice(slack);
-        Ok(())
+        Ok(status)
     }
 
     /// Every joint, and the desired pose, as near to rest as its limits allow.
@@ -226,18 +319,38 @@ impl Controller {
         self.command.outcome = Outcome::Braking;
     }
 
-    fn integrate(&mut self, configuration: &[f64]) {
-        let period = self.settings.period;
+    /// Brakes at the limits of acceleration, whatever else holds.
+    fn halt(&mut self, elapsed: f64) {
+        let step = elapsed.min(self.settings.period);
+        brake(&self.joint_limits, step, &mut self.command.joint_velocity);
+        brake(&self.desired_limits, step, self.command.desired_twist.as_mut_slice());
+        self.command.slack = Vector6::zeros();
+        self.command.outcome = Outcome::Braking;
+        self.safety.wait(self.clock.age(), elapsed);
+    }
+
+    /// Moves the commanded state on by `time` \[s\] at the commanded velocities.
+    fn integrate(&mut self, time: f64) {
+        if time == 0.0 {
+            return;
+        }
+        let command = &mut self.command;
+        command.desired = integrate_pose(&command.desired, &command.desired_twist, time);
+        for (position, velocity) in command.joint_position.iter_mut().zip(&command.joint_velocity) {
+            *position += velocity * time;
+        }
+    }
+
+    /// What the command says beside velocities and positions.
+    fn finish(&mut self) {
         let command = &mut self.command;
         command.intention = self.space.intention();
-        command.desired = integrate_pose(&command.desired, &command.desired_twist, period);
-        for (position, velocity) in command.joint_position.iter_mut().zip(&command.joint_velocity) {
-            *position += velocity * period;
-        }
-        if let ([x, y, turn, ..], [_, _, yaw, ..]) = (&command.joint_velocity[..], configuration)
-            && self.settings.base.is_some()
+        command.safety = self.safety.supervisor().state();
+        command.fault = self.fault.take();
+        if let ([x, y, turn, ..], true) =
+            (&command.joint_velocity[..], self.settings.base.is_some())
         {
-            let (sine, cosine) = yaw.sin_cos();
+            let (sine, cosine) = self.yaw.sin_cos();
             command.base_twist = [cosine * x + sine * y, cosine * y - sine * x, *turn];
         }
     }
@@ -260,6 +373,11 @@ impl Controller {
     /// The same, to give the workspace another place or shape.
     pub fn space_mut(&mut self) -> &mut SharedSpace {
         &mut self.space
+    }
+
+    /// The clock of ticks and camera frames.
+    pub fn clock(&self) -> &LoopClock {
+        &self.clock
     }
 
     /// Separation and supervision.

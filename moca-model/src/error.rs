@@ -1,5 +1,6 @@
 //! What can be wrong with what this crate is given.
 
+use hrsw::FrameFault;
 use thiserror::Error;
 
 /// What was wrong, where, and what would be right.
@@ -244,6 +245,23 @@ pub enum Error {
         expected: usize,
     },
 
+    /// A camera frame counts as no data, because of its time.
+    #[error(
+        "{fault}: it is stamped {stamp} s, {}; stamp frames when they are taken, on the clock of the \
+         ticks, and give each once and in order",
+        present(*now, *newest)
+    )]
+    Frame {
+        /// What is wrong with it.
+        fault: FrameFault,
+        /// Its stamp \[s\].
+        stamp: f64,
+        /// The time of the last tick \[s\].
+        now: Option<f64>,
+        /// The stamp of the newest frame \[s\].
+        newest: Option<f64>,
+    },
+
     /// The hierarchy or a limit was refused.
     #[error(transparent)]
     Hierarchy(#[from] ahqp_core::Error),
@@ -259,6 +277,11 @@ pub enum Error {
     /// A percept or the tracker's settings were refused.
     #[error(transparent)]
     Perception(#[from] vision_models::Error),
+}
+
+fn present(now: Option<f64>, newest: Option<f64>) -> String {
+    let time = |time: Option<f64>| time.map_or("none yet".to_owned(), |time| format!("{time} s"));
+    format!("the last tick {}, the newest frame {}", time(now), time(newest))
 }
 
 /// An error unless `value` is finite; `what` is asked for only then.

@@ -123,6 +123,12 @@ impl IntentionFilter {
         self.present
     }
 
+    /// Apart again, as at the start.
+    pub fn forget(&mut self) {
+        (self.present, self.candidate) = (Intention::Apart, Intention::Apart);
+        self.since = None;
+    }
+
     /// Takes the action recognised in the frame at `time` \[s\], if any.
     pub fn update(&mut self, time: f64, action: Option<&RecognisedAction>) {
         let Some(action) = action else { return };

@@ -19,6 +19,7 @@ mod controller;
 mod error;
 mod impedance;
 mod intention;
+mod leash;
 mod motion_limits;
 mod robot;
 mod safety;
@@ -32,6 +33,7 @@ pub use controller::Controller;
 pub use error::Error;
 pub use impedance::{ImpedanceSettings, JointImpedance, JointState};
 pub use intention::{Intention, IntentionFilter, IntentionSettings};
+pub use leash::LeashSettings;
 pub use motion_limits::MecanumBase;
 pub use robot::{
     CartesianLimits, Joint, JointKind, JointLimits, LimitOverride, LinkId, MOCA_AXIS_SPEED,
@@ -39,7 +41,9 @@ pub use robot::{
     PANDA_CARTESIAN_LIMITS, RobotData, RobotDescription, RobotModel, forward_kinematics, gravity,
     jacobian, potential_energy, world_from_link,
 };
-pub use safety::{LinkCapsule, PersonBodySettings, Safety, SafetyRows, SafetySettings};
+pub use safety::{
+    LinkCapsule, PersonBodySettings, Safety, SafetyInput, SafetyRows, SafetySettings,
+};
 pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings, StaleSettings};
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;

@@ -121,13 +121,14 @@ pub(crate) fn admit_braking(
     }
 }
 
-/// The velocities that each coordinate may take next.
+/// The velocities that each coordinate may take for the next `period`, if only `elapsed` has passed
+/// since it took the last.
 pub(crate) fn write_intervals(
     limits: &[Limits],
     position: &[f64],
     velocity: &[f64],
     scale: f64,
-    period: f64,
+    [period, elapsed]: [f64; 2],
     intervals: &mut [VelocityInterval],
 ) {
     for (((interval, limits), &position), &velocity) in
@@ -135,6 +136,20 @@ pub(crate) fn write_intervals(
     {
         let state = MotionState { position, velocity };
         *interval = limits.slowed(scale).velocity_interval(state, period);
+        if elapsed < period {
+            let change = limits.acceleration() * elapsed;
+            let reachable = |end: f64| end.clamp(velocity - change, velocity + change);
+            interval.lower = reachable(interval.lower);
+            interval.upper = reachable(interval.upper);
+        }
+    }
+}
+
+/// Lets each coordinate brake for `elapsed` seconds.
+pub(crate) fn brake(limits: &[Limits], elapsed: f64, velocity: &mut [f64]) {
+    for (velocity, limits) in velocity.iter_mut().zip(limits) {
+        let change = limits.acceleration() * elapsed;
+        *velocity -= velocity.clamp(-change, change);
     }
 }
 

@@ -6,7 +6,7 @@ mod settings;
 
 use ahqp_core::{AugmentedState, Rows};
 use hrsw::{
-    ApproachRows, Cause, JointMotion, Nearest, Observation, PersonBody, RobotBody, SafetyState,
+    Age, ApproachRows, Fault, JointMotion, Nearest, Observation, PersonBody, RobotBody,
     SeparationSettings, SpeedCap, Supervisor,
 };
 use nalgebra::Vector3;
@@ -29,6 +29,23 @@ pub struct SafetyRows<'a> {
     pub own: &'a Rows,
 }
 
+/// What a tick knows of robot and person.
+#[derive(Debug, Clone, Copy)]
+pub struct SafetyInput<'a> {
+    /// q̇ commanded last, n \[m/s or rad/s\].
+    pub velocity: &'a [f64],
+    /// The time of the tick \[s\].
+    pub now: f64,
+    /// The time since the tick before \[s\].
+    pub elapsed: f64,
+    /// The age of the newest camera frame.
+    pub age: Age,
+    /// The person, as tracked.
+    pub person: Option<&'a TrackedPerson>,
+    /// Whether person and robot work together.
+    pub together: bool,
+}
+
 /// Speed and separation monitoring of the robot's bodies against the person's, self-collision,
 /// the speed cap and the supervisor.
 ///
@@ -38,10 +55,8 @@ pub struct SafetyRows<'a> {
 #[derive(Debug, Clone)]
 pub struct Safety {
     settings: SafetySettings,
-    period: f64,
     robot: RobotBodies,
     person: PersonBodies,
-    last_frame: f64,
     contact_speed: f64,
     person_velocity: Vector3<f64>,
     nearest: Option<Nearest>,
@@ -83,7 +98,6 @@ impl Safety {
         Ok(Self {
             robot: RobotBodies::new(model, &settings.bodies)?,
             person: PersonBodies::new(settings.person),
-            last_frame: f64::NEG_INFINITY,
             contact_speed: 0.0,
             person_velocity: Vector3::zeros(),
             nearest: None,
@@ -93,19 +107,27 @@ impl Safety {
             cap_rows: SpeedCap::rows(state),
             separation,
             own,
-            period,
             settings,
         })
     }
 
     /// Takes a camera frame, and the person as tracked at its time.
     pub fn observe(&mut self, percept: &Percept, tracked: Option<&TrackedPerson>) {
-        self.last_frame = self.last_frame.max(percept.time);
         self.person.observe(percept, tracked);
     }
 
-    /// Measures the distances at the time `now` \[s\], with the person as `tracked` and whether
-    /// person and robot work together, and tells the supervisor. Allocates nothing.
+    /// Forgets what was seen of people, for frames whose times turned out to be wrong.
+    pub fn forget(&mut self) {
+        self.person.forget();
+        self.nearest = None;
+    }
+
+    /// Tells the supervisor what went wrong in the loop.
+    pub fn report(&mut self, fault: Fault) {
+        self.supervisor.report(fault);
+    }
+
+    /// Measures the distances of a tick and tells the supervisor. Allocates nothing.
     ///
     /// # Errors
     /// [`Error::ForeignData`]; [`Error::Workspace`] for numbers that are not finite.
@@ -113,27 +135,28 @@ impl Safety {
         &mut self,
         model: &RobotModel,
         data: &RobotData,
-        velocity: &[f64],
-        now: f64,
-        tracked: Option<&TrackedPerson>,
-        together: bool,
+        input: &SafetyInput<'_>,
     ) -> Result<(), Error> {
-        let step = self.settings.contact_acceleration * self.period;
-        let change = if together { step } else { -step };
+        let step = self.settings.contact_acceleration * input.elapsed;
+        let change = if input.together { step } else { -step };
         self.contact_speed = (self.contact_speed + change).clamp(0.0, self.settings.contact_speed);
         self.robot.place(model, data)?;
-        self.person_velocity = self.person.velocity(now, tracked);
+        self.person_velocity = self.person.velocity(input.now, input.person);
         let separation = *self.separation.settings();
-        let person = self.person.place(now, tracked, &separation, self.contact_speed);
-        let motion = motion(data, velocity, None);
+        let person = self.person.place(input.now, input.person, &separation, self.contact_speed);
+        let motion = motion(data, input.velocity, None);
         let rows = &mut self.separation_rows;
         let (robot, pairs) = (self.robot.placed(), &self.settings.own_pairs);
         self.nearest = self.separation.write(&motion, robot, person, rows)?;
         self.own.write_own(&motion, robot, pairs, &mut self.own_rows)?;
-        let age = (now - self.last_frame).max(0.0);
-        let observation = Observation { nearest: self.nearest, age, fault: None };
-        self.supervisor.update(&observation, self.period);
+        self.wait(input.age, input.elapsed);
         Ok(())
+    }
+
+    /// Tells the supervisor of a tick in which no distances could be measured: those of the last
+    /// count.
+    pub fn wait(&mut self, age: Age, elapsed: f64) {
+        self.supervisor.update(&Observation { nearest: self.nearest, age }, elapsed);
     }
 
     /// The rows of the tick; the hard ones admit `braking`, the velocities nearest to rest that the
@@ -154,15 +177,10 @@ impl Safety {
         Ok(SafetyRows { cap, separation: &self.separation_rows, own })
     }
 
-    /// The share of their speeds that the joints may use: at once zero when a protective
-    /// distance is undercut, else the supervisor's.
+    /// The share of their speeds that the joints may use: at once zero in a stop for a fault or
+    /// for a protective distance that is undercut, else the supervisor's.
     pub fn speed_scale(&self) -> f64 {
-        let too_close = matches!(self.supervisor.cause(), Some(Cause::TooClose(_)));
-        if too_close && self.supervisor.state() == SafetyState::ProtectiveStop {
-            0.0
-        } else {
-            self.supervisor.speed_scale()
-        }
+        if self.supervisor.stops_at_once() { 0.0 } else { self.supervisor.speed_scale() }
     }
 
     /// The safety state and what brought it there.

@@ -1,12 +1,13 @@
 //! Every threshold and gain of the controller, with its default.
 
 use ergo_map::{Person, Region, Side};
-use hrsw::FollowerSettings;
+use hrsw::{ClockSettings, FollowerSettings};
 use nalgebra::{UnitQuaternion, Vector3, Vector6};
 use vision_models::TrackerSettings;
 
 use crate::error::Error;
 use crate::intention::IntentionSettings;
+use crate::leash::LeashSettings;
 use crate::motion_limits::MecanumBase;
 use crate::robot::{MOCA_BASE_JOINTS, MOCA_HOME};
 use crate::safety::SafetySettings;
@@ -149,6 +150,10 @@ pub struct ControllerSettings {
     pub follower: FollowerSettings,
     /// What happens when nothing is seen.
     pub stale: StaleSettings,
+    /// When the times of ticks and camera frames are faults.
+    pub clock: ClockSettings,
+    /// How far the commanded state may run ahead of the measured one.
+    pub leash: LeashSettings,
     /// Separation from people and from the robot itself.
     pub safety: SafetySettings,
 }
@@ -176,6 +181,8 @@ impl Default for ControllerSettings {
             tracker: TrackerSettings::default(),
             follower: FollowerSettings::default(),
             stale: StaleSettings::default(),
+            clock: ClockSettings::default(),
+            leash: LeashSettings::default(),
             safety: SafetySettings::default(),
         }
     }
@@ -185,7 +192,8 @@ impl ControllerSettings {
     /// Checks the ranges that no part checks at construction.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the first that is out of its range.
+    /// [`Error::Setting`] names the first that is out of its range, [`Error::Workspace`] one of the
+    /// clock's.
     pub fn validate(&self) -> Result<(), Error> {
         let desired = &self.desired;
         for (name, value) in [
@@ -208,6 +216,8 @@ impl ControllerSettings {
             let expected = "finite and not negative";
             return Err(Error::Setting { name: "space.lead", value, expected });
         }
+        self.clock.validate(self.period)?;
+        self.leash.validate()?;
         let [linear, angular] = desired.axis_accelerations();
         let brake = (desired.velocity / linear).max(desired.angular_velocity / angular);
         if self.horizon != self.period && (self.horizon < self.period || self.horizon < brake) {

@@ -76,6 +76,14 @@ impl SharedSpace {
         Ok(())
     }
 
+    /// Forgets the person and what they want, for frames whose times turned out to be wrong. The
+    /// workspace comes to rest where it can stop.
+    pub fn forget(&mut self) {
+        self.tracker.forget();
+        self.intention.forget();
+        self.person = None;
+    }
+
     /// Gives the workspace another place for the time that robot and person are apart, or none:
     /// it then stays where it is.
     ///

@@ -4,10 +4,10 @@ use std::hint::black_box;
 
 use ahqp_core::AugmentedState;
 use hrsw::{
-    ApproachRows, Attachment, Bounds, Capsule, Cone, ForbiddenRegion, JointMotion, MovingSettings,
-    MovingWorkspace, Observation, OrientedBox, PersonBody, Polytope, PositionShape, Reach,
-    RobotBody, SeparationSettings, Slack, SoftWorkspace, Softening, SpeedCap, Supervisor,
-    SupervisorSettings, Surroundings, Workspace,
+    ApproachRows, Attachment, Bounds, Capsule, ClockSettings, Cone, Fault, ForbiddenRegion,
+    JointMotion, LoopClock, MovingSettings, MovingWorkspace, Observation, OrientedBox, PersonBody,
+    Polytope, PositionShape, Reach, RobotBody, SeparationSettings, Slack, SoftWorkspace, Softening,
+    SpeedCap, Supervisor, SupervisorSettings, Surroundings, Workspace,
 };
 use nalgebra::{DMatrix, Isometry3, UnitQuaternion, Vector3, Vector6};
 
@@ -65,6 +65,7 @@ fn a_tick_allocates_nothing() {
     let (mut separation_rows, mut own_rows) = (separation.rows(), own.rows());
     let mut cap_rows = SpeedCap::rows(state);
     let mut supervisor = Supervisor::new(SupervisorSettings::default()).unwrap();
+    let mut clock = LoopClock::new(1e-3, ClockSettings::default()).unwrap();
     let desired = Isometry3::translation(0.6, 0.4, 1.0);
 
     let tick = |tick: usize| {
@@ -88,7 +89,10 @@ fn a_tick_allocates_nothing() {
         let distance = nearest.map_or(f64::INFINITY, |pair| pair.distance);
         let cap = SpeedCap::default().limit(distance);
         SpeedCap::write(&motion, &Vector3::zeros(), cap, &mut cap_rows).unwrap();
-        supervisor.update(&Observation { nearest, age: 0.05, fault: None }, 1e-3);
+        black_box(clock.tick(1e-3 * tick as f64));
+        black_box(clock.frame(1e-3 * tick as f64 - 0.05).is_ok());
+        supervisor.report(Fault::LateTick);
+        supervisor.update(&Observation { nearest, age: clock.age() }, 1e-3);
         black_box(supervisor.speed_scale());
     };
     assert_eq!(allocation_counter::measure(|| (0..4000).for_each(tick)).count_total, 0);

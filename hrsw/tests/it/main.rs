@@ -2,11 +2,13 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
 mod allocation;
+mod clock;
 mod closed_loop;
 mod motion;
 mod properties;
 mod safety;
 mod shapes;
 mod softening;
+mod supervisor;
 mod support;
 mod surroundings;

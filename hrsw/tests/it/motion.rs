@@ -49,7 +49,10 @@ fn happens(event: Event, moving: &mut MovingWorkspace) {
     match event {
         Event::Attach(attachment) => moving.attach(attachment).unwrap(),
         Event::Detach => moving.detach(),
-        Event::Person(pose, twist, age) => moving.observe_person(pose, twist, age).unwrap(),
+        Event::Person(pose, twist, age) => {
+            let older = age > moving.person().age() + 1e-6;
+            assert_eq!(moving.observe_person(pose, twist, age).is_err(), older);
+        }
         Event::Base(pose, twist) => moving.observe_base(pose, twist, 0.0).unwrap(),
         Event::Lead(lead) => moving.set_lead(lead).unwrap(),
         Event::Reorient(goal, axis) => {
@@ -380,6 +383,22 @@ fn an_intent_given_again_changes_nothing() {
     let mut moving = moving();
     let unknown = updates.apply(Intent::Work { surface: 2 }, &mut moving).unwrap_err();
     assert!(matches!(unknown, Error::TooMany { found: 3, limit: 2, .. }));
+}
+
+#[test]
+fn an_older_measurement_never_replaces_a_newer_one() {
+    let mut anchor = Anchor::new(AnchorSettings::default()).unwrap();
+    let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
+    anchor.observe(at(1.0), Vector6::zeros(), 0.05).unwrap();
+    let before = anchor;
+    let older = anchor.observe(at(2.0), Vector6::zeros(), 0.1).unwrap_err();
+    assert!(matches!(older, Error::OutOfOrder { age: 0.1, newest: 0.05 }), "{older}");
+    assert_eq!(anchor, before);
+    // The same one, aged, and a newer one.
+    anchor.advance(0.05);
+    anchor.observe(at(1.0), Vector6::zeros(), 0.1 + 1e-12).unwrap();
+    anchor.observe(at(3.0), Vector6::zeros(), 0.08).unwrap();
+    assert_eq!(anchor.pose(), Some(&at(3.0)));
 }
 
 #[test]

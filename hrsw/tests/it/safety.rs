@@ -1,11 +1,10 @@
-//! Distances, protective separation, approach rows, speed caps and the supervisor.
+//! Distances, protective separation, approach rows and speed caps.
 
 use crate::support::*;
 use ahqp_core::{AugmentedState, Rows, integrate_pose};
 use hrsw::{
-    ApproachRows, Capsule, Cause, Error, Fault, JointMotion, Nearest, Observation, PersonBody,
-    RobotBody, SafetyState, SeparationSettings, SpeedCap, Supervisor, SupervisorSettings,
-    proximity,
+    ApproachRows, Capsule, Error, JointMotion, Nearest, PersonBody, RobotBody, SeparationSettings,
+    SpeedCap, Supervisor, SupervisorSettings, proximity,
 };
 use nalgebra::{DMatrix, Isometry3, Matrix3x6, Vector3, Vector6};
 use parry3d_f64::math::{Pose, Vector};
@@ -331,69 +330,6 @@ proptest! {
         SpeedCap::write(&motion, &Vector3::zeros(), f64::INFINITY, &mut rows).unwrap();
         prop_assert!(rows.upper().iter().all(|&upper| upper == f64::INFINITY));
     }
-
-    #[test]
-    fn the_supervisor_goes_down_at_once_and_up_by_rule(
-        seen in prop::collection::vec(
-            (prop::option::of(-0.5..2.0_f64), 0.0..1.2_f64, 0..20_u32, 1..900_usize), 1..12),
-        acknowledge in any::<bool>(),
-    ) {
-        let settings = SupervisorSettings { acknowledge, ..SupervisorSettings::default() };
-        let mut supervisor = Supervisor::new(settings).unwrap();
-        let mut clear = 0.0;
-        for (room, age, fault, ticks) in seen {
-            let nearest = room.map(|room| {
-                Nearest { robot: 0, other: 1, distance: 1.0 + room, required: 1.0, approach: 0.0 }
-            });
-            let fault = (fault == 0).then_some(Fault::NoSolution);
-            let observation = Observation { nearest, age, fault };
-            let room = room.unwrap_or(f64::INFINITY);
-            let stop = fault.is_some() || age > settings.stop_age || room < -settings.tolerance;
-            let near = age > settings.reduced_age || room < settings.reduced_room;
-            for _ in 0..ticks {
-                let before = supervisor;
-                supervisor.update(&observation, 1e-3);
-                if stop {
-                    prop_assert_eq!(supervisor.state(), SafetyState::ProtectiveStop);
-                } else if near {
-                    prop_assert!(supervisor.state() >= SafetyState::Reduced);
-                }
-                clear = if stop || near { 0.0 } else { clear + 1e-3 };
-                if supervisor.state() < before.state() {
-                    prop_assert!(!supervisor.waits_for_acknowledgement());
-                    // One step at a time.
-                    prop_assert_eq!(supervisor.state() as u8 + 1, before.state() as u8);
-                    if supervisor.state() == SafetyState::Normal {
-                        prop_assert!(clear >= settings.dwell - 1e-9);
-                    }
-                }
-                let change = (supervisor.speed_scale() - before.speed_scale()).abs();
-                prop_assert!(change <= 1e-3 / settings.ramp + 1e-12);
-                prop_assert!((0.0..=1.0).contains(&supervisor.speed_scale()));
-                prop_assert_eq!(supervisor.cause().is_none(), supervisor.state() == SafetyState::Normal);
-            }
-        }
-        supervisor.acknowledge();
-        for _ in 0..3000 { supervisor.update(&Observation::default(), 1e-3); }
-        prop_assert_eq!(supervisor.state(), SafetyState::Normal);
-        prop_assert_eq!(supervisor.speed_scale(), 1.0);
-    }
-}
-
-#[test]
-fn the_supervisor_says_why() {
-    let mut supervisor = Supervisor::new(SupervisorSettings::default()).unwrap();
-    let pair = Nearest { robot: 2, other: 3, distance: 0.3, required: 0.5, approach: 0.1 };
-    let close = Observation { nearest: Some(pair), ..Observation::default() };
-    supervisor.update(&close, 1e-3);
-    assert_eq!(supervisor.cause(), Some(&Cause::TooClose(pair)));
-    let nan = Observation { age: f64::NAN, ..Observation::default() };
-    supervisor.update(&nan, 1e-3);
-    assert_eq!(supervisor.cause(), Some(&Cause::Fault(Fault::BadData)));
-    let mut supervisor = Supervisor::new(SupervisorSettings::default()).unwrap();
-    supervisor.update(&Observation { age: 0.5, ..Observation::default() }, 1e-3);
-    assert_eq!(supervisor.state(), SafetyState::Reduced);
-    assert_eq!(supervisor.cause(), Some(&Cause::Stale { age: 0.5 }));
 }
 
 /// The defaults by hand: v_h = 1.6 m/s, T_r = 0.15 s, a = 2 m/s², margins of 0.16 m.

@@ -106,6 +106,14 @@ impl PersonBodies {
         }
     }
 
+    /// Forgets what was seen, and when.
+    pub(super) fn forget(&mut self) {
+        self.joints = [None; Body25::COUNT];
+        self.newest = f64::NEG_INFINITY;
+        self.agrees_since = None;
+        self.bodies.clear();
+    }
+
     /// Takes a camera frame, and the tracked person at its time. Joints that it misses move along
     /// with the trunk.
     pub(super) fn observe(&mut self, percept: &Percept, tracked: Option<&TrackedPerson>) {

@@ -1,6 +1,7 @@
 //! The controller in a loop with the simulated robot and a person who stands, walks or vanishes.
 
 use ergo_map::ErgonomicsQuadratic;
+use hrsw::Fault;
 use moca_model::{
     Controller, ControllerSettings, DesiredMotion, Error, Goal, Intention, MOCA_HOME, Outcome,
     RobotModel, SimulatedRobot, SpaceSettings,
@@ -254,10 +255,11 @@ fn bad_settings_and_bad_measurements_are_named() {
     assert!(controller.step(0.0, &[0.0; 9]).is_err());
     let mut broken = MOCA_HOME;
     broken[3] = f64::NAN;
-    assert!(controller.step(0.0, &broken).is_err());
-    let command = controller.step(0.0, &MOCA_HOME).unwrap();
+    let command = controller.step(1e-3, &broken).unwrap();
+    assert_eq!((command.outcome, command.fault), (Outcome::Braking, Some(Fault::BadMeasurement)));
+    let command = controller.step(2e-3, &MOCA_HOME).unwrap();
     assert!(matches!(command.outcome, Outcome::Solved(_)));
-    let late = percept(1.0, &person_at(1.0, 0.0, 0.0), Action::Walking);
+    let late = percept(0.002, &person_at(1.0, 0.0, 0.0), Action::Walking);
     controller.observe(&late).unwrap();
-    assert!(controller.observe(&Percept { time: 0.5, ..late }).is_err());
+    assert!(controller.observe(&Percept { time: 0.001, ..late }).is_err());
 }

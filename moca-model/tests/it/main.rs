@@ -4,6 +4,8 @@
 mod allocation;
 mod bad_input;
 mod controller;
+mod drive;
+mod faults;
 mod golden;
 mod impedance;
 mod properties;

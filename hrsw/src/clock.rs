@@ -1,0 +1,193 @@
+//! The one clock of a control loop: its ticks, and the stamps of camera frames.
+
+use crate::age::Age;
+use crate::error::{Error, not_negative, positive};
+use crate::fault::{ClockFault, Fault, FrameFault};
+
+/// How far times may differ from what is expected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClockSettings {
+    /// By which share of the period the time between two ticks may differ from it; less is an
+    /// early tick, more a late one \[-\]. Default 0.5.
+    pub tolerance: f64,
+    /// Time between two ticks beyond which the clock was set, or the loop stood \[s\]. Default 0.1.
+    pub gap: f64,
+    /// How far a frame's stamp may lie ahead of the ticks, for clocks that agree only nearly \[s\].
+    /// Default 0.005.
+    pub ahead: f64,
+    /// Difference between stamp and tick beyond which they count from different origins \[s\].
+    /// Default 86,400, a day.
+    pub epoch: f64,
+}
+
+impl Default for ClockSettings {
+    fn default() -> Self {
+        Self { tolerance: 0.5, gap: 0.1, ahead: 0.005, epoch: 86_400.0 }
+    }
+}
+
+impl ClockSettings {
+    /// Checks the ranges, for a control `period` \[s\].
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] names the first that is out of its range.
+    pub fn validate(&self, period: f64) -> Result<(), Error> {
+        positive("the control period", period)?;
+        if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
+            let (name, value) = ("clock.tolerance", self.tolerance);
+            return Err(Error::Parameter { name, value, expected: "above 0 and below 1" });
+        }
+        if self.gap.is_nan() || self.gap < (1.0 + self.tolerance) * period {
+            let (name, value) = ("clock.gap", self.gap);
+            let expected = "at least the longest time between ticks that the tolerance admits";
+            return Err(Error::Parameter { name, value, expected });
+        }
+        not_negative("clock.ahead", self.ahead)?;
+        if self.epoch.is_nan() || self.epoch <= self.ahead {
+            let (name, value) = ("clock.epoch", self.epoch);
+            return Err(Error::Parameter { name, value, expected: "above clock.ahead" });
+        }
+        Ok(())
+    }
+}
+
+/// Two ticks that are nearer than this share of the period are at the same time.
+const STANDING: f64 = 1e-3;
+/// Two ticks are a period apart when their times differ from it by less than this share: times in
+/// seconds since 1970 are that coarse.
+const ROUNDING: f64 = 1e-3;
+
+/// What the time of a tick says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tick {
+    /// The time since the tick before \[s\]; the period where the clock does not say.
+    pub elapsed: f64,
+    /// What is wrong with it.
+    pub fault: Option<Fault>,
+    /// Whether all frames taken so far count no longer, because they lie after this tick, or in
+    /// another epoch: what came of them is to be forgotten.
+    pub forgets: bool,
+}
+
+/// Checks the times of ticks and frames, all of them in seconds on one clock, of any origin, that
+/// neither stands still nor is set.
+///
+/// Ticks come once a period. Frames are stamped with the time at which the camera took them, arrive
+/// later, and each is newer than the one before; one that is not is refused and leaves no trace.
+///
+/// ```
+/// use hrsw::{ClockSettings, FrameFault, LoopClock};
+///
+/// let mut clock = LoopClock::new(1e-3, ClockSettings::default())?;
+/// assert_eq!(clock.tick(20.0).fault, None);
+/// assert_eq!(clock.frame(19.95), Ok(()));
+/// assert_eq!(clock.frame(3620.0), Err(FrameFault::Future));
+/// assert_eq!(clock.frame(1.7e9), Err(FrameFault::ForeignEpoch));
+/// assert!((clock.age().seconds() - 0.05).abs() < 1e-9);
+/// # Ok::<(), hrsw::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoopClock {
+    settings: ClockSettings,
+    period: f64,
+    now: Option<f64>,
+    newest: Option<f64>,
+}
+
+impl LoopClock {
+    /// Before the first tick, for a control `period` \[s\].
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for settings out of range.
+    pub fn new(period: f64, settings: ClockSettings) -> Result<Self, Error> {
+        settings.validate(period)?;
+        Ok(Self { settings, period, now: None, newest: None })
+    }
+
+    /// Takes the time `now` of a tick \[s\].
+    pub fn tick(&mut self, now: f64) -> Tick {
+        if !now.is_finite() {
+            let fault = Some(ClockFault::NotFinite.into());
+            return Tick { elapsed: self.period, fault, forgets: false };
+        }
+        let (elapsed, fault) =
+            self.now.replace(now).map_or((self.period, None), |last| self.judge(now - last));
+        let stale = self.newest.and_then(|stamp| self.misplaced(stamp, now));
+        if stale.is_some() {
+            self.newest = None;
+        }
+        Tick { elapsed, fault: fault.or(stale.map(Fault::from)), forgets: stale.is_some() }
+    }
+
+    /// The time since the last tick, as it is to be used, and what is wrong with it.
+    fn judge(&self, elapsed: f64) -> (f64, Option<Fault>) {
+        let Self { settings, period, .. } = *self;
+        let difference = elapsed - period;
+        if difference.abs() <= ROUNDING * period {
+            (period, None)
+        } else if elapsed < 0.0 {
+            (period, Some(ClockFault::SetBack.into()))
+        } else if elapsed <= STANDING * period {
+            (period, Some(ClockFault::StandsStill.into()))
+        } else if elapsed > settings.gap {
+            (period, Some(ClockFault::SetAhead.into()))
+        } else if difference < -settings.tolerance * period {
+            (elapsed, Some(Fault::EarlyTick))
+        } else if difference > settings.tolerance * period {
+            (elapsed, Some(Fault::LateTick))
+        } else {
+            (elapsed, None)
+        }
+    }
+
+    /// Takes the stamp of a frame that has arrived \[s\].
+    ///
+    /// Until the first tick the present is not known; the tick then judges what has come.
+    ///
+    /// # Errors
+    /// Why the frame counts as no data; the clock is then as it was.
+    pub fn frame(&mut self, stamp: f64) -> Result<(), FrameFault> {
+        if !stamp.is_finite() {
+            return Err(FrameFault::NotFinite);
+        }
+        if let Some(fault) = self.now.and_then(|now| self.misplaced(stamp, now)) {
+            return Err(fault);
+        }
+        match self.newest {
+            Some(newest) if stamp == newest => Err(FrameFault::Repeated),
+            Some(newest) if stamp < newest => Err(FrameFault::OutOfOrder),
+            _ => {
+                self.newest = Some(stamp);
+                Ok(())
+            }
+        }
+    }
+
+    /// What is wrong with a stamp against a tick at `now`; a frame may be taken until the next tick.
+    fn misplaced(&self, stamp: f64, now: f64) -> Option<FrameFault> {
+        let ClockSettings { tolerance, ahead, epoch, .. } = self.settings;
+        let latest = now + (1.0 + tolerance) * self.period + ahead;
+        if (stamp - now).abs() > epoch {
+            Some(FrameFault::ForeignEpoch)
+        } else if stamp > latest {
+            Some(FrameFault::Future)
+        } else {
+            None
+        }
+    }
+
+    /// The age of the newest frame at the last tick; [`Age::NEVER`] before the first of either.
+    pub fn age(&self) -> Age {
+        self.newest.zip(self.now).map_or(Age::NEVER, |(stamp, now)| Age::since(stamp, now))
+    }
+
+    /// The time of the last tick that had one \[s\].
+    pub fn now(&self) -> Option<f64> {
+        self.now
+    }
+
+    /// The stamp of the newest frame \[s\].
+    pub fn newest(&self) -> Option<f64> {
+        self.newest
+    }
+}

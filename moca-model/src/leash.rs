@@ -1,0 +1,142 @@
+//! How far the commanded state may run ahead of the measured one.
+
+use ahqp_core::rotation_log;
+use hrsw::SafetyState;
+use nalgebra::{Isometry3, UnitQuaternion};
+
+use crate::command::Command;
+use crate::error::Error;
+use crate::robot::{JointKind, RobotModel};
+
+/// The largest following errors: how far commanded and measured state may be apart.
+///
+/// A robot that follows late by a time T is behind by T times its speed; an arm under impedance
+/// control gives way by the torque over its stiffness. The leash must leave room for both.
+///
+/// ```
+/// use moca_model::LeashSettings;
+///
+/// assert!(LeashSettings::default().validate().is_ok());
+/// assert!(LeashSettings { revolute: f64::NAN, ..LeashSettings::default() }.validate().is_err());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeashSettings {
+    /// |q* − q| of joints that slide \[m\]. Default 0.2.
+    pub prismatic: f64,
+    /// |q* − q| of joints that turn \[rad\]. Default 0.1.
+    pub revolute: f64,
+    /// ‖p_d − p_a‖ \[m\]. Default 0.1.
+    pub position: f64,
+    /// The angle of R_d R_aᵀ \[rad\], below half a turn. Default 0.3.
+    pub rotation: f64,
+}
+
+impl Default for LeashSettings {
+    fn default() -> Self {
+        Self { prismatic: 0.2, revolute: 0.1, position: 0.1, rotation: 0.3 }
+    }
+}
+
+impl LeashSettings {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] names the first that is out of its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        for (name, value) in [
+            ("leash.prismatic", self.prismatic),
+            ("leash.revolute", self.revolute),
+            ("leash.position", self.position),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::Setting { name, value, expected: "positive and finite" });
+            }
+        }
+        if !(self.rotation > 0.0 && self.rotation < std::f64::consts::PI) {
+            let (name, value) = ("leash.rotation", self.rotation);
+            return Err(Error::Setting { name, value, expected: "above 0 and below half a turn" });
+        }
+        Ok(())
+    }
+}
+
+/// Holds q* to q, and x_d to x_a.
+///
+/// Within the leash q* is the integral of q̇*. Once it is reached the commanded state starts anew
+/// from the measured one, tick by tick until the robot is at rest, while the velocities brake within
+/// their limits: so nothing is left that could be released.
+#[derive(Debug, Clone)]
+pub(crate) struct Leash {
+    settings: LeashSettings,
+    /// Of each joint \[m or rad\].
+    joints: Vec<f64>,
+    state: State,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// Nothing has been measured yet.
+    Unknown,
+    /// The robot follows.
+    Following,
+    /// It does not: commanded is measured until it is at rest.
+    Resynchronising,
+}
+
+impl Leash {
+    pub(crate) fn new(settings: LeashSettings, model: &RobotModel) -> Self {
+        let length = |kind: JointKind| match kind {
+            JointKind::Prismatic => settings.prismatic,
+            JointKind::Revolute | JointKind::Continuous => settings.revolute,
+        };
+        let joints = model.joints().iter().map(|joint| length(joint.kind)).collect();
+        Self { settings, joints, state: State::Unknown }
+    }
+
+    /// Holds the commanded state to the measured `configuration` and the tool's pose there; returns
+    /// true if the joints' leash was reached.
+    pub(crate) fn hold(
+        &mut self,
+        command: &mut Command,
+        configuration: &[f64],
+        actual: &Isometry3<f64>,
+    ) -> bool {
+        let reached = self.state != State::Unknown && self.is_reached(command, configuration);
+        let stops = command.safety == SafetyState::ProtectiveStop;
+        let rests = command.joint_velocity.iter().all(|&velocity| velocity == 0.0);
+        if reached {
+            self.state = State::Resynchronising;
+        }
+        if self.state == State::Following {
+            self.pull(&mut command.desired, actual);
+            return false;
+        }
+        command.joint_position.copy_from_slice(configuration);
+        command.desired = *actual;
+        if !reached && (rests || !stops) {
+            self.state = State::Following;
+        }
+        reached
+    }
+
+    fn is_reached(&self, command: &Command, configuration: &[f64]) -> bool {
+        let apart = command.joint_position.iter().zip(configuration).map(|(a, b)| (a - b).abs());
+        apart.zip(&self.joints).any(|(apart, leash)| apart > *leash)
+    }
+
+    /// Moves the desired pose to within the leash of the actual one.
+    fn pull(&self, desired: &mut Isometry3<f64>, actual: &Isometry3<f64>) {
+        let gap = desired.translation.vector - actual.translation.vector;
+        let length = gap.norm();
+        if length > self.settings.position {
+            let near = gap * (self.settings.position / length);
+            desired.translation.vector = actual.translation.vector + near;
+        }
+        let turn = rotation_log(&(desired.rotation * actual.rotation.inverse()));
+        let angle = turn.norm();
+        if angle > self.settings.rotation {
+            let near = turn * (self.settings.rotation / angle);
+            desired.rotation = UnitQuaternion::from_scaled_axis(near) * actual.rotation;
+        }
+    }
+}

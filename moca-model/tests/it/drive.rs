@@ -1,0 +1,219 @@
+//! A robot on its way, with a person in the way, and clocks, frames and measurements that may be
+//! wrong.
+
+use ergo_map::ErgonomicsQuadratic;
+use hrsw::{Attachment, Capsule, Cause, Fault, SafetyState, proximity};
+use moca_model::{
+    Controller, ControllerSettings, Error, MOCA_HOME, RobotData, RobotModel, SimulatedRobot,
+    forward_kinematics, world_from_link,
+};
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
+
+pub(crate) const PERIOD: f64 = 1e-3;
+/// Ticks between two camera frames at 20 Hz.
+pub(crate) const FRAME: u32 = 50;
+
+/// A standing person whose trunk is at x, seen from the front.
+pub(crate) fn body(x: f64) -> Body {
+    let mut body = Body::default();
+    for (joint, y, z) in [
+        (Body25::Neck, 0.0, 1.45),
+        (Body25::RightShoulder, 0.2, 1.43),
+        (Body25::LeftShoulder, -0.2, 1.43),
+        (Body25::MidHip, 0.0, 0.93),
+        (Body25::RightHip, 0.12, 0.93),
+        (Body25::LeftHip, -0.12, 0.93),
+    ] {
+        let position = Point3::new(x, y, z);
+        body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
+    }
+    body
+}
+
+pub(crate) fn percept(time: f64, person: Option<f64>) -> Percept {
+    doing(Action::Walking, time, person)
+}
+
+pub(crate) fn doing(action: Action, time: f64, person: Option<f64>) -> Percept {
+    let action = RecognisedAction { action, confidence: Confidence::ONE };
+    Percept { time, body: person.map(body), action: Some(action), surface: None }
+}
+
+pub(crate) type Clock = fn(f64) -> f64;
+
+/// The robot on its way to a place four metres ahead, with default settings, and what is true.
+pub(crate) struct Drive {
+    pub(crate) controller: Controller,
+    pub(crate) robot: SimulatedRobot,
+    pub(crate) model: RobotModel,
+    pub(crate) period: f64,
+    pub(crate) tick: u32,
+    /// Where the person truly stands, and whether the camera works.
+    pub(crate) person: Option<f64>,
+    pub(crate) camera: bool,
+    /// Of the ticks, and of the camera, against the true time [s].
+    pub(crate) clock: Clock,
+    pub(crate) stamp: Clock,
+    /// The last commanded velocities.
+    pub(crate) velocity: Vec<f64>,
+}
+
+impl Drive {
+    pub(crate) fn new() -> Self {
+        Self::with(ControllerSettings::default())
+    }
+
+    pub(crate) fn with(settings: ControllerSettings) -> Self {
+        let model = RobotModel::moca().unwrap();
+        let robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
+        let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+        let period = settings.period;
+        let mut controller = Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap();
+        let space = controller.space().workspace();
+        let (centre, rotation) = (space.position(), space.world_from_workspace().rotation);
+        let middle = (centre.min() + centre.max()) * 0.5;
+        let origin = Vector3::new(4.0, 0.0, 1.0) - rotation * middle;
+        let place = Isometry3::from_parts(origin.into(), rotation);
+        controller.space_mut().assign(Some(Attachment::World(place))).unwrap();
+        Self {
+            controller,
+            robot,
+            model,
+            period,
+            tick: 0,
+            person: None,
+            camera: true,
+            clock: |time| time,
+            stamp: |time| time,
+            velocity: vec![0.0; 10],
+        }
+    }
+
+    /// The true time [s].
+    pub(crate) fn time(&self) -> f64 {
+        f64::from(self.tick) * self.period
+    }
+
+    /// A camera frame as it is now; what the controller says to it.
+    pub(crate) fn see(&mut self) -> Result<(), Error> {
+        self.controller.observe(&percept((self.stamp)(self.time()), self.person))
+    }
+
+    /// One period, with the configuration measured as it is.
+    pub(crate) fn step(&mut self) {
+        let measured = self.robot.position().to_vec();
+        self.step_with(&measured);
+    }
+
+    /// One period, with a configuration measured in place of the true one.
+    pub(crate) fn step_with(&mut self, measured: &[f64]) {
+        if self.camera && self.tick.is_multiple_of(FRAME) {
+            let _ = self.see();
+        }
+        let _ = self.controller.step((self.clock)(self.time()), measured);
+        self.obey(self.period);
+        self.tick += 1;
+    }
+
+    /// The robot does as it is told, for `time`, within its limits.
+    pub(crate) fn obey(&mut self, time: f64) {
+        let command = self.controller.command();
+        let limits = self.model.limits();
+        for ((v, before), limits) in command.joint_velocity.iter().zip(&self.velocity).zip(limits) {
+            assert!(v.abs() <= limits.velocity * (1.0 + 1e-9), "{v} at tick {}", self.tick);
+            let change = (v - before).abs();
+            assert!(
+                change <= limits.acceleration * time * (1.0 + 1e-6),
+                "{before} to {v} in {time} s at tick {}",
+                self.tick
+            );
+        }
+        self.velocity.clone_from(&command.joint_velocity);
+        self.robot.step(&command.joint_velocity, time).unwrap();
+        assert!(self.distance() > 0.0, "into the person at tick {}", self.tick);
+    }
+
+    pub(crate) fn run(&mut self, seconds: f64) {
+        let end = self.time() + seconds - 0.5 * self.period;
+        while self.time() < end {
+            self.step();
+        }
+    }
+
+    /// The same, with a clock that differs from the true time by `offset` seconds.
+    pub(crate) fn go_on(&mut self, offset: f64, seconds: f64) {
+        let end = self.time() + seconds - 0.5 * PERIOD;
+        while self.time() < end {
+            let now = self.time() + offset;
+            if self.tick.is_multiple_of(FRAME) {
+                let _ = self.controller.observe(&percept(now, self.person));
+            }
+            let measured = self.robot.position().to_vec();
+            self.controller.step(now, &measured).unwrap();
+            self.obey(PERIOD);
+            self.tick += 1;
+        }
+    }
+
+    /// Drives until the robot is fast, with nobody there, and puts a person before it.
+    pub(crate) fn towards_a_person() -> Self {
+        let mut drive = Self::new();
+        drive.run(2.5);
+        assert!(drive.fastest() > 0.2, "it drives: {}", drive.fastest());
+        drive.person = Some(drive.controller.actual().translation.x + 1.8);
+        drive
+    }
+
+    /// Between the robot as it truly is and the trunk of the true person.
+    pub(crate) fn distance(&self) -> f64 {
+        let Some(x) = self.person else { return f64::INFINITY };
+        let trunk =
+            Capsule::new(Vector3::new(x, 0.0, 0.9), Vector3::new(x, 0.0, 1.5), 0.15).unwrap();
+        let mut data = RobotData::new(&self.model);
+        forward_kinematics(&self.model, &mut data, self.robot.position()).unwrap();
+        let settings = self.controller.settings().safety.bodies.iter();
+        let distances = settings.map(|body| {
+            let link = self.model.link(&body.link).unwrap();
+            let pose = world_from_link(&self.model, &data, link).unwrap();
+            proximity(&body.capsule.placed(&pose), &trunk).distance
+        });
+        distances.fold(f64::INFINITY, f64::min)
+    }
+
+    pub(crate) fn fastest(&self) -> f64 {
+        self.controller.command().joint_velocity.iter().fold(0.0, |most, v| most.max(v.abs()))
+    }
+
+    pub(crate) fn state(&self) -> SafetyState {
+        self.controller.safety().supervisor().state()
+    }
+
+    pub(crate) fn cause(&self) -> Option<Fault> {
+        match self.controller.safety().supervisor().cause() {
+            Some(Cause::Fault(fault)) => Some(*fault),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn acknowledge(&mut self) {
+        self.controller.safety_mut().supervisor_mut().acknowledge();
+    }
+
+    /// It stands, for this reason, and waits for somebody.
+    pub(crate) fn assert_waits(&self, fault: Fault) {
+        assert_eq!(self.state(), SafetyState::ProtectiveStop);
+        assert_eq!(self.cause(), Some(fault));
+        assert_eq!(self.controller.safety().supervisor().unacknowledged(), Some(fault));
+        assert_eq!(self.fastest(), 0.0);
+    }
+
+    /// Somebody acknowledges; it goes on.
+    pub(crate) fn assert_goes_on(&mut self) {
+        self.person = self.person.map(|_| 30.0);
+        self.acknowledge();
+        self.run(2.0);
+        assert_eq!(self.state(), SafetyState::Normal);
+        assert!(self.fastest() > 0.01, "it moves again: {}", self.fastest());
+    }
+}

@@ -1,0 +1,478 @@
+//! What clocks, frames and measurements can do wrong, with a person in the way: the robot stops or
+//! slows down, says why, and never drives into anybody.
+
+use std::collections::BTreeMap;
+
+use ergo_map::ErgonomicsQuadratic;
+use hrsw::{ClockFault, Fault, FrameFault, SafetyState};
+use moca_model::{
+    Controller, ControllerSettings, Error, LeashSettings, MOCA_HOME, Outcome, RobotModel,
+    SafetySettings,
+};
+use nalgebra::{Matrix3, Vector3};
+use vision_models::{Action, Tool};
+
+use crate::drive::{Clock, Drive, FRAME, PERIOD, doing, percept};
+
+#[test]
+fn an_empty_frame_an_hour_ahead_blinds_nobody() {
+    let mut drive = Drive::towards_a_person();
+    let ahead = drive.time() + 3600.0;
+    let refused = drive.controller.observe(&percept(ahead, None)).unwrap_err();
+    assert!(matches!(refused, Error::Frame { fault: FrameFault::Future, .. }), "{refused}");
+    assert_eq!(drive.cause(), Some(FrameFault::Future.into()));
+    assert_eq!(drive.state(), SafetyState::ProtectiveStop);
+    // The frames after it are taken: the robot recovers, and stops before the person.
+    drive.run(15.0);
+    assert!(drive.controller.clock().age().seconds() < 0.1);
+    assert!(drive.fastest() < 0.05 && drive.distance() < 1.0, "{}", drive.distance());
+}
+
+#[test]
+fn an_empty_frame_an_hour_ahead_of_the_first_tick_counts_no_longer_than_until_then() {
+    let mut drive = Drive::new();
+    drive.controller.observe(&percept(3600.0, None)).unwrap();
+    drive.camera = false;
+    drive.step();
+    assert_eq!(drive.cause(), Some(FrameFault::Future.into()));
+    drive.camera = true;
+    drive.run(3.0);
+    assert_eq!(drive.state(), SafetyState::Normal);
+}
+
+#[test]
+fn a_camera_ahead_is_no_camera_until_it_is_corrected() {
+    let mut drive = Drive::new();
+    drive.stamp = |time| if time < 5.0 { time + 20.0 } else { time };
+    drive.run(5.0);
+    assert_eq!(drive.cause(), Some(FrameFault::Future.into()));
+    assert_eq!(drive.robot.position(), MOCA_HOME);
+    drive.run(3.0);
+    assert_eq!(drive.state(), SafetyState::Normal);
+    drive.person = Some(drive.controller.actual().translation.x + 1.8);
+    drive.run(12.0);
+    assert!(drive.fastest() < 0.05 && drive.distance() < 1.0);
+}
+
+#[test]
+fn stamps_of_another_epoch_are_no_data() {
+    let mut camera = Drive::new();
+    camera.stamp = |time| time + 1.76e9;
+    let mut ticks = Drive::new();
+    ticks.clock = |time| time + 1.76e9;
+    for drive in [&mut camera, &mut ticks] {
+        drive.run(3.0);
+        assert_eq!(drive.cause(), Some(FrameFault::ForeignEpoch.into()));
+        assert_eq!(drive.state(), SafetyState::ProtectiveStop);
+        assert_eq!(drive.robot.position(), MOCA_HOME);
+    }
+}
+
+#[test]
+fn seconds_since_1970_are_a_clock_like_any_other() {
+    let mut drive = Drive::new();
+    (drive.stamp, drive.clock) = (|time| time + 1.76e9, |time| time + 1.76e9);
+    drive.run(2.5);
+    assert_eq!(drive.state(), SafetyState::Normal);
+    assert!(drive.fastest() > 0.2);
+}
+
+#[test]
+fn a_time_that_is_no_number_stops_the_robot() {
+    for broken in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut drive = Drive::towards_a_person();
+        for _ in 0..2000 {
+            let measured = drive.robot.position().to_vec();
+            let command = drive.controller.step(broken, &measured).unwrap();
+            assert_eq!(command.outcome, Outcome::Braking);
+            assert_eq!(command.safety, SafetyState::ProtectiveStop);
+            assert_eq!(command.fault, Some(ClockFault::NotFinite.into()));
+            drive.obey(PERIOD);
+        }
+        drive.tick += 2000;
+        drive.assert_waits(ClockFault::NotFinite.into());
+    }
+}
+
+#[test]
+fn a_clock_that_stands_still_stops_the_robot() {
+    let mut drive = Drive::towards_a_person();
+    drive.clock = |time| time.min(2.5);
+    drive.run(15.0);
+    drive.assert_waits(ClockFault::StandsStill.into());
+    // Acknowledged in vain.
+    drive.acknowledge();
+    drive.run(1.0);
+    drive.assert_waits(ClockFault::StandsStill.into());
+}
+
+#[test]
+fn a_clock_that_hardly_moves_stops_the_robot() {
+    let mut drive = Drive::towards_a_person();
+    drive.clock = |time| 2.5 + 1e-5 * (time - 2.5);
+    drive.run(5.0);
+    assert_eq!(drive.state(), SafetyState::ProtectiveStop);
+    assert_eq!(drive.fastest(), 0.0);
+}
+
+#[test]
+fn a_clock_that_is_set_stops_the_robot() {
+    let jumps: [(Clock, ClockFault); 4] = [
+        (|time| if time > 3.0 { time + 3600.0 } else { time }, ClockFault::SetAhead),
+        (|time| if time > 3.0 { time + 0.2 } else { time }, ClockFault::SetAhead),
+        (|time| if time > 3.0 { time - 3600.0 } else { time }, ClockFault::SetBack),
+        (|time| if time > 3.0 { time - 0.01 } else { time }, ClockFault::SetBack),
+    ];
+    for (jump, fault) in jumps {
+        let mut drive = Drive::towards_a_person();
+        (drive.clock, drive.stamp) = (jump, jump);
+        drive.run(4.0);
+        drive.assert_waits(fault.into());
+        drive.assert_goes_on();
+    }
+}
+
+/// The camera's clock goes on as it was: its frames are then from the future, or old.
+#[test]
+fn ticks_that_are_set_without_the_camera_stop_the_robot_for_good() {
+    let jumps: [Clock; 2] = [
+        |time| if time > 3.0 { time - 20.0 } else { time },
+        |time| if time > 3.0 { time + 20.0 } else { time },
+    ];
+    for jump in jumps {
+        let mut drive = Drive::towards_a_person();
+        drive.clock = jump;
+        drive.run(4.0);
+        drive.acknowledge();
+        drive.run(4.0);
+        assert_eq!(drive.state(), SafetyState::ProtectiveStop);
+        assert_eq!(drive.fastest(), 0.0);
+    }
+}
+
+/// Numbers so large that the stack cannot be written.
+fn unusable() -> ErgonomicsQuadratic {
+    ErgonomicsQuadratic::new(Matrix3::identity() * 1e100, Vector3::repeat(1e100), 1.0).unwrap()
+}
+
+fn usable() -> ErgonomicsQuadratic {
+    ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap()
+}
+
+/// On the way to a person six metres ahead, to work with them.
+fn towards_work(drive: &mut Drive) {
+    drive.person = Some(6.0);
+    for _ in 0..1500 {
+        if drive.tick.is_multiple_of(FRAME) {
+            let work = doing(Action::Using(Tool::Drill), drive.time(), drive.person);
+            drive.controller.observe(&work).unwrap();
+        }
+        drive.camera = false;
+        drive.step();
+    }
+    drive.camera = true;
+    assert!(drive.controller.command().activation > 0.5);
+}
+
+#[test]
+fn ticks_without_a_solution_are_heard_of() {
+    let mut drive = Drive::new();
+    towards_work(&mut drive);
+    drive.controller.set_comfort(unusable());
+    drive.step();
+    assert_eq!(drive.controller.command().outcome, Outcome::Braking);
+    assert_eq!(drive.controller.command().fault, Some(Fault::NoSolution));
+    assert_eq!(drive.controller.command().safety, SafetyState::ProtectiveStop);
+    for _ in 0..2800 {
+        drive.step();
+    }
+    drive.assert_waits(Fault::NoSolution);
+}
+
+#[test]
+fn a_measurement_that_is_no_number_now_and_then_stops_the_robot() {
+    let mut drive = Drive::towards_a_person();
+    for tick in 0..3000 {
+        let mut measured = drive.robot.position().to_vec();
+        if tick % 10 == 0 {
+            measured[5] = f64::NAN;
+        }
+        drive.step_with(&measured);
+        assert_eq!(drive.controller.command().safety, SafetyState::ProtectiveStop);
+    }
+    drive.assert_waits(Fault::BadMeasurement);
+    drive.assert_goes_on();
+}
+
+#[test]
+fn after_an_error_the_command_brakes_and_the_supervisor_knows() {
+    let mut drive = Drive::towards_a_person();
+    let before = drive.fastest();
+    for _ in 0..3000 {
+        let now = drive.time();
+        let error = drive.controller.step(now, &[0.0; 9]).unwrap_err();
+        assert!(matches!(error, Error::WrongSize { got: 9, expected: 10, .. }), "{error}");
+        assert!(drive.fastest() < before);
+        drive.obey(PERIOD);
+        drive.tick += 1;
+    }
+    drive.assert_waits(Fault::BadMeasurement);
+}
+
+/// Held by somebody, or measured no longer: what is measured stands still for a while.
+#[test]
+fn a_robot_that_does_not_follow_is_not_run_away_from() {
+    let leash = LeashSettings::default();
+    for (ticks, moves) in [(300, false), (2000, false), (300, true), (2000, true)] {
+        let mut drive = Drive::new();
+        drive.run(1.2);
+        let held = drive.robot.position().to_vec();
+        let joints = drive.model.limits().to_vec();
+        let check = |drive: &Drive, measured: &[f64]| {
+            let command = drive.controller.command();
+            for (index, (commanded, measured)) in
+                command.joint_position.iter().zip(measured).enumerate()
+            {
+                let length = if index < 2 { leash.prismatic } else { leash.revolute };
+                let apart = (commanded - measured).abs();
+                // What a tick adds.
+                assert!(apart <= length + joints[index].velocity * PERIOD, "{index}: {apart}");
+            }
+            let (desired, actual) = (&command.desired, drive.controller.actual());
+            let apart = (desired.translation.vector - actual.translation.vector).norm();
+            assert!(apart <= leash.position + 2e-3, "{apart} m");
+            let angle = desired.rotation.angle_to(&actual.rotation);
+            assert!(angle <= leash.rotation + 4e-3, "{angle} rad");
+        };
+        let before = drive.fastest();
+        for _ in 0..ticks {
+            if drive.tick.is_multiple_of(FRAME) {
+                drive.see().unwrap();
+            }
+            drive.controller.step(drive.time(), &held).unwrap();
+            check(&drive, &held);
+            if moves {
+                drive.obey(PERIOD);
+            } else {
+                drive.velocity.clone_from(&drive.controller.command().joint_velocity);
+            }
+            drive.tick += 1;
+        }
+        assert_eq!(
+            drive.controller.safety().supervisor().unacknowledged(),
+            Some(Fault::FollowingError)
+        );
+        // Nothing grew meanwhile, and nothing is left that makes up for what was missed: released,
+        // the robot brakes.
+        let (speed, released) = (drive.fastest(), drive.velocity.clone());
+        assert!(speed < before, "{before} {speed}");
+        let from = drive.robot.position().to_vec();
+        for _ in 0..3000 {
+            drive.step();
+            check(&drive, drive.robot.position());
+            assert!(drive.fastest() <= speed + 1e-9);
+            for (index, (q, from)) in drive.robot.position().iter().zip(&from).enumerate() {
+                let braking = released[index].powi(2) / (2.0 * joints[index].acceleration);
+                assert!((q - from).abs() <= braking + 1e-9, "joint {index} moved on");
+            }
+        }
+        drive.assert_waits(Fault::FollowingError);
+        drive.assert_goes_on();
+    }
+}
+
+#[test]
+fn a_controller_that_is_stepped_too_often_keeps_its_limits_and_stops() {
+    let mut drive =
+        Drive::with(ControllerSettings { period: 0.01, ..ControllerSettings::default() });
+    for tick in 0..300_u32 {
+        if tick.is_multiple_of(5) {
+            drive.see().unwrap();
+        }
+        let measured = drive.robot.position().to_vec();
+        drive.controller.step(drive.time(), &measured).unwrap();
+        drive.obey(0.01);
+        drive.tick += 1;
+    }
+    assert!(drive.fastest() > 0.2, "it drives: {}", drive.fastest());
+    let begin = drive.time();
+    for tick in 0..3000_u32 {
+        let now = begin + f64::from(tick) * PERIOD;
+        if tick.is_multiple_of(FRAME) {
+            let _ = drive.controller.observe(&percept(now, None));
+        }
+        let measured = drive.robot.position().to_vec();
+        drive.controller.step(now, &measured).unwrap();
+        drive.obey(if tick == 0 { 0.01 } else { PERIOD });
+    }
+    assert_eq!(drive.state(), SafetyState::ProtectiveStop);
+    assert_eq!(drive.cause(), Some(Fault::EarlyTick));
+    assert_eq!(drive.fastest(), 0.0);
+}
+
+/// Ticks between half a period and one and a half apart are in time, and the limits hold for the
+/// time that has passed.
+#[test]
+fn ticks_that_jitter_within_the_tolerance_keep_the_limits() {
+    let mut drive = Drive::new();
+    let mut now = 0.0;
+    for tick in 0..4000_u32 {
+        let elapsed = PERIOD * (1.0 + 0.45 * (f64::from(tick) * 1.7).sin());
+        if tick.is_multiple_of(FRAME) {
+            drive.controller.observe(&percept(now, None)).unwrap();
+        }
+        let measured = drive.robot.position().to_vec();
+        let command = drive.controller.step(now, &measured).unwrap();
+        assert_eq!(command.fault, None);
+        now += elapsed;
+        // The change came after the time of the tick before.
+        let limits = drive.model.limits().to_vec();
+        let command = drive.controller.command();
+        let last = if tick == 0 { PERIOD } else { elapsed_before(tick) };
+        for ((v, before), limits) in command.joint_velocity.iter().zip(&drive.velocity).zip(&limits)
+        {
+            assert!((v - before).abs() <= limits.acceleration * last.min(PERIOD) * (1.0 + 1e-6));
+        }
+        drive.velocity.clone_from(&command.joint_velocity);
+        let velocity = command.joint_velocity.clone();
+        for (commanded, measured) in command.joint_position.iter().zip(&measured) {
+            assert!((commanded - measured).abs() < 5e-3, "{commanded} {measured}");
+        }
+        drive.robot.step(&velocity, elapsed).unwrap();
+    }
+    assert_eq!(drive.state(), SafetyState::Normal);
+    assert!(drive.fastest() > 0.1);
+}
+
+fn elapsed_before(tick: u32) -> f64 {
+    PERIOD * (1.0 + 0.45 * (f64::from(tick - 1) * 1.7).sin())
+}
+
+type Scenario = fn(&mut Drive);
+
+/// How each fault of the book's table is brought about.
+fn scenarios() -> BTreeMap<String, Scenario> {
+    fn frame(drive: &mut Drive, stamp: f64) {
+        assert!(drive.controller.observe(&percept(stamp, None)).is_err());
+        drive.step();
+    }
+    fn clock(drive: &mut Drive, now: f64) {
+        let measured = drive.robot.position().to_vec();
+        drive.controller.step(now, &measured).unwrap();
+        drive.obey(PERIOD);
+    }
+    let scenarios: [(Fault, Scenario); 14] = [
+        (ClockFault::NotFinite.into(), |drive| clock(drive, f64::NAN)),
+        (ClockFault::StandsStill.into(), |drive| clock(drive, drive.time() - PERIOD)),
+        (ClockFault::SetBack.into(), |drive| clock(drive, drive.time() - 5.0)),
+        (ClockFault::SetAhead.into(), |drive| clock(drive, drive.time() + 5.0)),
+        (Fault::EarlyTick, |drive| clock(drive, drive.time() - 0.8 * PERIOD)),
+        (Fault::LateTick, |drive| {
+            drive.tick += 4;
+            drive.step();
+        }),
+        (FrameFault::NotFinite.into(), |drive| frame(drive, f64::NAN)),
+        (FrameFault::Future.into(), |drive| frame(drive, drive.time() + 0.1)),
+        (FrameFault::ForeignEpoch.into(), |drive| frame(drive, 1.7e9)),
+        (FrameFault::Repeated.into(), |drive| {
+            frame(drive, drive.controller.clock().newest().unwrap());
+        }),
+        (FrameFault::OutOfOrder.into(), |drive| frame(drive, drive.time() - 0.2)),
+        (Fault::BadMeasurement, |drive| drive.step_with(&[f64::INFINITY; 10])),
+        (Fault::FollowingError, |drive| {
+            let mut pushed = drive.robot.position().to_vec();
+            pushed[4] += 0.2;
+            drive.step_with(&pushed);
+        }),
+        (Fault::NoSolution, |drive| {
+            towards_work(drive);
+            drive.controller.set_comfort(unusable());
+            drive.step();
+            drive.controller.set_comfort(usable());
+        }),
+    ];
+    scenarios.into_iter().map(|(fault, make)| (fault.to_string(), make)).collect()
+}
+
+/// The rows of the book: fault, state, how it ends.
+fn table() -> Vec<[String; 3]> {
+    let book = include_str!("../../../docs/src/moca-model.md");
+    let (_, table) = book.split_once("| fault | when | state | how it ends |").unwrap();
+    let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+    rows.map(|line| {
+        let cells: Vec<_> = line.trim_matches('|').split('|').map(str::trim).collect();
+        [cells[0].to_owned(), cells[2].to_owned(), cells[3].to_owned()]
+    })
+    .collect()
+}
+
+#[test]
+fn every_fault_does_what_the_table_of_the_book_says() {
+    let scenarios = scenarios();
+    let table = table();
+    let mut named: Vec<_> = table.iter().map(|[fault, ..]| fault.clone()).collect();
+    let mut all: Vec<_> = Fault::ALL.iter().map(ToString::to_string).collect();
+    named.sort();
+    all.sort();
+    assert_eq!(named, all, "each fault has one row");
+    for [name, state, end] in table {
+        let fault = *Fault::ALL.iter().find(|fault| fault.to_string() == name).unwrap();
+        let expected = match state.as_str() {
+            "protective stop" => SafetyState::ProtectiveStop,
+            "reduced" => SafetyState::Reduced,
+            other => panic!("{other} is no state"),
+        };
+        assert_eq!(fault.state(), expected, "{name}");
+        let waits = match end.as_str() {
+            "acknowledgement" => true,
+            "by itself" => false,
+            other => panic!("{other} is no end"),
+        };
+        assert_eq!(fault.waits(), waits, "{name}");
+        // Nothing that this test can do brings the others about.
+        let Some(make) = scenarios.get(&name) else {
+            let others = [Fault::IterationLimit, Fault::BadData, Fault::LimitViolated];
+            assert!(others.contains(&fault), "{name}");
+            continue;
+        };
+        let mut drive = Drive::new();
+        drive.run(2.5);
+        make(&mut drive);
+        assert_eq!(drive.state(), expected, "{name}");
+        assert_eq!(drive.cause(), Some(fault), "{name}");
+        // The clock goes on from where it is.
+        let offset = drive.controller.clock().now().unwrap() + PERIOD - drive.time();
+        drive.go_on(offset, 3.0);
+        if waits {
+            drive.assert_waits(fault);
+            drive.acknowledge();
+            drive.go_on(offset, 3.0);
+        }
+        assert_eq!(drive.state(), SafetyState::Normal, "{name}");
+        assert!(drive.fastest() > 0.1, "{name}: it goes on");
+    }
+}
+
+#[test]
+fn bad_settings_of_clock_and_leash_are_named() {
+    let model = RobotModel::moca().unwrap();
+    let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+    let mut named = Vec::new();
+    let mut check = |change: &dyn Fn(&mut ControllerSettings), name: &'static str| {
+        let mut settings =
+            ControllerSettings { safety: SafetySettings::off(), ..ControllerSettings::default() };
+        change(&mut settings);
+        let error = Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap_err();
+        assert!(error.to_string().contains(name), "{error}");
+        named.push(name);
+    };
+    check(&|s| s.clock.tolerance = 1.0, "clock.tolerance");
+    check(&|s| s.clock.gap = 1e-3, "clock.gap");
+    check(&|s| s.clock.ahead = -1.0, "clock.ahead");
+    check(&|s| s.clock.epoch = f64::NAN, "clock.epoch");
+    check(&|s| s.leash.prismatic = 0.0, "leash.prismatic");
+    check(&|s| s.leash.revolute = f64::INFINITY, "leash.revolute");
+    check(&|s| s.leash.position = -0.1, "leash.position");
+    check(&|s| s.leash.rotation = 4.0, "leash.rotation");
+    assert_eq!(named.len(), 8);
+}
