@@ -2,13 +2,11 @@
 //! simulated robot, closed in a loop.
 
 mod comparison;
-mod limits;
 mod run;
 mod scoring;
 mod summary;
 
 pub use comparison::Comparison;
-pub use limits::{LimitMonitor, Margins};
 pub use run::{Run, Scenario};
 pub use scoring::{HandScore, Scorer};
 pub use summary::Summary;

@@ -1,13 +1,15 @@
 //! What the programs of this package are made of.
 
 pub mod ergonomics;
+mod excerpt;
 pub mod follow;
 pub mod hqp_file;
 pub mod hqp_solving;
+pub mod limits;
 pub mod program;
 mod random;
 pub mod recording;
 pub mod report;
+pub mod simulation;
 pub mod soak;
 pub mod vision;
-pub mod walker;

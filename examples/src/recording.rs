@@ -1,4 +1,5 @@
-//! Recordings of what perception reported, as JSON Lines: a header, then one line a camera frame.
+//! Recordings of what perception reported, as JSON Lines: a header, one line a camera frame, and a
+//! closing line, so that a recording that was cut off does not pass for a whole one.
 //! The book's page "Recordings" describes the format.
 //!
 //! ```
@@ -18,7 +19,9 @@
 mod check;
 mod error;
 mod format;
+mod lines;
 mod reader;
+mod whole;
 mod writer;
 
 use std::{fs::File, io::BufReader, path::Path};
@@ -26,6 +29,7 @@ use std::{fs::File, io::BufReader, path::Path};
 pub use error::RecordingError;
 pub use format::{Frame, Header};
 pub use reader::Reader;
+pub use whole::{Completeness, IfPartial, Recording};
 pub use writer::Writer;
 
 /// The recording that the repository ships, as the `record` command makes it without options.

@@ -18,12 +18,9 @@
 //! ```
 
 mod body;
-mod camera;
 mod distance;
 mod episode;
-mod limits;
 mod monitor;
-mod person;
 mod separation;
 mod summary;
 mod task;

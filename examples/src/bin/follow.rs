@@ -9,7 +9,7 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
 use ergo_map::{MapOptions, Person};
 use examples::ergonomics::build_map;
@@ -17,10 +17,9 @@ use examples::follow::{Comparison, Run, Scenario, Summary};
 use examples::program::{
     self, Ending, Json, OutputFile, Program, Progress, Quiet, Session, check_folder,
 };
-use examples::recording::{self, Reader};
+use examples::recording::{self, Completeness, IfPartial, Recording, RecordingError};
 use examples::report::{RunLog, TickRow, TickTable, figure};
 use moca_model::Goal;
-use vision_models::Percept;
 
 /// Stature where neither the recording nor the command line gives one (m).
 const DEFAULT_STATURE: f64 = 1.75;
@@ -39,6 +38,10 @@ struct Options {
     /// Play this recording (JSON Lines, as `record` makes them) instead of the one that is built in.
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
+    /// Play a recording that was cut off or interrupted, as far as it goes. The result is marked as
+    /// partial, and the report's files are named *.partial.*.
+    #[arg(long, requires = "recording")]
+    partial: bool,
     /// Stature of the person in metres, in place of the recording's.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     stature: Option<f64>,
@@ -73,14 +76,14 @@ impl Program for Options {
         if let Some(folder) = folder {
             check_folder(folder)?;
         }
-        let scenario = self.load(session)?;
+        let (scenario, recorded) = self.load(session)?;
         if let Some(folder) = folder {
             fs::create_dir_all(folder)
                 .with_context(|| format!("cannot make the folder {}", folder.display()))?;
         }
         let play = |goal, title, name| {
             let table = folder.map(|folder| folder.join(format!("ticks-{name}.csv")));
-            play(session, &scenario, goal, title, table.as_deref())
+            play(session, &scenario, goal, title, table.as_deref(), recorded)
         };
         let on = play(Goal::Ergonomics, "Ergonomics on", "on")?;
         let off = match on.summary.ending {
@@ -101,7 +104,7 @@ impl Program for Options {
         {
             let mut file = OutputFile::create(folder.join("follow.svg"))?;
             file.push(figure(&logs)?.as_bytes())?;
-            if ending == Ending::Partial { file.keep_partial().map(drop) } else { file.keep() }?;
+            keep(file, [ending, recorded])?;
         }
         if ending == Ending::Partial {
             session.warn("interrupted: what follows is of the time up to there");
@@ -110,34 +113,66 @@ impl Program for Options {
         if let Some(folder) = folder {
             writeln!(session.output(), "report: {}", folder.display())?;
         }
-        session.print_json(self.json, &comparison, ending)?;
+        let whole = [ending, recorded].iter().all(|part| *part == Ending::Complete);
+        let marked = if whole { Ending::Complete } else { Ending::Partial };
+        session.print_json(self.json, &comparison, marked)?;
+        // A partial recording that was asked for is played in full.
         Ok(ending)
     }
 }
 
 impl Options {
-    fn load(&self, session: &Session) -> Result<Scenario> {
-        let (percepts, recorded) = match &self.recording {
-            Some(path) => {
-                let frames = recording::open(path).map_err(anyhow::Error::from).and_then(read);
-                frames.with_context(|| path.display().to_string())?
-            }
-            None => read(recording::shipped()?)?,
+    /// What is to be played, and whether it is the whole of what was recorded.
+    fn load(&self, session: &Session) -> Result<(Scenario, Ending)> {
+        let Recording { header, percepts, completeness } = match &self.recording {
+            Some(path) => self.read(path)?,
+            None => Recording::read(recording::shipped()?, IfPartial::Refuse)?,
         };
-        let stature = self.stature.or(recorded).unwrap_or(DEFAULT_STATURE);
+        let name = self.recording.as_deref().unwrap_or(Path::new("the recording")).display();
+        let recorded = match completeness {
+            Completeness::Complete => Ending::Complete,
+            Completeness::Unmarked => {
+                session.warn(format_args!(
+                    "{name} is of version 1, which has no closing line: it may have been cut off"
+                ));
+                Ending::Complete
+            }
+            Completeness::Partial => {
+                let frames = percepts.len();
+                session.warn(format_args!("{name} is partial: {frames} whole camera frames"));
+                Ending::Partial
+            }
+        };
+        let stature = self.stature.or(header.stature).unwrap_or(DEFAULT_STATURE);
         let person = Person::new(stature).context("--stature")?;
         let map = build_map(session, &person, &MapOptions::default(), None)?;
         let scenario = Scenario::new(percepts, &person, map)?;
-        Ok(if self.separation { scenario.with_separation() } else { scenario })
+        let scenario = if self.separation { scenario.with_separation() } else { scenario };
+        Ok((scenario, recorded))
+    }
+
+    fn read(&self, path: &Path) -> Result<Recording> {
+        let if_partial = if self.partial { IfPartial::Take } else { IfPartial::Refuse };
+        let fail = |error: RecordingError| match error {
+            RecordingError::Open { .. } => error.into(),
+            error if error.is_early_end() && !self.partial => {
+                anyhow!("{}: {error}; --partial plays the frames that are there", path.display())
+            }
+            error => anyhow::Error::from(error).context(path.display().to_string()),
+        };
+        let reader = recording::open(path).map_err(fail)?;
+        Recording::read(reader, if_partial).map_err(fail)
     }
 }
 
-/// The camera frames, and the person's stature if the recording says it.
-fn read<R: std::io::BufRead>(reader: Reader<R>) -> Result<(Vec<Percept>, Option<f64>)> {
-    let stature = reader.header().stature;
-    let percepts: Vec<Percept> = reader.collect::<Result<_, _>>()?;
-    ensure!(!percepts.is_empty(), "the recording holds no camera frame");
-    Ok((percepts, stature))
+/// Keeps a file as partial unless all that it is of is complete.
+fn keep(file: OutputFile, of: [Ending; 2]) -> Result<()> {
+    if of.contains(&Ending::Partial) {
+        file.keep_partial()?;
+    } else {
+        file.keep()?;
+    }
+    Ok(())
 }
 
 /// One run; its table is written beside it in another thread, so that the loop only computes.
@@ -147,6 +182,7 @@ fn play(
     goal: Goal,
     title: &str,
     table: Option<&Path>,
+    recorded: Ending,
 ) -> Result<Played> {
     let run = Run::new(scenario, goal)?.until(session.interrupt().clone());
     // A tick a millisecond.
@@ -177,10 +213,7 @@ fn play(
         let written = writer.join().map_err(|_| anyhow::anyhow!("the table's writer panicked"))?;
         let (file, log) = written?;
         let summary = played?;
-        match summary.ending {
-            Ending::Partial => file.keep_partial().map(drop)?,
-            _ => file.keep()?,
-        }
+        keep(file, [summary.ending, recorded])?;
         Ok(Played { summary, log: Some(log) })
     })
 }

@@ -5,7 +5,7 @@ use std::{io::Write, path::PathBuf, process::ExitCode};
 use clap::Parser;
 use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Seed, Session};
 use examples::recording::Writer;
-use examples::walker::{CameraSettings, Walker, WalkerSettings, WalkingPath};
+use examples::simulation::{CameraSettings, Walker, WalkerSettings, WalkingPath};
 use serde::Serialize;
 use vision_models::Tool;
 
@@ -84,6 +84,7 @@ impl Program for Options {
                 drop: self.drop,
                 jumps: self.jump,
                 vanishings: self.vanish,
+                ..CameraSettings::default()
             },
         })?;
         let file = OutputFile::create(&self.output)?;
@@ -101,10 +102,9 @@ impl Program for Options {
             }
         }
         progress.finish();
-        let file = writer.finish()?;
         let output = match ending {
-            Ending::Partial => file.keep_partial()?,
-            _ => file.keep().map(|()| self.output)?,
+            Ending::Partial => writer.finish_partial()?.keep_partial()?,
+            _ => writer.finish()?.keep().map(|()| self.output)?,
         };
         let partial = if ending == Ending::Partial { ", interrupted" } else { "" };
         writeln!(session.output(), "{}: {frames} camera frames{partial}", output.display())?;

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::{Context, ensure};
 use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, Person, PersonFrame};
-use hrsw::Workspace;
+use hrsw::{SafetyState, Workspace};
 use moca_model::{
     Command, Controller, ControllerSettings, Goal, MOCA_HOME, RobotModel, SafetySettings,
     SimulatedRobot, SpaceSettings,
@@ -12,9 +12,9 @@ use moca_model::{
 use nalgebra::Vector3;
 use vision_models::Percept;
 
-use super::limits::LimitMonitor;
 use super::scoring::Scorer;
 use super::summary::Summary;
+use crate::limits::{LimitMonitor, Return};
 use crate::program::{Ending, Interrupt};
 use crate::report::TickRow;
 
@@ -65,6 +65,7 @@ struct Tally {
     error_squared: f64,
     outside: u64,
     out_of_reach: u64,
+    violations: u64,
     failures: u64,
 }
 
@@ -173,11 +174,12 @@ impl<'a> Run<'a> {
         self.controller.step(now, self.robot.position())?;
         let tick_us = started.elapsed().as_secs_f64() * 1e6;
         let actual = self.controller.actual().translation.vector;
-        self.robot.step(&self.controller.command().joint_velocity, self.period)?;
-        self.monitor.check(self.controller.command(), self.robot.position());
+        let (command, space) = (self.controller.command(), self.controller.space());
+        let undisturbed = command.safety == SafetyState::Normal && space.person().is_none();
+        let returning = if undisturbed { Return::Free } else { Return::Hindered };
+        let breaches = self.monitor.check(command, self.robot.position(), returning);
+        self.robot.step(&command.joint_velocity, self.period)?;
 
-        let space = self.controller.space();
-        let command = self.controller.command();
         let violation = space.workspace().violation(&command.desired);
         let inside = violation.amax() <= INSIDE;
         // Working together begins when the tool first arrives in the shared workspace.
@@ -197,6 +199,7 @@ impl<'a> Run<'a> {
         }
         let tally = &mut self.tally;
         tally.ticks += 1;
+        tally.violations += u64::from(breaches.any());
         tally.failures += u64::from(!command.outcome.is_optimal());
         tally.error_squared += (command.desired.translation.vector - actual).norm_squared();
         if let (true, Some(hand)) = (self.engaged, hand) {
@@ -233,8 +236,8 @@ impl<'a> Run<'a> {
             tracking_error_rms_mm: 1e3 * share(tally.error_squared, tally.ticks).sqrt(),
             outside: time(tally.outside),
             out_of_reach: time(tally.out_of_reach),
-            margins: self.monitor.margins,
-            limit_violations: self.monitor.violations,
+            margins: self.monitor.margins(),
+            limit_violations: tally.violations,
             solver_failures: tally.failures,
             tick_us: [quantile(50), quantile(99), quantile(100)],
             wall,

@@ -1,6 +1,6 @@
 //! A run in a few numbers.
 
-use super::limits::Margins;
+use crate::limits::Margins;
 use crate::program::Ending;
 
 /// What a run came to.

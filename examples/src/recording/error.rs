@@ -46,7 +46,7 @@ pub enum RecordingError {
     /// The first line is no header.
     #[error(
         "line {line}: {problem}; the first line of a recording is its header, such as \
-         {{\"format\":\"moca-recording\",\"version\":1,\"frame\":\"world\",\"rate\":20.0,\
+         {{\"format\":\"moca-recording\",\"version\":2,\"frame\":\"world\",\"rate\":20.0,\
          \"stature\":1.75}}"
     )]
     Header {
@@ -54,6 +54,57 @@ pub enum RecordingError {
         line: usize,
         /// What was found.
         problem: String,
+    },
+    /// The input ends before the closing line.
+    #[error(
+        "line {line}: the recording is cut off here, after {frames} whole camera frame(s): a whole \
+         one ends with a closing line such as {{\"end\":{{\"frames\":{frames},\"complete\":true}}}}"
+    )]
+    Cut {
+        /// The last line, or the one that is missing.
+        line: usize,
+        /// How many whole frames there are.
+        frames: u64,
+    },
+    /// The closing line says that the recording was interrupted.
+    #[error(
+        "line {line}: the recording is partial: it was interrupted after {frames} camera frame(s)"
+    )]
+    Interrupted {
+        /// The closing line.
+        line: usize,
+        /// How many frames there are.
+        frames: u64,
+    },
+    /// A closing line that is none.
+    #[error(
+        "line {line}: {problem}; the closing line of a recording of version 2 is such as \
+         {{\"end\":{{\"frames\":1119,\"complete\":true}}}}"
+    )]
+    End {
+        /// The line.
+        line: usize,
+        /// What was found.
+        problem: String,
+    },
+    /// The closing line gives another number of frames than there are.
+    #[error(
+        "line {line}: the closing line gives {said} camera frame(s), and there are {found}: lines \
+         were lost or added"
+    )]
+    FrameCount {
+        /// The closing line.
+        line: usize,
+        /// What it says.
+        said: u64,
+        /// How many there are.
+        found: u64,
+    },
+    /// Something comes after the closing line.
+    #[error("line {line} comes after the closing line: a file holds one recording")]
+    AfterEnd {
+        /// The line.
+        line: usize,
     },
     /// A line is not the JSON that a frame has.
     #[error(
@@ -165,4 +216,12 @@ pub enum RecordingError {
         /// Which name.
         source: vision_models::Error,
     },
+}
+
+impl RecordingError {
+    /// Returns true if the recording is sound as far as it goes, but ends early: it is cut off, or
+    /// its writer was interrupted.
+    pub fn is_early_end(&self) -> bool {
+        matches!(self, Self::Cut { .. } | Self::Interrupted { .. })
+    }
 }

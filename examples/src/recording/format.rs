@@ -5,7 +5,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 pub(super) const FORMAT: &str = "moca-recording";
-pub(super) const VERSION: u32 = 1;
+
+/// Recordings of this version close with an [`EndLine`].
+pub(super) const VERSION: u32 = 2;
+
+/// Recordings of this version have no closing line.
+pub(super) const UNMARKED_VERSION: u32 = 1;
 
 /// What holds for a whole recording.
 ///
@@ -48,6 +53,22 @@ pub(super) struct HeaderLine {
     pub(super) frame: Frame,
     pub(super) rate: f64,
     pub(super) stature: Option<f64>,
+}
+
+/// The closing line.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EndLine {
+    pub(super) end: End,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct End {
+    /// How many camera frames there are.
+    pub(super) frames: u64,
+    /// False if the recording was interrupted.
+    pub(super) complete: bool,
 }
 
 #[derive(Deserialize)]

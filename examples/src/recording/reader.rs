@@ -1,6 +1,6 @@
 //! Reading a recording, line by line.
 
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 
 use nalgebra::Point3;
 use serde::de::DeserializeOwned;
@@ -10,21 +10,21 @@ use vision_models::{
 };
 
 use super::{
-    RecordingError, check,
-    format::{FORMAT, FrameLine, Header, HeaderLine, Label, VERSION},
+    Completeness, RecordingError, check,
+    format::{EndLine, FORMAT, FrameLine, Header, HeaderLine, Label, UNMARKED_VERSION, VERSION},
+    lines::{Line, Lines},
 };
-
-/// The most that is read of one line (bytes).
-const LONGEST_LINE: usize = 64 * 1024;
+use crate::excerpt::excerpt;
 
 /// Reads a recording as an iterator over its percepts, one line at a time. After the first error
-/// it ends.
+/// it ends. The last item of a recording that ends early is an error of which
+/// [`RecordingError::is_early_end`] is true.
 ///
 /// ```
 /// use examples::recording::Reader;
 ///
 /// let text = concat!(
-///     r#"{"format":"moca-recording","version":1,"frame":"world","rate":20.0}"#, "\n",
+///     r#"{"format":"moca-recording","version":2,"frame":"world","rate":20.0}"#, "\n",
 ///     r#"{"time":0.0,"keypoints":[],"action":null,"surface":null}"#, "\n",
 /// );
 /// let mut reader = Reader::new(text.as_bytes())?;
@@ -37,8 +37,11 @@ const LONGEST_LINE: usize = 64 * 1024;
 pub struct Reader<R> {
     lines: Lines<R>,
     header: Header,
+    version: u32,
+    frames: u64,
     previous: Option<f64>,
-    ended: bool,
+    /// None before the end.
+    end: Option<Completeness>,
 }
 
 impl<R: BufRead> Reader<R> {
@@ -48,12 +51,12 @@ impl<R: BufRead> Reader<R> {
     /// [`RecordingError::Empty`], [`RecordingError::Header`], [`RecordingError::LineTooLong`] or
     /// [`RecordingError::Io`].
     pub fn new(input: R) -> Result<Self, RecordingError> {
-        let mut lines = Lines { input, buffer: Vec::new(), number: 0 };
-        let Some((line, text)) = lines.next()? else {
+        let mut lines = Lines::new(input)?;
+        let Some(line) = lines.next()? else {
             return Err(RecordingError::Empty { lines: 0 });
         };
-        let header = parse_header(line, text)?;
-        Ok(Self { lines, header, previous: None, ended: false })
+        let (header, version) = parse_header(&line)?;
+        Ok(Self { lines, header, version, frames: 0, previous: None, end: None })
     }
 
     /// What holds for the whole recording.
@@ -61,16 +64,69 @@ impl<R: BufRead> Reader<R> {
         &self.header
     }
 
+    /// Whether the recording is complete. Before the iterator is at its end it is partial, and after
+    /// an error it stays so.
+    pub fn completeness(&self) -> Completeness {
+        self.end.unwrap_or(Completeness::Partial)
+    }
+
     fn read(&mut self) -> Result<Option<Percept>, RecordingError> {
-        let Some((line, text)) = self.lines.next()? else {
-            return match self.previous {
-                Some(_) => Ok(None),
-                None => Err(RecordingError::Empty { lines: self.lines.number }),
-            };
+        let Some(line) = self.lines.next()? else {
+            return self.end_of_input();
         };
-        let percept = parse_frame(line, text, self.previous)?;
+        if is_closing(&line) {
+            let EndLine { end } = parse(&line, self.frames, |_, problem| RecordingError::End {
+                line: line.number,
+                problem,
+            })?;
+            let number = line.number;
+            return self.close(number, end.frames, end.complete);
+        }
+        let percept = parse_frame(&line, self.frames, self.previous)?;
         self.previous = Some(percept.time);
+        self.frames += 1;
         Ok(Some(percept))
+    }
+
+    /// There is no closing line.
+    fn end_of_input(&mut self) -> Result<Option<Percept>, RecordingError> {
+        let (lines, frames) = (self.lines.count(), self.frames);
+        if self.version != UNMARKED_VERSION {
+            return Err(RecordingError::Cut { line: lines + 1, frames });
+        }
+        if frames == 0 {
+            return Err(RecordingError::Empty { lines });
+        }
+        self.end = Some(Completeness::Unmarked);
+        Ok(None)
+    }
+
+    /// There is one.
+    fn close(
+        &mut self,
+        line: usize,
+        said: u64,
+        complete: bool,
+    ) -> Result<Option<Percept>, RecordingError> {
+        let found = self.frames;
+        if self.version == UNMARKED_VERSION {
+            let problem = format!("the header says version {UNMARKED_VERSION}, which has no end");
+            return Err(RecordingError::End { line, problem });
+        }
+        if said != found {
+            return Err(RecordingError::FrameCount { line, said, found });
+        }
+        if let Some(line) = self.lines.next()? {
+            return Err(RecordingError::AfterEnd { line: line.number });
+        }
+        if !complete {
+            return Err(RecordingError::Interrupted { line, frames: found });
+        }
+        if found == 0 {
+            return Err(RecordingError::Empty { lines: line });
+        }
+        self.end = Some(Completeness::Complete);
+        Ok(None)
     }
 }
 
@@ -78,74 +134,72 @@ impl<R: BufRead> Iterator for Reader<R> {
     type Item = Result<Percept, RecordingError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.ended {
+        if self.end.is_some() {
             return None;
         }
         let item = self.read().transpose();
-        self.ended = !matches!(item, Some(Ok(_)));
+        if matches!(item, Some(Err(_))) {
+            self.end = Some(Completeness::Partial);
+        }
         item
     }
 }
 
-/// The lines of the input that are not blank, of bounded length, with their numbers.
-#[derive(Debug)]
-struct Lines<R> {
-    input: R,
-    buffer: Vec<u8>,
-    number: usize,
+/// Returns true for a line that opens as the closing line does.
+fn is_closing(line: &Line<'_>) -> bool {
+    line.text.strip_prefix(b"{").is_some_and(|rest| rest.trim_ascii_start().starts_with(b"\"end\""))
 }
 
-impl<R: BufRead> Lines<R> {
-    fn next(&mut self) -> Result<Option<(usize, &[u8])>, RecordingError> {
-        loop {
-            self.buffer.clear();
-            let line = self.number + 1;
-            let read = self
-                .input
-                .by_ref()
-                .take(LONGEST_LINE as u64 + 1)
-                .read_until(b'\n', &mut self.buffer)
-                .map_err(|source| RecordingError::Io { line, source })?;
-            if read == 0 {
-                return Ok(None);
-            }
-            if read > LONGEST_LINE {
-                return Err(RecordingError::LineTooLong { line, limit: LONGEST_LINE });
-            }
-            self.number = line;
-            if !self.buffer.trim_ascii().is_empty() {
-                return Ok(Some((line, self.buffer.trim_ascii())));
-            }
+/// Parses a line after the header; `fail` makes an error of the column and of what was found there.
+/// A last line that stops in its middle is a cut, after `frames` frames.
+fn parse<T: DeserializeOwned>(
+    line: &Line<'_>,
+    frames: u64,
+    fail: impl FnOnce(usize, String) -> RecordingError,
+) -> Result<T, RecordingError> {
+    serde_json::from_slice(line.text).map_err(|error| {
+        if !line.terminated && error.is_eof() {
+            RecordingError::Cut { line: line.number, frames }
+        } else {
+            fail(error.column(), problem(&error))
         }
-    }
-}
-
-/// Parses one line; a failure gives the column and what was found there.
-fn parse<T: DeserializeOwned>(text: &[u8]) -> Result<T, (usize, String)> {
-    serde_json::from_slice(text).map_err(|error| {
-        let problem = error.to_string();
-        // The place is said once, by whoever reports it, with the line's number in the file.
-        let place = format!(" at line {} column {}", error.line(), error.column());
-        (error.column(), problem.strip_suffix(&place).unwrap_or(&problem).to_owned())
     })
 }
 
-fn parse_header(line: usize, text: &[u8]) -> Result<Header, RecordingError> {
-    let fail = |problem| RecordingError::Header { line, problem };
-    let found: HeaderLine = parse(text).map_err(|(_, problem)| fail(problem))?;
-    if found.format != FORMAT || found.version != VERSION {
-        let HeaderLine { format, version, .. } = found;
-        return Err(fail(format!(
-            "format \"{format}\" version {version} is not \"{FORMAT}\" version {VERSION}"
-        )));
-    }
-    let HeaderLine { frame, rate, stature, .. } = found;
-    check::header(line, Header { frame, rate, stature })
+/// What the parser found, without the place, which is said once, by whoever reports it, with the
+/// line's number in the file.
+fn problem(error: &serde_json::Error) -> String {
+    let problem = error.to_string();
+    let place = format!(" at line {} column {}", error.line(), error.column());
+    excerpt(problem.strip_suffix(&place).unwrap_or(&problem))
 }
 
-fn parse_frame(line: usize, text: &[u8], previous: Option<f64>) -> Result<Percept, RecordingError> {
-    let frame: FrameLine =
-        parse(text).map_err(|(column, problem)| RecordingError::Json { line, column, problem })?;
+fn parse_header(line: &Line<'_>) -> Result<(Header, u32), RecordingError> {
+    let fail = |problem| RecordingError::Header { line: line.number, problem };
+    let HeaderLine { format, version, frame, rate, stature } =
+        serde_json::from_slice(line.text).map_err(|error| fail(problem(&error)))?;
+    if format != FORMAT || !(version == VERSION || version == UNMARKED_VERSION) {
+        return Err(fail(format!(
+            "format \"{}\" version {version} is not \"{FORMAT}\" version {VERSION} or \
+             {UNMARKED_VERSION}",
+            excerpt(&format)
+        )));
+    }
+    Ok((check::header(line.number, Header { frame, rate, stature })?, version))
+}
+
+fn parse_frame(
+    line: &Line<'_>,
+    frames: u64,
+    previous: Option<f64>,
+) -> Result<Percept, RecordingError> {
+    let number = line.number;
+    let frame: FrameLine = parse(line, frames, |column, problem| RecordingError::Json {
+        line: number,
+        column,
+        problem,
+    })?;
+    let line = number;
     let time = check::time(line, frame.time, previous)?;
     if frame.keypoints.len() != Body25::COUNT {
         return Err(RecordingError::KeypointCount { line, found: frame.keypoints.len() });
@@ -173,7 +227,7 @@ fn keypoint(line: usize, joint: Body25, value: &Value) -> Result<Option<Keypoint
             line,
             index: joint.index(),
             joint: joint.name(),
-            found: value.to_string().chars().take(80).collect(),
+            found: excerpt(&value.to_string()),
         });
     };
     let of = || format!("keypoint {} ({})", joint.index(), joint.name());
@@ -185,14 +239,14 @@ fn keypoint(line: usize, joint: Body25, value: &Value) -> Result<Option<Keypoint
 
 fn action(line: usize, label: &Label) -> Result<RecognisedAction, RecordingError> {
     Ok(RecognisedAction {
-        action: Action::from_name(&label.name)
+        action: Action::from_name(&excerpt(&label.name))
             .map_err(|source| RecordingError::Name { line, source })?,
         confidence: check::confidence(line, || "the action".to_owned(), label.confidence)?,
     })
 }
 
 fn surface(line: usize, label: &Label) -> Result<RecognisedSurface, RecordingError> {
-    let surface: Result<Surface, _> = label.name.parse();
+    let surface: Result<Surface, _> = excerpt(&label.name).parse();
     Ok(RecognisedSurface {
         surface: surface.map_err(|source| RecordingError::Name { line, source })?,
         confidence: check::confidence(line, || "the surface".to_owned(), label.confidence)?,

@@ -7,11 +7,12 @@ use vision_models::{Body, Body25, Confidence, Percept};
 
 use super::{
     RecordingError, check,
-    format::{FORMAT, FrameLineOut, Header, HeaderLine, LabelOut, VERSION},
+    format::{End, EndLine, FORMAT, FrameLineOut, Header, HeaderLine, LabelOut, VERSION},
 };
 
 /// Writes a recording: times to the microsecond, positions to a tenth of a millimetre, confidences
-/// to a thousandth. It writes nothing that [`Reader`](super::Reader) would refuse.
+/// to a thousandth. It writes nothing that [`Reader`](super::Reader) would refuse. A recording whose
+/// writer is dropped without [`finish`](Self::finish) has no closing line and counts as cut off.
 ///
 /// ```
 /// use examples::recording::{Header, RecordingError, Writer};
@@ -28,6 +29,7 @@ use super::{
 pub struct Writer<W> {
     output: W,
     line: usize,
+    frames: u64,
     previous: Option<f64>,
 }
 
@@ -38,7 +40,7 @@ impl<W: Write> Writer<W> {
     /// [`RecordingError::Header`] or [`RecordingError::Io`].
     pub fn new(output: W, header: &Header) -> Result<Self, RecordingError> {
         let Header { frame, rate, stature } = check::header(1, *header)?;
-        let mut writer = Self { output, line: 0, previous: None };
+        let mut writer = Self { output, line: 0, frames: 0, previous: None };
         let (format, version) = (FORMAT.to_owned(), VERSION);
         writer.write_line(&HeaderLine { format, version, frame, rate, stature })?;
         Ok(writer)
@@ -65,15 +67,29 @@ impl<W: Write> Writer<W> {
             action: percept.action.map(|seen| label(seen.action.name(), seen.confidence)),
             surface: percept.surface.map(|seen| label(seen.surface.name(), seen.confidence)),
         })?;
+        self.frames += 1;
         self.previous = Some(time);
         Ok(())
     }
 
-    /// Flushes and gives the output back.
+    /// Writes the closing line of a complete recording, flushes and gives the output back.
     ///
     /// # Errors
     /// [`RecordingError::Io`].
-    pub fn finish(mut self) -> Result<W, RecordingError> {
+    pub fn finish(self) -> Result<W, RecordingError> {
+        self.close(true)
+    }
+
+    /// The same for a recording that ends early, and says so.
+    ///
+    /// # Errors
+    /// [`RecordingError::Io`].
+    pub fn finish_partial(self) -> Result<W, RecordingError> {
+        self.close(false)
+    }
+
+    fn close(mut self, complete: bool) -> Result<W, RecordingError> {
+        self.write_line(&EndLine { end: End { frames: self.frames, complete } })?;
         let line = self.line;
         self.output.flush().map_err(|source| RecordingError::Io { line, source })?;
         Ok(self.output)

@@ -7,16 +7,16 @@ use ergo_map::ErgonomicsQuadratic;
 use moca_model::{
     Controller, ControllerSettings, Goal, MOCA_HOME, RobotModel, SimulatedRobot, SpaceSettings,
 };
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use vision_models::Tool;
 
-use super::body::{self, Joints};
-use super::camera::Camera;
+use super::body;
 use super::monitor::{Monitor, Tick};
-use super::person::Person;
 use super::task::{POSITION_ROWS, Task};
 use crate::random;
+use crate::simulation::{CameraSettings, FRAME_RATE, Joints, Perception, Transport, Wanderer};
 
 /// What a generator is for.
 #[derive(Clone, Copy)]
@@ -24,8 +24,17 @@ enum Stream {
     Start,
     Person,
     Camera,
+    Recogniser,
+    Transport,
     Task,
 }
+
+/// No joint is seen farther than this from where it is \[m\]: well within Z_d, the uncertainty
+/// that the protective distance allows for.
+const LARGEST_ERROR: f64 = 0.02;
+
+/// The greatest probability that a joint is missing in a frame.
+const DROP: f64 = 0.1;
 
 fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
     random::generator(seed, stream as u64)
@@ -37,37 +46,52 @@ pub(super) struct Episode {
     controller: Controller,
     robot: SimulatedRobot,
     pub(super) monitor: Monitor,
-    person: Person,
-    camera: Camera,
+    person: Wanderer,
+    perception: Perception,
+    transport: Transport,
     task: Task,
     tick: u64,
+    /// Ticks from a camera frame to the next.
+    frame: u64,
     period: f64,
     /// The person's joints at every tick; whether they jumped there.
     history: Vec<(Joints, bool)>,
     /// The tick at which the newest frame was taken that shows the person and has arrived.
     known: Option<usize>,
+    /// Whether a frame has shown all of the person.
+    seen_whole: bool,
 }
 
 impl Episode {
     /// The episode of this seed.
     pub(super) fn new(model: &RobotModel, seed: u64) -> anyhow::Result<Self> {
+        let draws = |streams: [Stream; 2]| streams.map(|stream| generator(seed, stream));
         let mut draw = generator(seed, Stream::Start);
         let start = start(model, &mut draw);
         let goal = if draw.random_bool(0.8) { Goal::Ergonomics } else { Goal::LeastMotion };
         let space = SpaceSettings { position_rows: POSITION_ROWS, ..SpaceSettings::default() };
         let settings = ControllerSettings { goal, space, ..ControllerSettings::default() };
-        let robot = nalgebra::Vector2::new(start[0], start[1]);
+        let robot = Vector2::new(start[0], start[1]);
+        let camera = CameraSettings {
+            largest_error: LARGEST_ERROR,
+            drop: draw.random_range(0.0..DROP),
+            ..CameraSettings::default()
+        };
+        let eyes = draws([Stream::Camera, Stream::Recogniser]);
         Ok(Self {
             monitor: Monitor::new(model, &settings, &start)?,
-            person: Person::new(generator(seed, Stream::Person), robot),
-            camera: Camera::new(generator(seed, Stream::Camera)),
+            person: Wanderer::new(generator(seed, Stream::Person), robot),
+            perception: Perception::new(camera, 0.0, Tool::Drill, eyes),
+            transport: Transport::new(generator(seed, Stream::Transport)),
             task: Task::new(generator(seed, Stream::Task)),
             robot: SimulatedRobot::new(model, &start)?,
+            frame: ticks(1.0 / FRAME_RATE, settings.period),
             period: settings.period,
             controller: Controller::new(model.clone(), comfort()?, settings, &start)?,
             tick: 0,
             history: Vec::new(),
             known: None,
+            seen_whole: false,
         })
     }
 
@@ -77,12 +101,12 @@ impl Episode {
         let now = self.tick as f64 * self.period;
         let tool = *self.controller.actual();
         self.person.advance(now, self.period, tool.translation.vector.xy());
-        self.history.push((self.person.joints(), self.person.jumped()));
+        self.history.push((self.person.person().joints(), self.person.jumped()));
         self.check_person()?;
-        self.camera.look(self.tick, now, &self.person);
-        while let Some((tick, percept)) = self.camera.arrived(now) {
+        self.look(now);
+        while let Some(percept) = self.transport.arrived(now) {
             if percept.body.is_some() {
-                self.known = Some(usize::try_from(tick)?);
+                self.known = Some(usize::try_from(ticks(percept.time, self.period))?);
             }
             self.controller.observe(&percept)?;
         }
@@ -105,6 +129,26 @@ impl Episode {
         }
         self.tick += 1;
         Ok(tick_us)
+    }
+
+    /// Takes a camera frame if one is due.
+    fn look(&mut self, now: f64) {
+        if !self.tick.is_multiple_of(self.frame) {
+            return;
+        }
+        let person = &self.person;
+        let mut percept = self.perception.look(now, person.person(), person.is_in_view());
+        if let Some(percept) = &mut percept {
+            // The robot cannot keep its distance from a part that it has never seen.
+            let least = self.controller.settings().safety.person.least_confidence;
+            self.seen_whole |= percept.body.as_ref().is_some_and(|body| {
+                body::joints().all(|joint| {
+                    body.get(joint).is_some_and(|seen| seen.confidence.value() >= least)
+                })
+            });
+            percept.body = percept.body.take().filter(|_| self.seen_whole);
+        }
+        self.transport.send(percept);
     }
 
     /// People keep to the speed that the robot assumes where it measures none; who does not
@@ -143,6 +187,16 @@ impl Episode {
     pub(super) fn moves(&self) -> bool {
         self.controller.command().joint_velocity.iter().any(|velocity| velocity.abs() > 1e-3)
     }
+}
+
+/// How many periods a time is \[s\].
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "times are not negative, and an episode lasts seconds"
+)]
+fn ticks(time: f64, period: f64) -> u64 {
+    (time / period).round() as u64
 }
 
 /// The joints at a tick and at the one before, unless the person jumped between them.

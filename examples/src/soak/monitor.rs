@@ -8,10 +8,10 @@ use moca_model::{
 use nalgebra::{Isometry3, Point3};
 
 use super::body;
-use super::body::Joints;
 use super::distance::Rod;
-use super::limits::LimitCheck;
 use super::separation::{self, Body, MOMENT, Robot, Verdict};
+use crate::limits::{LimitMonitor, Return};
+use crate::simulation::Joints;
 
 /// Ticks with something wrong, by kind, and two kinds that are not wrong but worth counting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -87,7 +87,7 @@ pub struct Monitor {
     own_pairs: Vec<(usize, usize)>,
     separation: SeparationSettings,
     joints: Vec<JointLimits>,
-    limits: LimitCheck,
+    limits: LimitMonitor,
     period: f64,
     velocity: Vec<f64>,
     robot: Robot,
@@ -119,7 +119,7 @@ impl Monitor {
             own_pairs: settings.safety.own_pairs.clone(),
             separation: settings.safety.separation,
             joints: model.limits().to_vec(),
-            limits: LimitCheck::new(model, settings.desired, period, configuration),
+            limits: LimitMonitor::new(model, settings.desired, period, configuration),
             velocity: vec![0.0; configuration.len()],
             robot: Robot::default(),
             counts: Counts::default(),
@@ -143,10 +143,11 @@ impl Monitor {
             return Ok(());
         }
         let free = command.safety == SafetyState::Normal && tick.known.is_none();
-        let breaks = self.limits.check(command, tick.configuration, free);
-        counts.limit_violations += u64::from(breaks.limit);
-        counts.acceleration_violations += u64::from(breaks.acceleration);
-        counts.discontinuities += u64::from(breaks.discontinuity);
+        let returning = if free { Return::Free } else { Return::Hindered };
+        let breaches = self.limits.check(command, tick.configuration, returning);
+        counts.limit_violations += u64::from(breaches.limit);
+        counts.acceleration_violations += u64::from(breaches.acceleration);
+        counts.discontinuities += u64::from(breaches.desired_acceleration);
 
         let velocity = &command.joint_velocity;
         separation::emergency_stop(&self.joints, &mut self.velocity, self.period);
@@ -162,7 +163,7 @@ impl Monitor {
         counts.self_collisions += u64::from(self.own_pairs.iter().any(collides));
         if self.first_wrong.is_none() && self.counts.wrong() > 0 {
             let blame = verdict.violation;
-            self.first_wrong = Some(format!("{breaks:?} {blame:?} {:?}", self.counts));
+            self.first_wrong = Some(format!("{breaches:?} {blame:?} {:?}", self.counts));
         }
         Ok(())
     }

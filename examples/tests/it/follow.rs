@@ -5,7 +5,7 @@ use std::thread;
 use ergo_map::{ErgonomicsMap, MapOptions, Person};
 use examples::follow::{Run, Scenario, Summary};
 use examples::recording;
-use examples::walker::Walker;
+use examples::simulation::Walker;
 use moca_model::Goal;
 use vision_models::Percept;
 

@@ -2,7 +2,9 @@
 
 use std::io::{self, BufReader, Read};
 
-use examples::recording::{self, Frame, Header, Reader, RecordingError, Writer};
+use examples::recording::{
+    self, Completeness, Frame, Header, IfPartial, Reader, Recording, RecordingError, Writer,
+};
 use nalgebra::Point3;
 use proptest::prelude::*;
 use vision_models::{
@@ -11,7 +13,7 @@ use vision_models::{
 };
 
 const HEADER: &str =
-    r#"{"format":"moca-recording","version":1,"frame":"world","rate":20.0,"stature":1.75}"#;
+    r#"{"format":"moca-recording","version":2,"frame":"world","rate":20.0,"stature":1.75}"#;
 
 /// A frame with a mid hip and nothing else, its parts replaced by what is given.
 fn frame(time: &str, hip: &str, action: &str) -> String {
@@ -23,6 +25,11 @@ fn frame(time: &str, hip: &str, action: &str) -> String {
 
 fn good(time: &str) -> String {
     frame(time, "[1.0,0.5,0.9,0.8]", r#"{"name":"Walking","confidence":0.9}"#)
+}
+
+/// The closing line of a complete recording.
+fn end(frames: usize) -> String {
+    format!(r#"{{"end":{{"frames":{frames},"complete":true}}}}"#)
 }
 
 /// Reads a text to its end or its first error.
@@ -47,7 +54,8 @@ macro_rules! assert_error {
 
 #[test]
 fn a_good_recording_is_read() {
-    let text = format!("{HEADER}\n{}\n\n{}", good("0.0"), frame("0.05", "null", "null"));
+    let frames = [good("0.0"), String::new(), frame("0.05", "null", "null")].join("\n");
+    let text = format!("{HEADER}\n{frames}\n{}", end(2));
     let mut reader = Reader::new(text.as_bytes()).unwrap();
     let header = Header { frame: Frame::World, rate: 20.0, stature: Some(1.75) };
     assert_eq!(*reader.header(), header);
@@ -60,13 +68,17 @@ fn a_good_recording_is_read() {
     let nothing = Percept { time: 0.05, body: None, action: None, surface: None };
     assert_eq!(reader.next().unwrap().unwrap(), nothing);
     assert!(reader.next().is_none());
+    assert_eq!(reader.completeness(), Completeness::Complete);
 }
 
 #[test]
 fn empty_recordings() {
     assert_error!(read("").unwrap_err(), RecordingError::Empty { lines: 0 }, "empty", "`record`");
     assert_error!(read("\n \n").unwrap_err(), RecordingError::Empty { .. }, "empty");
-    assert_error!(read(HEADER).unwrap_err(), RecordingError::Empty { lines: 1 }, "no camera frame");
+    let old = HEADER.replace("\"version\":2", "\"version\":1");
+    assert_error!(read(&old).unwrap_err(), RecordingError::Empty { lines: 1 }, "no camera frame");
+    let none = format!("{HEADER}\n{}\n", end(0));
+    assert_error!(read(&none).unwrap_err(), RecordingError::Empty { lines: 2 }, "no camera frame");
 }
 
 #[test]
@@ -82,7 +94,7 @@ fn wrong_headers() {
     );
     assert_error!(with("moca-", "other-"), RecordingError::Header { .. }, "\"other-recording\"");
     assert_error!(
-        with("\"version\":1", "\"version\":7"),
+        with("\"version\":2", "\"version\":7"),
         RecordingError::Header { .. },
         "version 7"
     );
@@ -204,6 +216,120 @@ fn wrong_times() {
     );
 }
 
+/// What `follow` makes of a text, with and without `--partial`.
+fn whole(text: &str, if_partial: IfPartial) -> Result<Recording, RecordingError> {
+    Recording::read(Reader::new(text.as_bytes())?, if_partial)
+}
+
+#[test]
+fn early_ends_are_named_and_the_frames_before_them_can_be_taken() {
+    let frames = format!("{HEADER}\n{}\n{}\n", good("0.0"), good("0.1"));
+    let interrupted = format!("{frames}{}\n", end(2).replace("true", "false"));
+    for (text, line, says) in [
+        (frames.clone(), 4, "cut off here, after 2 whole camera frame(s)"),
+        (format!("{frames}{}", &good("0.2")[..150]), 4, "cut off here, after 2"),
+        (format!("{frames}{}", &end(2)[..12]), 4, "cut off here, after 2"),
+        (interrupted, 4, "is partial: it was interrupted after 2 camera frame(s)"),
+    ] {
+        let error = whole(&text, IfPartial::Refuse).unwrap_err();
+        assert!(error.is_early_end(), "{error:?}");
+        let words = error.to_string();
+        assert!(words.starts_with(&format!("line {line}: ")) && words.contains(says), "{words}");
+        let taken = whole(&text, IfPartial::Take).unwrap();
+        assert_eq!((taken.percepts.len(), taken.completeness), (2, Completeness::Partial));
+    }
+    // Without a whole frame there is nothing to take.
+    for text in [HEADER.to_owned(), format!("{HEADER}\n{}", &good("0.0")[..150])] {
+        assert_error!(
+            whole(&text, IfPartial::Take).unwrap_err(),
+            RecordingError::Cut { line: 2, frames: 0 },
+            "line 2"
+        );
+    }
+    // Damage is no early end.
+    let damaged = format!("{HEADER}\n{}\nwrong\n", good("0.0"));
+    assert_error!(
+        whole(&damaged, IfPartial::Take).unwrap_err(),
+        RecordingError::Json { line: 3, .. },
+        "line 3"
+    );
+}
+
+#[test]
+fn recordings_of_the_first_version_have_no_end() {
+    let old = HEADER.replace("\"version\":2", "\"version\":1");
+    let text = format!("{old}\n{}\n", good("0.0"));
+    let recording = whole(&text, IfPartial::Refuse).unwrap();
+    assert_eq!(recording.completeness, Completeness::Unmarked);
+    assert_eq!(recording.percepts.len(), 1);
+    // One that stops within a line is cut off, whatever its version.
+    let cut = format!("{text}{}", &good("0.1")[..150]);
+    assert_error!(
+        whole(&cut, IfPartial::Refuse).unwrap_err(),
+        RecordingError::Cut { line: 3, frames: 1 },
+        "line 3"
+    );
+    assert_error!(
+        whole(&format!("{text}{}", end(1)), IfPartial::Take).unwrap_err(),
+        RecordingError::End { line: 3, .. },
+        "line 3",
+        "version 1"
+    );
+}
+
+#[test]
+fn wrong_closing_lines() {
+    let with = |end: &str| {
+        whole(&format!("{HEADER}\n{}\n{end}\n", good("0.0")), IfPartial::Take).unwrap_err()
+    };
+    assert_error!(
+        with(&end(2)),
+        RecordingError::FrameCount { line: 3, said: 2, found: 1 },
+        "line 3",
+        "gives 2 camera frame(s), and there are 1"
+    );
+    assert_error!(
+        with(&format!("{}\n\n{}", end(1), good("0.1"))),
+        RecordingError::AfterEnd { line: 5 },
+        "line 5",
+        "after the closing line"
+    );
+    for wrong in
+        [r#"{"end":{"frames":1}}"#, r#"{"end":7}"#, r#"{ "end" : {"frames":-1}}"#, r#"{"end""#]
+    {
+        assert_error!(
+            with(wrong),
+            RecordingError::End { line: 3, .. },
+            "line 3",
+            "\"complete\":true"
+        );
+    }
+}
+
+#[test]
+fn a_byte_order_mark_is_skipped() {
+    let text = format!("\u{feff}{HEADER}\r\n{}\r\n{}\r\n", good("0.0"), end(1));
+    assert_eq!(read(&text).unwrap().len(), 1);
+    assert_error!(read("\u{feff}").unwrap_err(), RecordingError::Empty { .. }, "empty");
+}
+
+#[test]
+fn errors_quote_little() {
+    let long = "x".repeat(60_000);
+    let label = |name: &str| format!(r#"{{"name":"{name}","confidence":0.9}}"#);
+    for error in [
+        error_of(&frame("0.1", "null", &label(&long))),
+        error_of(&frame("0.1", &format!("\"{long}\""), "null")),
+        error_of(&good("0.1").replace("\"action\"", &format!("\"{long}\""))),
+        error_of(&format!("{{\"end\":\"{long}\"}}")),
+        read(&HEADER.replace("moca", &long)).unwrap_err(),
+        read(&HEADER.replace("world", &long)).unwrap_err(),
+    ] {
+        let words = error.to_string();
+        assert!(words.len() < 4000 && !words.contains(&long[..200]), "{} bytes", words.len());
+    }
+}
+
 #[test]
 fn a_line_without_end_is_refused_before_it_fills_the_memory() {
     let endless = HEADER.as_bytes().chain(&b"\n"[..]).chain(io::repeat(b' '));
@@ -255,7 +381,8 @@ fn a_writer_refuses_what_no_reader_takes_and_goes_on() {
     );
     writer.write(&at(0.1, None)).unwrap();
     let bytes = writer.finish().unwrap();
-    assert_eq!(Reader::new(bytes.as_slice()).unwrap().count(), 2);
+    let percepts: Result<Vec<_>, _> = Reader::new(bytes.as_slice()).unwrap().collect();
+    assert_eq!(percepts.unwrap().len(), 2);
     let header = Header { stature: Some(0.0), ..Header::default() };
     let error = Writer::new(Vec::new(), &header).unwrap_err();
     assert_error!(error, RecordingError::Header { .. }, "stature is 0");
@@ -331,6 +458,36 @@ proptest! {
             }
         }
         prop_assert_eq!(written(&header, &back), bytes);
+    }
+
+    /// Wherever a file is cut, it is refused, and the frames that are whole can be taken.
+    #[test]
+    fn no_cut_passes_for_a_whole_recording(
+        percepts in any_percepts(), at in any::<prop::sample::Index>(), complete in any::<bool>(),
+    ) {
+        let mut writer = Writer::new(Vec::new(), &Header::default()).unwrap();
+        for percept in &percepts {
+            writer.write(percept).unwrap();
+        }
+        let finish = if complete { Writer::finish } else { Writer::finish_partial };
+        let text = String::from_utf8(finish(writer).unwrap()).unwrap();
+        let cut = &text[..at.index(text.len() - 1)];
+        let error = whole(cut, IfPartial::Refuse).unwrap_err();
+        // Where each line of the whole text ends.
+        let ends = text.match_indices('\n').map(|(end, _)| end);
+        let there = ends.filter(|end| *end <= cut.len()).count();
+        let frames = there.saturating_sub(1);
+        if there > 0 {
+            let RecordingError::Cut { frames: found, .. } = error else { panic!("{error}") };
+            prop_assert_eq!(found, frames as u64);
+        }
+        match whole(cut, IfPartial::Take) {
+            Ok(taken) => {
+                prop_assert_eq!(taken.completeness, Completeness::Partial);
+                prop_assert_eq!(taken.percepts.len(), frames);
+            }
+            Err(error) => prop_assert!(frames == 0, "{error}"),
+        }
     }
 
     /// Whatever is in a file, reading it ends, with percepts or an error that names a line.

@@ -4,13 +4,11 @@ use std::{collections::HashSet, f64::consts::TAU};
 
 use examples::{
     recording,
-    walker::{CameraSettings, Truth, Walker, WalkerError, WalkerSettings, WalkingPath},
+    simulation::{CameraSettings, Truth, Walker, WalkerError, WalkerSettings, WalkingPath},
 };
 use vision_models::{
     Action, BodyTracker, Percept, Tool, TrackStatus, TrackerSettings, WalkingDirection,
 };
-
-const PERFECT: CameraSettings = CameraSettings { noise: 0.0, drop: 0.0, jumps: 0, vanishings: 0 };
 
 fn frames(settings: WalkerSettings) -> Vec<(Truth, Option<Percept>)> {
     let mut walker = Walker::new(settings).unwrap();
@@ -18,7 +16,7 @@ fn frames(settings: WalkerSettings) -> Vec<(Truth, Option<Percept>)> {
 }
 
 fn on(path: WalkingPath) -> WalkerSettings {
-    WalkerSettings { path, camera: PERFECT, ..WalkerSettings::default() }
+    WalkerSettings { path, camera: CameraSettings::PERFECT, ..WalkerSettings::default() }
 }
 
 /// The one test that says what the shipped file is: the output of `record` without options.

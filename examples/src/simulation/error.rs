@@ -23,7 +23,20 @@ pub enum WalkerError {
          line"
     )]
     Path {
-        /// What was given, or the line of the file that is wrong.
+        /// What was given, or its beginning.
+        text: String,
+    },
+    /// A line of a path's file that is no point.
+    #[error(
+        "{path}, line {line}: \"{text}\" is no point: give two numbers in metres, such as 1.4,0",
+        path = path.display()
+    )]
+    PathLine {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: usize,
+        /// What stands there, or its beginning.
         text: String,
     },
     /// A path's file that cannot be read.

@@ -1,27 +1,4 @@
-//! A simulated person, as a simulated camera reports them: what the `record` command writes down.
-//!
-//! The person acts out the paper's Experiments 3 and 4: comes with the object, delivers it to the
-//! robot, picks a tool up, works, leads the robot along a path while working, lays the tool down
-//! and leaves. The camera adds noise and loses joints and frames; the recogniser is late and
-//! sometimes wrong.
-//!
-//! ```
-//! use examples::walker::{Walker, WalkerSettings};
-//!
-//! let settings = WalkerSettings { duration: 10.0, ..WalkerSettings::default() };
-//! let percepts: Vec<_> = Walker::new(settings)?.collect();
-//! assert!(percepts.iter().any(|percept| percept.action.is_some_and(|seen| seen.action.is_collaborative())));
-//! # Ok::<(), examples::walker::WalkerError>(())
-//! ```
-
-mod camera;
-mod error;
-mod motion;
-mod path;
-mod recogniser;
-mod script;
-mod settings;
-mod skeleton;
+//! A person who acts out the paper's Experiments 3 and 4, as the camera reports them.
 
 use std::io::Write;
 
@@ -30,29 +7,25 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{Action, Percept, Tool};
 
-pub use camera::CameraSettings;
-pub use error::WalkerError;
-pub use path::{WalkingPath, Waypoint};
-pub use settings::WalkerSettings;
-
+use super::activity::Activity;
+use super::camera::CameraSettings;
+use super::error::WalkerError;
+use super::motion::Gait;
+use super::path::WalkingPath;
+use super::perception::{FRAME_RATE, Perception};
+use super::person::Person;
+use super::script::{self, Script};
+use super::settings::WalkerSettings;
 use crate::random;
 use crate::recording::{Header, RecordingError, Writer};
-use camera::Camera;
-use motion::Motion;
-use recogniser::Recogniser;
-use script::Script;
-
-/// Frames a second.
-const RATE: f64 = 20.0;
 
 /// The simulated person and camera: an iterator over the camera's percepts.
 #[derive(Clone, Debug)]
 pub struct Walker {
     settings: WalkerSettings,
     script: Script,
-    motion: Motion,
-    camera: Camera,
-    recogniser: Recogniser,
+    person: Person,
+    perception: Perception,
     frame: u32,
 }
 
@@ -97,6 +70,7 @@ impl Walker {
                 drop: draw.random_range(0.0..0.3),
                 jumps: draw.random_range(1..4),
                 vanishings: draw.random_range(1..3),
+                ..CameraSettings::default()
             },
         };
         Self::at_pace(settings, 0.5)
@@ -105,13 +79,18 @@ impl Walker {
     /// `pace` scales the time that the person takes over each step.
     fn at_pace(settings: WalkerSettings, pace: f64) -> Self {
         let mut draw = generator(settings.seed, Stream::Path);
-        let camera = generator(settings.seed, Stream::Camera);
-        let recogniser = generator(settings.seed, Stream::Recogniser);
+        let eyes = [Stream::Camera, Stream::Recogniser];
+        let eyes = eyes.map(|stream| generator(settings.seed, stream));
         Self {
             script: Script::new(&settings, pace, &mut draw),
-            motion: Motion::starting_at(script::START, script::TOWARDS_ROBOT),
-            camera: Camera::new(&settings, camera),
-            recogniser: Recogniser::new(settings.tool, recogniser),
+            person: Person::standing(
+                settings.stature,
+                script::START,
+                script::TOWARDS_ROBOT,
+                Gait::NATURAL,
+                Activity::CarryObject,
+            ),
+            perception: Perception::new(settings.camera, settings.duration, settings.tool, eyes),
             settings,
             frame: 0,
         }
@@ -119,7 +98,7 @@ impl Walker {
 
     /// The header of a recording of this person.
     pub fn header(&self) -> Header {
-        Header { rate: RATE, stature: Some(self.settings.stature), ..Header::default() }
+        Header { rate: FRAME_RATE, stature: Some(self.settings.stature), ..Header::default() }
     }
 
     /// The settings.
@@ -131,7 +110,7 @@ impl Walker {
     pub fn expected_frames(&self) -> u64 {
         // The duration lies between 0 and an hour.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
-        let frames = (self.settings.duration * RATE) as u64;
+        let frames = (self.settings.duration * FRAME_RATE) as u64;
         frames + 1
     }
 
@@ -153,25 +132,21 @@ impl Walker {
     /// The next frame as it truly is and as it is reported. `None` in place of a percept stands for
     /// a frame that the camera lost; `None` in place of both for the end.
     pub fn next_frame(&mut self) -> Option<(Truth, Option<Percept>)> {
-        let time = f64::from(self.frame) / RATE;
+        let time = f64::from(self.frame) / FRAME_RATE;
         if time > self.settings.duration {
             return None;
         }
         self.frame += 1;
-        let activity = self.script.advance(&mut self.motion, time, 1.0 / RATE);
-        let action = activity.action(self.motion.velocity_in_person());
-        let body = skeleton::body(self.settings.stature, &self.motion);
-        let body = self.camera.see(time, &body);
-        let (action_seen, surface) = self.recogniser.recognise(action, body.is_some());
-        let percept = Percept { time, body, action: action_seen, surface };
+        let person = &mut self.person;
+        self.script.advance(person, time, 1.0 / FRAME_RATE);
         let truth = Truth {
             time,
-            floor: self.motion.floor,
-            heading: self.motion.heading,
-            velocity: self.motion.velocity,
-            action,
+            floor: person.floor(),
+            heading: person.heading(),
+            velocity: person.velocity(),
+            action: person.action(),
         };
-        Some((truth, Some(percept).filter(|_| !self.camera.loses_frame())))
+        Some((truth, self.perception.look(time, person, true)))
     }
 }
 

@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use vision_models::Body25;
 
 use super::motion::Motion;
+use super::person::Joints;
 
 const ANKLE_HEIGHT: f64 = 0.039;
 const SHANK: f64 = 0.285 - 0.039;
@@ -22,7 +23,7 @@ const FOOT: f64 = 0.07;
 const LEG: f64 = 0.99 * (THIGH + SHANK);
 
 /// The twenty-five joints of a person of this stature (m), in the world, in `BODY_25`'s order.
-pub(super) fn body(stature: f64, motion: &Motion) -> [Point3<f64>; Body25::COUNT] {
+pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
     let mut joints = [Point3::origin(); Body25::COUNT];
     let mut set = |joint: Body25, place: Vector3<f64>| joints[joint.index()] = place.into();
 
@@ -141,13 +142,17 @@ mod tests {
     use nalgebra::{Point2, vector};
 
     use super::*;
-    use crate::walker::motion::{Goal, Hands};
+    use crate::simulation::motion::{Gait, Goal, Hands};
+
+    fn natural(floor: Point2<f64>, heading: f64) -> Motion {
+        Motion::starting_at(floor, heading, Gait::NATURAL, Hands::Carrying)
+    }
 
     /// Frames of a walk over 2 m with the hands in each place.
     fn walk() -> impl Iterator<Item = (f64, Motion)> {
         [Hands::Swinging, Hands::Working, Hands::AtTable, Hands::Reaching].into_iter().flat_map(
             |hands| {
-                let mut motion = Motion::starting_at(Point2::new(3.0, 0.0), 3.0);
+                let mut motion = natural(Point2::new(3.0, 0.0), 3.0);
                 let goal =
                     Goal { floor: Point2::new(1.0, 0.0), heading: 4.0, speed: 0.9, stop: true };
                 (0..100).map(move |frame| {
@@ -165,7 +170,7 @@ mod tests {
             RightElbow, RightHip, RightKnee, RightShoulder, RightWrist,
         };
         for (stature, motion) in walk() {
-            let joints = body(stature, &motion);
+            let joints = joints(stature, &motion);
             let at = |joint: Body25| joints[joint.index()];
             for (from, to, fraction) in [
                 (LeftHip, LeftKnee, THIGH),
@@ -186,7 +191,7 @@ mod tests {
     #[test]
     fn feet_are_on_the_floor_and_the_head_is_up() {
         for (stature, motion) in walk() {
-            let joints = body(stature, &motion);
+            let joints = joints(stature, &motion);
             let lowest = joints.iter().map(|joint| joint.z).fold(f64::INFINITY, f64::min);
             assert!(lowest >= 0.0 && lowest < 0.02 * stature, "a foot stands: {lowest} m");
             let eyes = joints[Body25::LeftEye.index()].z / stature;
@@ -196,7 +201,7 @@ mod tests {
 
     #[test]
     fn a_standing_foot_stays_where_it_is() {
-        let mut motion = Motion::starting_at(Point2::new(0.0, 0.0), 0.0);
+        let mut motion = natural(Point2::new(0.0, 0.0), 0.0);
         let goal = Goal { floor: Point2::new(50.0, 0.0), heading: 0.0, speed: 0.8, stop: false };
         motion.advance(&goal, Hands::Swinging, 3.0);
         let mut before: Option<(Vector3<f64>, f64)> = None;

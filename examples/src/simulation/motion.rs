@@ -4,18 +4,54 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 
-/// How the person speeds up (m/s²); slowing down is planned at less.
-const ACCELERATION: f64 = 0.8;
-
-/// How fast the person turns (rad/s), and how fast that changes (rad/s²).
-const TURNING_RATE: f64 = 1.2;
-const TURNING_ACCELERATION: f64 = 4.0;
-
 /// Two steps take this long (s).
 const STRIDE_TIME: f64 = 1.3;
 
 /// The hands follow what they are meant to do with this time constant (s).
 const HAND_TIME: f64 = 0.25;
+
+/// How a person moves.
+///
+/// ```
+/// use examples::simulation::Gait;
+///
+/// assert!(Gait::CAREFUL.turning_rate < Gait::NATURAL.turning_rate);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gait {
+    /// How the person speeds up (m/s²); slowing down is planned at less.
+    pub acceleration: f64,
+    /// How fast the person turns (rad/s).
+    pub turning_rate: f64,
+    /// How fast that changes (rad/s²).
+    pub turning_acceleration: f64,
+    /// Length of the steps and swing of the arms, as a share of those of a person whose standing
+    /// feet do not slide.
+    pub stride: f64,
+    /// How fast the hands move against the body at most, in statures a second.
+    pub hand_speed: f64,
+}
+
+impl Gait {
+    /// Standing feet stay where they are.
+    pub const NATURAL: Self = Self {
+        acceleration: 0.8,
+        turning_rate: 1.2,
+        turning_acceleration: 4.0,
+        stride: 1.0,
+        hand_speed: f64::INFINITY,
+    };
+
+    /// In small sliding steps and with quiet hands, so that hands and feet are not much faster than
+    /// the trunk.
+    pub const CAREFUL: Self = Self {
+        acceleration: 1.0,
+        turning_rate: 0.6,
+        turning_acceleration: 3.0,
+        stride: 0.2,
+        hand_speed: 0.06,
+    };
+}
 
 /// A place to go to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +92,7 @@ pub(super) struct Motion {
     pub(super) velocity: Vector2<f64>,
     /// The yaw of the forward direction (rad).
     pub(super) heading: f64,
+    gait: Gait,
     turning_rate: f64,
     /// Of the two steps of a stride, in [0, 2π) (rad).
     phase: f64,
@@ -66,14 +103,15 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    pub(super) fn starting_at(floor: Point2<f64>, heading: f64) -> Self {
+    pub(super) fn starting_at(floor: Point2<f64>, heading: f64, gait: Gait, hands: Hands) -> Self {
         Self {
             floor,
             velocity: Vector2::zeros(),
             heading,
+            gait,
             turning_rate: 0.0,
             phase: 0.0,
-            hands: Hands::Carrying.places(0.0),
+            hands: hands.places(0.0),
             lean: 0.0,
         }
     }
@@ -101,7 +139,7 @@ impl Motion {
             (-0.25 * (TAU / 2.0 * swing).cos(), (TAU / 2.0 * swing).sin())
         };
         let step = velocity * STRIDE_TIME * along;
-        Vector3::new(step.x, step.y, 0.12 * lift * velocity.norm().min(1.0))
+        Vector3::new(step.x, step.y, 0.12 * lift * velocity.norm().min(1.0)) * self.gait.stride
     }
 
     /// The hand's place in the person's frame, as a fraction of stature.
@@ -126,25 +164,27 @@ impl Motion {
     }
 
     fn step(&mut self, goal: &Goal, hands: Hands, dt: f64) {
+        let Gait { acceleration, turning_rate, turning_acceleration, stride, hand_speed } =
+            self.gait;
         let to_goal = goal.floor - self.floor;
         let distance = to_goal.norm();
         // Slows down in time, and at the end like a damped spring.
-        let braking = (1.2 * ACCELERATION * distance).sqrt().min(2.0 * distance);
+        let braking = (1.2 * acceleration * distance).sqrt().min(2.0 * distance);
         let speed = if goal.stop { goal.speed.min(braking) } else { goal.speed };
         let wanted = to_goal.try_normalize(1e-9).unwrap_or_default() * speed;
-        self.velocity += (wanted - self.velocity).cap_magnitude(ACCELERATION * dt);
+        self.velocity += (wanted - self.velocity).cap_magnitude(acceleration * dt);
         self.floor += self.velocity * dt;
 
-        let rate = (3.0 * (goal.heading - self.heading)).clamp(-TURNING_RATE, TURNING_RATE);
-        let change = TURNING_ACCELERATION * dt;
+        let rate = (3.0 * (goal.heading - self.heading)).clamp(-turning_rate, turning_rate);
+        let change = turning_acceleration * dt;
         self.turning_rate += (rate - self.turning_rate).clamp(-change, change);
         self.heading += self.turning_rate * dt;
 
         self.phase = (self.phase + TAU * dt / STRIDE_TIME) % TAU;
         let follow = dt / HAND_TIME;
-        let swing = self.velocity_in_person().x * (self.phase - TAU / 8.0).sin();
+        let swing = stride * self.velocity_in_person().x * (self.phase - TAU / 8.0).sin();
         for (hand, place) in self.hands.iter_mut().zip(hands.places(swing)) {
-            *hand += (place - *hand) * follow;
+            *hand += ((place - *hand) * follow).cap_magnitude(hand_speed * dt);
         }
         self.lean += (hands.lean() - self.lean) * follow;
     }

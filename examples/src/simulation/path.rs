@@ -1,12 +1,19 @@
 //! Where the person leads the robot.
 
-use std::{f64::consts::TAU, fs, path::Path, str::FromStr};
+use std::{
+    f64::consts::TAU,
+    fs::File,
+    io::{self, Read},
+    path::Path,
+    str::FromStr,
+};
 
 use nalgebra::{Point2, Vector2};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
 use super::{WalkerError, script::TOWARDS_ROBOT};
+use crate::excerpt::excerpt;
 
 /// Where the person receives the robot and works first, in the world (m).
 pub(super) const WORKPLACE: Point2<f64> = Point2::new(1.4, 0.0);
@@ -14,19 +21,22 @@ pub(super) const WORKPLACE: Point2<f64> = Point2::new(1.4, 0.0);
 /// How long the person works at a waypoint of a list (s).
 const DWELL: f64 = 3.0;
 
+/// No list of points takes more than this (bytes).
+const LARGEST_FILE: u64 = 1 << 20;
+
 /// Further from the origin nobody leads the robot (m).
 const FARTHEST: f64 = 50.0;
 
 /// A path along which the person leads the robot while working.
 ///
 /// ```
-/// use examples::walker::WalkingPath;
+/// use examples::simulation::WalkingPath;
 /// use nalgebra::Point2;
 ///
 /// assert_eq!("figure-eight".parse::<WalkingPath>()?, WalkingPath::FigureEight);
 /// let list: WalkingPath = "1.4,0 2.4,-1".parse()?;
 /// assert_eq!(list, WalkingPath::Points(vec![Point2::new(1.4, 0.0), Point2::new(2.4, -1.0)]));
-/// # Ok::<(), examples::walker::WalkerError>(())
+/// # Ok::<(), examples::simulation::WalkerError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum WalkingPath {
@@ -68,9 +78,23 @@ impl WalkingPath {
         if !file.is_file() {
             return argument.parse();
         }
-        let text = fs::read_to_string(file)
-            .map_err(|source| WalkerError::PathFile { path: file.to_owned(), source })?;
-        let path = Self::Points(points(text.lines().filter(|line| !line.trim().is_empty()))?);
+        let fail = |source| WalkerError::PathFile { path: file.to_owned(), source };
+        let mut text = String::new();
+        let file_handle = File::open(file).map_err(fail)?;
+        let read = file_handle.take(LARGEST_FILE + 1).read_to_string(&mut text).map_err(fail)?;
+        if read as u64 > LARGEST_FILE {
+            return Err(fail(io::Error::new(
+                io::ErrorKind::FileTooLarge,
+                format!("more than {LARGEST_FILE} bytes: give one point a line, such as 1.4,0"),
+            )));
+        }
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
+        let points = lines.map(|(line, text)| {
+            let path = file.to_owned();
+            point(text).ok_or_else(|| WalkerError::PathLine { path, line, text: excerpt(text) })
+        });
+        let path = Self::Points(points.collect::<Result<_, _>>()?);
         path.validate().map(|()| path)
     }
 
@@ -154,21 +178,17 @@ impl FromStr for WalkingPath {
             "circle" => Self::Circle,
             "figure-eight" => Self::FigureEight,
             "random" => Self::Random,
-            list => Self::Points(
-                points(list.split_whitespace())
-                    .map_err(|_| WalkerError::Path { text: text.to_owned() })?,
-            ),
+            list => {
+                let points = list.split_whitespace().map(point).collect::<Option<_>>();
+                Self::Points(points.ok_or_else(|| WalkerError::Path { text: excerpt(text) })?)
+            }
         };
         path.validate().map(|()| path)
     }
 }
 
-fn points<'text>(texts: impl Iterator<Item = &'text str>) -> Result<Vec<Point2<f64>>, WalkerError> {
-    let point = |text: &str| {
-        let (x, y) = text.split_once(',')?;
-        Some(Point2::new(x.trim().parse().ok()?, y.trim().parse().ok()?))
-    };
-    texts
-        .map(|text| point(text).ok_or_else(|| WalkerError::Path { text: text.to_owned() }))
-        .collect()
+/// A point from a text such as "1.4,0".
+fn point(text: &str) -> Option<Point2<f64>> {
+    let (x, y) = text.split_once(',')?;
+    Some(Point2::new(x.trim().parse().ok()?, y.trim().parse().ok()?))
 }

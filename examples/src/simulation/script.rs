@@ -4,12 +4,10 @@ use std::{collections::VecDeque, f64::consts::PI};
 
 use nalgebra::{Point2, Vector2};
 use rand_chacha::ChaCha8Rng;
-use vision_models::{Action, Tool, WalkingDirection};
+use vision_models::Tool;
 
 use super::{
-    WalkerSettings, Waypoint,
-    motion::{Goal, Hands, Motion},
-    path::WORKPLACE,
+    WalkerSettings, Waypoint, activity::Activity, motion::Goal, path::WORKPLACE, person::Person,
 };
 
 /// Where the person stands at first, in the world (m).
@@ -24,52 +22,8 @@ const WALKING_SPEED: f64 = 0.8;
 /// Leading the robot (m/s).
 const LEADING_SPEED: f64 = 0.3;
 
-/// Slower than this, the person stands (m/s).
-const STANDING_SPEED: f64 = 0.08;
-
 /// So much before the end of the recording the person begins to leave (s).
 const TIME_TO_LEAVE: f64 = 6.0;
-
-/// What the person is busy with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Activity {
-    CarryObject,
-    DeliverObject,
-    PickUp(Tool),
-    HoldTool(Tool),
-    Use(Tool),
-    PutDown(Tool),
-    Walk,
-}
-
-impl Activity {
-    /// The HRI30 class of this activity, given the velocity in the person's frame (m/s).
-    pub(super) fn action(self, velocity: Vector2<f64>) -> Action {
-        let direction =
-            WalkingDirection::nearest(velocity).filter(|_| velocity.norm() > STANDING_SPEED);
-        match (self, direction) {
-            (Self::CarryObject, _) => Action::WalkingWithObject,
-            (Self::DeliverObject, _) => Action::DeliverObject,
-            (Self::PickUp(tool), _) => Action::PickUp(tool),
-            (Self::HoldTool(tool), _) => Action::NoCollaborative(tool),
-            (Self::Use(tool), Some(direction)) => Action::MoveWhileUsing(direction, tool),
-            (Self::Use(tool), None) => Action::Using(tool),
-            (Self::PutDown(tool), _) => Action::PutDown(tool),
-            (Self::Walk, _) => Action::Walking,
-        }
-    }
-
-    fn hands(self) -> Hands {
-        match self {
-            Self::CarryObject => Hands::Carrying,
-            Self::DeliverObject => Hands::Reaching,
-            Self::PickUp(_) | Self::PutDown(_) => Hands::AtTable,
-            Self::HoldTool(_) => Hands::Holding,
-            Self::Use(_) => Hands::Working,
-            Self::Walk => Hands::Swinging,
-        }
-    }
-}
 
 /// Go there, then go on with it for a while.
 #[derive(Clone, Copy, Debug)]
@@ -125,22 +79,21 @@ impl Script {
         }
     }
 
-    /// Moves the person on from `time` by `dt` (s) and says what the person is busy with.
-    pub(super) fn advance(&mut self, motion: &mut Motion, time: f64, dt: f64) -> Activity {
+    /// Moves the person on from `time` by `dt` (s).
+    pub(super) fn advance(&mut self, person: &mut Person, time: f64, dt: f64) {
         let time_left = self.duration - time;
         if self.stage == Stage::Leading && time_left < TIME_TO_LEAVE {
             self.stage = Stage::Leaving;
-            self.to_come = self.leave(motion);
+            self.to_come = self.leave(person);
             self.next_step();
         }
-        if motion.has_reached(&self.step.goal) {
+        if person.has_reached(&self.step.goal) {
             let arrived = *self.arrived.get_or_insert(time);
             if time - arrived >= self.step.dwell {
                 self.next_step();
             }
         }
-        motion.advance(&self.step.goal, self.step.activity.hands(), dt);
-        self.step.activity
+        person.advance(&self.step.goal, self.step.activity, dt);
     }
 
     fn next_step(&mut self) {
@@ -166,10 +119,15 @@ impl Script {
     }
 
     /// Lays the tool down here and walks away from the robot's first place.
-    fn leave(&self, motion: &Motion) -> VecDeque<Step> {
-        let here =
-            Goal { floor: motion.floor, heading: motion.heading, speed: WALKING_SPEED, stop: true };
-        let away = Goal { floor: motion.floor + Vector2::new(2.5, 0.0), heading: 2.0 * PI, ..here };
+    fn leave(&self, person: &Person) -> VecDeque<Step> {
+        let here = Goal {
+            floor: person.floor(),
+            heading: person.heading(),
+            speed: WALKING_SPEED,
+            stop: true,
+        };
+        let away =
+            Goal { floor: person.floor() + Vector2::new(2.5, 0.0), heading: 2.0 * PI, ..here };
         VecDeque::from([
             Step { goal: here, activity: Activity::PutDown(self.tool), dwell: 2.5 * self.pace },
             Step { goal: away, activity: Activity::Walk, dwell: 0.0 },

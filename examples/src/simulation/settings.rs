@@ -8,7 +8,7 @@ use super::{CameraSettings, WalkerError, WalkingPath};
 /// repository ships.
 ///
 /// ```
-/// use examples::walker::{Walker, WalkerSettings};
+/// use examples::simulation::{Walker, WalkerSettings};
 ///
 /// let settings = WalkerSettings { stature: -1.75, ..WalkerSettings::default() };
 /// let error = Walker::new(settings).unwrap_err();
@@ -60,6 +60,8 @@ impl WalkerSettings {
         in_range("stature", self.stature, 1.0, 2.3, "1 to 2.3 m")?;
         in_range("duration", self.duration, 0.0, 3600.0, "0 to 3600 s")?;
         in_range("noise", self.camera.noise, 0.0, 10.0, "a factor of 0 to 10")?;
+        let largest = self.camera.largest_error;
+        in_range("largest_error", largest, 0.0, f64::INFINITY, "0 m or more")?;
         in_range("drop", self.camera.drop, 0.0, 1.0, "a probability of 0 to 1")?;
         in_range("jump", self.camera.jumps.into(), 0.0, 1000.0, "0 to 1000 jumps")?;
         in_range("vanish", self.camera.vanishings.into(), 0.0, 1000.0, "0 to 1000 times")?;

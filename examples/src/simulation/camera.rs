@@ -4,9 +4,9 @@ use nalgebra::{Point3, Rotation2, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use vision_models::{Body, Body25, Confidence, Keypoint};
+use vision_models::{Body, Confidence, Keypoint};
 
-use super::WalkerSettings;
+use super::person::Joints;
 
 /// Where the camera stands, in the world (m): at the height of HRI30's, looking at the workplace.
 const EYE: Point3<f64> = Point3::new(0.3, 1.8, 2.3);
@@ -25,16 +25,18 @@ const JUMP: f64 = 2.0;
 /// How well the camera sees.
 ///
 /// ```
-/// use examples::walker::CameraSettings;
+/// use examples::simulation::CameraSettings;
 ///
-/// let perfect = CameraSettings { noise: 0.0, drop: 0.0, jumps: 0, vanishings: 0 };
-/// assert_ne!(perfect, CameraSettings::default());
+/// let sharp = CameraSettings { noise: 0.5, ..CameraSettings::default() };
+/// assert_ne!(sharp, CameraSettings::PERFECT);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraSettings {
     /// Factor on the noise of a `RealSense` D435i, whose depth has the standard deviation
     /// 4 mm · (z / 1 m)². Default 1.
     pub noise: f64,
+    /// No joint is seen farther than this from where it is (m). Default infinite.
+    pub largest_error: f64,
     /// Probability that a joint is missing in a frame. A quarter of it is the probability that the
     /// person is missed for one to six frames, a tenth that a frame is lost, and that a joint is
     /// put in the wrong place with little confidence. Default 0.02.
@@ -47,8 +49,14 @@ pub struct CameraSettings {
 
 impl Default for CameraSettings {
     fn default() -> Self {
-        Self { noise: 1.0, drop: 0.02, jumps: 0, vanishings: 0 }
+        Self { noise: 1.0, largest_error: f64::INFINITY, drop: 0.02, jumps: 0, vanishings: 0 }
     }
+}
+
+impl CameraSettings {
+    /// Sees everything, where it is.
+    pub const PERFECT: Self =
+        Self { noise: 0.0, largest_error: f64::INFINITY, drop: 0.0, jumps: 0, vanishings: 0 };
 }
 
 #[derive(Clone, Debug)]
@@ -64,14 +72,14 @@ pub(super) struct Camera {
 }
 
 impl Camera {
-    pub(super) fn new(settings: &WalkerSettings, mut draw: ChaCha8Rng) -> Self {
-        let duration = settings.duration;
+    /// Jumps and vanishings are spread over `duration` (s).
+    pub(super) fn new(settings: CameraSettings, duration: f64, mut draw: ChaCha8Rng) -> Self {
         let mut interval = |longest: f64| {
             let begin = draw.random_range(0.2..0.8) * duration;
             (begin, begin + draw.random_range(0.3..longest))
         };
-        let vanishings = (0..settings.camera.vanishings).map(|_| interval(3.0)).collect();
-        let jumps: Vec<_> = (0..settings.camera.jumps).map(|_| interval(2.0)).collect();
+        let vanishings = (0..settings.vanishings).map(|_| interval(3.0)).collect();
+        let jumps: Vec<_> = (0..settings.jumps).map(|_| interval(2.0)).collect();
         let jumps = jumps
             .into_iter()
             .map(|(begin, end)| {
@@ -79,7 +87,7 @@ impl Camera {
                 (begin, end, direction * Vector2::new(JUMP, 0.0))
             })
             .collect();
-        Self { settings: settings.camera, draw, jumps, vanishings, missed: 0 }
+        Self { settings, draw, jumps, vanishings, missed: 0 }
     }
 
     /// Whether this frame never arrives.
@@ -88,7 +96,7 @@ impl Camera {
     }
 
     /// The joints (in the world, m) as they are seen at a time (s); `None` if the person is missed.
-    pub(super) fn see(&mut self, time: f64, joints: &[Point3<f64>; Body25::COUNT]) -> Option<Body> {
+    pub(super) fn see(&mut self, time: f64, joints: &Joints) -> Option<Body> {
         let within = |begin: f64, end: f64| begin <= time && time < end;
         if self.missed == 0 && self.draw.random_bool(self.settings.drop / 4.0) {
             self.missed = self.draw.random_range(1..=6);
@@ -123,6 +131,7 @@ impl Camera {
         } else {
             (sideways + ray * (depth / distance), 0.82 + 0.06 * quality)
         };
+        let error = error.cap_magnitude(self.settings.largest_error);
         let confidence = Confidence::new(confidence.clamp(0.05, 0.98)).ok()?;
         (!missing).then(|| Keypoint { position: joint + error, confidence })
     }

@@ -1,0 +1,50 @@
+//! What a person is busy with.
+
+use nalgebra::Vector2;
+use vision_models::{Action, Tool, WalkingDirection};
+
+use super::motion::Hands;
+
+/// Slower than this, the person stands (m/s).
+const STANDING_SPEED: f64 = 0.08;
+
+/// What the person is busy with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Activity {
+    CarryObject,
+    DeliverObject,
+    PickUp(Tool),
+    HoldTool(Tool),
+    Use(Tool),
+    PutDown(Tool),
+    Walk,
+}
+
+impl Activity {
+    /// The HRI30 class of this activity, given the velocity in the person's frame (m/s).
+    pub(super) fn action(self, velocity: Vector2<f64>) -> Action {
+        let direction =
+            WalkingDirection::nearest(velocity).filter(|_| velocity.norm() > STANDING_SPEED);
+        match (self, direction) {
+            (Self::CarryObject, _) => Action::WalkingWithObject,
+            (Self::DeliverObject, _) => Action::DeliverObject,
+            (Self::PickUp(tool), _) => Action::PickUp(tool),
+            (Self::HoldTool(tool), _) => Action::NoCollaborative(tool),
+            (Self::Use(tool), Some(direction)) => Action::MoveWhileUsing(direction, tool),
+            (Self::Use(tool), None) => Action::Using(tool),
+            (Self::PutDown(tool), _) => Action::PutDown(tool),
+            (Self::Walk, _) => Action::Walking,
+        }
+    }
+
+    pub(super) fn hands(self) -> Hands {
+        match self {
+            Self::CarryObject => Hands::Carrying,
+            Self::DeliverObject => Hands::Reaching,
+            Self::PickUp(_) | Self::PutDown(_) => Hands::AtTable,
+            Self::HoldTool(_) => Hands::Holding,
+            Self::Use(_) => Hands::Working,
+            Self::Walk => Hands::Swinging,
+        }
+    }
+}

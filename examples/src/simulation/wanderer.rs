@@ -1,0 +1,119 @@
+//! A person who walks at random, jumps, vanishes and comes back.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Point2, Rotation2, Vector2};
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use vision_models::Tool;
+
+use super::activity::Activity;
+use super::motion::{Gait, Goal};
+use super::person::Person;
+
+/// How fast people walk at most (m/s): with the [`Gait::CAREFUL`] no part of the body is then
+/// faster than the 1.6 m/s that the protective distance assumes where it is not measured.
+const SPEED: f64 = 1.0;
+
+/// The farthest jump (m).
+const JUMP: f64 = 2.0;
+
+/// Does what nobody expects, around the tool of a robot.
+#[derive(Clone, Debug)]
+pub struct Wanderer {
+    draw: ChaCha8Rng,
+    person: Person,
+    goal: Goal,
+    /// When the goal is given up (s).
+    goal_ends: f64,
+    /// Whether they work with the robot, and until when (s).
+    together: (bool, f64),
+    /// Whether the camera sees them, and until when (s).
+    in_view: (bool, f64),
+    next_jump: f64,
+    jumped: bool,
+}
+
+impl Wanderer {
+    /// Somewhere around the robot at `robot` (m). The same draws give the same person.
+    pub fn new(mut draw: ChaCha8Rng, robot: Vector2<f64>) -> Self {
+        let direction = Rotation2::new(draw.random_range(0.0..TAU));
+        let floor = Point2::from(robot + direction * Vector2::x() * draw.random_range(1.2..4.0));
+        let heading = draw.random_range(-PI..PI);
+        let stature = draw.random_range(1.5..2.0);
+        let in_view = draw.random_bool(0.7);
+        // Who is not there at first may stay away for as long as a joint outside its range needs
+        // to return.
+        let in_view = (in_view, draw.random_range(if in_view { 0.2..3.0 } else { 0.2..9.0 }));
+        Self {
+            person: Person::standing(stature, floor, heading, Gait::CAREFUL, Activity::Walk),
+            goal: Goal { floor, heading, speed: 0.5, stop: true },
+            goal_ends: 0.0,
+            together: (false, draw.random_range(0.5..3.0)),
+            in_view,
+            next_jump: draw.random_range(2.0..12.0),
+            jumped: false,
+            draw,
+        }
+    }
+
+    /// Moves on by `dt` to `time` (s), with the robot's tool above `tool` (m).
+    pub fn advance(&mut self, time: f64, dt: f64, tool: Vector2<f64>) {
+        if time >= self.goal_ends {
+            self.goal = self.new_goal(tool.into());
+            self.goal_ends = time + self.draw.random_range(1.0..6.0);
+        }
+        if time >= self.together.1 {
+            self.together = (!self.together.0, time + self.draw.random_range(3.0..10.0));
+        }
+        if time >= self.in_view.1 {
+            let next = if self.in_view.0 { 0.1..3.0 } else { 1.0..8.0 };
+            self.in_view = (!self.in_view.0, time + self.draw.random_range(next));
+        }
+        self.jumped = time >= self.next_jump;
+        if self.jumped {
+            self.next_jump = time + self.draw.random_range(3.0..15.0);
+            let direction = Rotation2::new(self.draw.random_range(0.0..TAU));
+            self.person.jump(direction * Vector2::x() * self.draw.random_range(0.1..JUMP));
+        }
+        let activity = if self.together.0 { Activity::Use(Tool::Drill) } else { Activity::Walk };
+        self.person.advance(&self.goal, activity, dt);
+    }
+
+    fn new_goal(&mut self, tool: Point2<f64>) -> Goal {
+        let direction = Rotation2::new(self.draw.random_range(0.0..TAU));
+        let away = direction * Vector2::x();
+        // To the tool, as to work there; right into the robot; anywhere; or to stay.
+        let (floor, facing) = match self.draw.random_range(0..10) {
+            0..4 => (tool + away * self.draw.random_range(0.35..0.8), Some(tool)),
+            4 => (tool, None),
+            5..8 => (tool + away * self.draw.random_range(1.0..4.0), None),
+            _ => (self.person.floor(), Some(tool)),
+        };
+        let towards = facing.unwrap_or(floor) - floor;
+        let heading = if towards.norm() > 1e-6 {
+            towards.y.atan2(towards.x)
+        } else {
+            self.draw.random_range(-PI..PI)
+        };
+        // The shorter way round.
+        let turn = (heading - self.person.heading() + PI).rem_euclid(TAU) - PI;
+        let heading = self.person.heading() + turn;
+        Goal { floor, heading, speed: self.draw.random_range(0.1..SPEED), stop: true }
+    }
+
+    /// The person.
+    pub fn person(&self) -> &Person {
+        &self.person
+    }
+
+    /// Whether they jumped in the last step.
+    pub fn jumped(&self) -> bool {
+        self.jumped
+    }
+
+    /// Whether the camera sees them.
+    pub fn is_in_view(&self) -> bool {
+        self.in_view.0
+    }
+}

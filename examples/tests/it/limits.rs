@@ -1,0 +1,304 @@
+//! The check of limits: finds every violation made by hand, of the right kind, and no other.
+
+use std::sync::LazyLock;
+
+use ergo_map::ErgonomicsQuadratic;
+use examples::limits::{Breaches, LimitMonitor, Margins, Return};
+use moca_model::{
+    Command, Controller, ControllerSettings, DesiredMotion, JointLimits, MOCA_AXIS_SPEED,
+    MOCA_HOME, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, RobotModel,
+};
+use nalgebra::{Matrix3, Vector3, Vector6};
+use proptest::prelude::*;
+
+const PERIOD: f64 = 0.001;
+const DESIRED: DesiredMotion = DesiredMotion {
+    velocity: 0.5,
+    acceleration: 4.5,
+    angular_velocity: 1.0,
+    angular_acceleration: 9.0,
+};
+const NOTHING: Breaches =
+    Breaches { limit: false, acceleration: false, desired_acceleration: false };
+const LIMIT: Breaches = Breaches { limit: true, ..NOTHING };
+const ACCELERATION: Breaches = Breaches { acceleration: true, ..NOTHING };
+const DESIRED_ACCELERATION: Breaches = Breaches { desired_acceleration: true, ..NOTHING };
+
+/// MOCA and a command at rest.
+static AT_REST: LazyLock<(RobotModel, Command)> = LazyLock::new(|| {
+    let model = RobotModel::moca().unwrap();
+    let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 0.0).unwrap();
+    let settings = ControllerSettings::default();
+    let controller = Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap();
+    let command = controller.command().clone();
+    (model, command)
+});
+
+/// Commands made by hand, from rest at home, and the monitor that sees them.
+struct Hand {
+    joints: Vec<JointLimits>,
+    monitor: LimitMonitor,
+    command: Command,
+    q: Vec<f64>,
+}
+
+/// How one tick changes the velocities, as a share of what is allowed: of each joint in [-1, 1],
+/// and of the desired pose, linear and angular, each with a norm of at most 1.
+#[derive(Clone, Debug)]
+struct Change {
+    joints: Vec<f64>,
+    desired: [Vector3<f64>; 2],
+}
+
+impl Hand {
+    fn at(q: &[f64]) -> Self {
+        let (model, command) = &*AT_REST;
+        Self {
+            joints: model.limits().to_vec(),
+            monitor: LimitMonitor::new(model, DESIRED, PERIOD, q),
+            command: command.clone(),
+            q: q.to_vec(),
+        }
+    }
+
+    fn home() -> Self {
+        Self::at(&MOCA_HOME)
+    }
+
+    /// What the monitor says of the command as it stands; the robot then follows it.
+    fn check(&mut self, returning: Return) -> Breaches {
+        let breaches = self.monitor.check(&self.command, &self.q, returning);
+        for (q, v) in self.q.iter_mut().zip(&self.command.joint_velocity) {
+            *q += v * PERIOD;
+        }
+        breaches
+    }
+
+    /// Sets a velocity: of joints 0 to 9, of the desired pose 10 to 15.
+    fn set(&mut self, index: usize, velocity: f64) {
+        match index.checked_sub(10) {
+            None => self.command.joint_velocity[index] = velocity,
+            Some(axis) => self.command.desired_twist[axis] = velocity,
+        }
+    }
+
+    /// Changes the velocities within the limits.
+    fn change(&mut self, change: &Change) {
+        for ((v, limits), share) in
+            self.command.joint_velocity.iter_mut().zip(&self.joints).zip(&change.joints)
+        {
+            let next = *v + share * limits.acceleration * PERIOD;
+            *v = next.clamp(-limits.velocity, limits.velocity);
+        }
+        let [linear, angular] = &change.desired;
+        let step = Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z);
+        for (axis, v) in self.command.desired_twist.iter_mut().enumerate() {
+            let (velocity, acceleration) = desired(axis);
+            *v = (*v + step[axis] * acceleration * PERIOD).clamp(-velocity, velocity);
+        }
+    }
+}
+
+/// Speed and acceleration along or about an axis of the desired twist.
+fn desired(axis: usize) -> (f64, f64) {
+    if axis < 3 {
+        (DESIRED.velocity, DESIRED.acceleration)
+    } else {
+        (DESIRED.angular_velocity, DESIRED.angular_acceleration)
+    }
+}
+
+fn direction() -> impl Strategy<Value = Vector3<f64>> {
+    prop::array::uniform3(-1.0..1.0_f64)
+        .prop_map(Vector3::from)
+        .prop_filter_map("a direction", |v| v.try_normalize(1e-3))
+}
+
+fn changes() -> impl Strategy<Value = Vec<Change>> {
+    let part = || (direction(), 0.0..=1.0_f64).prop_map(|(direction, share)| direction * share);
+    let change = (prop::collection::vec(-1.0..=1.0_f64, 10), [part(), part()])
+        .prop_map(|(joints, desired)| Change { joints, desired });
+    prop::collection::vec(change, 1..40)
+}
+
+/// How much a violation exceeds its limit, from just above rounding on.
+fn excess() -> impl Strategy<Value = f64> {
+    (-4.0..1.0_f64).prop_map(|exponent| 1.0 + 10.0_f64.powf(exponent))
+}
+
+proptest! {
+    /// Whatever keeps the limits is not blamed, and what comes next is judged as if alone.
+    #[test]
+    fn what_keeps_the_limits_breaks_none(changes in changes()) {
+        let mut hand = Hand::home();
+        for change in &changes {
+            hand.change(change);
+            prop_assert_eq!(hand.check(Return::Free), NOTHING);
+        }
+        prop_assert!(hand.monitor.margins().worst() >= -1e-6);
+    }
+
+    #[test]
+    fn too_high_an_acceleration_of_a_joint_is_found(
+        changes in changes(), joint in 0..10_usize, excess in excess(), forwards in any::<bool>(),
+    ) {
+        let mut hand = Hand::home();
+        for change in &changes {
+            hand.change(change);
+            hand.check(Return::Free);
+        }
+        let step = hand.joints[joint].acceleration * PERIOD * excess;
+        let v = &mut hand.command.joint_velocity[joint];
+        // Towards rest where there is no room the other way.
+        *v += if forwards == (*v < 0.0) { step } else { -step };
+        prop_assume!(v.abs() <= hand.joints[joint].velocity);
+        prop_assert_eq!(hand.check(Return::Free), ACCELERATION);
+        prop_assert!(hand.monitor.margins().acceleration < 0.0);
+        prop_assert_eq!(hand.check(Return::Free), NOTHING);
+    }
+
+    /// By the norm: also where no axis alone exceeds the limit.
+    #[test]
+    fn too_high_an_acceleration_of_the_desired_pose_is_found(
+        changes in changes(), direction in direction(), excess in excess(), angular in any::<bool>(),
+    ) {
+        let mut hand = Hand::home();
+        for change in &changes {
+            hand.change(change);
+            hand.check(Return::Free);
+        }
+        let at = if angular { 3 } else { 0 };
+        let (velocity, acceleration) = desired(at);
+        let mut part = hand.command.desired_twist.fixed_rows_mut::<3>(at);
+        part += direction * (acceleration * PERIOD * excess);
+        prop_assume!(part.amax() <= velocity);
+        prop_assert_eq!(hand.check(Return::Free), DESIRED_ACCELERATION);
+        prop_assert!(hand.monitor.margins().acceleration < 0.0);
+        prop_assert_eq!(hand.check(Return::Free), NOTHING);
+    }
+
+    /// The speed alone: it is reached within the limits of acceleration.
+    #[test]
+    fn too_high_a_speed_is_found(index in 0..16_usize, excess in excess(), forwards in any::<bool>()) {
+        let mut hand = Hand::home();
+        let (limit, acceleration) = match index.checked_sub(10) {
+            None => (hand.joints[index].velocity, hand.joints[index].acceleration),
+            Some(axis) => desired(axis),
+        };
+        let sign = if forwards { 1.0 } else { -1.0 };
+        let step = acceleration * PERIOD;
+        let mut speed = 0.0;
+        while speed < limit {
+            speed = (speed + step).min(limit);
+            hand.set(index, sign * speed);
+            prop_assert_eq!(hand.check(Return::Free), NOTHING);
+            // No farther than home: here the speed matters.
+            hand.q = MOCA_HOME.to_vec();
+        }
+        hand.set(index, sign * (limit * excess).min(limit + step));
+        prop_assert_eq!(hand.check(Return::Free), LIMIT);
+        prop_assert!(hand.monitor.margins().velocity < 0.0);
+    }
+
+    /// Also where each axis of the base alone is slow enough.
+    #[test]
+    fn too_fast_wheels_are_found(shares in prop::array::uniform3(0.05..1.0_f64), excess in 1.0001..1.1_f64) {
+        let mut hand = Hand::home();
+        let total: f64 = shares.iter().sum();
+        let [x, y, turn] = shares.map(|share| share / total * MOCA_WHEEL_SPEED);
+        prop_assume!(x.max(y) * excess <= MOCA_AXIS_SPEED);
+        hand.command.base_twist = [x, -y, turn / MOCA_WHEEL_LEVER];
+        prop_assert_eq!(hand.check(Return::Free), NOTHING);
+        hand.command.base_twist = hand.command.base_twist.map(|v| v * excess);
+        prop_assert_eq!(hand.check(Return::Free), LIMIT);
+    }
+
+    #[test]
+    fn leaving_the_range_is_found(joint in 3..10_usize, up in any::<bool>(), speed in 0.01..1.0_f64) {
+        let limits = AT_REST.0.limits()[joint];
+        let mut q = MOCA_HOME.to_vec();
+        q[joint] = if up { limits.upper } else { limits.lower };
+        let mut hand = Hand::at(&q);
+        prop_assert_eq!(hand.check(Return::Free), NOTHING);
+        // Slow enough to be within the limit of acceleration.
+        let v = speed * limits.acceleration * PERIOD;
+        hand.command.joint_velocity[joint] = if up { v } else { -v };
+        prop_assert_eq!(hand.check(Return::Free), LIMIT);
+        prop_assert!(hand.monitor.margins().position < 0.0);
+    }
+
+    /// A joint that starts outside may stand and return, not go farther.
+    #[test]
+    fn going_farther_out_is_found(joint in 3..10_usize, up in any::<bool>(), beyond in 1e-3..0.2_f64) {
+        let limits = AT_REST.0.limits()[joint];
+        let (from, outwards) = if up { (limits.upper, 1.0) } else { (limits.lower, -1.0) };
+        let mut q = MOCA_HOME.to_vec();
+        q[joint] = from + outwards * beyond;
+        let step = limits.acceleration * PERIOD;
+        let after = |v: f64| {
+            let mut hand = Hand::at(&q);
+            hand.command.joint_velocity[joint] = v;
+            (hand.check(Return::Free), hand.monitor.margins())
+        };
+        prop_assert_eq!(after(0.0).0, NOTHING);
+        prop_assert_eq!(after(-outwards * step).0, NOTHING);
+        prop_assert_eq!(after(outwards * step).0, LIMIT);
+        prop_assert!(after(0.0).1.position > 0.0);
+    }
+
+    #[test]
+    fn a_number_that_is_not_finite_is_found(
+        index in 0..19_usize, value in prop::sample::select(vec![f64::NAN, f64::INFINITY]),
+    ) {
+        let mut hand = Hand::home();
+        match index {
+            0..16 => hand.set(index, value),
+            _ => hand.command.base_twist[index - 16] = value,
+        }
+        prop_assert!(hand.check(Return::Free).any());
+    }
+}
+
+/// The check by axes would let this pass: 4.5 m/s² along each of three axes are 7.8 m/s².
+#[test]
+fn three_axes_at_their_limit_are_too_much_together() {
+    let mut hand = Hand::home();
+    let most = DESIRED.acceleration * PERIOD;
+    hand.command.desired_twist = Vector6::new(most, most, most, 0.0, 0.0, 0.0);
+    assert_eq!(hand.check(Return::Free), DESIRED_ACCELERATION);
+    let worst = hand.monitor.margins().acceleration;
+    assert!((worst - (1.0 - 3.0_f64.sqrt())).abs() < 1e-9, "{worst}");
+}
+
+#[test]
+fn a_joint_outside_has_to_return_unless_it_is_hindered() {
+    let ticks_until_found = |returning| {
+        let mut q = MOCA_HOME.to_vec();
+        q[6] = 0.1; // the fourth joint of the arm ends at -0.0698 rad
+        let mut hand = Hand::at(&q);
+        (1..=6000).find(|_| hand.check(returning).any())
+    };
+    assert!((4999..=5001).contains(&ticks_until_found(Return::Free).unwrap()));
+    assert_eq!(ticks_until_found(Return::Hindered), None);
+}
+
+/// Once within its range, a joint is like any other.
+#[test]
+fn who_has_returned_may_not_leave_again() {
+    let mut q = MOCA_HOME.to_vec();
+    let mut hand = Hand::home();
+    let JointLimits { upper, acceleration, .. } = hand.joints[6];
+    q[6] = upper + 1e-6;
+    hand = Hand::at(&q);
+    let step = acceleration * PERIOD;
+    for v in [-step, 0.0] {
+        hand.set(6, v);
+        assert_eq!(hand.check(Return::Free), NOTHING);
+    }
+    assert!(hand.q[6] < upper);
+    hand.q[6] = upper;
+    hand.set(6, step);
+    assert_eq!(hand.check(Return::Free), LIMIT);
+    let Margins { position, .. } = hand.monitor.margins();
+    assert!(position < 0.0, "{position}");
+}
