@@ -105,13 +105,17 @@ impl OutputFile {
     }
 
     /// Keeps a file that an interrupt has cut short: under the name `NAME.partial.EXTENSION`, so
-    /// that nothing takes it for whole and what stood in its place stays.
+    /// that nothing takes it for whole and what stood in its place stays. What went to a device or a
+    /// pipe is where it went. The path tells where.
     ///
     /// # Errors
     /// [`ProgramError::Write`]; nothing is then left behind.
     pub fn keep_partial(self) -> Result<PathBuf, ProgramError> {
         let Self { path, sink } = self;
-        let path = partial_path(&path);
+        let path = match sink {
+            Sink::Beside(_) => partial_path(&path),
+            Sink::Direct(_) => path,
+        };
         sink.keep(&path).map_err(|source| ProgramError::write(&path, source))?;
         Ok(path)
     }

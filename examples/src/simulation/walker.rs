@@ -1,7 +1,5 @@
 //! A person who acts out the paper's Experiments 3 and 4, as the camera reports them.
 
-use std::io::Write;
-
 use nalgebra::{Point2, Vector2};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -17,7 +15,7 @@ use super::person::Person;
 use super::script::{self, Script};
 use super::settings::WalkerSettings;
 use crate::random;
-use crate::recording::{Header, RecordingError, Writer};
+use crate::recording::Header;
 
 /// The simulated person and camera: an iterator over the camera's percepts.
 #[derive(Clone, Debug)]
@@ -112,21 +110,6 @@ impl Walker {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
         let frames = (self.settings.duration * FRAME_RATE) as u64;
         frames + 1
-    }
-
-    /// Writes the rest of the walk as a recording; the number of its frames.
-    ///
-    /// # Errors
-    /// [`RecordingError::Io`] if `output` fails.
-    pub fn record<W: Write>(self, output: W) -> Result<usize, RecordingError> {
-        let mut writer = Writer::new(output, &self.header())?;
-        let mut frames = 0;
-        for percept in self {
-            writer.write(&percept)?;
-            frames += 1;
-        }
-        writer.finish()?;
-        Ok(frames)
     }
 
     /// The next frame as it truly is and as it is reported. `None` in place of a percept stands for

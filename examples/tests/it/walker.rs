@@ -3,7 +3,7 @@
 use std::{collections::HashSet, f64::consts::TAU};
 
 use examples::{
-    recording,
+    recording::{self, Writer},
     simulation::{CameraSettings, Truth, Walker, WalkerError, WalkerSettings, WalkingPath},
 };
 use vision_models::{
@@ -23,8 +23,12 @@ fn on(path: WalkingPath) -> WalkerSettings {
 #[test]
 fn the_shipped_recording_is_what_record_makes() {
     let shipped = include_bytes!("../../recordings/follow.jsonl");
-    let mut made = Vec::new();
-    Walker::new(WalkerSettings::default()).unwrap().record(&mut made).unwrap();
+    let walker = Walker::new(WalkerSettings::default()).unwrap();
+    let mut writer = Writer::new(Vec::new(), &walker.header()).unwrap();
+    for percept in walker {
+        writer.write(&percept).unwrap();
+    }
+    let made = writer.finish().unwrap();
     assert!(
         made == shipped,
         "make it anew: cargo run --release -p examples --bin record -- \
