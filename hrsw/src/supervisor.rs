@@ -118,6 +118,10 @@ impl SupervisorSettings {
 }
 
 /// What a tick saw of people. It has no default: that nobody is near has to be seen.
+///
+/// ```compile_fail
+/// let nobody = hrsw::Observation::default();
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observation {
     /// The pair with the least room, from [`ApproachRows::write`](crate::ApproachRows::write);

@@ -8,6 +8,8 @@ use moca_model::{
 use nalgebra::{Matrix3, Point3, Vector3};
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
 
+use crate::drive::{Drive, percept};
+
 /// How often `action` allocates on this thread.
 fn allocations(action: impl FnOnce()) -> u64 {
     allocation_counter::measure(action).count_total
@@ -87,4 +89,36 @@ fn a_tick_of_the_controller_allocates_nothing() {
     });
     assert_eq!(count, 0);
     assert!(controller.command().joint_velocity.iter().any(|v| v.abs() > 1e-3), "it moves");
+}
+
+#[test]
+fn a_tick_with_a_fault_allocates_nothing() {
+    let mut drive = Drive::new();
+    drive.run(1.0);
+    let measured = drive.robot.position().to_vec();
+    let mut pushed = measured.clone();
+    pushed[5] += 1.0;
+    let mut broken = measured.clone();
+    broken[5] = f64::NAN;
+    let frames = [f64::NAN, 1e3, 1e9, 0.95, 0.5].map(|time| percept(time, Some(3.0)));
+    let controller = &mut drive.controller;
+    let count = allocations(|| {
+        for frame in &frames {
+            assert!(controller.observe(frame).is_err());
+        }
+        for (now, q) in [
+            (1.0, &measured),
+            (1.0, &measured),
+            (f64::NAN, &measured),
+            (1.001, &broken),
+            (1.0011, &measured),
+            (1.005, &pushed),
+            (0.5, &measured),
+            (9.0, &measured),
+        ] {
+            assert!(controller.step(now, q).is_ok());
+        }
+        assert!(controller.step(9.001, &measured[1..]).is_err());
+    });
+    assert_eq!(count, 0);
 }
