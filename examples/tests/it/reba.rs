@@ -1,13 +1,11 @@
 //! Tables of REBA and RULA sheets, and the program that scores them.
 
 use std::collections::HashMap;
-use std::io::Write;
-use std::process::Stdio;
 
 use ergo_map::{ContinuousReba, Mode, RulaWorksheet, Worksheet};
 use examples::ergonomics::{Cell, Extent, Sheet, SheetTable, TableError, Unknown};
 
-use crate::support::{Ran, Runs};
+use crate::support::Runs;
 use proptest::prelude::*;
 
 const ANGLES: &str = "trunk_flex_deg,neck_flex_deg,knee_flex_deg,upper_arm_flex_deg,\
@@ -384,15 +382,7 @@ fn names_that_are_nearly_right_are_refused_always() {
 /// A cell as large as this would take half a gigabyte to read and to show.
 #[test]
 fn a_huge_cell_is_refused_before_it_is_read() {
-    let reba = |table: &str| {
-        // 200 MB of address space: the program with its libraries takes far less.
-        let mut command = std::process::Command::new("sh");
-        command.args(["-c", "ulimit -v 200000; exec \"$0\" --input -", env!("CARGO_BIN_EXE_reba")]);
-        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let mut child = command.spawn().unwrap();
-        let _ = child.stdin.take().unwrap().write_all(table.as_bytes());
-        Ran::of(child)
-    };
+    let reba = |table: &str| Runs::within("reba", 200).with(&["--input", "-"]).run_on(table);
     let huge = "9".repeat(200 << 20);
     let cell = format!("{ANGLES}\n0,0,0,0,0,{huge}\n");
     reba(&cell).failed(1, "standard input: line 2: a row of more than 1048576 bytes");
