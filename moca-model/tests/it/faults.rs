@@ -23,7 +23,7 @@ fn an_empty_frame_an_hour_ahead_blinds_nobody() {
     assert_eq!(drive.cause(), Some(FrameFault::Future.into()));
     assert_eq!(drive.state(), SafetyState::ProtectiveStop);
     // The frames after it are taken: the robot recovers, and stops before the person.
-    drive.run(15.0);
+    drive.run(8.0);
     assert!(drive.controller.clock().age().seconds() < 0.1);
     assert!(drive.fastest() < 0.05 && drive.distance() < 1.0, "{}", drive.distance());
 }
@@ -50,7 +50,7 @@ fn a_camera_ahead_is_no_camera_until_it_is_corrected() {
     drive.run(3.0);
     assert_eq!(drive.state(), SafetyState::Normal);
     drive.person = Some(drive.controller.actual().translation.x + 1.8);
-    drive.run(12.0);
+    drive.run(8.0);
     assert!(drive.fastest() < 0.05 && drive.distance() < 1.0);
 }
 
@@ -98,7 +98,7 @@ fn a_time_that_is_no_number_stops_the_robot() {
 fn a_clock_that_stands_still_stops_the_robot() {
     let mut drive = Drive::towards_a_person();
     drive.clock = |time| time.min(2.5);
-    drive.run(15.0);
+    drive.run(8.0);
     drive.assert_waits(ClockFault::StandsStill.into());
     // Acknowledged in vain.
     drive.acknowledge();
