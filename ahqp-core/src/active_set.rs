@@ -13,15 +13,12 @@ use crate::list::List;
 use crate::pulled::Pulled;
 use crate::search::Candidate;
 use crate::settings::Settings;
-use crate::table::{ROUNDING, RowTable};
+use crate::table::RowTable;
+use crate::tolerances::ROUNDING;
 use crate::vector::{add_scaled, norm};
 
 /// Of ‖a‖‖x‖, what a search may leave of a violation that it cannot tell from rounding.
 const DOUBTFUL: f64 = 1e-11;
-/// Multipliers above this fraction of the numbers that they are made of are no rounding.
-pub(crate) const NOISE: f64 = 1e-13;
-/// The same of multipliers that balance a gradient together: large ones may cancel each other.
-pub(crate) const BALANCE_NOISE: f64 = 1e-12;
 
 /// What a row of the table does at the moment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,11 +42,12 @@ impl RowState {
         matches!(self, Self::Lower | Self::Upper | Self::Equal)
     }
 
-    /// Whether a row in this state should be let go, given its multiplier times its norm.
-    pub(crate) fn is_wrong(self, force: f64, threshold: f64) -> bool {
+    /// Returns true if a row in this state should be let go, given its multiplier and the rounding in
+    /// it.
+    pub(crate) fn is_wrong(self, multiplier: f64, rounding: f64) -> bool {
         match self {
-            Self::Upper => -force > threshold,
-            Self::Lower => force > threshold,
+            Self::Upper => -multiplier > rounding,
+            Self::Lower => multiplier > rounding,
             _ => false,
         }
     }
@@ -94,7 +92,12 @@ pub(crate) struct ActiveSet {
     pub(crate) value: Vec<f64>,
     /// w of rows of the objective that are inside, on its way to zero.
     pub(crate) residual: Vec<f64>,
+    /// Multipliers of the working set for the goal, and the rounding in them.
     pub(crate) multipliers: Vec<f64>,
+    pub(crate) multiplier_rounding: Vec<f64>,
+    /// Residuals of the rows of the goal that are active, and the rounding in them.
+    pub(crate) pull: Vec<f64>,
+    pub(crate) pull_rounding: Vec<f64>,
     pub(crate) iterations: usize,
     /// Rows that may be active at the optimum, and where.
     pub(crate) hint: Vec<RowState>,
@@ -108,12 +111,13 @@ pub(crate) struct ActiveSet {
     pub(crate) candidates: List<Candidate>,
     /// Rows that came back at once when they were let go, since x moved last.
     pub(crate) kept: List<usize>,
-    /// Weights of rows of the objective in its gradient.
-    weights: Vec<f64>,
-    /// Above which size a multiplier counted when they were computed last.
-    pub(crate) threshold: f64,
+    /// Whether any residual of the goal was more than rounding when they were computed last.
+    pub(crate) is_pulled: bool,
+    /// The size of the forces that balance each other.
+    pub(crate) size: f64,
     pub(crate) direction: Vec<f64>,
     pub(crate) gradient: Vec<f64>,
+    gradient_rounding: Vec<f64>,
     pub(crate) settings: Settings,
 }
 
@@ -132,6 +136,9 @@ impl ActiveSet {
             value: vec![0.0; count],
             residual: vec![0.0; count],
             multipliers: vec![0.0; n],
+            multiplier_rounding: vec![0.0; n],
+            pull: vec![0.0; count],
+            pull_rounding: vec![0.0; count],
             iterations: 0,
             hint: vec![RowState::Inside; count],
             farthest: 0.0,
@@ -140,10 +147,11 @@ impl ActiveSet {
             slope: vec![0.0; count],
             candidates: List::with_capacity(count),
             kept: List::with_capacity(count),
-            weights: vec![0.0; most.unwrap_or(0)],
-            threshold: f64::INFINITY,
+            is_pulled: false,
+            size: 0.0,
             direction: vec![0.0; n],
             gradient: vec![0.0; n],
+            gradient_rounding: vec![0.0; n],
             table,
             settings,
         }
@@ -320,13 +328,12 @@ impl ActiveSet {
                 return Minimum::Point;
             }
             Goal::Rows { rows, linear_of } => {
-                if self.pulled.is_sound() {
-                    let (table, state, value) = (&self.table, &self.state, &self.value);
-                    let step = self.pulled.solve(|id| bound(table, state, id) - value[id]);
-                    if let Some(step) = step {
-                        self.basis.add_free(step, &mut self.direction);
-                        return Minimum::Point;
-                    }
+                let Self { pulled, basis, table, state, value, .. } = self;
+                if let Some(step) =
+                    pulled.solve(basis, table, |id| bound(table, state, id) - value[id])
+                {
+                    self.basis.add_free(step, &mut self.direction);
+                    return Minimum::Point;
                 }
                 self.fill_least_squares(rows, *linear_of, k);
                 self.least_squares.factorise(self.settings.rank_tolerance);
@@ -353,52 +360,92 @@ impl ActiveSet {
         }
     }
 
-    /// Gradient of the goal at x, and below which size a multiplier (times its row's norm) is
-    /// rounding; infinite where the gradient itself is.
-    fn set_gradient(&mut self, goal: &Goal) -> f64 {
-        let x_norm = norm(&self.x);
-        match goal {
+    /// Multipliers of the working set for the goal at x, at the minimum with the working set held.
+    /// Returns false if there is no gradient but rounding.
+    pub(crate) fn refresh_multipliers(&mut self, goal: &Goal) -> bool {
+        self.is_pulled = match goal {
             Goal::Norm => {
                 self.gradient.copy_from_slice(&self.x);
-                self.settings.optimality_tolerance * x_norm
+                self.size = norm(&self.x);
+                true
+            }
+            Goal::Rows { rows, linear_of } => self.set_gradient(rows.clone(), *linear_of),
+        };
+        if self.is_pulled {
+            self.basis.multipliers(&self.gradient, &mut self.multipliers);
+            let forces = self.multipliers.iter().zip(self.basis.active());
+            self.size += forces.map(|(m, &id)| m.abs() * self.table.norm(id)).sum::<f64>();
+        }
+        self.is_pulled
+    }
+
+    /// The rounding in the multipliers just computed.
+    pub(crate) fn set_multiplier_rounding(&mut self, goal: &Goal) {
+        match goal {
+            Goal::Norm => {
+                let rounding = self.settings.optimality_tolerance * norm(&self.x);
+                self.gradient_rounding.fill(rounding);
             }
             Goal::Rows { rows, linear_of } => {
-                let (mut size, mut noise) = (0.0, 0.0);
-                for (weight, id) in self.weights.iter_mut().zip(rows.clone()) {
-                    *weight = 0.0;
-                    if self.state[id].is_active() {
-                        let row_norm = self.table.norm(id);
-                        *weight = self.value[id] - bound(&self.table, &self.state, id);
-                        size += row_norm * weight.abs();
-                        noise += row_norm * self.table.magnitude(id, x_norm);
-                    }
-                }
-                let linear = linear_of.map(|level| &self.table.levels[level].linear);
-                size += linear.map_or(0.0, |linear| norm(linear));
-                if size <= 10.0 * NOISE * noise {
-                    return f64::INFINITY;
-                }
-                self.gradient.fill(0.0);
-                self.table.add_rows(rows.clone(), &self.weights, &mut self.gradient);
-                if let Some(linear) = linear {
-                    add_scaled(&mut self.gradient, 1.0, linear);
-                }
-                self.settings.optimality_tolerance * size + NOISE * noise
+                self.set_gradient_rounding(rows.clone(), *linear_of);
             }
+        }
+        let Self { basis, table, gradient, gradient_rounding, multipliers, .. } = self;
+        let (norm, rounding) = (|id| table.norm(id), &mut self.multiplier_rounding);
+        basis.multiplier_rounding(gradient, gradient_rounding, multipliers, norm, rounding);
+        // Where rows nearly depend on each other, bounds on rounding say less than experience.
+        let most = self.settings.optimality_tolerance * self.size;
+        for (rounding, &id) in rounding.iter_mut().zip(basis.active()) {
+            *rounding = rounding.min(most / table.norm(id));
         }
     }
 
-    /// Multipliers of the working set for the goal at x; returns the size above which one
-    /// counts, infinite where none does.
-    pub(crate) fn refresh_multipliers(&mut self, goal: &Goal) -> f64 {
-        self.threshold = self.set_gradient(goal);
-        if self.threshold.is_finite() {
-            self.basis.multipliers(&self.gradient, &mut self.multipliers);
-            let forces = self.multipliers.iter().zip(self.basis.active());
-            let size: f64 = forces.map(|(m, &id)| m.abs() * self.table.norm(id)).sum();
-            self.threshold += BALANCE_NOISE * size;
+    /// The gradient of the rows of the goal. Returns false if all residuals are rounding.
+    fn set_gradient(&mut self, rows: Range<usize>, linear_of: Option<usize>) -> bool {
+        let x_norm = norm(&self.x);
+        for id in rows.clone() {
+            (self.pull[id], self.pull_rounding[id]) = (0.0, 0.0);
+            if self.state[id].is_active() {
+                self.pull[id] = self.value[id] - self.bound(id);
+                self.pull_rounding[id] = self.table.rounding(id, x_norm);
+            }
         }
-        self.threshold
+        if linear_of.is_none() && self.pulled.is_sound() {
+            self.pulled.balance(&self.table, &mut self.pull, &mut self.pull_rounding);
+        }
+        let is_there = |id: usize| self.pull[id].abs() > self.pull_rounding[id];
+        if linear_of.is_none() && !rows.clone().any(is_there) {
+            return false;
+        }
+        self.size = rows.clone().map(|id| self.pull[id].abs() * self.table.norm(id)).sum();
+        self.gradient.fill(0.0);
+        self.table.add_rows(rows.clone(), &self.pull[rows], &mut self.gradient);
+        if let Some(level) = linear_of {
+            let linear = &self.table.levels[level].linear;
+            add_scaled(&mut self.gradient, 1.0, linear);
+            self.size += norm(linear);
+        }
+        true
+    }
+
+    /// The rounding in each entry of the gradient: that of its own sum.
+    fn set_gradient_rounding(&mut self, rows: Range<usize>, linear_of: Option<usize>) {
+        self.gradient_rounding.fill(0.0);
+        for id in rows {
+            let weight = self.pull_rounding[id] + ROUNDING * self.pull[id].abs();
+            if weight > 0.0 {
+                let row = self.table.coefficients(id);
+                for (rounding, entry) in self.gradient_rounding.iter_mut().zip(row) {
+                    *rounding += weight * entry.abs();
+                }
+            }
+        }
+        if let Some(level) = linear_of {
+            let linear = &self.table.levels[level].linear;
+            for (rounding, entry) in self.gradient_rounding.iter_mut().zip(linear) {
+                *rounding += ROUNDING * entry.abs();
+            }
+        }
     }
 }
 

@@ -10,6 +10,7 @@ use crate::kernels::{
 };
 use crate::list::List;
 use crate::table::{Coefficients, RowView};
+use crate::tolerances::ROUNDING;
 use crate::vector::{add_scaled, length, norm, reflector};
 
 /// The basis, its partition, and the triangular factor of the working set.
@@ -329,6 +330,36 @@ impl Basis {
             let value = out[i];
             let row = &self.triangular[i * n..i * n + i];
             add_scaled(&mut out[..i], -value, row);
+        }
+    }
+
+    /// The rounding in [`multipliers`](Self::multipliers), given that in each entry of the gradient:
+    /// that of every sum, term by term. `norm` is that of a row.
+    pub(crate) fn multiplier_rounding(
+        &self,
+        gradient: &[f64],
+        gradient_rounding: &[f64],
+        multipliers: &[f64],
+        norm: impl Fn(usize) -> f64,
+        out: &mut [f64],
+    ) {
+        let (n, count) = (self.n, self.active.len());
+        for (i, rounding) in out[..count].iter_mut().enumerate() {
+            let direction = self.vector(self.fixed + i).iter();
+            let terms = direction.zip(gradient.iter().zip(gradient_rounding));
+            *rounding = terms
+                .filter(|(entry, _)| **entry != 0.0)
+                .map(|(entry, (value, rounding))| entry.abs() * rounding + ROUNDING * value.abs())
+                .sum();
+        }
+        for i in (0..count).rev() {
+            let size = ROUNDING * multipliers[i].abs();
+            out[i] = out[i] / self.triangular[i * n + i].abs() + size;
+            let (rounding, turned) = (out[i], size * norm(self.active[i]));
+            let row = &self.triangular[i * n..i * n + i];
+            for (out, entry) in out[..i].iter_mut().zip(row).filter(|(_, entry)| **entry != 0.0) {
+                *out += rounding * entry.abs() + turned;
+            }
         }
     }
 

@@ -123,7 +123,7 @@ impl RowAt {
     /// A gap to a bound, relative to the row's terms at x, but for what rounding explains in a
     /// vector as long as x.
     fn relative(&self, gap: f64, x_norm: f64) -> f64 {
-        let rest = (gap.abs() - crate::table::ROUNDING * self.norm * x_norm).max(0.0);
+        let rest = (gap.abs() - crate::tolerances::ROUNDING * self.norm * x_norm).max(0.0);
         rest / self.size.max(f64::MIN_POSITIVE)
     }
 }

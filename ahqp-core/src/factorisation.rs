@@ -317,7 +317,8 @@ impl Factorisation {
         }
     }
 
-    /// The row with the largest remainder relative to its norm.
+    /// The row with the largest remainder, of those where it is more than `tolerance` of the norm: heavy
+    /// rows first, light ones in what these leave.
     fn best_row(&mut self, rows: Range<usize>, step: usize, tolerance: f64) -> Option<usize> {
         // Of a remainder that has shrunk much, little is left but rounding.
         let shrunk = |(rest, measured): (&f64, &f64)| *rest < 1e-4 * *measured;
@@ -330,12 +331,12 @@ impl Factorisation {
             }
         }
         let mut best = None;
-        let mut largest = tolerance.powi(2);
+        let mut largest = 0.0;
         for (i, (&rest, &square)) in
             self.rest[rows.clone()].iter().zip(&self.square[rows]).enumerate()
         {
-            if rest > largest * square {
-                largest = rest / square;
+            if rest > tolerance.powi(2) * square && rest > largest {
+                largest = rest;
                 best = Some(first + i);
             }
         }

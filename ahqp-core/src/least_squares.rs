@@ -116,12 +116,12 @@ impl LeastSquares {
 
     fn best_row(&self, step: usize, tolerance: f64) -> Option<usize> {
         let mut best = None;
-        let mut largest = tolerance;
+        let mut largest = 0.0;
         for i in step..self.m {
             let at = i * self.stride;
             let rest = norm(&self.rows[at + step..at + self.k]);
-            if rest > largest * self.norms[i] {
-                largest = rest / self.norms[i];
+            if rest > tolerance * self.norms[i] && rest > largest {
+                largest = rest;
                 best = Some(i);
             }
         }

@@ -43,6 +43,7 @@ mod table;
 mod tall;
 #[cfg(feature = "testing")]
 pub mod testing;
+mod tolerances;
 mod vector;
 mod verification;
 

@@ -87,6 +87,8 @@ impl Pulled {
     ) {
         self.clear(true);
         self.rows.extend(ids.filter(|&id| table.norm(id) > 0.0));
+        // Heavy rows first, light ones in what these leave.
+        self.rows.sort_unstable_by(|&i, &j| table.norm(j).total_cmp(&table.norm(i)));
         let (n, k, m) = (self.coordinates.len(), basis.free_count(), self.rows.len());
         for (along, &id) in self.weights.chunks_exact_mut(n).zip(&self.rows) {
             basis.free_coordinates(table.row(id), along);
@@ -351,17 +353,18 @@ impl Pulled {
     /// Gives the direction behind the pivots a pivot of the dependent rows, or leaves it idle.
     fn adopt(&mut self, table: &RowTable) {
         let column = &self.columns[self.rank * self.stride..];
-        let (mut best, mut largest) = (None, NOTHING);
+        let (mut best, mut largest, mut any) = (None, 0.0, false);
         for (index, &id) in self.rows.iter().enumerate().skip(self.rank) {
             let part = column[index].abs() / table.norm(id);
-            if part > largest {
-                (best, largest) = (Some(index), part);
+            any |= part > NOTHING;
+            if part >= CLEAR && column[index].abs() > largest {
+                (best, largest) = (Some(index), column[index].abs());
             }
         }
+        if best.is_none() && any {
+            return self.give_up();
+        }
         if let Some(index) = best {
-            if largest < CLEAR {
-                return self.give_up();
-            }
             self.rank += 1;
             self.swap_rows(self.rank - 1, index);
         }
@@ -390,16 +393,22 @@ impl Pulled {
 
     /// min ½‖[L; D] t − c‖² over the pulled directions, `target` giving c of a row; none when the
     /// rows cannot be trusted for it.
-    pub(crate) fn solve(&mut self, target: impl Fn(usize) -> f64) -> Option<&[f64]> {
+    pub(crate) fn solve(
+        &mut self,
+        basis: &mut Basis,
+        table: &RowTable,
+        target: impl Fn(usize) -> f64,
+    ) -> Option<&[f64]> {
+        self.exchange(basis, table);
+        if !self.sound {
+            return None;
+        }
         for (entry, &id) in self.target.iter_mut().zip(&self.rows) {
             *entry = target(id);
         }
         let (rank, stride) = (self.rank, self.stride);
         let dependent = self.rows.len() - rank;
         if dependent > 0 && rank > 0 {
-            if !self.weigh_dependent(dependent) {
-                return None;
-            }
             self.balance_dependent(dependent);
         }
         for j in 0..rank {
@@ -411,8 +420,41 @@ impl Pulled {
         Some(&self.step[..rank])
     }
 
-    /// E with D = E L; false if its entries are so large that digits are lost.
-    fn weigh_dependent(&mut self, dependent: usize) -> bool {
+    /// Replaces the residuals of the pivots by those that balance the dependent rows along the pulled
+    /// directions, as they do at the minimum: Lᵀr₁ = −Dᵀr₂. A heavy row's residual may be far below
+    /// the rounding of its own terms. `rounding` is that in the residuals; both are by row.
+    pub(crate) fn balance(&self, table: &RowTable, residual: &mut [f64], rounding: &mut [f64]) {
+        for j in (0..self.rank).rev() {
+            let column = &self.columns[j * self.stride..j * self.stride + self.rows.len()];
+            let (mut sum, mut doubt) = (0.0, 0.0);
+            for (&entry, &id) in column.iter().zip(&self.rows).skip(j + 1) {
+                sum += entry * residual[id];
+                // Each entry has the rounding of its whole row.
+                doubt += entry.abs() * rounding[id] + table.entry_rounding(id) * residual[id].abs();
+            }
+            let id = self.rows[j];
+            residual[id] = -sum / column[j];
+            rounding[id] = doubt / column[j].abs();
+        }
+    }
+
+    /// Makes pivots of the rows on which others depend the most, so that rows of D are combinations
+    /// of the pivots with small weights. Each exchange enlarges the determinant of L.
+    fn exchange(&mut self, basis: &mut Basis, table: &RowTable) {
+        for _ in 0..2 * self.rows.len() {
+            let dependent = self.rows.len() - self.rank;
+            if !self.sound || dependent == 0 || self.rank == 0 {
+                return;
+            }
+            let Err(pivot) = self.weigh_dependent(dependent) else { return };
+            self.demote(basis, pivot);
+            self.adopt(table);
+        }
+        self.give_up();
+    }
+
+    /// E with D = E L; the pivot of an entry that is so large that digits are lost, if there is one.
+    fn weigh_dependent(&mut self, dependent: usize) -> Result<(), usize> {
         let (n, rank, stride) = (self.coordinates.len(), self.rank, self.stride);
         let known = &mut self.carry[..dependent];
         for j in (0..rank).rev() {
@@ -423,11 +465,11 @@ impl Pulled {
             for ((entry, &part), &known) in entries.zip(&column[rank..]).zip(known.iter()) {
                 *entry = (part - known) / column[j];
                 if entry.abs() > LARGEST_WEIGHT {
-                    return false;
+                    return Err(j);
                 }
             }
         }
-        true
+        Ok(())
     }
 
     /// min ‖u − c₁‖² + ‖E u − c₂‖²: leaves u in place of c₁.

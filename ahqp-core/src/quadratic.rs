@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::error::Error;
 use crate::hierarchy::ConstraintSource;
 use crate::list::List;
+use crate::tolerances::ROUNDING;
 use crate::vector::dot;
 
 /// Pivots below this fraction of their diagonal entry count as zero.
@@ -30,6 +31,9 @@ pub(crate) struct QuadraticFactor {
     /// R, row after row.
     factor: Vec<f64>,
     target: Vec<f64>,
+    /// The rounding in the target, and of what size that in a row is relative to the row.
+    target_rounding: Vec<f64>,
+    amplification: Vec<f64>,
     pivots: List<usize>,
     /// What of the diagonal is not factored yet.
     diagonal: Vec<f64>,
@@ -43,6 +47,8 @@ impl QuadraticFactor {
             rank: 0,
             factor: vec![0.0; n * n],
             target: vec![0.0; n],
+            target_rounding: vec![0.0; n],
+            amplification: vec![1.0; n],
             pivots: List::with_capacity(n),
             diagonal: vec![0.0; n],
             linear: vec![0.0; n],
@@ -55,6 +61,12 @@ impl QuadraticFactor {
 
     pub(crate) fn row(&self, index: usize) -> (&[f64], f64) {
         (&self.factor[index * self.n..(index + 1) * self.n], self.target[index])
+    }
+
+    /// The rounding of a row's entries, relative to the row, in units of ordinary rounding, and that
+    /// of its target: what a small pivot leaves of large terms.
+    pub(crate) fn rounding(&self, index: usize) -> (f64, f64) {
+        (self.amplification[index], self.target_rounding[index])
     }
 
     /// Copies the linear part; whether there is one.
@@ -128,6 +140,7 @@ impl QuadraticFactor {
             *entry = if self.pivots.contains(&j) { 0.0 } else { *entry / root };
         }
         row[pivot] = root;
+        self.amplification[rank] = hessian[(pivot, pivot)].sqrt() / root;
         for (left, entry) in self.diagonal.iter_mut().zip(row.iter()) {
             *left -= entry * entry;
         }
@@ -161,9 +174,13 @@ impl QuadraticFactor {
     fn split_gradient(&mut self, gradient: &DVector<f64>) {
         let n = self.n;
         for (i, &pivot) in self.pivots.iter().enumerate() {
-            let known: f64 =
-                (0..i).map(|above| self.factor[above * n + pivot] * self.target[above]).sum();
-            self.target[i] = (-gradient[pivot] - known) / self.factor[i * n + pivot];
+            let terms = (0..i).map(|above| self.factor[above * n + pivot] * self.target[above]);
+            let (known, size) = terms.fold((0.0, gradient[pivot].abs()), |(sum, size), term| {
+                (sum + term, size + term.abs())
+            });
+            let root = self.factor[i * n + pivot];
+            self.target[i] = (-gradient[pivot] - known) / root;
+            self.target_rounding[i] = ROUNDING * size / root;
         }
         for j in 0..n {
             let terms = (0..self.rank).map(|i| self.factor[i * n + j] * self.target[i]);

@@ -11,6 +11,7 @@ use std::ops::Range;
 
 use crate::active_set::{ActiveSet, End, Goal, RowState};
 use crate::least_squares::Minimum;
+use crate::tolerances::CLEARLY_THERE;
 use crate::vector::{add_scaled, norm};
 
 /// Rows that are looked through at a time.
@@ -217,34 +218,41 @@ impl ActiveSet {
 
     /// The row to let go: the one that is most wrong, or the first of the wrong ones.
     fn wrong_sign(&mut self, goal: &Goal, careful: bool) -> Option<Release> {
-        let threshold = self.refresh_multipliers(goal);
-        if threshold == f64::INFINITY {
+        if !self.refresh_multipliers(goal) {
             return None;
         }
+        // Most rows that should go are far above rounding: how much it is need not be known then.
+        let clear = CLEARLY_THERE * self.size;
+        if !careful && let Some(release) = self.worst_sign(goal, careful, Some(clear)) {
+            return Some(release);
+        }
+        self.set_multiplier_rounding(goal);
+        self.worst_sign(goal, careful, None)
+    }
+
+    /// The row whose sign is most wrong, or the first of the wrong ones; of those with a force above
+    /// `least`, or above their own rounding.
+    fn worst_sign(&self, goal: &Goal, careful: bool, least: Option<f64>) -> Option<Release> {
         let mut worst: Option<(f64, usize, Release)> = None;
-        let mut consider = |wrongness: f64, id: usize, release: Release| {
+        let mut consider = |multiplier: f64, rounding: f64, id: usize, release: Release| {
+            let norm = self.table.norm(id);
+            let (wrongness, rounding) =
+                (multiplier.abs() * norm, least.map_or(rounding, |least| least / norm));
             let better = worst
-                .is_none_or(|(most, least, _)| if careful { id < least } else { wrongness > most });
-            if wrongness > threshold && better && !self.kept.contains(&id) {
+                .is_none_or(|(most, first, _)| if careful { id < first } else { wrongness > most });
+            let is_wrong = self.state[id].is_wrong(multiplier, rounding);
+            if is_wrong && better && !self.kept.contains(&id) {
                 worst = Some((wrongness, id, release));
             }
         };
-        for (position, &id) in self.basis.active().iter().enumerate() {
-            let force = self.multipliers[position] * self.table.norm(id);
-            match self.state[id] {
-                RowState::Upper => consider(-force, id, Release::Hard(position)),
-                RowState::Lower => consider(force, id, Release::Hard(position)),
-                _ => {}
-            }
+        let multipliers = self.multipliers.iter().zip(&self.multiplier_rounding);
+        let positions = self.basis.active().iter().zip(multipliers).enumerate();
+        for (position, (&id, (&multiplier, &rounding))) in positions {
+            consider(multiplier, rounding, id, Release::Hard(position));
         }
         if let Goal::Rows { rows, .. } = goal {
             for id in rows.clone() {
-                let force = (self.value[id] - self.bound(id)) * self.table.norm(id);
-                match self.state[id] {
-                    RowState::Upper => consider(-force, id, Release::Soft(id)),
-                    RowState::Lower => consider(force, id, Release::Soft(id)),
-                    _ => {}
-                }
+                consider(self.pull[id], self.pull_rounding[id], id, Release::Soft(id));
             }
         }
         worst.map(|(_, _, release)| release)

@@ -23,8 +23,10 @@ pub struct Settings {
     /// A row depends on others when what they leave of it is below this fraction of its norm
     /// \[-\]. Default 1e-10.
     pub rank_tolerance: f64,
-    /// A multiplier has the wrong sign when it exceeds this, relative to the level's gradient
-    /// \[-\]. Default 1e-10.
+    /// A multiplier of the wrong sign frees its row when it exceeds the rounding of the sum that it
+    /// comes from. Where rows nearly depend on each other that bound says little: rounding then counts
+    /// as at most this part of the level's forces \[-\]. In the choice of least norm it is relative
+    /// to ‖x‖. Default 1e-10.
     pub optimality_tolerance: f64,
     /// Where a solve starts. Default: from the active set of the one before.
     pub warm_start: WarmStart,

@@ -2,24 +2,21 @@
 
 use std::ops::Range;
 
-use crate::active_set::{ActiveSet, Goal, NOISE, RowState};
+use crate::active_set::{ActiveSet, Goal, RowState};
+use crate::tolerances::CERTAIN;
 use crate::vector::norm;
-
-/// A multiplier this many times above the noise marks its row as active at every optimum.
-const STRONGLY_ACTIVE: f64 = 10.0;
 
 impl ActiveSet {
     /// Fixes what the level decided at the end of its search: rows of its objective keep their values (those within
     /// their ranges stay within), and hard rows with a multiplier stay at their bounds.
     /// `activity` takes down what the rows do.
     pub(crate) fn settle(&mut self, goal: Option<&Goal>, activity: &mut [RowState]) {
-        let threshold =
-            if goal.is_some() { STRONGLY_ACTIVE * self.threshold } else { f64::INFINITY };
+        let counts = goal.is_some() && self.is_pulled;
         self.left.clear();
         for position in 0..self.basis.active().len() {
             let id = self.basis.active()[position];
             self.left.push((id, self.state[id]));
-            if self.is_strongly_active(position, threshold) {
+            if self.is_strongly_active(position, counts) {
                 activity[id] = self.state[id];
                 self.state[id] = RowState::Fixed;
             }
@@ -71,24 +68,21 @@ impl ActiveSet {
 
     /// Whether row `position` of the working set is needed to hold the optimum: its multiplier
     /// is well away from zero, so that the row is active at every optimum of the level.
-    pub(crate) fn is_strongly_active(&self, position: usize, threshold: f64) -> bool {
+    /// No multiplier `counts` where the level has no gradient.
+    pub(crate) fn is_strongly_active(&self, position: usize, counts: bool) -> bool {
         let id = self.basis.active()[position];
-        self.state[id] == RowState::Equal
-            || self.multipliers[position].abs() * self.table.norm(id) > threshold
+        let rounding = CERTAIN * self.multiplier_rounding[position];
+        self.state[id] == RowState::Equal || (counts && self.multipliers[position].abs() > rounding)
     }
 
     /// Rows of a minimised objective that are pulled keep their values; the others, within their
     /// ranges, are hard rows from here on.
     fn settle_objective(&mut self, rows: Range<usize>, activity: &mut [RowState]) {
-        let force = |set: &Self, id: usize| set.table.norm(id) * set.violation(id).abs();
-        let pulled = rows.clone().filter(|&id| self.state[id].is_active());
-        // What rounding in the pull of all may leave of that of one.
-        let rounding = 10.0 * NOISE * pulled.map(|id| force(self, id)).sum::<f64>();
         let mut any_inside = false;
         for id in rows.clone() {
             let pulled = self.state[id].is_active();
             let is_violated =
-                force(self, id) > rounding && self.violation(id).abs() > self.doubt(id);
+                self.is_pulled && self.pull[id].abs() > CERTAIN * self.pull_rounding[id];
             let held = pulled && (self.table.is_equality(id) || is_violated);
             if held {
                 activity[id] = self.state[id];

@@ -291,7 +291,7 @@ impl Solver {
                     return Ok(LevelEnd::OutOfIterations);
                 }
                 End::Unbounded => return Err(Error::Unbounded { level }),
-                End::Optimal => self.expect_feasible(level, &goal)?,
+                End::Optimal => self.expect_feasible(level)?,
             }
         }
         self.set.pulled.clear(false);
@@ -299,7 +299,7 @@ impl Solver {
         Ok(LevelEnd::Solved)
     }
 
-    fn expect_feasible(&mut self, level: usize, goal: &Goal) -> Result<(), Error> {
+    fn expect_feasible(&mut self, level: usize) -> Result<(), Error> {
         let rows = self.set.table.levels[level].constraints.clone();
         let excess = |set: &ActiveSet, id: usize| match set.violation(id).abs() {
             0.0 => 0.0,
@@ -312,7 +312,6 @@ impl Solver {
         else {
             return Ok(());
         };
-        let threshold = self.set.refresh_multipliers(goal);
         for id in rows.clone() {
             if excess(&self.set, id) > 1.0 {
                 self.conflict.push(self.set.table.sources[id]);
@@ -320,6 +319,8 @@ impl Solver {
         }
         self.remember_active();
         let Self { set, verifier, conflict, .. } = self;
+        let size = |id: usize| set.violation(id).abs() * set.table.norm(id);
+        let threshold = self.settings.optimality_tolerance * rows.clone().map(size).sum::<f64>();
         let forces = verifier.forces_against(&set.table, rows, |id| set.violation(id));
         let pushing = forces.filter(|&(_, force)| force.abs() > threshold);
         conflict.extend(pushing.map(|(id, _)| set.table.sources[id]));

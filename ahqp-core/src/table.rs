@@ -7,14 +7,13 @@ use crate::hierarchy::{ConstraintSource, Hierarchy, Objective};
 use crate::kernels::{add_rows, multiply_rows, square_rows};
 use crate::quadratic::QuadraticFactor;
 use crate::rows::Rows;
+use crate::tolerances::ROUNDING;
 use crate::vector::{norm, norm_max};
 
 /// Above this, products of the solver's numbers overflow.
 const MODERATE: f64 = 1e100;
 /// Norms of hard constraints of which none hides another.
 const NEAR_ONE: Range<f64> = 0.0625..32.0;
-/// What of ‖a‖‖x‖ rounding may leave in a x: rotations mix the entries of x.
-pub(crate) const ROUNDING: f64 = 1e-14;
 
 /// A row seen by the algebra: a unit vector for a bound, coefficients otherwise.
 #[derive(Debug, Clone, Copy)]
@@ -98,6 +97,10 @@ pub(crate) struct RowTable {
     pub(crate) lower: Vec<f64>,
     pub(crate) upper: Vec<f64>,
     norms: Vec<f64>,
+    /// The rounding in rows: relative to them, and in their bounds. More than that of one operation in
+    /// the rows of a quadratic's factor.
+    relative_rounding: Vec<f64>,
+    bound_rounding: Vec<f64>,
     /// What hard constraints were multiplied by, a power of two: their units have no meaning, but
     /// where some must be made to hold together, those of large ones would hide small ones.
     scales: Vec<f64>,
@@ -141,6 +144,8 @@ impl RowTable {
             lower: vec![0.0; count],
             upper: vec![0.0; count],
             norms: vec![1.0; count],
+            relative_rounding: vec![ROUNDING; count],
+            bound_rounding: vec![0.0; count],
             scales: vec![1.0; count],
             scaled: false,
             sources,
@@ -192,6 +197,16 @@ impl RowTable {
     /// The size that numbers in row `id` have at most at x: what rounding is relative to.
     pub(crate) fn magnitude(&self, id: usize, x_norm: f64) -> f64 {
         self.nearer_bound(id) + self.norms[id] * x_norm
+    }
+
+    /// The rounding in a x − bound of row `id`, given ‖x‖.
+    pub(crate) fn rounding(&self, id: usize, x_norm: f64) -> f64 {
+        self.relative_rounding[id] * self.magnitude(id, x_norm) + self.bound_rounding[id]
+    }
+
+    /// The rounding in each entry of row `id`.
+    pub(crate) fn entry_rounding(&self, id: usize) -> f64 {
+        self.relative_rounding[id] * self.norms[id]
     }
 
     /// The size of the terms of row `id` at x. Entries of x that the row does not see, however
@@ -380,6 +395,9 @@ impl RowTable {
             let (row, target) = self.factor.row(offset);
             self.coefficients[at..at + n].copy_from_slice(row);
             self.norms[id] = norm(row);
+            let (amplification, bound_rounding) = self.factor.rounding(offset);
+            self.relative_rounding[id] = ROUNDING * amplification;
+            self.bound_rounding[id] = bound_rounding;
             self.lower[id] = target;
             self.upper[id] = target;
         }

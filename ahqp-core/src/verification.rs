@@ -41,9 +41,15 @@ pub(crate) struct Verifier {
     /// How many rounds the last solve took.
     pub(crate) rounds: usize,
     multipliers: Vec<f64>,
-    /// Weights of the rows of the table in a sum, and the same in the order of the stack.
+    multiplier_rounding: Vec<f64>,
+    /// Weights of the rows of the table in a sum.
     weights: Vec<f64>,
-    of_stack: Vec<f64>,
+    /// Residuals of the rows of a level, in the order of the stack, and the rounding in them.
+    residual: Vec<f64>,
+    residual_rounding: Vec<f64>,
+    /// The size of the forces of the level at hand, and the rounding in each of its sums.
+    size: f64,
+    rounding: f64,
     /// Entries of a level's gradient: those of the variables at a bound, the rest is not needed.
     gradient: Vec<f64>,
     settings: Settings,
@@ -61,8 +67,12 @@ impl Verifier {
             far: false,
             rounds: 0,
             multipliers: vec![0.0; table.n],
+            multiplier_rounding: vec![0.0; table.n],
             weights: vec![0.0; table.len()],
-            of_stack: vec![0.0; table.len()],
+            residual: vec![0.0; table.len()],
+            residual_rounding: vec![0.0; table.len()],
+            size: 0.0,
+            rounding: 0.0,
             gradient: vec![0.0; table.n],
             settings,
         }
@@ -153,7 +163,7 @@ impl Verifier {
                 }
             }
         }
-        self.check_least_norm(table, x_norm);
+        self.check_least_norm(table);
         self.signs.release(&mut self.activity);
     }
 

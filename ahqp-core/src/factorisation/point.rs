@@ -8,6 +8,7 @@ use crate::kernels::{
 };
 use crate::table::RowTable;
 use crate::tall::solve_tall;
+use crate::tolerances::ROUNDING;
 use crate::vector::{add_scaled, dot, norm};
 
 impl Factorisation {
@@ -148,6 +149,56 @@ impl Factorisation {
             let multiplier = -coordinates[pivot] / row[pivot];
             add_scaled(&mut coordinates[..pivot], multiplier, &row[..pivot]);
             coordinates[pivot] = multiplier;
+        }
+    }
+
+    /// The rounding in the multipliers of [`balance`](Self::balance), given that in the coordinates,
+    /// which it replaces. `norm` is that of a row.
+    pub(crate) fn balance_rounding(
+        &self,
+        multipliers: &[f64],
+        norm: impl Fn(usize) -> f64,
+        rounding: &mut [f64],
+    ) {
+        let n = self.stride;
+        for pivot in (0..multipliers.len()).rev() {
+            let at = self.pivots[pivot];
+            let row = &self.rows[at * n..at * n + pivot];
+            let size = ROUNDING * multipliers[pivot].abs();
+            let turned = size * norm(self.stacked[at]);
+            let of_pivot = rounding[pivot] / self.rows[at * n + pivot].abs() + size;
+            rounding[pivot] = of_pivot;
+            for (rounding, entry) in rounding[..pivot].iter_mut().zip(row) {
+                *rounding += of_pivot * entry.abs() + turned;
+            }
+        }
+    }
+
+    /// Replaces the residuals of a group's pivots by those that balance the others, and the linear
+    /// term, along the coordinates that the group decides, as they do at its minimum. A heavy row's
+    /// residual may be far below the rounding of its own terms. `rounding` is that in the residuals;
+    /// both are in the order of the stack.
+    pub(crate) fn balance_group(
+        &self,
+        table: &RowTable,
+        group: usize,
+        residual: &mut [f64],
+        rounding: &mut [f64],
+    ) {
+        let Group { start, rank, first_pivot, linear_of, .. } = self.groups[group];
+        for pivot in (0..rank).rev() {
+            let coordinate = first_pivot + pivot;
+            let linear = linear_of.map_or(0.0, |level| self.linear[level * self.n + coordinate]);
+            let (mut sum, mut doubt) = (linear, ROUNDING * linear.abs());
+            let entries = self.rows[start * self.stride + coordinate..].iter().step_by(self.stride);
+            let terms = residual.iter().zip(rounding.iter()).zip(&self.stacked[start..]);
+            for (entry, ((residual, rounding), &id)) in entries.zip(terms).skip(pivot + 1) {
+                sum += entry * residual;
+                // Each entry has the rounding of its whole row.
+                doubt += entry.abs() * rounding + table.entry_rounding(id) * residual.abs();
+            }
+            let own = self.rows[(start + pivot) * self.stride + coordinate];
+            (residual[pivot], rounding[pivot]) = (-sum / own, doubt / own.abs());
         }
     }
 

@@ -23,6 +23,9 @@ const NOTHING: f64 = 1e-12;
 /// A part of a row above this fraction of it is beyond doubt.
 const CLEAR: f64 = 1e-6;
 
+/// Rows this many times heavier than a pivot do not stand behind it.
+const HEAVIER: f64 = 16.0;
+
 /// A change that would leave a rank in doubt.
 #[derive(Debug)]
 struct Doubt;
@@ -99,6 +102,11 @@ impl Factorisation {
         let (place, decided, before) =
             (first_pivot + rank, self.pivots.len(), self.rotations.len());
         if !is_there(norm(&row[place..]) / size)? {
+            // Heavy rows are pivots, light ones are in what these leave.
+            let pivots = self.stacked[start..start + rank].iter();
+            if pivots.map(|&id| table.norm(id)).any(|norm| size > HEAVIER * norm) {
+                return Err(Doubt);
+            }
             self.open(end, group);
             return Ok(end);
         }
@@ -243,14 +251,17 @@ impl Factorisation {
     /// Makes a dependent row of `group` the pivot of a coordinate that none has, if one is there.
     fn adopt(&mut self, table: &RowTable, group: usize, coordinate: usize) -> Result<bool, Doubt> {
         let (n, Group { start, end, rank, .. }) = (self.stride, self.groups[group].clone());
-        let (mut best, mut largest) = (start + rank, 0.0);
+        let (mut best, mut largest, mut any) = (start + rank, 0.0, false);
         for at in start + rank..end {
-            let part = self.rows[at * n + coordinate].abs() / table.norm(self.stacked[at]);
-            if part > largest {
-                (best, largest) = (at, part);
+            let entry = self.rows[at * n + coordinate].abs();
+            if is_there(entry / table.norm(self.stacked[at]))? {
+                any = true;
+                if entry > largest {
+                    (best, largest) = (at, entry);
+                }
             }
         }
-        if !is_there(largest)? {
+        if !any {
             return Ok(false);
         }
         self.swap(start + rank, best);

@@ -3,10 +3,20 @@
 use std::ops::Range;
 
 use super::Verifier;
-use crate::active_set::{BALANCE_NOISE, NOISE, bound};
-use crate::factorisation::Purpose;
+use crate::active_set::bound;
+use crate::factorisation::{Group, Purpose};
 use crate::table::RowTable;
+use crate::tolerances::{CLEARLY_THERE, ROUNDING};
 use crate::vector::{add_scaled, norm};
+
+/// Which residuals a level's gradient is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Residuals {
+    /// Those of the rows at x.
+    AtPoint,
+    /// Those that balance each other: of heavy rows they may be far below the rounding of a x.
+    Balanced,
+}
 
 impl Verifier {
     /// The multipliers that are not rounding of one level, or of the least norm behind the last,
@@ -25,22 +35,22 @@ impl Verifier {
                 .iter()
                 .position(|group| group.level == level && group.purpose == Purpose::Minimised)
         };
-        let (pivots, threshold) = match level {
+        let pivots = match level {
             None => {
                 self.load_norm(x);
-                (self.factorisation.decided().len(), 0.0)
+                self.factorisation.decided().len()
             }
             Some(level) => {
                 let Some(group) = minimised(level) else { return Vec::new() };
-                let Some(threshold) = self.load_level(table, group, norm(x)) else {
+                if !self.load_level(table, group, norm(x), Residuals::AtPoint) {
                     return Vec::new();
-                };
-                (self.factorisation.groups[group].first_pivot, threshold)
+                }
+                self.factorisation.groups[group].first_pivot
             }
         };
         self.balance(table, pivots);
         let counts = |&(id, multiplier): &(usize, f64)| {
-            (multiplier * table.norm(id)).abs() > 1e-3 * threshold
+            (multiplier * table.norm(id)).abs() > 1e-3 * self.rounding
         };
         self.balancing(pivots).filter(counts).collect()
     }
@@ -75,63 +85,86 @@ impl Verifier {
 
     /// Checks the signs that the level of `group`, the rows of its objective, gives.
     pub(super) fn check_level(&mut self, table: &RowTable, group: usize, x_norm: f64) {
-        let Some(threshold) = self.load_level(table, group, x_norm) else { return };
-        let group = &self.factorisation.groups[group];
-        let pivots = group.first_pivot;
-        for &id in &self.factorisation.stacked[group.start..group.end] {
-            let force = self.weights[id] * table.norm(id);
-            self.signs.check(id, self.activity[id], force, threshold);
+        if !self.load_level(table, group, x_norm, Residuals::Balanced) {
+            return;
         }
-        self.check_multipliers(table, pivots, threshold);
+        let Group { start, end, first_pivot, .. } = self.factorisation.groups[group];
+        let residuals = self.residual.iter().zip(&self.residual_rounding);
+        for (&id, (&residual, &rounding)) in
+            self.factorisation.stacked[start..end].iter().zip(residuals)
+        {
+            self.signs.check(id, self.activity[id], residual, rounding, table.norm(id));
+        }
+        self.check_multipliers(table, Some(group), first_pivot);
     }
 
     /// Checks the signs that the final choice of least norm gives.
-    pub(super) fn check_least_norm(&mut self, table: &RowTable, x_norm: f64) {
+    pub(super) fn check_least_norm(&mut self, table: &RowTable) {
         let pivots = self.factorisation.decided().len();
         let x = std::mem::take(&mut self.factorisation.x);
         self.load_norm(&x);
         self.factorisation.x = x;
-        self.check_multipliers(table, pivots, self.settings.optimality_tolerance * x_norm);
+        self.check_multipliers(table, None, pivots);
     }
 
-    /// Loads a level's gradient, and its residuals into `weights`; the size above which a
-    /// multiplier times its row's norm counts, or none if the gradient itself is rounding.
-    fn load_level(&mut self, table: &RowTable, group: usize, x_norm: f64) -> Option<f64> {
+    /// Loads a level's gradient, and its residuals. Returns false if all of these are rounding.
+    ///
+    /// Balanced, the residuals of the pivots are those that balance the others along the coordinates
+    /// that the level decides; without others there are none.
+    fn load_level(
+        &mut self,
+        table: &RowTable,
+        group: usize,
+        x_norm: f64,
+        residuals: Residuals,
+    ) -> bool {
         let factorisation = &self.factorisation;
-        let group = &factorisation.groups[group];
-        let (mut size, mut noise) = (0.0, 0.0);
-        for id in table.levels[group.level].used_objective() {
-            self.weights[id] = 0.0;
-            if self.activity[id].is_active() {
-                let residual = self.value[id] - bound(table, &self.activity, id);
-                self.weights[id] = residual;
-                size += table.norm(id) * residual.abs();
-                noise += table.norm(id) * table.magnitude(id, x_norm);
-            }
+        let Group { level, start, end, rank, first_pivot, linear_of, .. } =
+            factorisation.groups[group];
+        let first = if residuals == Residuals::Balanced { rank } else { 0 };
+        if linear_of.is_none() && end - start == first {
+            return false;
         }
-        let linear = group.linear_of.map(|level| &table.levels[level].linear);
-        size += linear.map_or(0.0, |linear| norm(linear));
-        if size <= 10.0 * NOISE * noise {
-            return None;
+        let residual = &mut self.residual[..end - start];
+        let rounding = &mut self.residual_rounding[..end - start];
+        let mut any = linear_of.is_some();
+        for (i, &id) in factorisation.stacked[start..end].iter().enumerate().skip(first) {
+            residual[i] = self.value[id] - bound(table, &self.activity, id);
+            rounding[i] = table.rounding(id, x_norm);
+            any |= residual[i].abs() > rounding[i];
         }
-        let coordinates = &mut self.multipliers[..group.first_pivot];
+        if !any {
+            return false;
+        }
+        if residuals == Residuals::Balanced {
+            factorisation.balance_group(table, group, residual, rounding);
+        }
+        (self.size, self.rounding) = (0.0, 0.0);
+        let terms = residual.iter().zip(rounding.iter());
+        for (&id, (&residual, &rounding)) in factorisation.stacked[start..end].iter().zip(terms) {
+            self.size += table.norm(id) * residual.abs();
+            self.rounding += table.norm(id) * (rounding + ROUNDING * residual.abs());
+        }
+        let coordinates = &mut self.multipliers[..first_pivot];
         coordinates.fill(0.0);
-        let rows = group.start..group.end;
-        let residuals = &mut self.of_stack[..rows.len()];
-        for (residual, &id) in residuals.iter_mut().zip(&factorisation.stacked[rows.clone()]) {
-            *residual = self.weights[id];
-        }
-        factorisation.add_rows(rows, residuals, coordinates);
+        factorisation.add_rows(start..end, residual, coordinates);
         if !factorisation.bounded.is_empty() {
+            let objective = table.levels[level].used_objective();
+            self.weights[objective.clone()].fill(0.0);
+            for (&id, &residual) in factorisation.stacked[start..end].iter().zip(residual.iter()) {
+                self.weights[id] = residual;
+            }
             self.gradient.fill(0.0);
-            let objective = table.levels[group.level].used_objective();
             table.add_rows(objective.clone(), &self.weights[objective], &mut self.gradient);
         }
-        if let (Some(level), Some(linear)) = (group.linear_of, linear) {
+        if let Some(level) = linear_of {
+            let linear = &table.levels[level].linear;
             factorisation.add_linear(level, coordinates);
             add_scaled(&mut self.gradient, 1.0, linear);
+            self.size += norm(linear);
+            self.rounding += ROUNDING * norm(linear);
         }
-        Some(self.settings.optimality_tolerance * size + NOISE * noise)
+        true
     }
 
     /// Loads the gradient of the least norm, x itself.
@@ -139,6 +172,8 @@ impl Verifier {
         let decided = self.factorisation.decided();
         self.multipliers[..decided.len()].copy_from_slice(decided);
         self.gradient.copy_from_slice(x);
+        self.size = norm(x);
+        self.rounding = self.settings.optimality_tolerance * self.size;
     }
 
     /// The multipliers of the first `pivots` pivots that balance the gradient, whose coordinates
@@ -164,21 +199,85 @@ impl Verifier {
 
     /// Balances the gradient by the first `pivots` pivots and the bounds, and checks the signs of
     /// those that are inequalities.
-    fn check_multipliers(&mut self, table: &RowTable, pivots: usize, threshold: f64) {
+    fn check_multipliers(&mut self, table: &RowTable, group: Option<usize>, pivots: usize) {
         self.balance(table, pivots);
         let factorisation = &self.factorisation;
-        let mut size = 0.0;
-        for (force, &pivot) in self.multipliers[..pivots].iter_mut().zip(&factorisation.pivots) {
-            *force *= table.norm(factorisation.stacked[pivot]);
-            size += force.abs();
+        let ids = factorisation.pivots[..pivots].iter().map(|&pivot| factorisation.stacked[pivot]);
+        let forces = ids.clone().zip(&self.multipliers).map(|(id, m)| (m * table.norm(id)).abs());
+        let clear = CLEARLY_THERE * (self.size + forces.clone().sum::<f64>());
+        let is_clear = |(id, force): (usize, f64)| force > clear || !self.signs.is_open(id);
+        let bounds = factorisation.bounded.iter().map(|&id| (id, self.gradient[id].abs()));
+        // How much of small multipliers is rounding is only asked where there are any.
+        if ids.zip(forces).chain(bounds).all(is_clear) {
+            self.multiplier_rounding[..pivots].fill(0.0);
+        } else {
+            self.set_multiplier_rounding(table, pivots);
         }
-        let threshold = threshold + BALANCE_NOISE * size;
-        for (&force, &pivot) in self.multipliers[..pivots].iter().zip(&factorisation.pivots) {
-            let id = factorisation.stacked[pivot];
-            self.signs.check(id, self.activity[id], force, threshold);
+        for index in 0..pivots {
+            let id = self.factorisation.stacked[self.factorisation.pivots[index]];
+            let rounding = self.multiplier_rounding[index];
+            let state = self.activity[id];
+            self.signs.check(id, state, self.multipliers[index], rounding, table.norm(id));
         }
-        for &id in &factorisation.bounded {
-            self.signs.check(id, self.activity[id], -self.gradient[id], threshold);
+        for index in 0..self.factorisation.bounded.len() {
+            let id = self.factorisation.bounded[index];
+            if self.signs.is_open(id) {
+                let force = -self.gradient[id];
+                let rounding = if force.abs() > clear {
+                    0.0
+                } else {
+                    self.entry_rounding(table, group, pivots, id)
+                };
+                self.signs.check(id, self.activity[id], force, rounding, 1.0);
+            }
         }
+    }
+
+    /// The rounding in the first `pivots` multipliers: that of the sums they come from.
+    fn set_multiplier_rounding(&mut self, table: &RowTable, pivots: usize) {
+        let Self { factorisation, multipliers, multiplier_rounding, .. } = self;
+        let rounding = &mut multiplier_rounding[..pivots];
+        rounding.fill(self.rounding);
+        let norm = |id| table.norm(id);
+        factorisation.balance_rounding(&multipliers[..pivots], norm, rounding);
+        // Where rows nearly depend on each other, bounds on rounding say less than experience.
+        let ids = factorisation.pivots.iter().map(|&pivot| factorisation.stacked[pivot]);
+        let forces = multipliers.iter().zip(ids.clone()).map(|(m, id)| m.abs() * table.norm(id));
+        let most =
+            self.settings.optimality_tolerance * (self.size + forces.take(pivots).sum::<f64>());
+        for (rounding, id) in rounding.iter_mut().zip(ids) {
+            *rounding = rounding.min(most / table.norm(id));
+        }
+    }
+
+    /// The rounding in the entry of a level's gradient at a variable, balanced by the pivots.
+    fn entry_rounding(
+        &self,
+        table: &RowTable,
+        group: Option<usize>,
+        pivots: usize,
+        variable: usize,
+    ) -> f64 {
+        let factorisation = &self.factorisation;
+        let entry = |id: usize| {
+            if id < table.n { 0.0 } else { table.coefficients(id)[variable].abs() }
+        };
+        let of_level = match group {
+            None => self.rounding,
+            Some(group) => {
+                let Group { start, end, linear_of, .. } = factorisation.groups[group];
+                let terms = self.residual.iter().zip(&self.residual_rounding);
+                let rows = factorisation.stacked[start..end].iter().zip(terms);
+                let linear = linear_of.map_or(0.0, |l| table.levels[l].linear[variable].abs());
+                rows.map(|(&id, (r, rounding))| entry(id) * (rounding + ROUNDING * r.abs()))
+                    .sum::<f64>()
+                    + ROUNDING * linear
+            }
+        };
+        let terms = self.multipliers[..pivots].iter().zip(&self.multiplier_rounding);
+        let balanced = factorisation.pivots.iter().zip(terms).map(|(&pivot, (m, rounding))| {
+            entry(factorisation.stacked[pivot]) * (rounding + ROUNDING * m.abs())
+        });
+        of_level + balanced.sum::<f64>()
     }
 }

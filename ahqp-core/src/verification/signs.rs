@@ -41,15 +41,27 @@ impl Signs {
         }
     }
 
-    /// Looks at a multiplier times the norm of its row, which is in this state.
-    pub(super) fn check(&mut self, id: usize, state: RowState, force: f64, threshold: f64) {
-        if !self.settled[id] && force.abs() > threshold {
+    /// Looks at the multiplier of a row in this state, given the rounding in it and the row's norm.
+    pub(super) fn check(
+        &mut self,
+        id: usize,
+        state: RowState,
+        multiplier: f64,
+        rounding: f64,
+        norm: f64,
+    ) {
+        if !self.settled[id] && multiplier.abs() > rounding {
             self.settled[id] = true;
             self.unsettled -= 1;
-            if state.is_wrong(force, threshold) {
-                self.wrong.push((id, force.abs()));
+            if state.is_wrong(multiplier, rounding) {
+                self.wrong.push((id, multiplier.abs() * norm));
             }
         }
+    }
+
+    /// Whether the sign of row `id` has yet to be seen.
+    pub(super) fn is_open(&self, id: usize) -> bool {
+        !self.settled[id]
     }
 
     /// Lets go of the rows that are most wrong; how many.
