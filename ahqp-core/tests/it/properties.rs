@@ -5,8 +5,7 @@ use ahqp_core::{
     Error, Hierarchy, Level, Objective, Rows, Settings, Solver, Status, WarmStart, solve_reference,
 };
 use nalgebra::{DMatrix, DVector};
-use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
+use proptest::{prelude::*, test_runner::RngSeed};
 
 /// The same cases on every run; `PROPTEST_RNG_SEED` and `AHQP_CASES` ask for others and for more.
 fn config() -> ProptestConfig {
@@ -447,7 +446,7 @@ fn a_row_that_comes_now_and_then_costs_nothing_where_it_does_not() {
 }
 
 proptest! {
-    // Cases without freedom are rejected and counted: more than four in five are an error.
+    // Cases without freedom are rejected; more than four in five are an error.
     #![proptest_config(ProptestConfig { max_global_rejects: 4 * config().cases, ..config() })]
 
     #[test]
