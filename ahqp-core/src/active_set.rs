@@ -393,7 +393,7 @@ impl ActiveSet {
         let Self { basis, table, gradient, gradient_rounding, multipliers, .. } = self;
         let (norm, rounding) = (|id| table.norm(id), &mut self.multiplier_rounding);
         basis.multiplier_rounding(gradient, gradient_rounding, multipliers, norm, rounding);
-        // Where rows nearly depend on each other, bounds on rounding say less than experience.
+        // Where rows nearly depend on each other, these bounds grow far beyond the real rounding.
         let most = self.settings.optimality_tolerance * self.size;
         for (rounding, &id) in rounding.iter_mut().zip(basis.active()) {
             *rounding = rounding.min(most / table.norm(id));

@@ -23,7 +23,8 @@ const NOTHING: f64 = 1e-12;
 /// A part of a row above this fraction of it is beyond doubt.
 const CLEAR: f64 = 1e-6;
 
-/// Rows this many times heavier than a pivot do not stand behind it.
+/// A dependent row this many times heavier than a pivot of its group asks for a new factorisation, in
+/// which heavy rows are pivots.
 const HEAVIER: f64 = 16.0;
 
 /// A change that would leave a rank in doubt.

@@ -240,7 +240,7 @@ impl Verifier {
         rounding.fill(self.rounding);
         let norm = |id| table.norm(id);
         factorisation.balance_rounding(&multipliers[..pivots], norm, rounding);
-        // Where rows nearly depend on each other, bounds on rounding say less than experience.
+        // Where rows nearly depend on each other, these bounds grow far beyond the real rounding.
         let ids = factorisation.pivots.iter().map(|&pivot| factorisation.stacked[pivot]);
         let forces = multipliers.iter().zip(ids.clone()).map(|(m, id)| m.abs() * table.norm(id));
         let most =
