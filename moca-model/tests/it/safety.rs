@@ -6,8 +6,10 @@ use moca_model::{
     Controller, ControllerSettings, Error, LinkCapsule, MOCA_HOME, RobotData, RobotModel,
     SafetySettings, SimulatedRobot, forward_kinematics, world_from_link,
 };
-use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
-use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
+use nalgebra::{Isometry3, Matrix3, Vector3};
+use vision_models::{Action, Confidence, Percept, RecognisedAction};
+
+use crate::drive::body;
 
 const PERIOD: f64 = 1e-3;
 
@@ -62,22 +64,6 @@ impl Loop {
         });
         pairs.fold(f64::INFINITY, f64::min)
     }
-}
-
-fn body(x: f64) -> Body {
-    let mut body = Body::default();
-    for (joint, y, z) in [
-        (Body25::Neck, 0.0, 1.45),
-        (Body25::RightShoulder, 0.2, 1.43),
-        (Body25::LeftShoulder, -0.2, 1.43),
-        (Body25::MidHip, 0.0, 0.93),
-        (Body25::RightHip, 0.12, 0.93),
-        (Body25::LeftHip, -0.12, 0.93),
-    ] {
-        let position = Point3::new(x, y, z);
-        body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
-    }
-    body
 }
 
 #[test]
