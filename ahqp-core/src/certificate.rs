@@ -5,14 +5,16 @@
 //! only push the way they point: for each, the first level at which its multiplier is not zero
 //! decides (Escande, Mansard, Wieber, IJRR 33, 2014, Sec. 3).
 
+pub(crate) mod multipliers;
+
 use std::collections::BTreeSet;
 
 use nalgebra::DVector;
 
 use crate::error::Error;
-use crate::hierarchy::{ConstraintSource, Hierarchy, Objective};
-use crate::rows::Rows;
-use crate::vector::{add_scaled, dot, norm, norm_max};
+use crate::linalg::vector::{add_scaled, dot, norm, norm_max};
+use crate::problem::hierarchy::{ConstraintSource, Hierarchy, Objective};
+use crate::problem::rows::Rows;
 
 /// Below this, relative to the numbers around it, a violation counts as zero.
 const ZERO: f64 = 1e-9;
@@ -86,8 +88,12 @@ impl Certificate {
         x: &[f64],
     ) -> Result<CertificateResiduals, Error> {
         let levels = hierarchy.levels().len();
-        crate::rows::expect_size("x", x.len(), hierarchy.variables())?;
-        crate::rows::expect_size("the levels of the certificate", self.levels.len(), levels + 1)?;
+        crate::problem::rows::expect_size("x", x.len(), hierarchy.variables())?;
+        crate::problem::rows::expect_size(
+            "the levels of the certificate",
+            self.levels.len(),
+            levels + 1,
+        )?;
         let mut check = Check { hierarchy, x, residuals: CertificateResiduals::default() };
         check.feasibility();
         let mut settled = BTreeSet::new();
@@ -123,7 +129,7 @@ impl RowAt {
     /// A gap to a bound, relative to the row's terms at x, but for what rounding explains in a
     /// vector as long as x.
     fn relative(&self, gap: f64, x_norm: f64) -> f64 {
-        let rest = (gap.abs() - crate::tolerances::ROUNDING * self.norm * x_norm).max(0.0);
+        let rest = (gap.abs() - crate::solver::tolerances::ROUNDING * self.norm * x_norm).max(0.0);
         rest / self.size.max(f64::MIN_POSITIVE)
     }
 }

@@ -1,7 +1,7 @@
 //! What can be wrong with a problem, and how to put it right.
 
-use crate::continuous_stack::LevelId;
-use crate::hierarchy::ConstraintSource;
+use crate::problem::hierarchy::ConstraintSource;
+use crate::stack::LevelId;
 
 /// Misuse of the crate, or a problem that has no solution.
 ///

@@ -13,54 +13,33 @@
 //! # Ok::<(), ahqp_core::Error>(())
 //! ```
 
-mod active_set;
-mod basis;
 mod certificate;
-mod clik;
-mod continuous_stack;
-mod damping;
 mod error;
-mod factorisation;
-mod habits;
-mod hierarchy;
-mod kernels;
-mod least_squares;
+mod kinematics;
 mod limits;
-mod list;
-mod proof;
-mod pulled;
-mod quadratic;
+mod linalg;
+mod problem;
 #[cfg(feature = "reference")]
 mod reference;
-mod rotation;
-mod rows;
-mod search;
-mod settings;
-mod settle;
-mod solution;
 mod solver;
-mod table;
-mod tall;
+mod stack;
 #[cfg(feature = "testing")]
 pub mod testing;
-mod tolerances;
-mod vector;
-mod verification;
 
 pub use certificate::{Certificate, CertificateResiduals};
-pub use clik::{AugmentedClik, AugmentedState, integrate_pose, pose_error};
-pub use continuous_stack::{CertifiedPart, ContinuousStack, LevelId, Part, Place};
-pub use damping::Damping;
 pub use error::Error;
-pub use hierarchy::{ConstraintSource, Hierarchy, Level, Objective};
+pub use kinematics::clik::{AugmentedClik, AugmentedState, integrate_pose, pose_error};
+pub use kinematics::damping::Damping;
+pub use kinematics::rotation::{left_jacobian_inverse, rotation_log};
 pub use limits::{AcceleratedState, JerkLimits, Limits, MotionState, VelocityInterval};
+pub use problem::hierarchy::{ConstraintSource, Hierarchy, Level, Objective};
+pub use problem::rows::Rows;
 #[cfg(feature = "reference")]
 pub use reference::solve_reference;
-pub use rotation::{left_jacobian_inverse, rotation_log};
-pub use rows::Rows;
-pub use settings::{Settings, WarmStart};
-pub use solution::{Solution, Status};
 pub use solver::Solver;
+pub use solver::settings::{Settings, WarmStart};
+pub use solver::solution::{Solution, Status};
+pub use stack::{CertifiedPart, ContinuousStack, LevelId, Part, Place};
 
 /// The example of the repository's front page.
 #[cfg(doctest)]

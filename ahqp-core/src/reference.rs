@@ -14,9 +14,9 @@ mod span;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
-use crate::hierarchy::{Hierarchy, Objective};
-use crate::rows::Rows;
-use crate::table::RowTable;
+use crate::problem::hierarchy::{Hierarchy, Objective};
+use crate::problem::rows::Rows;
+use crate::solver::data::RowTable;
 use interior::{Optimum, QuadraticProblem};
 use polish::polish;
 use span::complement;

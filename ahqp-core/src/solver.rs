@@ -1,19 +1,34 @@
 //! The loop over the levels.
 
+pub(crate) mod active_set;
+mod basis;
+pub(crate) mod data;
+pub(crate) mod factorisation;
+mod habits;
+mod least_squares;
+mod pulled;
+mod quadratic_factor;
+mod search;
+pub(crate) mod settings;
+mod settle;
+pub(crate) mod solution;
+pub(crate) mod tolerances;
+pub(crate) mod verification;
+
 use std::ops::Range;
 
-use crate::active_set::{ActiveSet, End, Goal, RowState};
 use crate::certificate::Certificate;
+use crate::certificate::multipliers::Proof;
 use crate::error::Error;
-use crate::habits::{Habits, JUMP};
-use crate::hierarchy::{ConstraintSource, Hierarchy};
-use crate::list::List;
-use crate::proof::Proof;
-use crate::settings::{Settings, WarmStart};
-use crate::solution::{Solution, Status};
-use crate::table::RowTable;
-use crate::vector::norm;
-use crate::verification::Verifier;
+use crate::linalg::list::List;
+use crate::linalg::vector::norm;
+use crate::problem::hierarchy::{ConstraintSource, Hierarchy};
+use crate::solver::active_set::{ActiveSet, End, Goal, RowState};
+use crate::solver::data::RowTable;
+use crate::solver::habits::{Habits, JUMP};
+use crate::solver::settings::{Settings, WarmStart};
+use crate::solver::solution::{Solution, Status};
+use crate::solver::verification::Verifier;
 
 /// Rounds of mending an active set after which it is searched for.
 const ROUNDS: usize = 14;

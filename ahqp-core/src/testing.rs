@@ -26,7 +26,7 @@ use std::ops::RangeInclusive;
 
 use proptest::prelude::*;
 
-use crate::hierarchy::Hierarchy;
+use crate::problem::hierarchy::Hierarchy;
 use build::{HierarchyPlan, Kind, LevelPlan};
 
 /// How large the hierarchies of a strategy become.

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{AT_BOUND, Cascade, span};
 use crate::error::Error;
-use crate::rows::Rows;
+use crate::problem::rows::Rows;
 
 /// A multiplier counts when it exceeds this fraction of the level's forces \[-\].
 const NEEDED: f64 = 1e-6;

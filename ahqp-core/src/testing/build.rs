@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::random::Random;
 use crate::error::Error;
-use crate::hierarchy::{Hierarchy, Level};
-use crate::rows::Rows;
+use crate::problem::hierarchy::{Hierarchy, Level};
+use crate::problem::rows::Rows;
 
 /// What a level minimises.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

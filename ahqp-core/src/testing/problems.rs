@@ -5,8 +5,8 @@ mod manipulator;
 
 use super::random::Random;
 use crate::error::Error;
-use crate::hierarchy::{Hierarchy, Level};
-use crate::rows::Rows;
+use crate::problem::hierarchy::{Hierarchy, Level};
+use crate::problem::rows::Rows;
 
 pub use manipulator::controller_sequence;
 

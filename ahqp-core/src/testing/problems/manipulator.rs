@@ -6,10 +6,10 @@ use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix3, SMatrix, Translation3, UnitQuaternion, Vector3, Vector6,
 };
 
-use crate::clik::{AugmentedClik, AugmentedState};
 use crate::error::Error;
-use crate::hierarchy::{Hierarchy, Level};
-use crate::rows::Rows;
+use crate::kinematics::clik::{AugmentedClik, AugmentedState};
+use crate::problem::hierarchy::{Hierarchy, Level};
+use crate::problem::rows::Rows;
 use crate::testing::random::Random;
 
 const STATE: AugmentedState = AugmentedState { joints: 10, task: 6, slack: 6 };

@@ -1,0 +1,113 @@
+//! Four numbers at a time.
+
+/// Four numbers that one instruction works on, where the machine has one.
+pub(super) trait Lanes: Copy {
+    fn splat(value: f64) -> Self;
+    fn load(from: &[f64; 4]) -> Self;
+    fn store(self, to: &mut [f64; 4]);
+    /// self · b + c.
+    fn multiply_add(self, b: Self, c: Self) -> Self;
+    fn sum(self) -> f64;
+
+    /// The sums of four.
+    fn sums(four: [Self; 4]) -> [f64; 4] {
+        four.map(Self::sum)
+    }
+}
+
+/// For every machine.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Portable([f64; 4]);
+
+impl Lanes for Portable {
+    fn splat(value: f64) -> Self {
+        Self([value; 4])
+    }
+
+    fn load(from: &[f64; 4]) -> Self {
+        Self(*from)
+    }
+
+    fn store(self, to: &mut [f64; 4]) {
+        *to = self.0;
+    }
+
+    fn multiply_add(self, b: Self, c: Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] * b.0[i] + c.0[i]))
+    }
+
+    fn sum(self) -> f64 {
+        (self.0[0] + self.0[2]) + (self.0[1] + self.0[3])
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+pub(super) use x86::Avx2;
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    #![allow(unsafe_code)]
+    #![expect(clippy::inline_always, reason = "takes the features of the function around it")]
+
+    use super::Lanes;
+    use std::arch::x86_64::{
+        __m256d, _mm_add_pd, _mm_add_sd, _mm_cvtsd_f64, _mm_unpackhi_pd, _mm256_add_pd,
+        _mm256_castpd256_pd128, _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_hadd_pd,
+        _mm256_loadu_pd, _mm256_permute2f128_pd, _mm256_set1_pd, _mm256_storeu_pd,
+    };
+
+    /// For AVX2 with fused multiply-add. Values may be made only where both are known to be there.
+    #[derive(Debug, Clone, Copy)]
+    pub(in crate::linalg::kernels) struct Avx2(__m256d);
+
+    impl Lanes for Avx2 {
+        #[inline(always)]
+        fn splat(value: f64) -> Self {
+            // SAFETY: the machine has AVX (see the type).
+            Self(unsafe { _mm256_set1_pd(value) })
+        }
+
+        #[inline(always)]
+        fn load(from: &[f64; 4]) -> Self {
+            // SAFETY: the machine has AVX (see the type); the four numbers read are `from`'s, and
+            // the instruction asks for no alignment.
+            Self(unsafe { _mm256_loadu_pd(from.as_ptr()) })
+        }
+
+        #[inline(always)]
+        fn store(self, to: &mut [f64; 4]) {
+            // SAFETY: the machine has AVX (see the type); the four numbers written are `to`'s, and
+            // the instruction asks for no alignment.
+            unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) };
+        }
+
+        #[inline(always)]
+        fn multiply_add(self, b: Self, c: Self) -> Self {
+            // SAFETY: the machine has fused multiply-add (see the type).
+            Self(unsafe { _mm256_fmadd_pd(self.0, b.0, c.0) })
+        }
+
+        #[inline(always)]
+        fn sum(self) -> f64 {
+            // SAFETY: the machine has AVX (see the type).
+            unsafe {
+                let low = _mm256_castpd256_pd128(self.0);
+                let two = _mm_add_pd(low, _mm256_extractf128_pd::<1>(self.0));
+                _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)))
+            }
+        }
+
+        #[inline(always)]
+        fn sums([a, b, c, d]: [Self; 4]) -> [f64; 4] {
+            let mut sums = [0.0; 4];
+            // SAFETY: the machine has AVX (see the type).
+            let total = unsafe {
+                let (ab, cd) = (_mm256_hadd_pd(a.0, b.0), _mm256_hadd_pd(c.0, d.0));
+                let low = _mm256_permute2f128_pd::<0x20>(ab, cd);
+                _mm256_add_pd(low, _mm256_permute2f128_pd::<0x31>(ab, cd))
+            };
+            Self(total).store(&mut sums);
+            sums
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! What is solved: rows, levels, hierarchies.
+
+pub(crate) mod hierarchy;
+pub(crate) mod rows;

@@ -1,0 +1,429 @@
+//! The rows of a hierarchy in one flat table, checked and copied once a solve.
+
+use std::ops::Range;
+
+use crate::error::Error;
+use crate::linalg::kernels::{add_rows, multiply_rows, square_rows};
+use crate::linalg::vector::{norm, norm_max};
+use crate::problem::hierarchy::{ConstraintSource, Hierarchy, Objective};
+use crate::problem::rows::Rows;
+use crate::solver::quadratic_factor::QuadraticFactor;
+use crate::solver::tolerances::ROUNDING;
+
+/// Above this, products of the solver's numbers overflow.
+const MODERATE: f64 = 1e100;
+/// Norms of hard constraints of which none hides another.
+const NEAR_ONE: Range<f64> = 0.0625..32.0;
+
+/// A row seen by the algebra: a unit vector for a bound, coefficients otherwise.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RowView<'a> {
+    coefficients: Coefficients<'a>,
+    norm: f64,
+}
+
+/// What stands in a row.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Coefficients<'a> {
+    /// One in this column, zero elsewhere.
+    Unit(usize),
+    Dense(&'a [f64]),
+}
+
+impl<'a> RowView<'a> {
+    pub(crate) fn unit(variable: usize) -> Self {
+        Self { coefficients: Coefficients::Unit(variable), norm: 1.0 }
+    }
+
+    pub(crate) fn dense(coefficients: &'a [f64], norm: f64) -> Self {
+        Self { coefficients: Coefficients::Dense(coefficients), norm }
+    }
+
+    pub(crate) fn coefficients(self) -> Coefficients<'a> {
+        self.coefficients
+    }
+
+    pub(crate) fn dot(self, x: &[f64]) -> f64 {
+        match self.coefficients {
+            Coefficients::Unit(variable) => x[variable],
+            Coefficients::Dense(coefficients) => {
+                let mut product = [0.0];
+                multiply_rows(coefficients, coefficients.len(), x, &mut product);
+                product[0]
+            }
+        }
+    }
+
+    pub(crate) fn norm(self) -> f64 {
+        self.norm
+    }
+
+    /// y ← y + αa.
+    pub(crate) fn add_to(self, y: &mut [f64], alpha: f64) {
+        match self.coefficients {
+            Coefficients::Unit(variable) => y[variable] += alpha,
+            Coefficients::Dense(coefficients) => {
+                crate::linalg::vector::add_scaled(y, alpha, coefficients);
+            }
+        }
+    }
+}
+
+/// Where a level's rows stand in the table.
+#[derive(Debug, Clone)]
+pub(crate) struct LevelRows {
+    pub(crate) constraints: Range<usize>,
+    pub(crate) objective: Range<usize>,
+    /// The rows of the objective in use: for a quadratic, the rank of its Hessian.
+    pub(crate) used: usize,
+    pub(crate) quadratic: bool,
+    /// Whether a part of the gradient lies outside the range of the Hessian.
+    pub(crate) has_linear: bool,
+    /// That part.
+    pub(crate) linear: Vec<f64>,
+}
+
+impl LevelRows {
+    pub(crate) fn used_objective(&self) -> Range<usize> {
+        self.objective.start..self.objective.start + self.used
+    }
+}
+
+/// All rows: the bounds of the n variables first, then each level's constraints and objective.
+#[derive(Debug, Clone)]
+pub(crate) struct RowTable {
+    pub(crate) n: usize,
+    coefficients: Vec<f64>,
+    pub(crate) lower: Vec<f64>,
+    pub(crate) upper: Vec<f64>,
+    norms: Vec<f64>,
+    /// The rounding in rows: relative to them, and in their bounds. More than that of one operation in
+    /// the rows of a quadratic's factor.
+    relative_rounding: Vec<f64>,
+    bound_rounding: Vec<f64>,
+    /// What hard constraints were multiplied by, a power of two: their units have no meaning, but
+    /// where some must be made to hold together, those of large ones would hide small ones.
+    scales: Vec<f64>,
+    /// Whether any was multiplied.
+    scaled: bool,
+    pub(crate) sources: Vec<ConstraintSource>,
+    pub(crate) levels: Vec<LevelRows>,
+    factor: QuadraticFactor,
+}
+
+impl RowTable {
+    /// Sizes the table for hierarchies of this shape.
+    pub(crate) fn new(hierarchy: &Hierarchy) -> Self {
+        let n = hierarchy.variables();
+        let mut sources: Vec<_> =
+            (0..n).map(|variable| ConstraintSource::Bound { variable }).collect();
+        let mut levels = Vec::with_capacity(hierarchy.levels().len());
+        for (level, data) in hierarchy.levels().iter().enumerate() {
+            let start = sources.len();
+            sources.extend(
+                (0..data.constraints().len())
+                    .map(|row| ConstraintSource::Constraint { level, row }),
+            );
+            let middle = sources.len();
+            let quadratic = matches!(data.objective(), Objective::Quadratic { .. });
+            let rows = objective_rows(data.objective(), n);
+            sources.extend((0..rows).map(|row| ConstraintSource::Objective { level, row }));
+            levels.push(LevelRows {
+                constraints: start..middle,
+                objective: middle..middle + rows,
+                used: rows,
+                quadratic,
+                has_linear: false,
+                linear: vec![0.0; if quadratic { n } else { 0 }],
+            });
+        }
+        let count = sources.len();
+        Self {
+            n,
+            coefficients: vec![0.0; (count - n) * n],
+            lower: vec![0.0; count],
+            upper: vec![0.0; count],
+            norms: vec![1.0; count],
+            relative_rounding: vec![ROUNDING; count],
+            bound_rounding: vec![0.0; count],
+            scales: vec![1.0; count],
+            scaled: false,
+            sources,
+            levels,
+            factor: QuadraticFactor::new(n),
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.sources.len()
+    }
+
+    pub(crate) fn row(&self, id: usize) -> RowView<'_> {
+        if id < self.n {
+            RowView::unit(id)
+        } else {
+            let start = (id - self.n) * self.n;
+            RowView::dense(&self.coefficients[start..start + self.n], self.norms[id])
+        }
+    }
+
+    /// The norm of row `id`.
+    pub(crate) fn norm(&self, id: usize) -> f64 {
+        self.norms[id]
+    }
+
+    /// The coefficients of row `id`, which is no bound.
+    pub(crate) fn coefficients(&self, id: usize) -> &[f64] {
+        let start = (id - self.n) * self.n;
+        &self.coefficients[start..start + self.n]
+    }
+
+    /// aᵢx of the rows in `ids`, none of them a bound, into the same places of `out`.
+    pub(crate) fn multiply(&self, ids: Range<usize>, x: &[f64], out: &mut [f64]) {
+        let data = &self.coefficients[(ids.start - self.n) * self.n..];
+        multiply_rows(data, self.n, x, &mut out[ids]);
+    }
+
+    /// y ← y + Σ weight · row over the rows in `ids`, none of them a bound.
+    pub(crate) fn add_rows(&self, ids: Range<usize>, weights: &[f64], y: &mut [f64]) {
+        let data = &self.coefficients[(ids.start - self.n) * self.n..];
+        add_rows(data, self.n, &weights[..ids.len()], &mut y[..self.n]);
+    }
+
+    pub(crate) fn is_equality(&self, id: usize) -> bool {
+        self.lower[id] == self.upper[id]
+    }
+
+    /// The size that numbers in row `id` have at most at x: what rounding is relative to.
+    pub(crate) fn magnitude(&self, id: usize, x_norm: f64) -> f64 {
+        self.nearer_bound(id) + self.norms[id] * x_norm
+    }
+
+    /// The rounding in a x − bound of row `id`, given ‖x‖.
+    pub(crate) fn rounding(&self, id: usize, x_norm: f64) -> f64 {
+        self.relative_rounding[id] * self.magnitude(id, x_norm) + self.bound_rounding[id]
+    }
+
+    /// The rounding in each entry of row `id`.
+    pub(crate) fn entry_rounding(&self, id: usize) -> f64 {
+        self.relative_rounding[id] * self.norms[id]
+    }
+
+    /// The size of the terms of row `id` at x. Entries of x that the row does not see, however
+    /// large, have no part in it.
+    pub(crate) fn size(&self, id: usize, x: &[f64]) -> f64 {
+        let terms = match self.row(id).coefficients() {
+            Coefficients::Unit(variable) => x[variable].abs(),
+            Coefficients::Dense(row) => row.iter().zip(x).map(|(a, x)| (a * x).abs()).sum(),
+        };
+        self.nearer_bound(id) + terms
+    }
+
+    /// A far bound counts by way of x where x is near it.
+    fn nearer_bound(&self, id: usize) -> f64 {
+        let nearer = self.lower[id].abs().min(self.upper[id].abs());
+        if nearer.is_finite() { nearer } else { 0.0 }
+    }
+
+    /// Whether a `gap` between row `id` and its bound is none: within `tolerance` of the row's
+    /// terms at x, or what is left of vectors as long as `farthest`, ‖x‖ or more, by rounding.
+    pub(crate) fn is_closed(
+        &self,
+        id: usize,
+        gap: f64,
+        x: &[f64],
+        farthest: f64,
+        tolerance: f64,
+    ) -> bool {
+        let gap = gap.abs() - ROUNDING * self.norms[id] * farthest;
+        gap <= 0.0
+            || (gap <= tolerance * self.magnitude(id, farthest)
+                && gap <= tolerance * self.size(id, x))
+    }
+
+    /// Copies and checks the data of a hierarchy of the same shape.
+    pub(crate) fn load(&mut self, hierarchy: &Hierarchy) -> Result<(), Error> {
+        self.check_shape(hierarchy)?;
+        self.lower[..self.n].copy_from_slice(hierarchy.lower());
+        self.upper[..self.n].copy_from_slice(hierarchy.upper());
+        self.check_ranges(0..self.n)?;
+        for (level, data) in hierarchy.levels().iter().enumerate() {
+            let constraints = self.levels[level].constraints.start;
+            self.load_rows(constraints, data.constraints())?;
+            self.scale_rows(constraints..constraints + data.constraints().len());
+            let start = self.levels[level].objective.start;
+            match data.objective() {
+                Objective::None => {}
+                Objective::LeastSquares(rows) => self.load_rows(start, rows)?,
+                Objective::Quadratic { hessian, gradient } => {
+                    self.factor.factorise(level, hessian, gradient)?;
+                    self.take_factor(level);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Multipliers of a quadratic level's rows in the table as multipliers of its Hessian's rows.
+    pub(crate) fn hessian_multipliers(
+        &mut self,
+        level: usize,
+        objective: &Objective,
+        multipliers: &[f64],
+    ) -> Result<Vec<(usize, f64)>, Error> {
+        let Objective::Quadratic { hessian, gradient } = objective else { return Ok(Vec::new()) };
+        self.factor.factorise(level, hessian, gradient)?;
+        Ok(self.factor.to_hessian_rows(multipliers))
+    }
+
+    fn check_shape(&self, hierarchy: &Hierarchy) -> Result<(), Error> {
+        let levels = hierarchy.levels();
+        if hierarchy.variables() != self.n || levels.len() != self.levels.len() {
+            return Err(Error::ShapeChanged { level: self.levels.len().min(levels.len()) });
+        }
+        for (level, (data, rows)) in levels.iter().zip(&self.levels).enumerate() {
+            let quadratic = matches!(data.objective(), Objective::Quadratic { .. });
+            let is_narrow = |rows: &Rows| !rows.is_empty() && rows.columns() != self.n;
+            if data.constraints().len() != rows.constraints.len()
+                || is_narrow(data.constraints())
+                || matches!(data.objective(), Objective::LeastSquares(rows) if is_narrow(rows))
+                || quadratic != rows.quadratic
+                || objective_rows(data.objective(), self.n) != rows.objective.len()
+            {
+                return Err(Error::ShapeChanged { level });
+            }
+        }
+        Ok(())
+    }
+
+    fn load_rows(&mut self, start: usize, rows: &Rows) -> Result<(), Error> {
+        let (ids, first) = (start..start + rows.len(), (start - self.n) * self.n);
+        let block = &mut self.coefficients[first..first + rows.len() * self.n];
+        block.copy_from_slice(rows.coefficients());
+        square_rows(block, self.n, &mut self.norms[ids.clone()]);
+        self.lower[ids.clone()].copy_from_slice(rows.lower());
+        self.upper[ids.clone()].copy_from_slice(rows.upper());
+        self.check_ranges(ids.clone())?;
+        for id in ids {
+            let square = self.norms[id];
+            if !(square > 0.0 && square < 1e200) {
+                self.check_row(id)?;
+            }
+            self.norms[id] = square.sqrt();
+        }
+        Ok(())
+    }
+
+    /// Brings rows whose norms are far from 1 near it, without rounding.
+    fn scale_rows(&mut self, ids: Range<usize>) {
+        let norms = self.norms[ids.clone()].iter();
+        let fine = norms.fold(true, |fine, &norm| fine & NEAR_ONE.contains(&norm));
+        if fine && !self.scaled {
+            return;
+        }
+        self.scaled = true;
+        for id in ids {
+            let scale = to_near_one(self.norms[id]);
+            self.scales[id] = scale;
+            if scale != 1.0 {
+                let start = (id - self.n) * self.n;
+                for entry in &mut self.coefficients[start..start + self.n] {
+                    *entry *= scale;
+                }
+                self.norms[id] *= scale;
+                self.lower[id] *= scale;
+                self.upper[id] *= scale;
+            }
+        }
+    }
+
+    /// What row `id` was multiplied by.
+    pub(crate) fn scale(&self, id: usize) -> f64 {
+        self.scales[id]
+    }
+
+    /// A row whose squares are zero, not finite or very large.
+    fn check_row(&mut self, id: usize) -> Result<(), Error> {
+        let start = (id - self.n) * self.n;
+        let row = &self.coefficients[start..start + self.n];
+        if let Some(entry) = row.iter().position(|value| !value.is_finite()) {
+            let source_of_row = self.sources[id];
+            return Err(Error::NotFinite { what: "the matrix", source_of_row, entry });
+        }
+        self.expect_moderate(id, norm_max(row))
+    }
+
+    fn expect_moderate(&self, id: usize, value: f64) -> Result<(), Error> {
+        if value.abs() <= MODERATE {
+            Ok(())
+        } else {
+            Err(Error::TooLarge { source_of_row: self.sources[id], value })
+        }
+    }
+
+    #[expect(clippy::needless_bitwise_bool, reason = "no branches")]
+    fn check_ranges(&self, ids: Range<usize>) -> Result<(), Error> {
+        // Written without branches, for the usual case that all are in order.
+        let bounds = self.lower[ids.clone()].iter().zip(&self.upper[ids.clone()]);
+        let fine = bounds.fold(true, |fine, (&lower, &upper)| {
+            fine & (lower <= upper) & (lower <= MODERATE) & (upper >= -MODERATE)
+        });
+        if fine { Ok(()) } else { ids.into_iter().try_for_each(|id| self.check_range(id)) }
+    }
+
+    fn check_range(&self, id: usize) -> Result<(), Error> {
+        let (lower, upper) = (self.lower[id], self.upper[id]);
+        // Written so that NaN fails; an infinite equality is no bound at all.
+        if lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY {
+            // The bound nearer to zero; a far one only says that its side is free.
+            self.expect_moderate(id, if lower > 0.0 { lower } else { upper.min(0.0) })
+        } else {
+            Err(Error::EmptyRange { source_of_row: self.sources[id], lower, upper })
+        }
+    }
+
+    /// ½xᵀHx + gᵀx = ½‖Rx − b‖² + linearᵀx + constant, from the factorisation just made.
+    fn take_factor(&mut self, level: usize) {
+        let n = self.n;
+        let rank = self.factor.rank();
+        let entry = &mut self.levels[level];
+        entry.used = rank;
+        entry.has_linear = self.factor.linear(&mut entry.linear);
+        for offset in 0..rank {
+            let id = entry.objective.start + offset;
+            let at = (id - n) * n;
+            let (row, target) = self.factor.row(offset);
+            self.coefficients[at..at + n].copy_from_slice(row);
+            self.norms[id] = norm(row);
+            let (amplification, bound_rounding) = self.factor.rounding(offset);
+            self.relative_rounding[id] = ROUNDING * amplification;
+            self.bound_rounding[id] = bound_rounding;
+            self.lower[id] = target;
+            self.upper[id] = target;
+        }
+        let unused = entry.used_objective().end..entry.objective.end;
+        self.lower[unused.clone()].fill(f64::NEG_INFINITY);
+        self.upper[unused].fill(f64::INFINITY);
+    }
+}
+
+/// The power of two that brings a number to between 1 and 2; 1 for zero, and for numbers near one.
+fn to_near_one(number: f64) -> f64 {
+    const FRACTION: u32 = f64::MANTISSA_DIGITS - 1;
+    const BIAS: u64 = 1023;
+    // The bits of a positive number are its exponent and its fraction.
+    let exponent = number.to_bits() >> FRACTION;
+    if exponent == 0 || NEAR_ONE.contains(&number) {
+        1.0
+    } else {
+        f64::from_bits((2 * BIAS).saturating_sub(exponent) << FRACTION)
+    }
+}
+
+fn objective_rows(objective: &Objective, variables: usize) -> usize {
+    match objective {
+        Objective::None => 0,
+        Objective::LeastSquares(rows) => rows.len(),
+        Objective::Quadratic { .. } => variables,
+    }
+}

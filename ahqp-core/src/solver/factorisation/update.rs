@@ -1,0 +1,393 @@
+//! A factorisation that follows its active set.
+//!
+//! A row that comes or goes moves the pivots below it by one coordinate, which a chain of plane
+//! rotations does (Gill, Golub, Murray, Saunders, Mathematics of Computation 28, 1974): L stays
+//! triangular level by level, and a level gains or loses a pivot where a direction has become
+//! free or has been used up. A bound that becomes active is a row of the first group; one that
+//! was active from the start and is let go makes its variable free.
+//!
+//! Ranks are taken for granted only where they are beyond doubt; elsewhere the caller factors
+//! anew, with pivoting.
+
+use std::ops::Range;
+
+use super::moves::{Move, angle, carry_aside, carry_down, carry_up};
+use super::{Factorisation, Group, Purpose};
+use crate::linalg::kernels::Rotation;
+use crate::linalg::vector::{length, norm};
+use crate::solver::active_set::{RowState, bound};
+use crate::solver::data::{Coefficients, RowTable};
+
+/// A part of a row below this fraction of it is rounding.
+const NOTHING: f64 = 1e-12;
+/// A part of a row above this fraction of it is beyond doubt.
+const CLEAR: f64 = 1e-6;
+
+/// A dependent row this many times heavier than a pivot of its group asks for a new factorisation, in
+/// which heavy rows are pivots.
+const HEAVIER: f64 = 16.0;
+
+/// A change that would leave a rank in doubt.
+#[derive(Debug)]
+struct Doubt;
+
+/// Whether a part of a row, relative to the row, is there.
+fn is_there(part: f64) -> Result<bool, Doubt> {
+    if part >= CLEAR {
+        Ok(true)
+    } else if part <= NOTHING {
+        Ok(false)
+    } else {
+        Err(Doubt)
+    }
+}
+
+impl Factorisation {
+    /// Follows the rows in `changed` into or out of the active set, and finds the point. False if
+    /// that cannot be done: [`factorise`](Self::factorise) has to be called then.
+    pub(crate) fn update(
+        &mut self,
+        table: &RowTable,
+        state: &[RowState],
+        changed: &[usize],
+        tolerance: f64,
+    ) -> bool {
+        for &id in changed.iter().filter(|&&id| table.norm(id) > 0.0) {
+            if self.rotations.len() + 3 * self.n > self.rotations.capacity()
+                || self.moves.len() + 2 > self.moves.capacity()
+            {
+                return false;
+            }
+            let done = if state[id].is_active() {
+                self.insert(table, state, id)
+            } else if let Some(at) = self.stacked.iter().position(|&row| row == id) {
+                self.remove(table, at)
+            } else {
+                self.free_variable(table, id)
+            };
+            if done.is_err() {
+                return false;
+            }
+        }
+        self.find_point(table, tolerance)
+    }
+
+    /// Adds a row behind the pivots of its group, as one of them if it is independent.
+    fn insert(&mut self, table: &RowTable, state: &[RowState], id: usize) -> Result<(), Doubt> {
+        let group = self.group_of(table, id).ok_or(Doubt)?;
+        let (n, k) = (self.stride, self.free.len());
+        let mut row = std::mem::take(&mut self.turned);
+        let target = bound(table, state, id) - self.gather(table, id, &mut row);
+        row[k..].fill(0.0);
+        self.turn(&mut row);
+        let at = self.make_room(table, group, &mut row[..k], table.norm(id));
+        if let Ok(at) = at {
+            self.rows[at * n..at * n + k].copy_from_slice(&row[..k]);
+            self.target[at] = target;
+            self.stacked[at] = id;
+        }
+        self.turned = row;
+        at.map(|_| ())
+    }
+
+    /// Turns the coordinates so that a row, given in them, is triangular behind the pivots of
+    /// `group`. Returns its place in the stack, which is left open.
+    fn make_room(
+        &mut self,
+        table: &RowTable,
+        group: usize,
+        row: &mut [f64],
+        size: f64,
+    ) -> Result<usize, Doubt> {
+        let Group { start, end, rank, first_pivot, .. } = self.groups[group];
+        let (place, decided, before) =
+            (first_pivot + rank, self.pivots.len(), self.rotations.len());
+        if !is_there(norm(&row[place..]) / size)? {
+            // Heavy rows are pivots, light ones are in what these leave.
+            let pivots = self.stacked[start..start + rank].iter();
+            if pivots.map(|&id| table.norm(id)).any(|norm| size > HEAVIER * norm) {
+                return Err(Doubt);
+            }
+            self.open(end, group);
+            return Ok(end);
+        }
+        let last = if is_there(norm(&row[decided..]) / size)? {
+            self.turn_towards(row, decided..row.len() - 1);
+            decided
+        } else {
+            let parts = row[place..decided].iter().map(|entry| entry.abs() / size);
+            let (last, part) = parts.enumerate().rfind(|&(_, part)| part > NOTHING).ok_or(Doubt)?;
+            is_there(part)?;
+            place + last
+        };
+        let from = self.rotations.len();
+        self.turn_towards(row, place..last);
+        self.moves.push(Move::Down(before..self.rotations.len()));
+        self.shift_pivots(table, group, place..last, from)?;
+        if last < decided {
+            self.demote(last);
+        }
+        // The dependent ones of the group have nothing along the coordinate it gains.
+        for at in start + rank..self.groups[group].end {
+            self.rows[at * self.stride + place] = 0.0;
+        }
+        self.open(start + rank, group);
+        self.groups[group].rank += 1;
+        self.renumber();
+        Ok(start + rank)
+    }
+
+    /// Rotates neighbouring coordinates, from the last to the first, so that what `row` has in
+    /// `planes` and one entry behind them comes to stand in the first entry.
+    fn turn_towards(&mut self, row: &mut [f64], planes: Range<usize>) {
+        let (mut square, mut behind) = (row[planes.end].powi(2), row[planes.end]);
+        for first in planes.clone().rev() {
+            square += row[first].powi(2);
+            let radius = square.sqrt();
+            let (cosine, sine) =
+                if radius > 0.0 { (row[first] / radius, behind / radius) } else { (1.0, 0.0) };
+            self.rotations.push(Rotation { first, second: first + 1, cosine, sine });
+            behind = radius;
+        }
+        if !planes.is_empty() {
+            row[planes.start] = behind;
+            row[planes.start + 1..=planes.end].fill(0.0);
+        }
+    }
+
+    /// Turns the rows behind the pivots of `group` by the rotations from `from` on, which are in
+    /// `planes` from the last to the first; pivots there move up by a coordinate.
+    fn shift_pivots(
+        &mut self,
+        table: &RowTable,
+        group: usize,
+        planes: Range<usize>,
+        from: usize,
+    ) -> Result<(), Doubt> {
+        let (n, chain) = (self.stride, &self.rotations[from..]);
+        for group in &self.groups[group + 1..] {
+            for at in group.start..group.end {
+                let width = group.width(at);
+                let row = &mut self.rows[at * n..(at + 1) * n];
+                let skipped = planes.end - planes.end.min(width);
+                if width <= planes.end {
+                    row[width] = 0.0;
+                    let Some(rotation) = chain.get(skipped) else { continue };
+                    let pivot = rotation.sine * row[width - 1];
+                    let is_pivot = at < group.start + group.rank;
+                    if is_pivot && !is_there(pivot.abs() / table.norm(self.stacked[at]))? {
+                        return Err(Doubt);
+                    }
+                }
+                let entries = &mut row[planes.start..=planes.end - skipped];
+                carry_down(entries, chain[skipped..].iter().map(angle));
+            }
+        }
+        Ok(())
+    }
+
+    /// The row whose pivot is `coordinate` joins the dependent ones of its group.
+    fn demote(&mut self, coordinate: usize) {
+        let (n, at) = (self.stride, self.pivots[coordinate]);
+        let Some(group) = self.groups.iter_mut().find(|g| (g.start..g.end).contains(&at)) else {
+            return;
+        };
+        let pivots = at..group.start + group.rank;
+        // What stands behind a pivot was never made zero.
+        self.rows[at * n + coordinate + 1..at * n + group.first_pivot + group.rank].fill(0.0);
+        group.rank -= 1;
+        self.rows[pivots.start * n..pivots.end * n].rotate_left(n);
+        self.target[pivots.clone()].rotate_left(1);
+        self.stacked[pivots].rotate_left(1);
+    }
+
+    /// Takes a row out of the stack.
+    fn remove(&mut self, table: &RowTable, at: usize) -> Result<(), Doubt> {
+        let group = self.groups.iter().position(|g| (g.start..g.end).contains(&at)).ok_or(Doubt)?;
+        let Group { start, rank, first_pivot, .. } = self.groups[group];
+        let (is_pivot, coordinate) = (at < start + rank, first_pivot + at - start);
+        self.close(at, group);
+        if is_pivot {
+            self.groups[group].rank -= 1;
+            self.move_down(table, group, at, coordinate)?;
+            self.renumber();
+        }
+        Ok(())
+    }
+
+    /// Turns the rows from `at` on, whose pivots move down by a coordinate from `free` on, which
+    /// has none any more, until a dependent row takes what is left.
+    fn move_down(
+        &mut self,
+        table: &RowTable,
+        group: usize,
+        at: usize,
+        free: usize,
+    ) -> Result<(), Doubt> {
+        let (n, from) = (self.stride, self.rotations.len());
+        let mut at = at;
+        let mut adopted = false;
+        for group in group..self.groups.len() {
+            let Group { start, end, rank, .. } = self.groups[group];
+            while at < end {
+                let row = &mut self.rows[at * n..(at + 1) * n];
+                let chain = &self.rotations[from..];
+                let first = free + chain.len();
+                carry_up(&mut row[free..=first], chain.iter().map(angle));
+                if !adopted && at < start + rank {
+                    let radius = length(row[first], row[first + 1]);
+                    let (cosine, sine) = (row[first] / radius, row[first + 1] / radius);
+                    self.rotations.push(Rotation { first, second: first + 1, cosine, sine });
+                    row[first] = radius;
+                }
+                at += 1;
+            }
+            let coordinate = free + self.rotations.len() - from;
+            adopted = adopted || self.adopt(table, group, coordinate)?;
+        }
+        self.moves.push(Move::Up(from..self.rotations.len()));
+        Ok(())
+    }
+
+    /// Makes a dependent row of `group` the pivot of a coordinate that none has, if one is there.
+    fn adopt(&mut self, table: &RowTable, group: usize, coordinate: usize) -> Result<bool, Doubt> {
+        let (n, Group { start, end, rank, .. }) = (self.stride, self.groups[group].clone());
+        let (mut best, mut largest, mut any) = (start + rank, 0.0, false);
+        for at in start + rank..end {
+            let entry = self.rows[at * n + coordinate].abs();
+            if is_there(entry / table.norm(self.stacked[at]))? {
+                any = true;
+                if entry > largest {
+                    (best, largest) = (at, entry);
+                }
+            }
+        }
+        if !any {
+            return Ok(false);
+        }
+        self.swap(start + rank, best);
+        self.groups[group].rank += 1;
+        Ok(true)
+    }
+
+    /// Lets a variable go that was at a bound from the start: a coordinate more.
+    fn free_variable(&mut self, table: &RowTable, variable: usize) -> Result<(), Doubt> {
+        let place = self.bounded.iter().position(|&i| i == variable).ok_or(Doubt)?;
+        self.bounded.remove(place);
+        let (n, carried, from) = (self.stride, self.free.len(), self.rotations.len());
+        self.free.push(variable);
+        let mut adopted = None;
+        for group in 0..self.groups.len() {
+            let Group { start, end, rank, first_pivot, .. } = self.groups[group];
+            for at in start..end {
+                let id = self.stacked[at];
+                let coefficient = if id < self.n { 0.0 } else { table.coefficients(id)[variable] };
+                self.target[at] += coefficient * self.x[variable];
+                let width = self.groups[group].width(at);
+                let row = &mut self.rows[at * n..(at + 1) * n];
+                let mut carry = coefficient;
+                let chain = &self.rotations[from..];
+                // One rotation a pivot, from the first on.
+                carry_aside(row.iter_mut(), &mut carry, chain.iter().map(angle));
+                if let Some(place) = adopted {
+                    row.copy_within(place..width, place + 1);
+                    row[place] = carry;
+                } else if at < start + rank {
+                    let first = width - 1;
+                    let radius = length(row[first], carry);
+                    let (cosine, sine) = (row[first] / radius, carry / radius);
+                    self.rotations.push(Rotation { first, second: carried, cosine, sine });
+                    row[first] = radius;
+                } else {
+                    row[first_pivot + rank] = carry;
+                }
+            }
+            let place = first_pivot + rank;
+            if adopted.is_none() && self.adopt(table, group, place)? {
+                adopted = Some(place);
+            }
+        }
+        self.moves.push(Move::Aside(from..self.rotations.len()));
+        if let Some(to) = adopted {
+            self.moves.push(Move::Insert { from: carried, to });
+        }
+        self.renumber();
+        Ok(())
+    }
+
+    /// The group to which an active row belongs.
+    fn group_of(&self, table: &RowTable, id: usize) -> Option<usize> {
+        if id < self.n {
+            return (!self.groups.is_empty()).then_some(0);
+        }
+        self.groups.iter().position(|group| {
+            let rows = &table.levels[group.level];
+            match group.purpose {
+                Purpose::Held => rows.constraints.contains(&id),
+                Purpose::Minimised => rows.objective.contains(&id),
+            }
+        })
+    }
+
+    /// A row over the free variables; returns what the others add to it.
+    fn gather(&self, table: &RowTable, id: usize, row: &mut [f64]) -> f64 {
+        match table.row(id).coefficients() {
+            Coefficients::Unit(variable) => {
+                for (entry, &free) in row.iter_mut().zip(&self.free) {
+                    *entry = f64::from(u8::from(free == variable));
+                }
+                0.0
+            }
+            Coefficients::Dense(coefficients) => {
+                for (entry, &variable) in row.iter_mut().zip(&self.free) {
+                    *entry = coefficients[variable];
+                }
+                self.bounded.iter().map(|&i| coefficients[i] * self.x[i]).sum()
+            }
+        }
+    }
+
+    /// Opens a place in the stack, in `group`.
+    fn open(&mut self, at: usize, group: usize) {
+        let (n, count) = (self.stride, self.stacked.len());
+        self.stacked.insert(at, 0);
+        self.rows.copy_within(at * n..count * n, (at + 1) * n);
+        self.target.copy_within(at..count, at + 1);
+        self.groups[group].end += 1;
+        for later in &mut self.groups[group + 1..] {
+            later.start += 1;
+            later.end += 1;
+        }
+        self.renumber();
+    }
+
+    /// Closes a place in the stack, in `group`.
+    fn close(&mut self, at: usize, group: usize) {
+        let (n, count) = (self.stride, self.stacked.len());
+        self.stacked.remove(at);
+        self.rows.copy_within((at + 1) * n..count * n, at * n);
+        self.target.copy_within(at + 1..count, at);
+        self.groups[group].end -= 1;
+        for later in &mut self.groups[group + 1..] {
+            later.start -= 1;
+            later.end -= 1;
+        }
+        self.renumber();
+    }
+
+    /// The places of the pivots, from the ranks of the groups.
+    fn renumber(&mut self) {
+        self.pivots.clear();
+        for group in &mut self.groups {
+            group.first_pivot = self.pivots.len();
+            self.pivots.extend(group.start..group.start + group.rank);
+        }
+    }
+}
+
+impl Group {
+    /// How many coordinates stacked row `at`, one of the group, has entries along.
+    fn width(&self, at: usize) -> usize {
+        self.first_pivot + self.rank.min(at + 1 - self.start)
+    }
+}

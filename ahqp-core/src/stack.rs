@@ -1,0 +1,399 @@
+//! A stack of levels that changes without a jump of its solution.
+
+mod blend;
+mod change;
+mod data;
+mod output;
+mod part;
+mod plan;
+mod ramp;
+
+use std::fmt;
+
+pub use part::{CertifiedPart, Part};
+
+use crate::error::Error;
+use crate::problem::hierarchy::{Hierarchy, Level};
+use crate::solver::settings::Settings;
+use crate::solver::solution::Status;
+use blend::Blend;
+use change::{Change, Difference, End};
+use data::{Bounds, Data};
+use output::Output;
+use ramp::Ramp;
+
+/// A level of a [`ContinuousStack`]; never used again for another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct LevelId(u64);
+
+impl fmt::Display for LevelId {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "level #{}", self.0)
+    }
+}
+
+/// Where a level is inserted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Above all others.
+    Top,
+    /// Below all others.
+    Bottom,
+    /// Next above this one.
+    Above(LevelId),
+    /// Next below this one.
+    Below(LevelId),
+}
+
+/// A hierarchy whose levels come, go and change places over a chosen time, its solution
+/// following without a jump.
+///
+/// Every level has an activation from 0 to 1, and the solution is the mean
+/// χ = ∫₀¹ χ(θ) dθ of the solutions χ(θ) of plain hierarchies: at threshold θ, of the levels
+/// whose activation is at least θ, in the order in which exchanges of at least that share are
+/// made. With m changes under way these are at most m + 1 different hierarchies, each with a
+/// solver of its own. It follows, with activations that move by Δh₁, …, Δhₘ in a tick:
+///
+/// - **Continuity.** ‖χ(t + Δt) − χ(t)‖ ≤ L Δt + D (|Δh₁| + … + |Δhₘ|), L being a bound on the
+///   rates at which the solutions of the plain hierarchies change, and D one on their distances
+///   from each other. The second term is at most D · [`rate`](Self::rate) · Δt. A plain hierarchy
+///   that jumps by itself, as at a singularity, has no finite L; bounds of the output
+///   ([`output_bounds_mut`](Self::output_bounds_mut)) hold even then.
+/// - **Constraints.** The bounds, and the hard constraints of all levels that are entirely active,
+///   hold at every tick. Those of a level with activation h are violated by at most 1 − h times
+///   as much as they are without the level.
+/// - **Priorities.** Levels above all changes keep their optimum throughout. The objective of
+///   any other is at most the mean of its values in the plain hierarchies. With no change under
+///   way the solution is that of the plain hierarchy.
+///
+/// The data of the levels and the bounds are rewritten in place from tick to tick. Calls that
+/// start a change allocate; [`solve`](Self::solve) does not. It solves at most m + 1 hierarchies,
+/// and one small problem more where the output is at its bounds, each within the iterations that
+/// the [`Settings`] allow.
+///
+/// ```
+/// use ahqp_core::{ContinuousStack, Hierarchy, Level, Place, Rows, Settings};
+/// use nalgebra::{dmatrix, dvector};
+///
+/// let near = |target: f64| {
+///     Ok::<_, ahqp_core::Error>(Level::least_squares(Rows::equalities(
+///         &dmatrix![1.0], &dvector![target])?))
+/// };
+/// let mut hierarchy = Hierarchy::new(1)?;
+/// hierarchy.push(near(0.0)?)?;
+/// let mut stack = ContinuousStack::new(&hierarchy, Settings::default())?;
+///
+/// // Half a second from x = 0 to x = 1, at 1 kHz.
+/// stack.insert(near(1.0)?, Place::Top, 0.5)?;
+/// let mut before = 0.0;
+/// for _ in 0..500 {
+///     let bound = stack.rate() * 1e-3 * 1.0;
+///     let x = stack.solve(1e-3)?[0];
+///     assert!((x - before).abs() <= bound + 1e-12);
+///     before = x;
+/// }
+/// assert_eq!(before, 1.0);
+/// # Ok::<(), ahqp_core::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct ContinuousStack {
+    data: Data,
+    blend: Blend,
+    output: Output,
+    status: Status,
+    failed: Option<usize>,
+    x: Vec<f64>,
+    /// The solution in the making.
+    next: Vec<f64>,
+    named: u64,
+    settings: Settings,
+}
+
+impl ContinuousStack {
+    /// The most changes that can be under way at a time.
+    pub const MAX_CHANGES: usize = Blend::MAX_CHANGES;
+
+    /// A stack of the levels of `hierarchy`, all active.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for a setting out of range.
+    pub fn new(hierarchy: &Hierarchy, settings: Settings) -> Result<Self, Error> {
+        let variables = hierarchy.variables();
+        let (lower, upper) = (hierarchy.lower().to_vec(), hierarchy.upper().to_vec());
+        let data = Data {
+            bounds: Bounds { lower, upper },
+            output: Bounds::none(variables),
+            levels: (0..).map(LevelId).zip(hierarchy.levels().iter().cloned()).collect(),
+        };
+        Ok(Self {
+            blend: Blend::new(&data, settings)?,
+            output: Output::new(&data, settings)?,
+            status: Status::Solved,
+            failed: None,
+            x: vec![0.0; variables],
+            next: vec![0.0; variables],
+            named: data.levels.len() as u64,
+            data,
+            settings,
+        })
+    }
+
+    /// The levels, highest priority first, as they will stand when all changes are over, those
+    /// with an activation of zero among them.
+    pub fn levels(&self) -> impl Iterator<Item = LevelId> + '_ {
+        let leaves = |id| self.blend.changes.iter().any(|change| change.removes(id));
+        let order = self.blend.final_order().iter();
+        order.map(|entry| entry.id).filter(move |&id| !leaves(id))
+    }
+
+    /// Level `id`, until its removal is over.
+    pub fn level(&self, id: LevelId) -> Option<&Level> {
+        self.data.level(id).filter(|_| self.has(id))
+    }
+
+    /// Level `id`, to rewrite its data in place (not to resize), until its removal is over.
+    pub fn level_mut(&mut self, id: LevelId) -> Option<&mut Level> {
+        if self.has(id) { self.data.level_mut(id) } else { None }
+    }
+
+    /// The bounds of the variables, to rewrite in place: `(lower, upper)`.
+    pub fn bounds_mut(&mut self) -> (&mut [f64], &mut [f64]) {
+        (&mut self.data.bounds.lower, &mut self.data.bounds.upper)
+    }
+
+    /// The bounds of the output, to rewrite in place: `(lower, upper)`; infinite at first.
+    ///
+    /// The solution obeys them, but while a change is under way the plain hierarchies do not, so
+    /// that bounds as close to the last solution as those of [`Limits`](crate::Limits) do not
+    /// hold their solutions together: what the output allows is taken from the blend. Where it
+    /// has nothing in common with the bounds of the variables, the output wins.
+    pub fn output_bounds_mut(&mut self) -> (&mut [f64], &mut [f64]) {
+        (&mut self.data.output.lower, &mut self.data.output.upper)
+    }
+
+    /// The activation of level `id`, from 0 to 1, until its removal is over.
+    pub fn activation(&self, id: LevelId) -> Option<f64> {
+        self.blend.activation(id).filter(|_| self.has(id))
+    }
+
+    /// Whether a change is under way.
+    pub fn is_changing(&self) -> bool {
+        self.blend.changes.iter().any(|change| !change.share.is_over())
+    }
+
+    /// A bound of the rate at which all activations together move, until the next call that
+    /// changes the stack \[1/s\]: 15/8 · |difference| / duration for each change under way, the
+    /// peak slope of the minimum-jerk polynomial that they follow. Those that the caller sets at
+    /// once are the caller's to add.
+    pub fn rate(&self) -> f64 {
+        self.blend.changes.iter().map(|change| change.share.rate()).sum()
+    }
+
+    /// Inserts a level, whose activation goes from 0 to 1 over `duration` seconds.
+    ///
+    /// # Errors
+    /// [`Error::Size`] when its rows do not cover the variables, [`Error::UnknownLevel`] for a
+    /// place next to a level that is gone, [`Error::Parameter`] for a duration that is negative
+    /// or not finite, [`Error::TooManyChanges`]. Nothing has changed then.
+    pub fn insert(&mut self, level: Level, place: Place, duration: f64) -> Result<LevelId, Error> {
+        let share = Ramp::new(0.0, 1.0, duration)?;
+        self.settle();
+        self.expect_room()?;
+        if let Place::Above(neighbour) | Place::Below(neighbour) = place {
+            self.expect_level(neighbour)?;
+        }
+        Hierarchy::new(self.x.len())?.push(level.clone())?;
+        let id = LevelId(self.named);
+        self.named += 1;
+        self.data.levels.push((id, level));
+        self.blend.insert(id, place);
+        self.begin(Difference::Activation(id), share, End::Settles)?;
+        Ok(id)
+    }
+
+    /// Removes a level: its activation goes to 0 over `duration` seconds, then it is gone.
+    ///
+    /// # Errors
+    /// [`Error::UnknownLevel`] when it is gone already, [`Error::Parameter`] for a duration that
+    /// is negative or not finite, [`Error::TooManyChanges`]. Nothing has changed then.
+    pub fn remove(&mut self, id: LevelId, duration: f64) -> Result<(), Error> {
+        self.move_activation(id, 0.0, duration, End::Removes)
+    }
+
+    /// Moves the activation of a level to `activation` over `duration` seconds, from wherever it
+    /// is; a removal under way is called off.
+    ///
+    /// A `duration` of zero sets it at once, which leaves its continuity to the caller. Until it
+    /// is moved with a duration, the level then counts as one of the changes under way, and
+    /// setting it again does not allocate.
+    ///
+    /// # Errors
+    /// [`Error::UnknownLevel`] when the level is gone, [`Error::Parameter`] for an activation
+    /// outside \[0, 1\] or a duration that is negative or not finite,
+    /// [`Error::TooManyChanges`]. Nothing has changed then.
+    pub fn activate(&mut self, id: LevelId, activation: f64, duration: f64) -> Result<(), Error> {
+        if !(0.0..=1.0).contains(&activation) {
+            let expected = "from 0 to 1";
+            return Err(Error::Parameter { name: "the activation", value: activation, expected });
+        }
+        let end = if duration == 0.0 { End::Waits } else { End::Settles };
+        self.move_activation(id, activation, duration, end)
+    }
+
+    /// Lets two levels change places over `duration` seconds. Called again before another change
+    /// has begun, it lets them go back from where they are.
+    ///
+    /// # Errors
+    /// [`Error::UnknownLevel`] when one is gone, [`Error::Parameter`] for a duration that is
+    /// negative or not finite, [`Error::TooManyChanges`]. Nothing has changed then.
+    pub fn swap(&mut self, a: LevelId, b: LevelId, duration: f64) -> Result<(), Error> {
+        let share = Ramp::new(0.0, 1.0, duration)?;
+        self.settle();
+        self.expect_level(a)?;
+        self.expect_level(b)?;
+        if a == b {
+            return Ok(());
+        }
+        if let Some(last) = self.blend.changes.last_mut()
+            && last.difference.is_exchange_of(a, b)
+        {
+            last.share = Ramp::new(last.share.value(), 1.0 - last.share.target(), duration)?;
+            return Ok(());
+        }
+        self.expect_room()?;
+        self.begin(Difference::Exchange(a, b), share, End::Settles)
+    }
+
+    /// The solution `period` seconds after the last one.
+    ///
+    /// # Errors
+    /// Those of [`Solver::solve`](crate::Solver::solve), levels being counted as
+    /// [`failed_part`](Self::failed_part) lists them; [`Error::Parameter`] for a period that is
+    /// negative or not finite.
+    pub fn solve(&mut self, period: f64) -> Result<&[f64], Error> {
+        if !(period >= 0.0 && period.is_finite()) {
+            let expected = "finite and not negative [s]";
+            return Err(Error::Parameter { name: "the period", value: period, expected });
+        }
+        self.blend.changes.iter_mut().for_each(|change| change.share.advance(period));
+        self.blend.weigh();
+        (self.failed, self.status) = (None, Status::Solved);
+        self.next.fill(0.0);
+        let alone = self.blend.plans.iter().any(|plan| plan.weight == 1.0);
+        let plans = self.blend.plans.iter_mut().enumerate();
+        for (index, plan) in plans.filter(|(_, plan)| plan.weight > 0.0) {
+            let weight = plan.weight;
+            let solution = plan.solve(&mut self.data, alone).inspect_err(|_| {
+                self.failed = Some(index);
+            })?;
+            self.next.iter_mut().zip(solution.x()).for_each(|(to, x)| *to += weight * x);
+            if self.status == Status::Solved {
+                self.status = solution.status();
+            }
+        }
+        if !alone {
+            self.obey_output()?;
+        }
+        self.x.copy_from_slice(&self.next);
+        Ok(&self.x)
+    }
+
+    /// Takes rounding off the mean of points within the bounds, and moves it to where the
+    /// output allows it.
+    fn obey_output(&mut self) -> Result<(), Error> {
+        let Bounds { lower, upper } = &self.data.bounds;
+        for (x, (lower, upper)) in self.next.iter_mut().zip(lower.iter().zip(upper)) {
+            *x = x.max(*lower).min(*upper);
+        }
+        if self.data.output.hold(&self.next) {
+            return Ok(());
+        }
+        let solved = self.blend.plans.iter().filter(|plan| plan.weight > 0.0);
+        let binds = |id| solved.clone().all(|plan| plan.levels().any(|other| other == id));
+        let status = self.output.project(&self.data, binds, &mut self.next)?;
+        if self.status == Status::Solved {
+            self.status = status;
+        }
+        Ok(())
+    }
+
+    /// The last solution, of size n.
+    pub fn x(&self) -> &[f64] {
+        &self.x
+    }
+
+    /// How the last solve ended: [`Status::Solved`] if all its parts did, else the status of the first
+    /// that did not, whose levels [`parts`](Self::parts) names.
+    pub fn status(&self) -> Status {
+        self.status
+    }
+
+    /// The plain hierarchies that were solved last.
+    pub fn parts(&self) -> impl Iterator<Item = Part<'_>> {
+        self.blend.plans.iter().filter(|plan| plan.weight > 0.0).map(Part::new)
+    }
+
+    /// The plain hierarchy that had no solution, after an error of [`solve`](Self::solve).
+    pub fn failed_part(&self) -> Option<Part<'_>> {
+        self.failed.and_then(|index| self.blend.plans.get(index)).map(Part::new)
+    }
+
+    /// The plain hierarchies that were solved last, each with the proof of its solution.
+    /// Allocates: for debugging and tests, not for the control loop.
+    ///
+    /// # Errors
+    /// Those of [`Solver::certificate`](crate::Solver::certificate).
+    pub fn certified_parts(&mut self) -> Result<Vec<CertifiedPart>, Error> {
+        let solved = self.blend.plans.iter_mut().filter(|plan| plan.weight > 0.0);
+        solved.map(|plan| CertifiedPart::new(plan, &mut self.data)).collect()
+    }
+
+    fn move_activation(
+        &mut self,
+        id: LevelId,
+        target: f64,
+        duration: f64,
+        end: End,
+    ) -> Result<(), Error> {
+        let difference = Difference::Activation(id);
+        self.expect_level(id)?;
+        let share = Ramp::new(self.activation(id).unwrap_or(0.0), target, duration)?;
+        let mut running = self.blend.changes.iter_mut();
+        if let Some(change) = running.find(|change| change.difference == difference) {
+            (change.share, change.end) = (share, end);
+            return Ok(());
+        }
+        self.settle();
+        self.expect_room()?;
+        self.begin(difference, share, end)
+    }
+
+    fn begin(&mut self, difference: Difference, share: Ramp, end: End) -> Result<(), Error> {
+        self.failed = None;
+        self.output = Output::new(&self.data, self.settings)?;
+        self.blend.begin(Change { difference, share, end }, &self.data)
+    }
+
+    fn settle(&mut self) {
+        self.failed = None;
+        self.blend.settle(|removed| self.data.levels.retain(|(id, _)| *id != removed));
+    }
+
+    /// Whether level `id` is there: it comes with its insertion, and its removal is not over.
+    fn has(&self, id: LevelId) -> bool {
+        let is_over = |change: &Change| change.removes(id) && change.outcome() == Some(false);
+        self.data.level(id).is_some() && !self.blend.changes.iter().any(is_over)
+    }
+
+    fn expect_level(&self, id: LevelId) -> Result<(), Error> {
+        if self.has(id) { Ok(()) } else { Err(Error::UnknownLevel { id }) }
+    }
+
+    fn expect_room(&self) -> Result<(), Error> {
+        if self.blend.changes.len() < Self::MAX_CHANGES {
+            Ok(())
+        } else {
+            Err(Error::TooManyChanges { limit: Self::MAX_CHANGES })
+        }
+    }
+}

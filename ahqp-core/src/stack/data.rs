@@ -1,0 +1,62 @@
+//! The problem's data, shared by all the stacks that are blended.
+
+use super::LevelId;
+use crate::problem::hierarchy::{Hierarchy, Level};
+
+/// `lower ≤ x ≤ upper`.
+#[derive(Debug, Clone)]
+pub(super) struct Bounds {
+    pub(super) lower: Vec<f64>,
+    pub(super) upper: Vec<f64>,
+}
+
+impl Bounds {
+    pub(super) fn none(variables: usize) -> Self {
+        let (lower, upper) = (vec![f64::NEG_INFINITY; variables], vec![f64::INFINITY; variables]);
+        Self { lower, upper }
+    }
+
+    pub(super) fn hold(&self, x: &[f64]) -> bool {
+        let bounds = self.lower.iter().zip(&self.upper);
+        bounds.zip(x).all(|((lower, upper), x)| lower <= x && x <= upper)
+    }
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Data {
+    pub(super) bounds: Bounds,
+    /// What the blend must obey, but not the solutions that are blended.
+    pub(super) output: Bounds,
+    pub(super) levels: Vec<(LevelId, Level)>,
+}
+
+impl Data {
+    pub(super) fn level(&self, id: LevelId) -> Option<&Level> {
+        self.levels.iter().find(|(other, _)| *other == id).map(|(_, level)| level)
+    }
+
+    pub(super) fn level_mut(&mut self, id: LevelId) -> Option<&mut Level> {
+        self.levels.iter_mut().find(|(other, _)| *other == id).map(|(_, level)| level)
+    }
+
+    /// Writes the bounds of the variables; with `narrow` within the bounds of the output, which
+    /// win where the two have nothing in common. NaN stays, for the solver to refuse.
+    pub(super) fn write_bounds(&self, narrow: bool, hierarchy: &mut Hierarchy) {
+        let (lower, upper) = hierarchy.bounds_mut();
+        for (to, from) in [(lower, &self.bounds.lower), (upper, &self.bounds.upper)] {
+            to.copy_from_slice(from);
+            if narrow {
+                let output = self.output.lower.iter().zip(&self.output.upper);
+                for (bound, (least, greatest)) in to.iter_mut().zip(output) {
+                    *bound = if least.is_nan() || *bound < *least {
+                        *least
+                    } else if greatest.is_nan() || *bound > *greatest {
+                        *greatest
+                    } else {
+                        *bound
+                    };
+                }
+            }
+        }
+    }
+}

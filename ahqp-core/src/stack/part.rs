@@ -1,0 +1,73 @@
+//! What the solution of a continuous stack is blended of.
+
+use super::LevelId;
+use super::data::Data;
+use super::plan::Plan;
+use crate::certificate::Certificate;
+use crate::error::Error;
+use crate::problem::hierarchy::{ConstraintSource, Hierarchy};
+use crate::solver::solution::Solution;
+
+/// One of the plain hierarchies whose solutions are blended.
+#[derive(Debug, Clone, Copy)]
+pub struct Part<'a> {
+    plan: &'a Plan,
+}
+
+impl<'a> Part<'a> {
+    pub(super) fn new(plan: &'a Plan) -> Self {
+        Self { plan }
+    }
+
+    /// Its share of the solution, above 0; all shares sum to 1.
+    pub fn weight(&self) -> f64 {
+        self.plan.weight
+    }
+
+    /// Its levels, highest priority first: errors and solutions count them from 0 in this order.
+    pub fn levels(&self) -> impl Iterator<Item = LevelId> + 'a {
+        self.plan.levels()
+    }
+
+    /// Its solution, with its status.
+    pub fn solution(&self) -> &'a Solution {
+        self.plan.solution()
+    }
+
+    /// Constraints that cannot hold together, after [`Error::Infeasible`]; empty otherwise.
+    pub fn conflict(&self) -> &'a [ConstraintSource] {
+        self.plan.conflict()
+    }
+}
+
+/// One of the plain hierarchies whose solutions are blended, with the proof of its solution.
+///
+/// ```
+/// use ahqp_core::{ContinuousStack, Hierarchy, Settings};
+///
+/// let mut stack = ContinuousStack::new(&Hierarchy::new(2)?, Settings::default())?;
+/// stack.solve(1e-3)?;
+/// for part in stack.certified_parts()? {
+///     assert!(part.certificate.residuals(&part.hierarchy, &part.x)?.worst() < 1e-9);
+/// }
+/// # Ok::<(), ahqp_core::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct CertifiedPart {
+    /// Its share of the solution.
+    pub weight: f64,
+    /// The problem.
+    pub hierarchy: Hierarchy,
+    /// Its solution.
+    pub x: Vec<f64>,
+    /// The proof that the solution is optimal.
+    pub certificate: Certificate,
+}
+
+impl CertifiedPart {
+    pub(super) fn new(plan: &mut Plan, data: &mut Data) -> Result<Self, Error> {
+        let (hierarchy, certificate) = plan.certify(data)?;
+        let x = plan.solution().x().to_vec();
+        Ok(Self { weight: plan.weight, hierarchy, x, certificate })
+    }
+}

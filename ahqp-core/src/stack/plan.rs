@@ -1,0 +1,113 @@
+//! One of the stacks that are blended: which levels, in which order, and their solution.
+
+use std::mem;
+
+use super::LevelId;
+use super::data::Data;
+use crate::certificate::Certificate;
+use crate::error::Error;
+use crate::problem::hierarchy::{ConstraintSource, Hierarchy, Level};
+use crate::problem::rows::Rows;
+use crate::solver::Solver;
+use crate::solver::settings::Settings;
+use crate::solver::solution::{Solution, Status};
+
+/// A level's place in an order; one that is not active only keeps its place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Entry {
+    pub(super) id: LevelId,
+    pub(super) active: bool,
+}
+
+/// All levels in one order, some of them active, with a solver of their own.
+#[derive(Debug)]
+pub(super) struct Plan {
+    pub(super) order: Vec<Entry>,
+    /// The problem without its levels: those are lent by the data for each solve, in exchange
+    /// for empty ones.
+    frame: Hierarchy,
+    solver: Solver,
+    solution: Solution,
+    pub(super) weight: f64,
+}
+
+impl Plan {
+    pub(super) fn new(order: Vec<Entry>, data: &Data, settings: Settings) -> Result<Self, Error> {
+        let variables = data.bounds.lower.len();
+        let mut frame = Hierarchy::new(variables)?;
+        for entry in order.iter().filter(|entry| entry.active) {
+            if let Some(level) = data.level(entry.id) {
+                frame.push(level.clone())?;
+            }
+        }
+        let solver = Solver::new(&frame, settings)?;
+        let levels = frame.levels().len();
+        for index in 0..levels {
+            *frame.level_mut(index)? = Level::constraints_only(Rows::zeros(0, variables));
+        }
+        let solution = Solution {
+            x: vec![0.0; variables],
+            status: Status::Solved,
+            iterations: 0,
+            violations: vec![0.0; levels],
+        };
+        Ok(Self { order, frame, solver, solution, weight: 0.0 })
+    }
+
+    /// The active levels, highest priority first.
+    pub(super) fn levels(&self) -> impl Iterator<Item = LevelId> + '_ {
+        self.order.iter().filter(|entry| entry.active).map(|entry| entry.id)
+    }
+
+    pub(super) fn solution(&self) -> &Solution {
+        &self.solution
+    }
+
+    pub(super) fn conflict(&self) -> &[ConstraintSource] {
+        self.solver.conflict()
+    }
+
+    /// Solves within the bounds, or with `narrow` also within those of the output.
+    pub(super) fn solve(&mut self, data: &mut Data, narrow: bool) -> Result<&Solution, Error> {
+        data.write_bounds(narrow, &mut self.frame);
+        self.with_levels(data, |solver, hierarchy, solution| {
+            let found = solver.solve(hierarchy)?;
+            solution.x.copy_from_slice(found.x());
+            solution.violations.copy_from_slice(found.violations());
+            solution.status = found.status();
+            solution.iterations = found.iterations();
+            Ok(())
+        })?;
+        Ok(&self.solution)
+    }
+
+    /// The problem as a plain hierarchy, and the proof of its solution.
+    pub(super) fn certify(&mut self, data: &mut Data) -> Result<(Hierarchy, Certificate), Error> {
+        self.with_levels(data, |solver, hierarchy, _| {
+            Ok((hierarchy.clone(), solver.certificate(hierarchy)?))
+        })
+    }
+
+    /// Does `work` while the levels are in their places.
+    fn with_levels<T>(
+        &mut self,
+        data: &mut Data,
+        work: impl FnOnce(&mut Solver, &Hierarchy, &mut Solution) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        self.exchange_levels(data);
+        let result = work(&mut self.solver, &self.frame, &mut self.solution);
+        self.exchange_levels(data);
+        result
+    }
+
+    fn exchange_levels(&mut self, data: &mut Data) {
+        let active = self.order.iter().filter(|entry| entry.active);
+        for (index, entry) in active.enumerate() {
+            if let (Ok(place), Some(level)) =
+                (self.frame.level_mut(index), data.level_mut(entry.id))
+            {
+                mem::swap(place, level);
+            }
+        }
+    }
+}
