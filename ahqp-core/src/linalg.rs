@@ -2,5 +2,4 @@
 
 pub(crate) mod kernels;
 pub(crate) mod list;
-pub(crate) mod tall;
 pub(crate) mod vector;

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::error::Error;
 use crate::problem::hierarchy::{Hierarchy, Objective};
 use crate::problem::rows::Rows;
-use crate::solver::data::RowTable;
+use crate::solver::data::ProblemData;
 use interior::{Optimum, QuadraticProblem};
 use polish::polish;
 use span::complement;
@@ -49,7 +49,7 @@ const AT_BOUND: f64 = 1e-8;
 /// [`Error::Reference`] with the level and the reason for constraints that cannot hold, and with
 /// Clarabel's status where it fails.
 pub fn solve_reference(hierarchy: &Hierarchy) -> Result<DVector<f64>, Error> {
-    RowTable::new(hierarchy).load(hierarchy)?;
+    ProblemData::new(hierarchy).load(hierarchy)?;
     let n = hierarchy.variables();
     let mut cascade = Cascade::new(hierarchy);
     for (level, data) in hierarchy.levels().iter().enumerate() {

@@ -1,19 +1,15 @@
 //! The loop over the levels.
 
 pub(crate) mod active_set;
-mod basis;
+pub(crate) mod activity;
 pub(crate) mod data;
 pub(crate) mod factorisation;
-mod habits;
-mod least_squares;
-mod pulled;
+pub(crate) mod multipliers;
+mod prediction;
 mod quadratic_factor;
-mod search;
 pub(crate) mod settings;
-mod settle;
 pub(crate) mod solution;
 pub(crate) mod tolerances;
-pub(crate) mod verification;
 
 use std::ops::Range;
 
@@ -23,25 +19,13 @@ use crate::error::Error;
 use crate::linalg::list::List;
 use crate::linalg::vector::norm;
 use crate::problem::hierarchy::{ConstraintSource, Hierarchy};
-use crate::solver::active_set::{ActiveSet, End, Goal, RowState};
-use crate::solver::data::RowTable;
-use crate::solver::habits::{Habits, JUMP};
-use crate::solver::settings::{Settings, WarmStart};
-use crate::solver::solution::{Solution, Status};
-use crate::solver::verification::Verifier;
-
-/// Rounds of mending an active set after which it is searched for.
-const ROUNDS: usize = 14;
-
-/// Rows up to which a guess at the active set may be wrong for the next to be mended.
-const FEW: usize = 4;
-
-/// Searches of one solve: each but the first begins where the one before ended, as that came from
-/// so far away that little of x is left but rounding.
-const PASSES: usize = 4;
-
-/// How many times longer than the solution x may have been on the way.
-const FAR_AWAY: f64 = 1e3;
+use active_set::{ActiveSet, End, Goal};
+use activity::Activity;
+use data::ProblemData;
+use prediction::Prediction;
+use settings::{Settings, WarmStart};
+use solution::{Solution, Status};
+use tolerances::{FAR_AWAY, FEW, JUMP, PASSES, ROUNDS, VANISHING};
 
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
@@ -54,13 +38,14 @@ const FAR_AWAY: f64 = 1e3;
 #[derive(Debug, Clone)]
 pub struct Solver {
     set: ActiveSet,
-    verifier: Verifier,
-    habits: Habits,
+    prediction: Prediction,
+    /// The active set that a search ended with, while another goes on from there.
+    found: Vec<Activity>,
     settings: Settings,
     solution: Solution,
     memory: Memory,
-    /// Whether the active set has been guessed so well lately that asking the guess first pays.
-    settled: bool,
+    /// Whether the active set has been predicted so well lately that repairing it first pays.
+    is_predictable: bool,
     conflict: List<ConstraintSource>,
 }
 
@@ -74,6 +59,7 @@ enum Memory {
 }
 
 /// How a level ended, if it did not fail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum LevelEnd {
     Solved,
     OutOfIterations,
@@ -86,8 +72,8 @@ impl Solver {
     /// [`Error::Setting`] for a setting out of range.
     pub fn new(hierarchy: &Hierarchy, settings: Settings) -> Result<Self, Error> {
         settings.validate()?;
-        let table = RowTable::new(hierarchy);
-        let (n, count) = (table.n, table.len());
+        let data = ProblemData::new(hierarchy);
+        let (n, count) = (data.n, data.len());
         let levels = hierarchy.levels().len();
         Ok(Self {
             solution: Solution {
@@ -96,12 +82,12 @@ impl Solver {
                 iterations: 0,
                 violations: vec![0.0; levels],
             },
-            verifier: Verifier::new(&table, settings),
-            habits: Habits::new(count, n),
+            prediction: Prediction::new(count, n),
+            found: vec![Activity::Inactive; count],
             memory: Memory::Nothing,
-            settled: true,
+            is_predictable: true,
             conflict: List::with_capacity(count),
-            set: ActiveSet::new(table, settings),
+            set: ActiveSet::new(data, settings),
             settings,
         })
     }
@@ -128,22 +114,18 @@ impl Solver {
         if self.memory != Memory::Optimum {
             return Err(Error::NotSolved);
         }
-        self.set.table.load(hierarchy)?;
-        let table = &mut self.set.table;
-        self.verifier.fit(table);
-        self.verifier.factorisation.factorise(
-            table,
-            &self.verifier.activity,
-            self.settings.rank_tolerance,
-        );
-        let found = Proof::new(table, &mut self.verifier, &self.solution.x).levels()?;
+        self.set.data.load(hierarchy)?;
+        self.set.fit();
+        self.set.factorise();
+        let found = Proof::new(&mut self.set, &self.solution.x).levels()?;
+        let data = &mut self.set.data;
         let levels = found
             .iter()
-            .map(|multipliers| named(hierarchy, table, multipliers))
+            .map(|multipliers| named(hierarchy, data, multipliers))
             .collect::<Result<_, _>>()?;
-        let active = (0..table.len())
-            .filter(|&id| self.verifier.activity[id].is_active())
-            .map(|id| table.sources[id])
+        let active = (0..data.len())
+            .filter(|&id| self.set.activity[id].is_active())
+            .map(|id| data.sources[id])
             .collect();
         Ok(Certificate { levels, active })
     }
@@ -159,233 +141,213 @@ impl Solver {
         let memory = std::mem::replace(&mut self.memory, Memory::Nothing);
         self.conflict.clear();
         self.set.iterations = 0;
-        self.set.table.load(hierarchy)?;
-        let near = match (self.settings.warm_start, memory) {
-            (WarmStart::PreviousActiveSet, Memory::Optimum) => {
-                if self.mend() {
-                    self.set.x.copy_from_slice(&self.verifier.factorisation.x);
-                    self.finish(Status::Solved);
-                    return Ok(&self.solution);
-                }
-                !self.verifier.far
-            }
-            (WarmStart::PreviousActiveSet, Memory::Part) => {
-                self.verifier.fit(&self.set.table);
-                self.set.hint.copy_from_slice(&self.verifier.activity);
-                true
-            }
-            _ => {
-                self.habits.forget();
-                false
-            }
+        self.set.data.load(hierarchy)?;
+        let status = if self.predict(memory) {
+            Status::Solved
+        } else {
+            self.search(hierarchy.levels().len())?
         };
-        if !near {
-            self.set.hint.fill(RowState::Inside);
-            self.solution.x.fill(0.0);
-        }
-        let status = self.search_levels(hierarchy.levels().len())?;
-        let (changes, n) = (self.changes(), self.set.table.n);
-        self.settled = !near || changes <= FEW || changes > n / JUMP;
-        let status = self.search_again(status, hierarchy.levels().len())?;
         if !norm(&self.set.x).is_finite() {
             return Err(Error::Overflow);
         }
-        self.finish(status);
+        self.remember(status);
+        self.read_out(status);
         Ok(&self.solution)
     }
 
-    fn finish(&mut self, status: Status) {
+    /// Predicts the active set from the solves before, and repairs the prediction where that is likely
+    /// to succeed. Returns true if it did. Leaves a prediction and a start for the search.
+    fn predict(&mut self, memory: Memory) -> bool {
+        let is_near = match (self.settings.warm_start, memory) {
+            (WarmStart::PreviousActiveSet, Memory::Optimum) => {
+                let other = self.prediction.predict(&mut self.set.activity);
+                if self.repair() {
+                    return true;
+                }
+                if other && self.set.prediction_is_far {
+                    // What each row does most of the time need not go together.
+                    self.prediction.last(&mut self.set.activity);
+                    if self.repair() {
+                        return true;
+                    }
+                }
+                !self.set.prediction_is_far
+            }
+            (WarmStart::PreviousActiveSet, Memory::Part) => {
+                self.set.fit();
+                self.set.predicted.copy_from_slice(&self.set.activity);
+                true
+            }
+            _ => {
+                self.prediction.forget();
+                false
+            }
+        };
+        if !is_near {
+            self.set.predicted.fill(Activity::Inactive);
+            self.solution.x.fill(0.0);
+        }
+        false
+    }
+
+    /// Repairs the predicted active set. Returns true if x is the optimum then.
+    fn repair(&mut self) -> bool {
+        self.set.fit();
+        self.set.predicted.copy_from_slice(&self.set.activity);
+        if !self.is_predictable {
+            self.set.prediction_is_far = false;
+            return false;
+        }
+        let left = self.settings.max_iterations.saturating_sub(self.set.iterations);
+        self.set.repair(ROUNDS.min(left))
+    }
+
+    fn remember(&mut self, status: Status) {
         if status == Status::Solved {
             self.memory = Memory::Optimum;
-            self.habits.learn(&self.verifier.activity);
+            self.prediction.learn(&self.set.activity);
         } else {
             self.memory = Memory::Part;
         }
-        self.read_out(status);
     }
 
-    /// Searches again from where a search ended that came from far away: what rounding on the way
-    /// left open is then near.
-    fn search_again(&mut self, mut status: Status, levels: usize) -> Result<Status, Error> {
+    /// Solves level by level; again from where that ended if it came from far away, as what rounding
+    /// left open on the way is then near.
+    fn search(&mut self, levels: usize) -> Result<Status, Error> {
+        let mut status = self.search_levels(levels)?;
+        let n = self.set.data.n;
+        let changes = self.set.changes();
+        self.is_predictable = changes <= FEW || changes > n / JUMP;
+        let mut farthest = self.set.farthest;
         for _ in 1..PASSES {
             let x_norm = norm(&self.set.x);
-            let is_near = self.set.farthest <= FAR_AWAY * x_norm || x_norm == 0.0;
-            if status != Status::Solved || is_near {
+            if status != Status::Solved || farthest <= FAR_AWAY * x_norm {
+                break;
+            }
+            if x_norm <= VANISHING * farthest {
+                // Nothing but the rounding of the way there and back.
+                self.set.x.fill(0.0);
                 break;
             }
             self.solution.x.copy_from_slice(&self.set.x);
-            self.set.hint.fill(RowState::Inside);
+            self.found.copy_from_slice(&self.set.activity);
+            self.set.predicted.fill(Activity::Inactive);
             status = self.search_levels(levels)?;
+            if status != Status::Solved {
+                // The optimum found before stands.
+                self.set.x.copy_from_slice(&self.solution.x);
+                self.set.activity.copy_from_slice(&self.found);
+                return Ok(Status::Solved);
+            }
+            farthest = self.set.farthest;
         }
         Ok(status)
     }
 
-    /// Mends what the last active sets make one expect, if that is likely to pay; whether it came
-    /// to an end.
-    fn mend(&mut self) -> bool {
-        let guessed = self.habits.guess(&mut self.verifier.activity);
-        if self.mend_activity() {
-            return true;
-        }
-        if !guessed || !self.verifier.far {
-            return false;
-        }
-        // What each row does most of the time need not go together.
-        self.habits.repeat(&mut self.verifier.activity);
-        self.mend_activity()
-    }
-
-    fn mend_activity(&mut self) -> bool {
-        let Self { set, verifier, .. } = self;
-        verifier.fit(&set.table);
-        set.hint.copy_from_slice(&verifier.activity);
-        if !self.settled {
-            verifier.far = false;
-            return false;
-        }
-        let left = self.settings.max_iterations.saturating_sub(set.iterations);
-        let solved = verifier.solve(&set.table, ROUNDS.min(left));
-        set.iterations += verifier.rounds;
-        solved
-    }
-
-    /// How many rows are active where the search was not told so, or the other way round.
-    fn changes(&self) -> usize {
-        let pairs = self.set.hint.iter().zip(&self.verifier.activity);
-        pairs.filter(|(hint, activity)| hint != activity).count()
-    }
-
-    /// The cascade: level by level, from near the last solution if the start is warm.
+    /// The cascade: for each level make feasible, minimise, fix.
     fn search_levels(&mut self, levels: usize) -> Result<Status, Error> {
-        self.set.reset(&self.solution.x);
-        self.verifier.activity.fill(RowState::Inside);
+        self.set.begin_search(&self.solution.x);
         for level in 0..levels {
-            if let LevelEnd::OutOfIterations = self.solve_level(level)? {
-                self.remember_active();
+            if self.solve_level(level)? == LevelEnd::OutOfIterations {
                 return Ok(Status::IterationLimit { level });
             }
         }
-        match self.choose_least_norm() {
+        match self.choose_least_norm(levels) {
             LevelEnd::Solved => Ok(Status::Solved),
             LevelEnd::OutOfIterations => Ok(Status::IterationLimit { level: levels }),
         }
     }
 
     fn solve_level(&mut self, level: usize) -> Result<LevelEnd, Error> {
-        let entry = &self.set.table.levels[level];
-        let (constraints, objective) = (entry.constraints.clone(), entry.used_objective());
-        let has_linear = entry.has_linear;
-        let goal = (!objective.is_empty() || has_linear).then(|| Goal::Rows {
-            rows: objective.clone(),
-            linear_of: has_linear.then_some(level),
-        });
-        if let LevelEnd::OutOfIterations = self.make_feasible(level, constraints)? {
+        let rows = &self.set.data.levels[level];
+        let (constraints, objective) = (rows.constraints.clone(), rows.used_objective());
+        let is_minimised = !objective.is_empty() || rows.has_linear;
+        self.set.open_held(level);
+        if self.make_feasible(level, constraints.clone())? == LevelEnd::OutOfIterations {
             return Ok(LevelEnd::OutOfIterations);
         }
-        self.set.place_soft(objective.clone());
-        let end = goal.as_ref().map_or(End::Optimal, |goal| self.set.search(goal));
-        match end {
-            End::Unbounded => return Err(Error::Unbounded { level }),
-            End::OutOfIterations => return Ok(LevelEnd::OutOfIterations),
-            End::Optimal => {}
+        self.set.place_hard(level, constraints);
+        let goal = is_minimised.then(|| Goal::Rows(objective.clone()));
+        if let Some(goal) = &goal {
+            self.set.place_soft(level, objective);
+            match self.set.search(goal) {
+                End::Unbounded => return Err(Error::Unbounded { level }),
+                End::OutOfIterations => return Ok(LevelEnd::OutOfIterations),
+                End::Optimal => {}
+            }
         }
-        self.set.settle(goal.as_ref(), &mut self.verifier.activity);
+        self.set.fix_level(goal.as_ref());
         Ok(LevelEnd::Solved)
     }
 
     /// Brings x to where the new hard constraints of `level` hold, at no cost to the levels
     /// above, by minimising their violation.
     fn make_feasible(&mut self, level: usize, rows: Range<usize>) -> Result<LevelEnd, Error> {
-        self.set.place_soft(rows.clone());
-        if !rows.clone().all(|id| self.set.holds(id)) {
-            self.solution.x.copy_from_slice(&self.set.x);
-            let goal = Goal::Rows { rows: rows.clone(), linear_of: None };
-            match self.set.search(&goal) {
-                End::OutOfIterations => {
-                    self.set.x.copy_from_slice(&self.solution.x);
-                    return Ok(LevelEnd::OutOfIterations);
-                }
-                End::Unbounded => return Err(Error::Unbounded { level }),
-                End::Optimal => self.expect_feasible(level)?,
-            }
+        if self.set.all_hold(rows.clone()) {
+            return Ok(LevelEnd::Solved);
         }
-        self.set.pulled.clear(false);
-        self.set.place_hard(rows);
+        self.solution.x.copy_from_slice(&self.set.x);
+        self.set.place_soft(level, rows.clone());
+        match self.set.search(&Goal::Rows(rows.clone())) {
+            End::OutOfIterations => {
+                self.set.x.copy_from_slice(&self.solution.x);
+                return Ok(LevelEnd::OutOfIterations);
+            }
+            End::Unbounded => return Err(Error::Unbounded { level }),
+            End::Optimal => self.expect_feasible(level, rows.clone())?,
+        }
+        self.set.remove_soft(rows);
         Ok(LevelEnd::Solved)
     }
 
-    fn expect_feasible(&mut self, level: usize) -> Result<(), Error> {
-        let rows = self.set.table.levels[level].constraints.clone();
-        let excess = |set: &ActiveSet, id: usize| match set.violation(id).abs() {
-            0.0 => 0.0,
-            violation => violation / set.doubt(id),
-        };
+    fn expect_feasible(&mut self, level: usize, rows: Range<usize>) -> Result<(), Error> {
         let Some(worst) = rows
             .clone()
-            .max_by(|&i, &j| excess(&self.set, i).total_cmp(&excess(&self.set, j)))
-            .filter(|&id| excess(&self.set, id) > 1.0)
+            .max_by(|&i, &j| self.set.excess(i).total_cmp(&self.set.excess(j)))
+            .filter(|&id| self.set.excess(id) > 1.0)
         else {
             return Ok(());
         };
-        for id in rows.clone() {
-            if excess(&self.set, id) > 1.0 {
-                self.conflict.push(self.set.table.sources[id]);
-            }
-        }
-        self.remember_active();
-        let Self { set, verifier, conflict, .. } = self;
-        let size = |id: usize| set.violation(id).abs() * set.table.norm(id);
-        let threshold = self.settings.optimality_tolerance * rows.clone().map(size).sum::<f64>();
-        let forces = verifier.forces_against(&set.table, rows, |id| set.violation(id));
-        let pushing = forces.filter(|&(_, force)| force.abs() > threshold);
-        conflict.extend(pushing.map(|(id, _)| set.table.sources[id]));
+        let violated = rows.clone().filter(|&id| self.set.excess(id) > 1.0);
+        self.conflict.extend(violated.map(|id| self.set.data.sources[id]));
+        let size = |id: usize| self.set.violation(id).abs() * self.set.data.norm(id);
+        let threshold = self.settings.optimality_tolerance * rows.map(size).sum::<f64>();
+        self.set.extend_by_pushing(threshold, &mut self.conflict);
         Err(Error::Infeasible {
             level,
-            worst: self.set.table.sources[worst],
-            violation: self.set.violation(worst).abs() / self.set.table.scale(worst),
+            worst: self.set.data.sources[worst],
+            violation: self.set.violation(worst).abs() / self.set.data.scale(worst),
             members: self.conflict.len(),
         })
     }
 
     /// Among the optima of all levels, the one of least norm.
-    fn choose_least_norm(&mut self) -> LevelEnd {
-        let idle = self.set.basis.free_count() + self.set.basis.active().len() == 0;
-        if !idle && self.set.search(&Goal::Norm) == End::OutOfIterations {
-            self.remember_active();
-            return LevelEnd::OutOfIterations;
+    fn choose_least_norm(&mut self, levels: usize) -> LevelEnd {
+        if !self.set.is_decided() {
+            self.set.open_held(levels);
+            if self.set.search(&Goal::Norm) == End::OutOfIterations {
+                return LevelEnd::OutOfIterations;
+            }
         }
-        let rounding = 10.0 * f64::EPSILON * self.set.farthest;
-        if rounding > 0.0 && rounding.is_finite() && norm(&self.set.x) <= rounding {
-            // Nothing but the rounding of the way there and back.
-            self.set.x.fill(0.0);
-        }
-        self.remember_active();
         LevelEnd::Solved
     }
 
-    /// The working set belongs to the active set of the whole.
-    fn remember_active(&mut self) {
-        for &id in self.set.basis.active() {
-            self.verifier.activity[id] = self.set.state[id];
-        }
-    }
-
     fn read_out(&mut self, status: Status) {
-        let table = &self.set.table;
+        let data = &self.set.data;
         self.solution.status = status;
         self.solution.iterations = self.set.iterations;
         for (i, (to, &from)) in self.solution.x.iter_mut().zip(&self.set.x).enumerate() {
-            *to = from.clamp(table.lower[i], table.upper[i]);
+            *to = from.clamp(data.lower[i], data.upper[i]);
         }
-        for (violation, level) in self.solution.violations.iter_mut().zip(&table.levels) {
+        for (violation, level) in self.solution.violations.iter_mut().zip(&data.levels) {
             *violation = 0.0;
             if !level.quadratic {
                 let rows = level.objective.clone();
-                table.multiply(rows.clone(), &self.solution.x, &mut self.set.value);
+                data.multiply(rows.clone(), &self.solution.x, &mut self.set.value);
                 let squares: f64 = rows
                     .map(|id| {
                         let value = self.set.value[id];
-                        (value - value.clamp(table.lower[id], table.upper[id])).powi(2)
+                        (value - value.clamp(data.lower[id], data.upper[id])).powi(2)
                     })
                     .sum();
                 *violation = squares.sqrt();
@@ -398,12 +360,12 @@ impl Solver {
 /// Hessian.
 fn named(
     hierarchy: &Hierarchy,
-    table: &mut RowTable,
+    data: &mut ProblemData,
     found: &[(usize, f64)],
 ) -> Result<Vec<(ConstraintSource, f64)>, Error> {
     let mut all: Vec<_> = Vec::with_capacity(found.len());
-    for (level, data) in hierarchy.levels().iter().enumerate() {
-        let rows = table.levels[level].clone();
+    for (level, of_hierarchy) in hierarchy.levels().iter().enumerate() {
+        let rows = data.levels[level].clone();
         let of_level = found.iter().filter(|(id, _)| rows.objective.contains(id));
         if rows.quadratic {
             let mut multipliers = vec![0.0; rows.used];
@@ -412,17 +374,17 @@ fn named(
             }
             if multipliers.iter().any(|&multiplier| multiplier != 0.0) {
                 let on_hessian =
-                    table.hessian_multipliers(level, data.objective(), &multipliers)?;
+                    data.hessian_multipliers(level, of_hierarchy.objective(), &multipliers)?;
                 all.extend(on_hessian.into_iter().map(|(row, multiplier)| {
                     (ConstraintSource::Objective { level, row }, multiplier)
                 }));
             }
         } else {
-            all.extend(of_level.map(|&(id, multiplier)| (table.sources[id], multiplier)));
+            all.extend(of_level.map(|&(id, multiplier)| (data.sources[id], multiplier)));
         }
     }
-    let plain = |id: usize| !matches!(table.sources[id], ConstraintSource::Objective { .. });
+    let plain = |id: usize| !matches!(data.sources[id], ConstraintSource::Objective { .. });
     let plain = found.iter().filter(|(id, _)| plain(*id));
-    all.extend(plain.map(|&(id, m)| (table.sources[id], m * table.scale(id))));
+    all.extend(plain.map(|&(id, m)| (data.sources[id], m * data.scale(id))));
     Ok(all)
 }

@@ -8,10 +8,9 @@ use crate::linalg::vector::{add_scaled, norm};
 use crate::problem::hierarchy::{Hierarchy, Level};
 use crate::problem::rows::Rows;
 use crate::solver::Solver;
-use crate::solver::active_set::RowState;
-use crate::solver::data::RowTable;
+use crate::solver::active_set::ActiveSet;
+use crate::solver::activity::Activity;
 use crate::solver::settings::Settings;
-use crate::solver::verification::Verifier;
 
 /// Rows nearer to a bound than this, relative to their size, may push.
 const AT_BOUND: f64 = 1e-9;
@@ -38,34 +37,33 @@ struct Balance {
 
 /// Goes down the levels, and remembers which inequalities may push either way from here on.
 pub(crate) struct Proof<'a> {
-    table: &'a RowTable,
-    verifier: &'a mut Verifier,
+    set: &'a mut ActiveSet,
     x: &'a [f64],
     settled: Vec<bool>,
 }
 
 impl<'a> Proof<'a> {
     /// At `x`, with the verifier's factorisation of the active set there.
-    pub(crate) fn new(table: &'a RowTable, verifier: &'a mut Verifier, x: &'a [f64]) -> Self {
-        let settled = (0..table.len()).map(|id| table.is_equality(id)).collect();
-        Self { table, verifier, x, settled }
+    pub(crate) fn new(set: &'a mut ActiveSet, x: &'a [f64]) -> Self {
+        let settled = (0..set.data.len()).map(|id| set.data.is_equality(id)).collect();
+        Self { set, x, settled }
     }
 
     /// The multipliers of every level, and of the least norm behind the last.
     pub(crate) fn levels(mut self) -> Result<Vec<Multipliers>, Error> {
-        let count = self.table.levels.len();
+        let count = self.set.data.levels.len();
         (0..count).map(Some).chain([None]).map(|level| self.level(level)).collect()
     }
 
     fn level(&mut self, level: Option<usize>) -> Result<Multipliers, Error> {
         if let Some(level) = level {
-            for id in self.table.levels[level].used_objective() {
+            for id in self.set.data.levels[level].used_objective() {
                 self.settled[id] |= !self.is_closed(id, self.violation(id).0);
             }
         }
         // Where active rows depend on each other, another choice than the factorisation's may have
         // the right signs or be smaller; where one nearly does, it may be missing.
-        let mut multipliers = self.verifier.multipliers_of(self.table, level, self.x);
+        let mut multipliers = self.set.multipliers_of(level, self.x);
         let mut size = self.balance(level, &multipliers).size;
         if !self.is_sound(level, &multipliers, LARGE) {
             for tolerance in [Settings::default().rank_tolerance, NEARLY_DEPENDENT] {
@@ -82,7 +80,7 @@ impl<'a> Proof<'a> {
             }
         }
         for &(id, multiplier) in &multipliers {
-            let counts = (multiplier * self.table.norm(id)).abs() > ROUNDING * size;
+            let counts = (multiplier * self.set.data.norm(id)).abs() > ROUNDING * size;
             self.settled[id] |= counts && self.may_push(id, multiplier);
         }
         Ok(multipliers)
@@ -90,8 +88,8 @@ impl<'a> Proof<'a> {
 
     /// Whether an inequality that has not pushed yet may push with this sign.
     fn may_push(&self, id: usize, multiplier: f64) -> bool {
-        let state = self.verifier.activity[id];
-        self.settled[id] || !state.is_wrong(multiplier, 0.0)
+        let state = self.set.activity[id];
+        self.settled[id] || !state.has_wrong_sign(multiplier, 0.0)
     }
 
     /// Whether multipliers have the right signs, balance their level, and are no larger than
@@ -106,14 +104,14 @@ impl<'a> Proof<'a> {
     fn balance(&self, level: Option<usize>, multipliers: &Multipliers) -> Balance {
         let mut rest = self.gradient(level);
         let mut gradient = norm(&rest);
-        let objective = level.map_or(0..0, |level| self.table.levels[level].used_objective());
+        let objective = level.map_or(0..0, |level| self.set.data.levels[level].used_objective());
         for id in objective {
             let (violation, magnitude) = self.violation(id);
-            gradient += self.table.norm(id) * (violation.abs() + magnitude);
+            gradient += self.set.data.norm(id) * (violation.abs() + magnitude);
         }
         let mut size = gradient;
         for &(id, multiplier) in multipliers {
-            let row = self.table.row(id);
+            let row = self.set.data.row(id);
             row.add_to(&mut rest, multiplier);
             size += (multiplier * row.norm()).abs();
         }
@@ -121,14 +119,14 @@ impl<'a> Proof<'a> {
     }
 
     fn violation(&self, id: usize) -> (f64, f64) {
-        let value = self.table.row(id).dot(self.x);
+        let value = self.set.data.row(id).dot(self.x);
         let violation =
-            (value - self.table.upper[id]).max(0.0) + (value - self.table.lower[id]).min(0.0);
-        (violation, self.table.magnitude(id, norm(self.x)))
+            (value - self.set.data.upper[id]).max(0.0) + (value - self.set.data.lower[id]).min(0.0);
+        (violation, self.set.data.magnitude(id, norm(self.x)))
     }
 
     fn is_closed(&self, id: usize, gap: f64) -> bool {
-        self.table.is_closed(id, gap, self.x, norm(self.x), AT_BOUND)
+        self.set.data.is_closed(id, gap, self.x, norm(self.x), AT_BOUND)
     }
 
     /// min ‖gradient + Σ λᵢ aᵢ‖ over the rows at their bounds, each λᵢ with the sign that its row
@@ -143,17 +141,17 @@ impl<'a> Proof<'a> {
         if candidates.is_empty() {
             return Ok(Vec::new());
         }
-        let mut columns = DMatrix::zeros(self.table.n, candidates.len());
+        let mut columns = DMatrix::zeros(self.set.data.n, candidates.len());
         let mut problem = Hierarchy::new(candidates.len())?;
         let (lower, upper) = problem.bounds_mut();
         for (index, &(id, state)) in candidates.iter().enumerate() {
-            let row = self.table.row(id);
-            let mut column = vec![0.0; self.table.n];
+            let row = self.set.data.row(id);
+            let mut column = vec![0.0; self.set.data.n];
             row.add_to(&mut column, 1.0 / row.norm());
             columns.column_mut(index).copy_from_slice(&column);
             match state {
-                RowState::Upper => lower[index] = 0.0,
-                RowState::Lower => upper[index] = 0.0,
+                Activity::Upper => lower[index] = 0.0,
+                Activity::Lower => upper[index] = 0.0,
                 _ => {}
             }
         }
@@ -163,15 +161,17 @@ impl<'a> Proof<'a> {
         let mut solver = Solver::new(&problem, settings)?;
         let found = solver.solve(&problem)?.x();
         let multipliers = candidates.iter().zip(found).filter(|(_, value)| value.abs() > 1e-12);
-        Ok(multipliers.map(|(&(id, _), value)| (id, value * scale / self.table.norm(id))).collect())
+        Ok(multipliers
+            .map(|(&(id, _), value)| (id, value * scale / self.set.data.norm(id)))
+            .collect())
     }
 
     fn gradient(&self, level: Option<usize>) -> Vec<f64> {
         let Some(level) = level else { return self.x.to_vec() };
-        let mut gradient = vec![0.0; self.table.n];
-        let rows = &self.table.levels[level];
+        let mut gradient = vec![0.0; self.set.data.n];
+        let rows = &self.set.data.levels[level];
         for id in rows.used_objective() {
-            self.table.row(id).add_to(&mut gradient, self.violation(id).0);
+            self.set.data.row(id).add_to(&mut gradient, self.violation(id).0);
         }
         if rows.has_linear {
             add_scaled(&mut gradient, 1.0, &rows.linear);
@@ -180,29 +180,29 @@ impl<'a> Proof<'a> {
     }
 
     /// Rows that may push at a level, with the side on which they may.
-    fn candidates(&self, level: Option<usize>) -> Vec<(usize, RowState)> {
-        let last = level.unwrap_or(self.table.levels.len().saturating_sub(1));
-        let mut ids: Vec<usize> = (0..self.table.n).collect();
-        for (index, rows) in self.table.levels.iter().enumerate().take(last + 1) {
+    fn candidates(&self, level: Option<usize>) -> Vec<(usize, Activity)> {
+        let last = level.unwrap_or(self.set.data.levels.len().saturating_sub(1));
+        let mut ids: Vec<usize> = (0..self.set.data.n).collect();
+        for (index, rows) in self.set.data.levels.iter().enumerate().take(last + 1) {
             ids.extend(rows.constraints.clone());
             if level.is_none_or(|level| index < level) {
                 ids.extend(rows.used_objective());
             }
         }
         let side = |id: usize| {
-            let value = self.table.row(id).dot(self.x);
+            let value = self.set.data.row(id).dot(self.x);
             if self.settled[id] {
-                Some(RowState::Equal)
-            } else if self.is_closed(id, value - self.table.upper[id]) {
-                Some(RowState::Upper)
-            } else if self.is_closed(id, value - self.table.lower[id]) {
-                Some(RowState::Lower)
+                Some(Activity::Equal)
+            } else if self.is_closed(id, value - self.set.data.upper[id]) {
+                Some(Activity::Upper)
+            } else if self.is_closed(id, value - self.set.data.lower[id]) {
+                Some(Activity::Lower)
             } else {
                 None
             }
         };
         ids.into_iter()
-            .filter(|&id| self.table.norm(id) > 0.0)
+            .filter(|&id| self.set.data.norm(id) > 0.0)
             .filter_map(|id| side(id).map(|state| (id, state)))
             .collect()
     }

@@ -8,12 +8,7 @@ use crate::linalg::vector::{norm, norm_max};
 use crate::problem::hierarchy::{ConstraintSource, Hierarchy, Objective};
 use crate::problem::rows::Rows;
 use crate::solver::quadratic_factor::QuadraticFactor;
-use crate::solver::tolerances::ROUNDING;
-
-/// Above this, products of the solver's numbers overflow.
-const MODERATE: f64 = 1e100;
-/// Norms of hard constraints of which none hides another.
-const NEAR_ONE: Range<f64> = 0.0625..32.0;
+use crate::solver::tolerances::{MODERATE, NEAR_ONE, ROUNDING};
 
 /// A row seen by the algebra: a unit vector for a bound, coefficients otherwise.
 #[derive(Debug, Clone, Copy)]
@@ -84,6 +79,14 @@ pub(crate) struct LevelRows {
 }
 
 impl LevelRows {
+    /// Those of the level's rows that hold these, which are all hard ones or all of the objective.
+    pub(crate) fn rows_of(&self, ids: &[usize]) -> Range<usize> {
+        match ids.first() {
+            Some(id) if self.constraints.contains(id) => self.constraints.clone(),
+            _ => self.used_objective(),
+        }
+    }
+
     pub(crate) fn used_objective(&self) -> Range<usize> {
         self.objective.start..self.objective.start + self.used
     }
@@ -91,7 +94,7 @@ impl LevelRows {
 
 /// All rows: the bounds of the n variables first, then each level's constraints and objective.
 #[derive(Debug, Clone)]
-pub(crate) struct RowTable {
+pub(crate) struct ProblemData {
     pub(crate) n: usize,
     coefficients: Vec<f64>,
     pub(crate) lower: Vec<f64>,
@@ -111,7 +114,7 @@ pub(crate) struct RowTable {
     factor: QuadraticFactor,
 }
 
-impl RowTable {
+impl ProblemData {
     /// Sizes the table for hierarchies of this shape.
     pub(crate) fn new(hierarchy: &Hierarchy) -> Self {
         let n = hierarchy.variables();

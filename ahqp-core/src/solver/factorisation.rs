@@ -1,12 +1,13 @@
-//! One orthogonal factorisation of all levels, for a given active set.
+//! One orthogonal factorisation of the active rows of all levels.
 //!
-//! Active bounds leave as columns. The active rows that remain are stacked by priority,
-//! [H₀ O₀ H₁ O₁ …]: a level's hard rows at their bounds, then the rows of its objective. They are
-//! factored from the right, A = [L 0] Qᵀ, with pivoting inside each group, so that the
-//! coordinates y = Qᵀx which a level decides are those that no level above has used. Coordinates
-//! that no level decides stay zero: the least norm.
+//! Active bounds leave as columns. The active rows that remain are stacked in groups by priority,
+//! [H₀ O₀ H₁ O₁ …]: hard rows that are held, then the rows of an objective. They are factored from the
+//! right, A = [L 0] Qᵀ, with row pivoting inside each group, so that the coordinates y = Qᵀx which a
+//! group decides are those that no group before it has used. Coordinates that no group decides are
+//! free.
 
-mod moves;
+mod chain;
+mod orthogonal;
 mod point;
 #[cfg(test)]
 mod tests;
@@ -14,30 +15,28 @@ mod update;
 
 use std::ops::Range;
 
-use crate::linalg::kernels::{
-    BlockFactor, FourReflections, Rotation, RowsMut, reflect_rows, reflect_rows_four,
-};
+use super::activity::{Activity, active_bound};
+use super::data::{Coefficients, ProblemData};
+use super::tolerances::{CLEAR, NOTHING, SHRUNK};
 use crate::linalg::list::List;
-use crate::linalg::vector::{dot, reflector};
-use crate::solver::active_set::{RowState, bound};
-use crate::solver::data::RowTable;
-use moves::Move;
+use crate::linalg::vector::dot;
+use orthogonal::Orthogonal;
 
-/// Rotations kept, in numbers of variables, before everything is factored anew.
-const ROTATIONS: usize = 24;
+pub(crate) use orthogonal::Form;
+pub(crate) use point::FreeCoordinates;
 
 /// Numbers that the kernels take at a time.
 const LANES: usize = 4;
 
 /// Where the lanes begin in which `index` lies.
-fn aligned(index: usize) -> usize {
+fn first_lane(index: usize) -> usize {
     index - index % LANES
 }
 
 /// What a group of stacked rows is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// Equalities that hold.
+    /// Rows that hold with equality.
     Held,
     /// Rows whose violation is minimised.
     Minimised,
@@ -58,6 +57,27 @@ pub(crate) struct Group {
     pub(crate) linear_of: Option<usize>,
 }
 
+/// What of a row counts as a part of its own, relative to the row.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RankTolerances {
+    /// Less than this depends on the rows before it.
+    dependent: f64,
+    /// The same of hard rows in a search: one that stands in the way must be taken.
+    nothing: f64,
+    /// More than this is beyond doubt.
+    clear: f64,
+}
+
+impl RankTolerances {
+    pub(crate) fn new(rank_tolerance: f64) -> Self {
+        Self {
+            dependent: rank_tolerance,
+            nothing: NOTHING * rank_tolerance,
+            clear: CLEAR * rank_tolerance,
+        }
+    }
+}
+
 /// The factors and the point that they give; sized once.
 #[derive(Debug, Clone)]
 pub(crate) struct Factorisation {
@@ -66,15 +86,15 @@ pub(crate) struct Factorisation {
     stride: usize,
     /// Variables that are not at a bound, in the order of the columns.
     pub(crate) free: List<usize>,
-    /// Variables that are, in the order of the variables.
+    /// Variables at a bound that left as columns.
     pub(crate) bounded: List<usize>,
-    /// Rows of the table, stacked; pivots of a group stand first in it.
+    /// Rows of the problem, stacked; pivots of a group stand first in it.
     pub(crate) stacked: List<usize>,
     pub(crate) groups: List<Group>,
     /// L, a stacked row in `stride` entries.
     rows: Vec<f64>,
     target: Vec<f64>,
-    /// What the variables at a bound add to each row of the table.
+    /// What the variables at a bound add to each row of the problem.
     known: Vec<f64>,
     /// Of stacked rows, the square of what no pivot has taken, and what it was when computed last.
     rest: Vec<f64>,
@@ -83,229 +103,226 @@ pub(crate) struct Factorisation {
     square: Vec<f64>,
     /// Stacked row of each pivot.
     pub(crate) pivots: List<usize>,
-    reflectors: Vec<f64>,
-    tau: Vec<f64>,
-    /// What makes one of four reflections, for every four of them.
-    blocks: List<BlockFactor>,
-    /// Variables behind the free ones in order, in the places of those at a bound.
-    moved: List<usize>,
-    /// How many variables were free when the reflections were made, and how many these are.
-    reflected: usize,
-    reflections: usize,
-    /// What the coordinates have been through since, and the rotations in it.
-    moves: List<Move>,
-    rotations: List<Rotation>,
+    orthogonal: Orthogonal,
+    /// Variables that do not stand at their own places, and where.
+    moved: List<(usize, usize)>,
+    /// How many groups have their coordinates decided, and in how many the point of a search has them.
+    decided: usize,
+    attained: usize,
+    /// Coordinates that are decided for good: rows of later groups have no entries along them.
+    closed: usize,
+    /// The coordinates: those decided, then those of free directions.
     y: Vec<f64>,
     turned: Vec<f64>,
-    tall: Vec<f64>,
-    tall_target: Vec<f64>,
+    gathered: Vec<f64>,
+    /// Dependent rows of a group and one pivot, and the factor of all.
+    dependent: Vec<f64>,
+    triangular: Vec<f64>,
+    own: Vec<f64>,
+    column: Vec<f64>,
     /// Linear terms in the coordinates y, a level in `n` entries.
     linear: Vec<f64>,
+    tolerances: RankTolerances,
     pub(crate) x: Vec<f64>,
 }
 
 impl Factorisation {
-    pub(crate) fn new(table: &RowTable) -> Self {
-        let (n, count) = (table.n, table.len());
+    pub(crate) fn new(data: &ProblemData, tolerances: RankTolerances) -> Self {
+        let (n, count) = (data.n, data.len());
         let stride = n.next_multiple_of(LANES);
+        let levels = data.levels.len();
         Self {
             n,
             stride,
             free: List::with_capacity(n),
             bounded: List::with_capacity(n),
             stacked: List::with_capacity(count),
-            groups: List::with_capacity(2 * table.levels.len()),
-            rows: vec![0.0; count * stride],
+            groups: List::with_capacity(3 * levels + 2),
+            // One more, so that every row is a whole one from any entry on.
+            rows: vec![0.0; (count + 1) * stride],
             target: vec![0.0; count],
             known: vec![0.0; count],
             rest: vec![0.0; count],
             measured: vec![0.0; count],
             square: vec![0.0; count],
             pivots: List::with_capacity(n),
-            reflectors: vec![0.0; n * stride],
-            tau: vec![0.0; n],
-            blocks: List::with_capacity(n / LANES),
-            moved: List::with_capacity(n),
-            reflected: 0,
-            reflections: 0,
-            rotations: List::with_capacity(ROTATIONS * n),
-            moves: List::with_capacity(ROTATIONS * n),
-            y: vec![0.0; n],
+            orthogonal: Orthogonal::new(n),
+            moved: List::with_capacity(2 * n),
+            decided: 0,
+            attained: 0,
+            closed: 0,
+            y: vec![0.0; stride],
             turned: vec![0.0; stride],
-            tall: vec![0.0; count * n],
-            tall_target: vec![0.0; count],
-            linear: vec![0.0; table.levels.len() * n],
+            gathered: vec![0.0; stride],
+            dependent: vec![0.0; (count + 1) * (stride + LANES)],
+            triangular: vec![0.0; n * (stride + LANES)],
+            own: vec![0.0; count],
+            column: vec![0.0; count + 1],
+            linear: vec![0.0; levels * n],
+            tolerances,
             x: vec![0.0; n],
         }
     }
 
-    /// Factors the rows that are active in `state` and computes x; false if a linear term falls
-    /// for ever along what they leave open.
-    pub(crate) fn factorise(
-        &mut self,
-        table: &RowTable,
-        state: &[RowState],
-        tolerance: f64,
-    ) -> bool {
-        self.take_bounds(table, state);
-        self.stack(table, state);
-        self.pivots.clear();
-        self.blocks.clear();
-        self.rotations.clear();
-        self.moves.clear();
-        self.reflected = self.free.len();
-        for group in 0..self.groups.len() {
-            self.eliminate(group, tolerance);
-        }
-        self.reflections = self.pivots.len();
-        self.find_point(table, tolerance)
-    }
-
-    /// Bounds that became active after the factorisation was made: rows of the first group.
-    pub(crate) fn bounds_in_stack(&self) -> impl Iterator<Item = usize> {
-        let first = self.groups.first().map_or(0, |group| group.end);
-        self.stacked[..first].iter().copied().filter(|&id| id < self.n)
-    }
-
-    fn take_bounds(&mut self, table: &RowTable, state: &[RowState]) {
-        self.free.clear();
-        self.bounded.clear();
-        self.x.fill(0.0);
-        for i in 0..self.n {
-            if state[i].is_active() {
-                self.x[i] = bound(table, state, i);
-                self.bounded.push(i);
+    /// Factors the active rows of all levels and computes x. Returns false if a linear term falls for
+    /// ever along what they leave open.
+    pub(crate) fn factorise(&mut self, data: &ProblemData, activity: &[Activity]) -> bool {
+        self.begin(data, activity, Form::Product);
+        for (level, rows) in data.levels.iter().enumerate() {
+            // Bounds that become active later join the first group.
+            if level == 0 || !rows.constraints.is_empty() {
+                self.push_group(level, Purpose::Held, None);
+                self.push_active(data, activity, rows.constraints.clone());
             }
+            let linear_of = rows.has_linear.then_some(level);
+            if !rows.objective.is_empty() || linear_of.is_some() {
+                self.push_group(level, Purpose::Minimised, linear_of);
+                self.push_active(data, activity, rows.used_objective());
+            }
+        }
+        self.eliminate_from(0);
+        self.set_point(data)
+    }
+
+    /// Begins with no rows: active bounds leave as columns.
+    pub(crate) fn begin(&mut self, data: &ProblemData, activity: &[Activity], form: Form) {
+        self.bounded.clear();
+        self.bounded.extend((0..self.n).filter(|&i| activity[i].is_active()));
+        self.order_variables(data, activity);
+        self.stacked.clear();
+        self.groups.clear();
+        self.pivots.clear();
+        self.expect_change(0);
+        self.closed = 0;
+        self.orthogonal.begin(self.free.len(), form);
+    }
+
+    /// Puts the free variables in order.
+    fn order_variables(&mut self, data: &ProblemData, activity: &[Activity]) {
+        self.x.fill(0.0);
+        for &i in &self.bounded {
+            self.x[i] = active_bound(data, activity, i);
         }
         // Free variables keep their places, but for the last, which fill the places of the others.
         let k = self.n - self.bounded.len();
+        self.free.clear();
         self.free.extend(0..k);
         self.moved.clear();
-        self.moved.extend((k..self.n).filter(|&i| !state[i].is_active()));
-        for (&place, &variable) in self.bounded.iter().zip(&self.moved) {
+        let behind = (k..self.n).filter(|i| !self.bounded.contains(i));
+        self.moved.extend(self.bounded.iter().copied().zip(behind));
+        for &(place, variable) in &self.moved {
             self.free[place] = variable;
         }
         // x is zero but for the variables at a bound.
-        table.multiply(self.n..table.len(), &self.x, &mut self.known);
+        data.multiply(self.n..data.len(), &self.x, &mut self.known);
     }
 
-    fn stack(&mut self, table: &RowTable, state: &[RowState]) {
-        self.stacked.clear();
-        self.groups.clear();
-        for (level, rows) in table.levels.iter().enumerate() {
-            let linear_of = rows.has_linear.then_some(level);
-            for (purpose, ids, linear_of) in [
-                (Purpose::Held, rows.constraints.clone(), None),
-                (Purpose::Minimised, rows.used_objective(), linear_of),
-            ] {
-                let (start, of_level) = (self.stacked.len(), ids.clone());
-                for id in ids.filter(|&id| state[id].is_active() && table.norm(id) > 0.0) {
-                    self.push(table, state, id);
+    /// Opens an empty group behind the others.
+    pub(crate) fn push_group(&mut self, level: usize, purpose: Purpose, linear_of: Option<usize>) {
+        let (start, first_pivot) = (self.stacked.len(), self.pivots.len());
+        let end = start;
+        self.groups.push(Group { level, purpose, start, end, rank: 0, first_pivot, linear_of });
+    }
+
+    /// Adds the active ones of these rows to the last group.
+    pub(crate) fn push_active(
+        &mut self,
+        data: &ProblemData,
+        activity: &[Activity],
+        ids: Range<usize>,
+    ) {
+        for id in ids.filter(|&id| activity[id].is_active() && data.norm(id) > 0.0) {
+            self.stacked.push(id);
+            self.load_row(data, activity, self.stacked.len() - 1);
+        }
+        let end = self.stacked.len();
+        self.groups.last_mut().into_iter().for_each(|group| group.end = end);
+    }
+
+    /// Removes the last group; the directions that it decided become free.
+    pub(crate) fn pop_group(&mut self) {
+        if let Some(group) = self.groups.pop() {
+            self.stacked.truncate(group.start);
+            self.pivots.truncate(group.first_pivot);
+            self.expect_change(self.groups.len());
+        }
+    }
+
+    /// Copies a stacked row from the data.
+    fn load_row(&mut self, data: &ProblemData, activity: &[Activity], at: usize) {
+        let id = self.stacked[at];
+        let row = &mut self.rows[at * self.stride..(at + 1) * self.stride];
+        match data.row(id).coefficients() {
+            Coefficients::Dense(coefficients) => {
+                row[..self.n].copy_from_slice(coefficients);
+                for &(place, variable) in &self.moved {
+                    row[place] = coefficients[variable];
                 }
-                let end = self.stacked.len();
-                // Bounds that become active later join the first group.
-                let first = purpose == Purpose::Held && level == 0;
-                if first || !of_level.is_empty() || linear_of.is_some() {
-                    let (rank, first_pivot) = (0, 0);
-                    self.groups.push(Group {
-                        level,
-                        purpose,
-                        start,
-                        end,
-                        rank,
-                        first_pivot,
-                        linear_of,
-                    });
+            }
+            Coefficients::Unit(variable) => {
+                for (entry, &free) in row.iter_mut().zip(&self.free) {
+                    *entry = f64::from(u8::from(free == variable));
                 }
             }
         }
-    }
-
-    fn push(&mut self, table: &RowTable, state: &[RowState], id: usize) {
-        let at = self.stacked.len();
-        let coefficients = table.coefficients(id);
-        let row = &mut self.rows[at * self.stride..(at + 1) * self.stride];
-        row[..self.n].copy_from_slice(coefficients);
-        for (&place, &variable) in self.bounded.iter().zip(&self.moved) {
-            row[place] = coefficients[variable];
-        }
         row[self.free.len()..].fill(0.0);
-        self.target[at] = bound(table, state, id) - self.known[id];
-        self.square[at] = table.norm(id).powi(2);
-        self.stacked.push(id);
+        let known = if id < self.n { 0.0 } else { self.known[id] };
+        self.target[at] = active_bound(data, activity, id) - known;
+        self.square[at] = data.norm(id).powi(2);
     }
 
-    /// Reflections that turn the group's rows onto coordinates of their own.
-    fn eliminate(&mut self, group: usize, tolerance: f64) {
+    /// Factors the groups from this one on, with pivoting.
+    pub(crate) fn eliminate_from(&mut self, group: usize) {
+        for group in group..self.groups.len() {
+            self.eliminate(group);
+        }
+    }
+
+    /// Factors all groups anew, with pivoting.
+    pub(crate) fn eliminate_again(&mut self, data: &ProblemData, activity: &[Activity]) {
+        self.bounded.sort_unstable();
+        self.order_variables(data, activity);
+        self.pivots.clear();
+        self.expect_change(0);
+        self.closed = 0;
+        self.orthogonal.begin_again(self.free.len());
+        for at in 0..self.stacked.len() {
+            self.load_row(data, activity, at);
+        }
+        self.eliminate_from(0);
+    }
+
+    /// Turns the group's rows onto coordinates of their own by reflections.
+    fn eliminate(&mut self, group: usize) {
         let (n, k) = (self.stride, self.free.len());
-        let whole = self.reflected_lanes();
-        let Group { start, end, .. } = self.groups[group];
+        let Group { start, end, purpose, .. } = self.groups[group];
+        let tolerance = match (purpose, self.orthogonal.form()) {
+            (Purpose::Held, Form::Explicit) => self.tolerances.nothing,
+            _ => self.tolerances.dependent,
+        };
         let first_pivot = self.pivots.len();
-        self.groups[group].first_pivot = first_pivot;
-        self.turn_rows(start..end);
+        self.orthogonal.turn_rows(&mut self.rows[start * n..end * n], self.closed);
         self.measure(start..end, first_pivot);
         for at in start..end {
             let step = self.pivots.len();
             if step == k {
                 break;
             }
-            let Some(pivot) = self.best_row(at..end, step, tolerance) else { break };
+            let Some(pivot) = self.heaviest_row(at..end, step, tolerance) else { break };
             self.swap(at, pivot);
             let (above, below) = self.rows.split_at_mut((at + 1) * n);
-            let row = &mut above[at * n + step..at * n + k];
-            let reflection = &mut self.reflectors[step * n..step * n + whole];
-            reflection[aligned(step)..step].fill(0.0);
-            reflection[k..].fill(0.0);
-            let v = &mut reflection[step..k];
-            v.copy_from_slice(row);
-            let (tau, image) = reflector(v);
-            row[0] = image;
-            self.tau[step] = tau;
-            let data = &mut below[..(end - at - 1) * n];
-            let first = aligned(step);
-            reflect_rows(&mut RowsMut { data, stride: n }, first, &reflection[first..], tau);
+            let row = &mut above[at * n..];
+            row[step] = self.orthogonal.reflect(step, row, &mut below[..(end - at - 1) * n]);
             let taken = self.rows.iter().skip((at + 1) * n + step).step_by(n);
             for (rest, entry) in self.rest[at + 1..end].iter_mut().zip(taken) {
                 *rest -= entry * entry;
             }
             self.pivots.push(at);
-            self.groups[group].rank += 1;
-            if self.pivots.len().is_multiple_of(LANES) {
-                let block = self.pivots.len() / LANES - 1;
-                let factor = BlockFactor::new(self.block(block), &self.tau[block * LANES..]);
-                self.blocks.push(factor);
-            }
         }
-    }
-
-    /// Turns rows by the reflections so far.
-    fn turn_rows(&mut self, rows: Range<usize>) {
-        let stride = self.stride;
-        let whole = self.reflected_lanes();
-        let mut all = std::mem::take(&mut self.rows);
-        let data = &mut all[rows.start * stride..rows.end * stride];
-        for (block, factor) in self.blocks.iter().enumerate() {
-            let four = FourReflections::new(self.block(block), factor);
-            reflect_rows_four(&mut RowsMut { data, stride }, block * LANES, &four);
-        }
-        for step in self.blocks.len() * LANES..self.pivots.len() {
-            let from = aligned(step);
-            let v = &self.reflectors[step * stride..][from..whole];
-            reflect_rows(&mut RowsMut { data, stride }, from, v, self.tau[step]);
-        }
-        self.rows = all;
-    }
-
-    /// How many entries whole lanes of reflectors have.
-    fn reflected_lanes(&self) -> usize {
-        self.reflected.next_multiple_of(LANES)
-    }
-
-    /// Four reflectors, over the lanes from the first one's on.
-    fn block(&self, block: usize) -> [&[f64]; LANES] {
-        let whole = self.reflected_lanes();
-        let first = block * LANES;
-        std::array::from_fn(|i| &self.reflectors[(first + i) * self.stride..][first..whole])
+        self.orthogonal.absorb(first_pivot..self.pivots.len());
+        self.expect_change(group);
+        let group = &mut self.groups[group];
+        (group.first_pivot, group.rank) = (first_pivot, self.pivots.len() - first_pivot);
     }
 
     /// Squares of what remains of rows from column `step` on.
@@ -319,9 +336,9 @@ impl Factorisation {
 
     /// The row with the largest remainder, of those where it is more than `tolerance` of the norm: heavy
     /// rows first, light ones in what these leave.
-    fn best_row(&mut self, rows: Range<usize>, step: usize, tolerance: f64) -> Option<usize> {
+    fn heaviest_row(&mut self, rows: Range<usize>, step: usize, tolerance: f64) -> Option<usize> {
         // Of a remainder that has shrunk much, little is left but rounding.
-        let shrunk = |(rest, measured): (&f64, &f64)| *rest < 1e-4 * *measured;
+        let shrunk = |(rest, measured): (&f64, &f64)| *rest < SHRUNK * *measured;
         let first = rows.start;
         if self.rest[rows.clone()].iter().zip(&self.measured[rows.clone()]).any(shrunk) {
             for at in rows.clone() {
@@ -332,9 +349,8 @@ impl Factorisation {
         }
         let mut best = None;
         let mut largest = 0.0;
-        for (i, (&rest, &square)) in
-            self.rest[rows.clone()].iter().zip(&self.square[rows]).enumerate()
-        {
+        let squares = self.rest[rows.clone()].iter().zip(&self.square[rows]);
+        for (i, (&rest, &square)) in squares.enumerate() {
             if rest > tolerance.powi(2) * square && rest > largest {
                 largest = rest;
                 best = Some(first + i);
@@ -354,5 +370,42 @@ impl Factorisation {
             self.measured.swap(i, j);
             self.square.swap(i, j);
         }
+    }
+
+    /// Coordinates of this group and those behind it are no longer known.
+    fn expect_change(&mut self, group: usize) {
+        self.decided = self.decided.min(group);
+        self.attained = self.attained.min(group);
+    }
+
+    /// Closes the groups before the first that has a row in `may_drop`: all are decided for good. Bounds
+    /// that left as columns must be so too.
+    pub(crate) fn close_groups(&mut self, may_drop: impl Fn(usize) -> bool) {
+        if !self.bounded.iter().any(|&id| may_drop(id)) {
+            let first = self.stacked.iter().position(|&id| may_drop(id));
+            let group = self.groups.iter().find(|group| first.is_some_and(|at| at < group.end));
+            self.closed = group.map_or(self.pivots.len(), |group| group.first_pivot);
+        }
+    }
+
+    /// Coordinates, the first ones, that are decided for good.
+    pub(crate) fn closed(&self) -> usize {
+        self.closed
+    }
+
+    /// Bounds that became active after the factorisation was made: rows of the first group.
+    pub(crate) fn bounds_in_stack(&self) -> impl Iterator<Item = usize> {
+        let first = self.groups.first().map_or(0, |group| group.end);
+        self.stacked[..first].iter().copied().filter(|&id| id < self.n)
+    }
+
+    /// A part of a row below this is rounding, relative to the row.
+    pub(crate) fn least_part(&self) -> f64 {
+        self.tolerances.nothing
+    }
+
+    /// Coordinates that the groups decide.
+    pub(crate) fn rank(&self) -> usize {
+        self.pivots.len()
     }
 }

@@ -1,10 +1,69 @@
-//! What counts as rounding in residuals and multipliers: each is judged against the sum that it is made
-//! of, term by term.
+//! All numbers by which the solver decides, and the reason for each.
+//!
+//! A decision is judged against the rounding of its own sum, term by term: for a row's residual
+//! Σ|aᵢⱼ||xⱼ| + |bᵢ|, for a multiplier Σ|aᵢⱼ||rᵢ| of its column. The settings scale what they name.
+
+use std::ops::Range;
+
+// Rounding.
 
 /// The rounding of one operation, with room for the sums and rotations that a number goes through:
 /// 45 units in the last place.
 pub(crate) const ROUNDING: f64 = 1e-14;
 /// A number this many times above its own rounding is certainly there.
 pub(crate) const CERTAIN: f64 = 10.0;
-/// A multiplier above this part of its level's forces is no rounding: its own bound need not be known.
+/// Of the forces of a level, a multiplier above this part is no rounding: its own bound need not be
+/// known, which saves time and decides nothing.
 pub(crate) const CLEARLY_THERE: f64 = 1e-6;
+/// Of ‖a‖‖x‖, what a search may leave of a violation that it cannot tell from rounding: hard rows that
+/// nearly depend on each other multiply the rounding of x.
+pub(crate) const DOUBTFUL: f64 = 1e-11;
+/// A step shorter than this part of 1 + ‖x‖ moves nothing but the last digits: the search has stalled.
+pub(crate) const SHORTEST_STEP: f64 = 1e-14;
+/// A remainder of a row that has shrunk to this part of its square has lost half its digits to
+/// cancellation: it is computed anew.
+pub(crate) const SHRUNK: f64 = 1e-4;
+/// How many times longer than the solution x may have been on the way. Of what it was then, 1e-16
+/// remains as rounding; beyond this the search goes once more from where it ended.
+pub(crate) const FAR_AWAY: f64 = 1e3;
+/// Of the longest x on the way, a solution shorter than this is zero: rounding of the way there and back.
+pub(crate) const VANISHING: f64 = ROUNDING;
+
+// Rank, in parts of the rank tolerance.
+
+/// Less of a row is nothing, even where it stands in the way.
+pub(crate) const NOTHING: f64 = 1e-2;
+/// More of a row is beyond doubt: an updated factorisation needs no pivoting. In between, all rows are
+/// factored anew.
+pub(crate) const CLEAR: f64 = 1e4;
+/// A dependent row this many times heavier than a pivot of its group asks for a new factorisation, in
+/// which heavy rows are pivots: a light pivot would lose the heavy row's digits.
+pub(crate) const HEAVIER: f64 = 16.0;
+
+// Sizes of numbers.
+
+/// Above this, products of the solver's numbers overflow.
+pub(crate) const MODERATE: f64 = 1e100;
+/// Norms of hard constraints of which none hides another where they are made to hold together.
+pub(crate) const NEAR_ONE: Range<f64> = 0.0625..32.0;
+
+// Effort: what saves time and decides nothing.
+
+/// Rounds of repairing a predicted active set after which the levels are searched.
+pub(crate) const ROUNDS: usize = 14;
+/// A prediction that is wrong in more than one row in so many variables is not repaired but searched.
+pub(crate) const FAR: usize = 6;
+/// Rows in which a prediction may turn out wrong for the next to be repaired.
+pub(crate) const FEW: usize = 4;
+/// A change of more than one row in so many variables is a jump to another problem, and says nothing
+/// of the next prediction.
+pub(crate) const JUMP: usize = 3;
+/// Of the rows whose multipliers have the wrong sign, those with this part of the largest are let
+/// go together: all at once would have to come back one by one, one at a time takes more rounds.
+pub(crate) const RELEASED: f64 = 0.7;
+/// Up to one change in so many variables, a factorisation is updated and not made anew.
+pub(crate) const UPDATED: usize = 8;
+/// Rotations kept in a product, in numbers of variables, before everything is factored anew.
+pub(crate) const ROTATIONS: usize = 24;
+/// Searches of one solve: each but the first begins where the one before ended.
+pub(crate) const PASSES: usize = 4;

@@ -1,153 +1,212 @@
-//! The point that a factorisation gives, and multipliers.
+//! The point that a factorisation gives, and the multipliers that balance a gradient.
 
 use std::ops::Range;
 
-use super::{Factorisation, Group, LANES, Purpose, aligned};
-use crate::linalg::kernels::{
-    FourReflections, RowsMut, add_rows, multiply_rows, reflect_rows, reflect_rows_four,
-};
-use crate::linalg::tall::solve_tall;
-use crate::linalg::vector::{add_scaled, dot, norm};
-use crate::solver::data::RowTable;
+use super::{Factorisation, Group, LANES, Purpose};
+use crate::linalg::kernels::{RowsMut, add_rows, mix_rows, multiply_rows};
+use crate::linalg::vector::{add_scaled, dot, norm, reflector};
+use crate::solver::data::ProblemData;
 use crate::solver::tolerances::ROUNDING;
 
+/// What a step does with coordinates that no group decides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FreeCoordinates {
+    /// They keep their values.
+    Kept,
+    /// They become zero: the least norm.
+    Zero,
+}
+
+/// The entries of a vector at the free variables, and zeros behind.
+fn gather(free: &[usize], vector: &[f64], out: &mut [f64]) {
+    for (entry, &variable) in out.iter_mut().zip(free) {
+        *entry = vector[variable];
+    }
+    out[free.len()..].fill(0.0);
+}
+
 impl Factorisation {
-    /// The coordinates that the levels decide, and x; false if a linear term falls for ever along
-    /// what they leave open.
-    pub(super) fn find_point(&mut self, table: &RowTable, tolerance: f64) -> bool {
-        for group in 0..self.groups.len() {
-            if !self.decide(table, group, tolerance) {
-                return false;
-            }
+    /// The coordinates that the groups decide, and x, with all free coordinates zero: the
+    /// point of least norm. Returns false if a linear term falls for ever along what they leave open.
+    pub(crate) fn set_point(&mut self, data: &ProblemData) -> bool {
+        if !(self.decided..self.groups.len()).all(|group| self.decide(data, group, 0)) {
+            return false;
         }
-        self.turn_back();
+        self.decided = self.groups.len();
+        let rank = self.pivots.len();
+        let mut z = std::mem::take(&mut self.turned);
+        z[..rank].copy_from_slice(&self.y[..rank]);
+        z[rank..].fill(0.0);
+        self.orthogonal.turn_back(&mut z);
+        for (&variable, &value) in self.free.iter().zip(&z) {
+            self.x[variable] = value;
+        }
+        self.turned = z;
         true
     }
 
-    /// The coordinates that the group decides; false if its linear term has no minimum.
-    fn decide(&mut self, table: &RowTable, group: usize, tolerance: f64) -> bool {
+    /// The step from `x` to the point that the groups decide, where Q is explicit. `gap` is the bound of
+    /// an active row less aᵢx; groups that have not changed since x [attained](Self::attain) them need no
+    /// step. Returns false if a linear term has no minimum; the step is then a direction in which it falls.
+    pub(crate) fn step_from(
+        &mut self,
+        data: &ProblemData,
+        x: &[f64],
+        gap: impl Fn(usize) -> f64,
+        free: FreeCoordinates,
+        step: &mut [f64],
+    ) -> bool {
+        let (rank, k) = (self.pivots.len(), self.free.len());
+        let changed = self.groups.get(self.attained);
+        let (at, first) = changed.map_or((0, rank), |group| (group.start, group.first_pivot));
+        let mut has_minimum = true;
+        if changed.is_some() {
+            for (target, &id) in self.target[at..].iter_mut().zip(&self.stacked[at..]) {
+                *target = gap(id);
+            }
+            let mut groups = self.attained..self.groups.len();
+            has_minimum = groups.all(|group| self.decide(data, group, first));
+        }
+        let mut z = std::mem::take(&mut self.turned);
+        if has_minimum {
+            z[first..rank].copy_from_slice(&self.y[first..rank]);
+            if free == FreeCoordinates::Zero {
+                gather(&self.free, x, &mut self.gathered);
+                self.orthogonal.turn_part(&self.gathered, rank, &mut z[rank..k]);
+                z[rank..k].iter_mut().for_each(|z| *z = -*z);
+            }
+        } else {
+            let level = self.groups.last().and_then(|group| group.linear_of).unwrap_or(0);
+            let linear = &self.linear[level * self.n + rank..level * self.n + k];
+            z[first..rank].fill(0.0);
+            for (z, linear) in z[rank..].iter_mut().zip(linear) {
+                *z = -linear;
+            }
+        }
+        let moves_free = !has_minimum || free == FreeCoordinates::Zero;
+        let end = if moves_free { k } else { rank };
+        self.orthogonal.turn_part_back(&z[first..end], first, &mut self.gathered);
+        self.turned = z;
+        if self.bounded.is_empty() && self.moved.is_empty() {
+            step.copy_from_slice(&self.gathered[..self.n]);
+        } else {
+            step.fill(0.0);
+            for (&variable, &value) in self.free.iter().zip(&self.gathered) {
+                step[variable] = value;
+            }
+        }
+        has_minimum
+    }
+
+    /// The point of a search has come to where the groups decide.
+    pub(crate) fn attain(&mut self) {
+        self.attained = self.groups.len();
+    }
+
+    /// The coordinates that the group decides, those before `first` taken as zero. Returns false if its
+    /// linear term has no minimum.
+    fn decide(&mut self, data: &ProblemData, group: usize, first: usize) -> bool {
         let n = self.stride;
         let Group { purpose, start, end, rank, first_pivot, linear_of, .. } = self.groups[group];
         if let Some(level) = linear_of {
             let decided = first_pivot + rank;
-            let size = self.turn_linear(table, level);
-            if norm(&self.linear[level * self.n + decided..level * self.n + self.free.len()])
-                > tolerance * size
-            {
+            let size = self.turn_linear(data, level);
+            let open = &self.linear[level * self.n + decided..level * self.n + self.free.len()];
+            if norm(open) > self.tolerances.dependent * size {
                 return false;
             }
-            self.decide_tall(start, end, rank, first_pivot, linear_of);
-        } else if purpose == Purpose::Held || rank == end - start {
-            for (offset, at) in (start..start + rank).enumerate() {
-                let pivot = first_pivot + offset;
-                let row = &self.rows[at * n..(at + 1) * n];
-                let known = dot(&row[..pivot], &self.y[..pivot]);
-                self.y[pivot] = (self.target[at] - known) / row[pivot];
-            }
-        } else if rank > 0 {
-            self.decide_tall(start, end, rank, first_pivot, None);
+        }
+        if linear_of.is_some() || (purpose == Purpose::Minimised && rank < end - start) {
+            self.decide_least_squares(group, first);
+            return true;
+        }
+        for (pivot, at) in (first_pivot..).zip(start..start + rank) {
+            let row = &self.rows[at * n..(at + 1) * n];
+            let known = dot(&row[first..pivot], &self.y[first..pivot]);
+            self.y[pivot] = (self.target[at] - known) / row[pivot];
         }
         true
     }
 
     /// Takes a level's linear term into the coordinates y; its size.
-    fn turn_linear(&mut self, table: &RowTable, level: usize) -> f64 {
+    fn turn_linear(&mut self, data: &ProblemData, level: usize) -> f64 {
         let (n, k) = (self.n, self.free.len());
-        let source = &table.levels[level].linear;
+        let source = &data.levels[level].linear;
         let mut linear = std::mem::take(&mut self.linear);
         self.coordinates(source, &mut linear[level * n..level * n + k]);
         self.linear = linear;
         norm(source)
     }
 
-    /// min ½‖L t − c‖² + d₁ᵀt over the group's own coordinates t, L tall.
-    fn decide_tall(
-        &mut self,
-        start: usize,
-        end: usize,
-        rank: usize,
-        first: usize,
-        linear_of: Option<usize>,
-    ) {
-        let (n, m) = (self.stride, end - start);
-        multiply_rows(&self.rows[start * n..], n, &self.y[..first], &mut self.tall_target[..m]);
-        for (i, at) in (start..end).enumerate() {
-            let row = &self.rows[at * n + first..at * n + first + rank];
-            self.tall_target[i] = self.target[at] - self.tall_target[i];
-            for (column, &entry) in row.iter().enumerate() {
-                self.tall[column * m + i] = if column <= i { entry } else { 0.0 };
+    /// min ½‖[L; D] t − c‖² + dᵀt over the group's own coordinates t: pivots L, dependent rows D.
+    ///
+    /// From the last column to the first, a reflection of a pivot row and all dependent ones leaves
+    /// nothing in these: [L; D] = Q' [L'; 0], with L' lower triangular. The pivots are the heavier rows.
+    /// Coordinates before `from` are taken as zero.
+    fn decide_least_squares(&mut self, group: usize, from: usize) {
+        let n = self.stride;
+        let Group { start, end, rank, first_pivot: first, linear_of, .. } = self.groups[group];
+        if rank == 0 {
+            return;
+        }
+        // The target stands behind the entries of its row.
+        let stride = (rank + 1).next_multiple_of(LANES);
+        let count = end - start - rank;
+        let own = &mut self.own[..end - start];
+        multiply_rows(&self.rows[start * n + from..], n, &self.y[from..first], own);
+        let (rows, target) = (&self.rows, &self.target);
+        let load = |index: usize, width: usize, to: &mut [f64]| {
+            to.fill(0.0);
+            let from = (start + index) * n + first;
+            to[..width].copy_from_slice(&rows[from..from + width]);
+            to[rank] = target[start + index] - own[index];
+        };
+        let data = &mut self.dependent[..(count + 1) * stride];
+        for (index, row) in (rank..).zip(data[stride..].chunks_exact_mut(stride)) {
+            load(index, rank, row);
+        }
+        let column = &mut self.column[..=count];
+        for j in (0..rank).rev() {
+            load(j, j + 1, &mut data[..stride]);
+            if count > 0 {
+                for (entry, row) in column.iter_mut().zip(data.chunks_exact(stride)) {
+                    *entry = row[j];
+                }
+                let (tau, _) = reflector(column);
+                mix_rows(&mut RowsMut { data, stride }, column, tau);
+            }
+            self.triangular[j * stride..(j + 1) * stride].copy_from_slice(&data[..stride]);
+        }
+        let factor = &mut self.triangular[..rank * stride];
+        if let Some(level) = linear_of {
+            // L'ᵀ (L' t − c') = −d.
+            let linear = &mut self.turned[..rank];
+            let from = level * self.n + first;
+            linear.copy_from_slice(&self.linear[from..from + rank]);
+            for j in (0..rank).rev() {
+                let row = &mut factor[j * stride..(j + 1) * stride];
+                let part = linear[j] / row[j];
+                row[rank] -= part;
+                add_scaled(&mut linear[..j], -part, &row[..j]);
             }
         }
-        let linear = linear_of.map(|level| {
-            let from = &self.linear[level * self.n + first..level * self.n + first + rank];
-            let to = &mut self.turned[..rank];
-            to.copy_from_slice(from);
-            to
-        });
-        let out = &mut self.y[first..first + rank];
-        solve_tall(&mut self.tall[..rank * m], &mut self.tall_target[..m], linear, out);
-    }
-
-    /// Takes a vector over the free variables, with zeros behind it, into the coordinates of Q.
-    pub(super) fn turn(&self, vector: &mut [f64]) {
-        for (block, factor) in self.blocks.iter().enumerate() {
-            let four = FourReflections::new(self.block(block), factor);
-            reflect_rows_four(&mut only_row(vector), block * LANES, &four);
-        }
-        for step in self.blocks.len() * LANES..self.reflections {
-            self.reflect(step, vector);
-        }
-        for step in &self.moves {
-            step.apply(&self.rotations, vector);
+        let y = &mut self.y[first..first + rank];
+        for (j, row) in factor.chunks_exact(stride).enumerate() {
+            y[j] = (row[rank] - dot(&row[..j], &y[..j])) / row[j];
         }
     }
 
-    /// x from y.
-    fn turn_back(&mut self) {
-        let rank = self.pivots.len();
-        // y is read again for multipliers: turn a copy.
-        let mut z = std::mem::take(&mut self.turned);
-        z[..rank].copy_from_slice(&self.y[..rank]);
-        z[rank..].fill(0.0);
-        for step in self.moves.iter().rev() {
-            step.undo(&self.rotations, &mut z);
-        }
-        for step in (self.blocks.len() * LANES..self.reflections).rev() {
-            self.reflect(step, &mut z);
-        }
-        for (block, factor) in self.blocks.iter().enumerate().rev() {
-            let four = FourReflections::reversed(self.block(block), factor);
-            reflect_rows_four(&mut only_row(&mut z), block * LANES, &four);
-        }
-        for (&variable, &value) in self.free.iter().zip(&z) {
-            self.x[variable] = value;
-        }
-        self.turned = z;
-    }
-
-    /// Applies one of the reflections to a vector.
-    fn reflect(&self, step: usize, vector: &mut [f64]) {
-        let first = aligned(step);
-        let v = &self.reflectors[step * self.stride..][first..self.reflected_lanes()];
-        reflect_rows(&mut only_row(vector), first, v, self.tau[step]);
-    }
-}
-
-/// A vector as a matrix of one row.
-fn only_row(vector: &mut [f64]) -> RowsMut<'_> {
-    RowsMut { stride: vector.len(), data: vector }
-}
-
-impl Factorisation {
-    /// Multipliers μ of the pivots before `first_pivot` that balance a gradient whose
-    /// coordinates stand in `coordinates`: Σ μᵢ Lᵢ = −coordinates. Overwrites it with μ.
+    /// Multipliers μ of the first pivots that balance a gradient whose coordinates stand in
+    /// `coordinates`: Σ μᵢ Lᵢ = −coordinates, but for pivots
+    /// that are decided for good. Overwrites it with μ.
     pub(crate) fn balance(&self, coordinates: &mut [f64]) {
         let n = self.stride;
-        for pivot in (0..coordinates.len()).rev() {
+        let open = self.closed;
+        for pivot in (open..coordinates.len()).rev() {
             let at = self.pivots[pivot];
             let row = &self.rows[at * n..(at + 1) * n];
             let multiplier = -coordinates[pivot] / row[pivot];
-            add_scaled(&mut coordinates[..pivot], multiplier, &row[..pivot]);
+            add_scaled(&mut coordinates[open..pivot], multiplier, &row[open..pivot]);
             coordinates[pivot] = multiplier;
         }
     }
@@ -161,14 +220,15 @@ impl Factorisation {
         rounding: &mut [f64],
     ) {
         let n = self.stride;
-        for pivot in (0..multipliers.len()).rev() {
+        let open = self.closed;
+        for pivot in (open..multipliers.len()).rev() {
             let at = self.pivots[pivot];
-            let row = &self.rows[at * n..at * n + pivot];
+            let row = &self.rows[at * n + open..at * n + pivot];
             let size = ROUNDING * multipliers[pivot].abs();
             let turned = size * norm(self.stacked[at]);
             let of_pivot = rounding[pivot] / self.rows[at * n + pivot].abs() + size;
             rounding[pivot] = of_pivot;
-            for (rounding, entry) in rounding[..pivot].iter_mut().zip(row) {
+            for (rounding, entry) in rounding[open..pivot].iter_mut().zip(row) {
                 *rounding += of_pivot * entry.abs() + turned;
             }
         }
@@ -180,7 +240,7 @@ impl Factorisation {
     /// both are in the order of the stack.
     pub(crate) fn balance_group(
         &self,
-        table: &RowTable,
+        data: &ProblemData,
         group: usize,
         residual: &mut [f64],
         rounding: &mut [f64],
@@ -189,27 +249,24 @@ impl Factorisation {
         for pivot in (0..rank).rev() {
             let coordinate = first_pivot + pivot;
             let linear = linear_of.map_or(0.0, |level| self.linear[level * self.n + coordinate]);
-            let (mut sum, mut doubt) = (linear, ROUNDING * linear.abs());
+            let (mut sum, mut sum_rounding) = (linear, ROUNDING * linear.abs());
             let entries = self.rows[start * self.stride + coordinate..].iter().step_by(self.stride);
             let terms = residual.iter().zip(rounding.iter()).zip(&self.stacked[start..]);
             for (entry, ((residual, rounding), &id)) in entries.zip(terms).skip(pivot + 1) {
                 sum += entry * residual;
                 // Each entry has the rounding of its whole row.
-                doubt += entry.abs() * rounding + table.entry_rounding(id) * residual.abs();
+                sum_rounding += entry.abs() * rounding + data.entry_rounding(id) * residual.abs();
             }
             let own = self.rows[(start + pivot) * self.stride + coordinate];
-            (residual[pivot], rounding[pivot]) = (-sum / own, doubt / own.abs());
+            (residual[pivot], rounding[pivot]) = (-sum / own, sum_rounding / own.abs());
         }
     }
 
     /// The first coordinates of a vector over all variables.
     pub(crate) fn coordinates(&mut self, vector: &[f64], out: &mut [f64]) {
-        let (mut turned, k) = (std::mem::take(&mut self.turned), self.free.len());
-        for (entry, &variable) in turned.iter_mut().zip(&self.free) {
-            *entry = vector[variable];
-        }
-        turned[k..].fill(0.0);
-        self.turn(&mut turned);
+        let mut turned = std::mem::take(&mut self.turned);
+        gather(&self.free, vector, &mut turned);
+        self.orthogonal.turn(&mut turned, self.closed);
         out.copy_from_slice(&turned[..out.len()]);
         self.turned = turned;
     }
@@ -223,10 +280,5 @@ impl Factorisation {
     pub(crate) fn add_linear(&self, level: usize, coordinates: &mut [f64]) {
         let linear = &self.linear[level * self.n..level * self.n + coordinates.len()];
         add_scaled(coordinates, 1.0, linear);
-    }
-
-    /// y, the coordinates decided.
-    pub(crate) fn decided(&self) -> &[f64] {
-        &self.y[..self.pivots.len()]
     }
 }

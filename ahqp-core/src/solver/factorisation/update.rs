@@ -11,76 +11,94 @@
 
 use std::ops::Range;
 
-use super::moves::{Move, angle, carry_aside, carry_down, carry_up};
-use super::{Factorisation, Group, Purpose};
+use super::chain::{Chain, angle, carry_aside, carry_down, carry_up};
+use super::{Factorisation, Group, Purpose, RankTolerances};
 use crate::linalg::kernels::Rotation;
 use crate::linalg::vector::{length, norm};
-use crate::solver::active_set::{RowState, bound};
-use crate::solver::data::{Coefficients, RowTable};
-
-/// A part of a row below this fraction of it is rounding.
-const NOTHING: f64 = 1e-12;
-/// A part of a row above this fraction of it is beyond doubt.
-const CLEAR: f64 = 1e-6;
-
-/// A dependent row this many times heavier than a pivot of its group asks for a new factorisation, in
-/// which heavy rows are pivots.
-const HEAVIER: f64 = 16.0;
+use crate::solver::activity::{Activity, active_bound};
+use crate::solver::data::{Coefficients, ProblemData};
+use crate::solver::tolerances::HEAVIER;
 
 /// A change that would leave a rank in doubt.
 #[derive(Debug)]
-struct Doubt;
+pub(crate) struct RankInDoubt;
 
-/// Whether a part of a row, relative to the row, is there.
-fn is_there(part: f64) -> Result<bool, Doubt> {
-    if part >= CLEAR {
-        Ok(true)
-    } else if part <= NOTHING {
-        Ok(false)
-    } else {
-        Err(Doubt)
+impl RankTolerances {
+    /// Returns true if a part of a row, relative to the row, is there.
+    fn is_there(self, part: f64) -> Result<bool, RankInDoubt> {
+        if part >= self.clear {
+            Ok(true)
+        } else if part <= self.nothing {
+            Ok(false)
+        } else {
+            Err(RankInDoubt)
+        }
     }
 }
 
 impl Factorisation {
-    /// Follows the rows in `changed` into or out of the active set, and finds the point. False if
-    /// that cannot be done: [`factorise`](Self::factorise) has to be called then.
+    /// Follows the rows in `changed` into or out of the active set: hard rows and objectives of their own
+    /// levels. Returns false if a rank is in doubt: [`factorise`](Self::factorise) has to be called then.
     pub(crate) fn update(
         &mut self,
-        table: &RowTable,
-        state: &[RowState],
+        data: &ProblemData,
+        activity: &[Activity],
         changed: &[usize],
-        tolerance: f64,
     ) -> bool {
-        for &id in changed.iter().filter(|&&id| table.norm(id) > 0.0) {
-            if self.rotations.len() + 3 * self.n > self.rotations.capacity()
-                || self.moves.len() + 2 > self.moves.capacity()
-            {
+        changed.iter().filter(|&&id| data.norm(id) > 0.0).all(|&id| {
+            if self.orthogonal.is_long() {
                 return false;
             }
-            let done = if state[id].is_active() {
-                self.insert(table, state, id)
-            } else if let Some(at) = self.stacked.iter().position(|&row| row == id) {
-                self.remove(table, at)
+            let done = if activity[id].is_active() {
+                self.group_of(data, id)
+                    .ok_or(RankInDoubt)
+                    .and_then(|group| self.insert(data, activity, id, group))
             } else {
-                self.free_variable(table, id)
+                self.remove(data, id)
             };
-            if done.is_err() {
-                return false;
-            }
-        }
-        self.find_point(table, tolerance)
+            done.is_ok()
+        })
     }
 
-    /// Adds a row behind the pivots of its group, as one of them if it is independent.
-    fn insert(&mut self, table: &RowTable, state: &[RowState], id: usize) -> Result<(), Doubt> {
-        let group = self.group_of(table, id).ok_or(Doubt)?;
+    /// Adds an active row to a group; with pivoting of all rows where a rank is in doubt.
+    pub(crate) fn add(
+        &mut self,
+        data: &ProblemData,
+        activity: &[Activity],
+        id: usize,
+        group: usize,
+    ) {
+        if data.norm(id) > 0.0 && self.insert(data, activity, id, group).is_err() {
+            let end = self.groups[group].end;
+            self.open(end, group);
+            self.stacked[end] = id;
+            self.eliminate_again(data, activity);
+        }
+    }
+
+    /// Takes out a row that is no longer active; with pivoting of all rows where a rank is in doubt.
+    pub(crate) fn take_out(&mut self, data: &ProblemData, activity: &[Activity], id: usize) {
+        if data.norm(id) > 0.0 && self.remove(data, id).is_err() {
+            self.eliminate_again(data, activity);
+        }
+    }
+
+    /// Adds a row behind the pivots of a group, as one of them if it is independent.
+    fn insert(
+        &mut self,
+        data: &ProblemData,
+        activity: &[Activity],
+        id: usize,
+        group: usize,
+    ) -> Result<(), RankInDoubt> {
         let (n, k) = (self.stride, self.free.len());
+        self.orthogonal.begin_change();
+        self.expect_change(group);
         let mut row = std::mem::take(&mut self.turned);
-        let target = bound(table, state, id) - self.gather(table, id, &mut row);
+        let target = active_bound(data, activity, id) - self.gather(data, id, &mut row);
         row[k..].fill(0.0);
-        self.turn(&mut row);
-        let at = self.make_room(table, group, &mut row[..k], table.norm(id));
+        self.orthogonal.turn(&mut row, self.closed);
+        let at = self.make_room(data, group, &mut row[..k], data.norm(id));
         if let Ok(at) = at {
             self.rows[at * n..at * n + k].copy_from_slice(&row[..k]);
             self.target[at] = target;
@@ -90,40 +108,54 @@ impl Factorisation {
         at.map(|_| ())
     }
 
+    /// Takes a row out of the stack, or lets a variable go that left as a column.
+    fn remove(&mut self, data: &ProblemData, id: usize) -> Result<(), RankInDoubt> {
+        self.orthogonal.begin_change();
+        match self.stacked.iter().position(|&row| row == id) {
+            Some(at) => self.unstack(data, at),
+            None => self.free_variable(data, id),
+        }
+    }
+
     /// Turns the coordinates so that a row, given in them, is triangular behind the pivots of
     /// `group`. Returns its place in the stack, which is left open.
     fn make_room(
         &mut self,
-        table: &RowTable,
+        data: &ProblemData,
         group: usize,
         row: &mut [f64],
         size: f64,
-    ) -> Result<usize, Doubt> {
+    ) -> Result<usize, RankInDoubt> {
         let Group { start, end, rank, first_pivot, .. } = self.groups[group];
         let (place, decided, before) =
-            (first_pivot + rank, self.pivots.len(), self.rotations.len());
-        if !is_there(norm(&row[place..]) / size)? {
+            (first_pivot + rank, self.pivots.len(), self.orthogonal.rotations.len());
+        if !self.tolerances.is_there(norm(&row[place..]) / size)? {
             // Heavy rows are pivots, light ones are in what these leave.
             let pivots = self.stacked[start..start + rank].iter();
-            if pivots.map(|&id| table.norm(id)).any(|norm| size > HEAVIER * norm) {
-                return Err(Doubt);
+            if pivots.map(|&id| data.norm(id)).any(|norm| size > HEAVIER * norm) {
+                return Err(RankInDoubt);
             }
             self.open(end, group);
             return Ok(end);
         }
-        let last = if is_there(norm(&row[decided..]) / size)? {
-            self.turn_towards(row, decided..row.len() - 1);
+        let last = if self.tolerances.is_there(norm(&row[decided..]) / size)? {
+            if !self.orthogonal.reflect_free(row, decided) {
+                self.turn_towards(row, decided..row.len() - 1);
+            }
             decided
         } else {
             let parts = row[place..decided].iter().map(|entry| entry.abs() / size);
-            let (last, part) = parts.enumerate().rfind(|&(_, part)| part > NOTHING).ok_or(Doubt)?;
-            is_there(part)?;
+            let (last, part) = parts
+                .enumerate()
+                .rfind(|&(_, part)| part > self.tolerances.nothing)
+                .ok_or(RankInDoubt)?;
+            self.tolerances.is_there(part)?;
             place + last
         };
-        let from = self.rotations.len();
+        let from = self.orthogonal.rotations.len();
         self.turn_towards(row, place..last);
-        self.moves.push(Move::Down(before..self.rotations.len()));
-        self.shift_pivots(table, group, place..last, from)?;
+        self.orthogonal.push_chain(Chain::Down(before..self.orthogonal.rotations.len()));
+        self.shift_pivots(data, group, place..last, from)?;
         if last < decided {
             self.demote(last);
         }
@@ -146,7 +178,7 @@ impl Factorisation {
             let radius = square.sqrt();
             let (cosine, sine) =
                 if radius > 0.0 { (row[first] / radius, behind / radius) } else { (1.0, 0.0) };
-            self.rotations.push(Rotation { first, second: first + 1, cosine, sine });
+            self.orthogonal.rotations.push(Rotation { first, second: first + 1, cosine, sine });
             behind = radius;
         }
         if !planes.is_empty() {
@@ -159,12 +191,12 @@ impl Factorisation {
     /// `planes` from the last to the first; pivots there move up by a coordinate.
     fn shift_pivots(
         &mut self,
-        table: &RowTable,
+        data: &ProblemData,
         group: usize,
         planes: Range<usize>,
         from: usize,
-    ) -> Result<(), Doubt> {
-        let (n, chain) = (self.stride, &self.rotations[from..]);
+    ) -> Result<(), RankInDoubt> {
+        let (n, chain) = (self.stride, &self.orthogonal.rotations[from..]);
         for group in &self.groups[group + 1..] {
             for at in group.start..group.end {
                 let width = group.width(at);
@@ -175,8 +207,10 @@ impl Factorisation {
                     let Some(rotation) = chain.get(skipped) else { continue };
                     let pivot = rotation.sine * row[width - 1];
                     let is_pivot = at < group.start + group.rank;
-                    if is_pivot && !is_there(pivot.abs() / table.norm(self.stacked[at]))? {
-                        return Err(Doubt);
+                    if is_pivot
+                        && !self.tolerances.is_there(pivot.abs() / data.norm(self.stacked[at]))?
+                    {
+                        return Err(RankInDoubt);
                     }
                 }
                 let entries = &mut row[planes.start..=planes.end - skipped];
@@ -202,14 +236,16 @@ impl Factorisation {
     }
 
     /// Takes a row out of the stack.
-    fn remove(&mut self, table: &RowTable, at: usize) -> Result<(), Doubt> {
-        let group = self.groups.iter().position(|g| (g.start..g.end).contains(&at)).ok_or(Doubt)?;
+    fn unstack(&mut self, data: &ProblemData, at: usize) -> Result<(), RankInDoubt> {
+        let group =
+            self.groups.iter().position(|g| (g.start..g.end).contains(&at)).ok_or(RankInDoubt)?;
+        self.expect_change(group);
         let Group { start, rank, first_pivot, .. } = self.groups[group];
         let (is_pivot, coordinate) = (at < start + rank, first_pivot + at - start);
         self.close(at, group);
         if is_pivot {
             self.groups[group].rank -= 1;
-            self.move_down(table, group, at, coordinate)?;
+            self.move_down(data, group, at, coordinate)?;
             self.renumber();
         }
         Ok(())
@@ -219,43 +255,53 @@ impl Factorisation {
     /// has none any more, until a dependent row takes what is left.
     fn move_down(
         &mut self,
-        table: &RowTable,
+        data: &ProblemData,
         group: usize,
         at: usize,
         free: usize,
-    ) -> Result<(), Doubt> {
-        let (n, from) = (self.stride, self.rotations.len());
+    ) -> Result<(), RankInDoubt> {
+        let (n, from) = (self.stride, self.orthogonal.rotations.len());
         let mut at = at;
         let mut adopted = false;
         for group in group..self.groups.len() {
             let Group { start, end, rank, .. } = self.groups[group];
             while at < end {
                 let row = &mut self.rows[at * n..(at + 1) * n];
-                let chain = &self.rotations[from..];
+                let chain = &self.orthogonal.rotations[from..];
                 let first = free + chain.len();
                 carry_up(&mut row[free..=first], chain.iter().map(angle));
                 if !adopted && at < start + rank {
                     let radius = length(row[first], row[first + 1]);
                     let (cosine, sine) = (row[first] / radius, row[first + 1] / radius);
-                    self.rotations.push(Rotation { first, second: first + 1, cosine, sine });
+                    self.orthogonal.rotations.push(Rotation {
+                        first,
+                        second: first + 1,
+                        cosine,
+                        sine,
+                    });
                     row[first] = radius;
                 }
                 at += 1;
             }
-            let coordinate = free + self.rotations.len() - from;
-            adopted = adopted || self.adopt(table, group, coordinate)?;
+            let coordinate = free + self.orthogonal.rotations.len() - from;
+            adopted = adopted || self.adopt(data, group, coordinate)?;
         }
-        self.moves.push(Move::Up(from..self.rotations.len()));
+        self.orthogonal.push_chain(Chain::Up(from..self.orthogonal.rotations.len()));
         Ok(())
     }
 
     /// Makes a dependent row of `group` the pivot of a coordinate that none has, if one is there.
-    fn adopt(&mut self, table: &RowTable, group: usize, coordinate: usize) -> Result<bool, Doubt> {
+    fn adopt(
+        &mut self,
+        data: &ProblemData,
+        group: usize,
+        coordinate: usize,
+    ) -> Result<bool, RankInDoubt> {
         let (n, Group { start, end, rank, .. }) = (self.stride, self.groups[group].clone());
         let (mut best, mut largest, mut any) = (start + rank, 0.0, false);
         for at in start + rank..end {
             let entry = self.rows[at * n + coordinate].abs();
-            if is_there(entry / table.norm(self.stacked[at]))? {
+            if self.tolerances.is_there(entry / data.norm(self.stacked[at]))? {
                 any = true;
                 if entry > largest {
                     (best, largest) = (at, entry);
@@ -271,22 +317,28 @@ impl Factorisation {
     }
 
     /// Lets a variable go that was at a bound from the start: a coordinate more.
-    fn free_variable(&mut self, table: &RowTable, variable: usize) -> Result<(), Doubt> {
-        let place = self.bounded.iter().position(|&i| i == variable).ok_or(Doubt)?;
+    fn free_variable(&mut self, data: &ProblemData, variable: usize) -> Result<(), RankInDoubt> {
+        let place = self.bounded.iter().position(|&i| i == variable).ok_or(RankInDoubt)?;
         self.bounded.remove(place);
-        let (n, carried, from) = (self.stride, self.free.len(), self.rotations.len());
+        let (n, carried, from) = (self.stride, self.free.len(), self.orthogonal.rotations.len());
         self.free.push(variable);
+        self.moved.push((carried, variable));
+        self.orthogonal.grow();
+        self.expect_change(0);
+        for (known, id) in self.known.iter_mut().zip(0..data.len()).skip(self.n) {
+            *known -= data.coefficients(id)[variable] * self.x[variable];
+        }
         let mut adopted = None;
         for group in 0..self.groups.len() {
             let Group { start, end, rank, first_pivot, .. } = self.groups[group];
             for at in start..end {
                 let id = self.stacked[at];
-                let coefficient = if id < self.n { 0.0 } else { table.coefficients(id)[variable] };
+                let coefficient = if id < self.n { 0.0 } else { data.coefficients(id)[variable] };
                 self.target[at] += coefficient * self.x[variable];
                 let width = self.groups[group].width(at);
                 let row = &mut self.rows[at * n..(at + 1) * n];
                 let mut carry = coefficient;
-                let chain = &self.rotations[from..];
+                let chain = &self.orthogonal.rotations[from..];
                 // One rotation a pivot, from the first on.
                 carry_aside(row.iter_mut(), &mut carry, chain.iter().map(angle));
                 if let Some(place) = adopted {
@@ -296,32 +348,37 @@ impl Factorisation {
                     let first = width - 1;
                     let radius = length(row[first], carry);
                     let (cosine, sine) = (row[first] / radius, carry / radius);
-                    self.rotations.push(Rotation { first, second: carried, cosine, sine });
+                    self.orthogonal.rotations.push(Rotation {
+                        first,
+                        second: carried,
+                        cosine,
+                        sine,
+                    });
                     row[first] = radius;
                 } else {
                     row[first_pivot + rank] = carry;
                 }
             }
             let place = first_pivot + rank;
-            if adopted.is_none() && self.adopt(table, group, place)? {
+            if adopted.is_none() && self.adopt(data, group, place)? {
                 adopted = Some(place);
             }
         }
-        self.moves.push(Move::Aside(from..self.rotations.len()));
+        self.orthogonal.push_chain(Chain::Aside(from..self.orthogonal.rotations.len()));
         if let Some(to) = adopted {
-            self.moves.push(Move::Insert { from: carried, to });
+            self.orthogonal.push_chain(Chain::Insert { from: carried, to });
         }
         self.renumber();
         Ok(())
     }
 
     /// The group to which an active row belongs.
-    fn group_of(&self, table: &RowTable, id: usize) -> Option<usize> {
+    fn group_of(&self, data: &ProblemData, id: usize) -> Option<usize> {
         if id < self.n {
             return (!self.groups.is_empty()).then_some(0);
         }
         self.groups.iter().position(|group| {
-            let rows = &table.levels[group.level];
+            let rows = &data.levels[group.level];
             match group.purpose {
                 Purpose::Held => rows.constraints.contains(&id),
                 Purpose::Minimised => rows.objective.contains(&id),
@@ -330,8 +387,8 @@ impl Factorisation {
     }
 
     /// A row over the free variables; returns what the others add to it.
-    fn gather(&self, table: &RowTable, id: usize, row: &mut [f64]) -> f64 {
-        match table.row(id).coefficients() {
+    fn gather(&self, data: &ProblemData, id: usize, row: &mut [f64]) -> f64 {
+        match data.row(id).coefficients() {
             Coefficients::Unit(variable) => {
                 for (entry, &free) in row.iter_mut().zip(&self.free) {
                     *entry = f64::from(u8::from(free == variable));

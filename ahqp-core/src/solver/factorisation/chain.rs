@@ -7,7 +7,7 @@ use crate::linalg::kernels::Rotation;
 
 /// Rotations, by their places in the list of them, or a coordinate that changes its place.
 #[derive(Debug, Clone)]
-pub(super) enum Move {
+pub(crate) enum Chain {
     /// From neighbours to neighbours, towards the first coordinates.
     Down(Range<usize>),
     /// From neighbours to neighbours, towards the last coordinates.
@@ -18,7 +18,7 @@ pub(super) enum Move {
     Insert { from: usize, to: usize },
 }
 
-impl Move {
+impl Chain {
     pub(super) fn apply(&self, rotations: &[Rotation], vector: &mut [f64]) {
         match self {
             Self::Down(chain) => {

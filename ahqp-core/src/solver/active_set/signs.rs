@@ -1,11 +1,8 @@
 //! Signs of multipliers.
 
 use crate::linalg::list::List;
-use crate::solver::active_set::RowState;
-
-/// Of the rows whose multipliers have the wrong sign, those with this part of the largest are let
-/// go together: all at once would have to come back one by one, one at a time takes more rounds.
-const RELEASED: f64 = 0.7;
+use crate::solver::activity::Activity;
+use crate::solver::tolerances::RELEASED;
 
 /// Which active inequalities have shown that their sign is right: the first multiplier that
 /// differs from zero decides.
@@ -31,12 +28,12 @@ impl Signs {
         }
     }
 
-    pub(super) fn begin(&mut self, activity: &[RowState]) {
+    pub(super) fn begin(&mut self, activity: &[Activity]) {
         self.changed.clear();
         self.wrong.clear();
         self.unsettled = 0;
         for (settled, &state) in self.settled.iter_mut().zip(activity) {
-            *settled = !matches!(state, RowState::Lower | RowState::Upper);
+            *settled = !matches!(state, Activity::Lower | Activity::Upper);
             self.unsettled += usize::from(!*settled);
         }
     }
@@ -45,7 +42,7 @@ impl Signs {
     pub(super) fn check(
         &mut self,
         id: usize,
-        state: RowState,
+        state: Activity,
         multiplier: f64,
         rounding: f64,
         norm: f64,
@@ -53,7 +50,7 @@ impl Signs {
         if !self.settled[id] && multiplier.abs() > rounding {
             self.settled[id] = true;
             self.unsettled -= 1;
-            if state.is_wrong(multiplier, rounding) {
+            if state.has_wrong_sign(multiplier, rounding) {
                 self.wrong.push((id, multiplier.abs() * norm));
             }
         }
@@ -65,12 +62,12 @@ impl Signs {
     }
 
     /// Lets go of the rows that are most wrong; how many.
-    pub(super) fn release(&mut self, activity: &mut [RowState]) -> usize {
+    pub(super) fn release(&mut self, activity: &mut [Activity]) -> usize {
         let most = self.wrong.iter().fold(0.0_f64, |most, &(_, force)| most.max(force));
         let before = self.changed.len();
         for &(id, force) in &self.wrong {
             if force >= RELEASED * most {
-                activity[id] = RowState::Inside;
+                activity[id] = Activity::Inactive;
                 self.changed.push(id);
             }
         }

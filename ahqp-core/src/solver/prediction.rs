@@ -1,22 +1,20 @@
-//! A guess at the next active set.
+//! The prediction of the next active set.
 //!
 //! Along a smooth motion it is the last one. Where the data are noisy, rows near their bounds come
 //! and go, and what a row does most of the time says more. As in branch prediction (`McFarling`,
 //! Combining Branch Predictors, 1993) both guesses are kept, and the one is taken that has been
 //! wrong in fewer rows of late.
 
-use crate::solver::active_set::RowState;
+use super::activity::Activity;
+use super::tolerances::JUMP;
 
 /// The part that the newest solve has in a row's mean, once there have been enough of them.
 const NEWEST: f32 = 0.15;
 /// The same of how often the guesses are wrong.
 const NEWEST_SCORE: f64 = 0.1;
-/// A change of more than this part of the variables is a jump to another problem.
-pub(crate) const JUMP: usize = 3;
-
-/// What the rows of a table did in the last solves.
+/// What the rows of a problem did in the last solves.
 #[derive(Debug, Clone)]
-pub(crate) struct Habits {
+pub(crate) struct Prediction {
     /// Of every row where it was last: −1 at its lower bound, 1 at its upper, else 0.
     last: Vec<f32>,
     /// The mean of the same.
@@ -29,7 +27,7 @@ pub(crate) struct Habits {
     variables: usize,
 }
 
-impl Habits {
+impl Prediction {
     pub(crate) fn new(rows: usize, variables: usize) -> Self {
         Self {
             last: vec![0.0; rows],
@@ -46,8 +44,8 @@ impl Habits {
         (self.solves, self.last_wrong, self.mean_wrong) = (0, 0.0, 0.0);
     }
 
-    /// Puts the better guess into the place of the last active set; whether it is another.
-    pub(crate) fn guess(&self, activity: &mut [RowState]) -> bool {
+    /// Overwrites the last active set with the better guess. Returns true if that is another one.
+    pub(crate) fn predict(&self, activity: &mut [Activity]) -> bool {
         let differs = |(&mean, &last): (&f32, &f32)| side(mean) != last;
         let other =
             self.mean_wrong < self.last_wrong && self.mean.iter().zip(&self.last).any(differs);
@@ -58,17 +56,17 @@ impl Habits {
     }
 
     /// The last active set.
-    pub(crate) fn repeat(&self, activity: &mut [RowState]) {
+    pub(crate) fn last(&self, activity: &mut [Activity]) {
         write(activity, &self.last);
     }
 
     /// Takes the active set that a solve ended with.
-    pub(crate) fn learn(&mut self, activity: &[RowState]) {
+    pub(crate) fn learn(&mut self, activity: &[Activity]) {
         self.solves = self.solves.saturating_add(1);
         let newest = f32::max(1.0 / f32::from(self.solves), NEWEST);
         let (mut last_wrong, mut mean_wrong) = (0, 0);
         for ((last, mean), &state) in self.last.iter_mut().zip(&mut self.mean).zip(activity) {
-            let now = one_if(state == RowState::Upper) - one_if(state == RowState::Lower);
+            let now = one_if(state == Activity::Upper) - one_if(state == Activity::Lower);
             last_wrong += u32::from(*last != now);
             mean_wrong += u32::from(side(*mean) != now);
             *last = now;
@@ -93,12 +91,12 @@ fn one_if(is: bool) -> f32 {
     f32::from(u8::from(is))
 }
 
-fn write(activity: &mut [RowState], sides: &[f32]) {
+fn write(activity: &mut [Activity], sides: &[f32]) {
     for (state, &mean) in activity.iter_mut().zip(sides) {
         *state = match side(mean) {
-            1.0 => RowState::Upper,
-            -1.0 => RowState::Lower,
-            _ => RowState::Inside,
+            1.0 => Activity::Upper,
+            -1.0 => Activity::Lower,
+            _ => Activity::Inactive,
         };
     }
 }
@@ -110,26 +108,26 @@ mod tests {
 
     const ROWS: usize = 24;
 
-    fn wrong(guess: &[RowState], right: &[RowState]) -> usize {
+    fn wrong(guess: &[Activity], right: &[Activity]) -> usize {
         guess.iter().zip(right).filter(|(guess, right)| guess != right).count()
     }
 
     /// How often the guesses at a sequence of active sets are wrong, and how often the last set.
-    fn follow(sets: &[Vec<RowState>]) -> (usize, usize) {
-        let mut habits = Habits::new(ROWS, ROWS);
+    fn follow(sets: &[Vec<Activity>]) -> (usize, usize) {
+        let mut prediction = Prediction::new(ROWS, ROWS);
         let (mut guessed, mut repeated) = (0, 0);
         for pair in sets.windows(2) {
-            habits.learn(&pair[0]);
+            prediction.learn(&pair[0]);
             let mut activity = pair[0].clone();
-            habits.guess(&mut activity);
+            prediction.predict(&mut activity);
             guessed += wrong(&activity, &pair[1]);
             repeated += wrong(&pair[0], &pair[1]);
         }
         (guessed, repeated)
     }
 
-    fn states() -> impl Strategy<Value = RowState> {
-        prop_oneof![Just(RowState::Inside), Just(RowState::Lower), Just(RowState::Upper)]
+    fn states() -> impl Strategy<Value = Activity> {
+        prop_oneof![Just(Activity::Inactive), Just(Activity::Lower), Just(Activity::Upper)]
     }
 
     proptest! {
@@ -174,17 +172,17 @@ mod tests {
         }
 
         #[test]
-        fn a_jump_ends_all_habits(
+        fn a_jump_ends_all_prediction(
             sets in prop::collection::vec(prop::collection::vec(states(), ROWS), 2..20),
         ) {
-            let mut habits = Habits::new(ROWS, ROWS);
+            let mut prediction = Prediction::new(ROWS, ROWS);
             for pair in sets.windows(2) {
-                habits.learn(&pair[0]);
-                habits.learn(&pair[1]);
+                prediction.learn(&pair[0]);
+                prediction.learn(&pair[1]);
                 if wrong(&pair[0], &pair[1]) > ROWS / JUMP {
-                    let mut activity = vec![RowState::Inside; ROWS];
-                    prop_assert!(!habits.guess(&mut activity));
-                    habits.repeat(&mut activity);
+                    let mut activity = vec![Activity::Inactive; ROWS];
+                    prop_assert!(!prediction.predict(&mut activity));
+                    prediction.last(&mut activity);
                     prop_assert_eq!(&activity, &pair[1]);
                 }
             }

@@ -1,0 +1,53 @@
+//! Fixing what a level decided for the levels below.
+
+use std::ops::Range;
+
+use super::{ActiveSet, Goal};
+use crate::solver::activity::Activity;
+use crate::solver::tolerances::CERTAIN;
+
+impl ActiveSet {
+    /// Fixes what a level decided, at the end of its search: active rows that it needs stay active.
+    ///
+    /// Rows of the objective that are violated keep their values; the others are hard rows from here on.
+    /// Active rows that the level does not need, as their multipliers are rounding, stay active until a
+    /// level below drops them: that moves x along a direction in which no level above has a gradient.
+    pub(crate) fn fix_level(&mut self, goal: Option<&Goal>) {
+        let factorisation = &self.factorisation;
+        for &id in factorisation.stacked.iter().chain(&factorisation.bounded) {
+            self.fixed[id] |= self.activity[id] == Activity::Equal;
+        }
+        if goal.is_some() && self.has_gradient {
+            let residuals = self.multipliers.residuals(factorisation);
+            for (id, multiplier, rounding) in
+                residuals.chain(self.multipliers.with_rounding(factorisation))
+            {
+                self.fixed[id] |= multiplier.abs() > CERTAIN * rounding;
+            }
+        }
+        if let Some(Goal::Rows(rows)) = goal
+            && self.keep_violated(rows.clone())
+        {
+            self.in_play.push(rows.clone());
+        }
+        let fixed = &self.fixed;
+        self.factorisation.close_groups(|id| !fixed[id]);
+    }
+
+    /// Makes rows of a minimised objective inactive that are not violated. Returns true if any row is
+    /// inactive then.
+    fn keep_violated(&mut self, rows: Range<usize>) -> bool {
+        let mut any_inactive = false;
+        for id in rows {
+            if self.activity[id].is_active() && !self.fixed[id] {
+                self.activity[id] = Activity::Inactive;
+                self.factorisation.take_out(&self.data, &self.activity, id);
+            }
+            if self.activity[id] == Activity::Inactive {
+                self.residual[id] = 0.0;
+                any_inactive = true;
+            }
+        }
+        any_inactive
+    }
+}

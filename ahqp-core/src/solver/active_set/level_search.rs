@@ -1,0 +1,214 @@
+//! The primal active-set method within one level, from a point where every hard row in play holds.
+//!
+//! Each iteration goes to the minimum with the active rows held. It stops at the first row in the way,
+//! which becomes active. Where none is, a row whose multiplier has the wrong sign becomes inactive
+//! (Nocedal & Wright, Numerical Optimization, algorithm 16.3; the violations of soft rows are variables
+//! that are never formed). The objective never rises. When it stalls, rows are taken by least index,
+//! which cannot cycle (Bland). A row that becomes inactive leaves its bound with the next step; one that
+//! stops that step was let go by rounding, and stays until x moves.
+
+use std::ops::Range;
+
+use super::ratio_test::Choice;
+use super::{ActiveSet, Residuals};
+use crate::linalg::vector::{add_scaled, norm};
+use crate::solver::activity::{Activity, active_bound};
+use crate::solver::factorisation::{FreeCoordinates, Purpose};
+use crate::solver::tolerances::SHORTEST_STEP;
+
+/// What a search minimises.
+#[derive(Debug, Clone)]
+pub(crate) enum Goal {
+    /// The violation of these rows, which the last group holds, and the linear term of their level.
+    Rows(Range<usize>),
+    /// ‖x‖.
+    Norm,
+}
+
+impl Goal {
+    /// Returns true if the violation of row `id` is minimised.
+    fn has_row(&self, id: usize) -> bool {
+        matches!(self, Self::Rows(rows) if rows.contains(&id))
+    }
+}
+
+/// How a search ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum End {
+    Optimal,
+    Unbounded,
+    OutOfIterations,
+}
+
+impl ActiveSet {
+    /// Goes from x to the minimum of the goal.
+    pub(crate) fn search(&mut self, goal: &Goal) -> End {
+        self.kept.clear();
+        let (mut stalled, mut dropped) = (0, None);
+        loop {
+            if self.iterations >= self.settings.max_iterations {
+                return End::OutOfIterations;
+            }
+            self.iterations += 1;
+            // Least index first cannot cycle, but is slow: only after a stall.
+            let choice = if stalled > self.data.n { Choice::First } else { Choice::Steepest };
+            let has_minimum = self.set_direction(goal);
+            let full = if has_minimum { 1.0 } else { f64::INFINITY };
+            let (length, blocking) = self.ratio_test(goal, full, choice);
+            self.advance(goal, length);
+            if blocking.is_none() && has_minimum {
+                self.factorisation.attain();
+            }
+            if length * norm(&self.direction) > SHORTEST_STEP * (1.0 + norm(&self.x)) {
+                stalled = 0;
+                self.kept.clear();
+            } else {
+                stalled += 1;
+            }
+            if let Some((id, bound)) = blocking {
+                if stalled > 0 && dropped == Some(id) {
+                    self.kept.push(id);
+                }
+                dropped = None;
+                self.activate(goal, id, bound);
+                continue;
+            }
+            if !has_minimum {
+                return End::Unbounded;
+            }
+            dropped = self.row_to_drop(goal, choice);
+            let Some(id) = dropped else { return End::Optimal };
+            self.drop_row(goal, id);
+        }
+    }
+
+    /// The step to the minimum with the active rows held. Returns false if there is none: the direction
+    /// is one in which the goal falls for ever.
+    fn set_direction(&mut self, goal: &Goal) -> bool {
+        let free = match goal {
+            Goal::Rows(_) => FreeCoordinates::Kept,
+            Goal::Norm => FreeCoordinates::Zero,
+        };
+        let Self { data, factorisation, x, value, activity, direction, .. } = self;
+        let gap = |id| active_bound(data, activity, id) - value[id];
+        factorisation.step_from(data, x, gap, free, direction)
+    }
+
+    /// x ← x + length · direction.
+    fn advance(&mut self, goal: &Goal, length: f64) {
+        if !length.is_finite() {
+            return;
+        }
+        add_scaled(&mut self.x, length, &self.direction);
+        self.farthest = self.farthest.max(norm(&self.x));
+        for rows in &self.in_play {
+            add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
+        }
+        if let Goal::Rows(rows) = goal {
+            add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
+            for residual in &mut self.residual[rows.clone()] {
+                *residual *= 1.0 - length.min(1.0);
+            }
+        }
+    }
+
+    /// Makes a row active: a hard one in the group for these, one of the objective in its own.
+    fn activate(&mut self, goal: &Goal, id: usize, bound: Activity) {
+        self.activity[id] = bound;
+        let last = self.factorisation.groups.len() - 1;
+        let is_behind = matches!(goal, Goal::Rows(_)) && !goal.has_row(id);
+        let group = if is_behind { last.saturating_sub(1) } else { last };
+        debug_assert!(
+            goal.has_row(id) || self.factorisation.groups[group].purpose == Purpose::Held
+        );
+        self.factorisation.add(&self.data, &self.activity, id, group);
+    }
+
+    /// Makes an active row inactive.
+    pub(super) fn drop_row(&mut self, goal: &Goal, id: usize) {
+        if goal.has_row(id) {
+            self.residual[id] = self.violation_of_active(id);
+        }
+        self.activity[id] = Activity::Inactive;
+        self.factorisation.take_out(&self.data, &self.activity, id);
+    }
+
+    /// aᵢx − bound of an active row.
+    fn violation_of_active(&self, id: usize) -> f64 {
+        let bounds =
+            if self.activity[id] == Activity::Lower { &self.data.lower } else { &self.data.upper };
+        self.value[id] - bounds[id]
+    }
+
+    /// The row whose multiplier is most wrong, or the first with a wrong one; none at the optimum.
+    fn row_to_drop(&mut self, goal: &Goal, choice: Choice) -> Option<usize> {
+        self.has_gradient = self.balance(goal);
+        if !self.has_gradient {
+            return None;
+        }
+        // Most rows that should go are far above rounding: how much that is need not be known then.
+        if choice == Choice::Steepest
+            && let Some(id) = self.most_wrong()
+        {
+            return Some(id);
+        }
+        self.smallest_wrong(choice)
+    }
+
+    /// The row with the wrong sign and the largest force, if that is far above rounding.
+    fn most_wrong(&self) -> Option<usize> {
+        let (mut largest, mut worst) = (self.multipliers.clear_force(), None);
+        let residuals = self.multipliers.residuals(&self.factorisation);
+        let rows = residuals.map(|(id, residual, _)| (id, residual));
+        for (id, multiplier) in rows.chain(self.multipliers.pairs(&self.factorisation)) {
+            let force = multiplier.abs() * self.data.norm(id);
+            if force > largest
+                && self.activity[id].has_wrong_sign(multiplier, 0.0)
+                && self.may_drop(id)
+            {
+                (largest, worst) = (force, Some(id));
+            }
+        }
+        worst
+    }
+
+    /// The gradient of the goal at x, balanced. Returns false if there is none but rounding.
+    fn balance(&mut self, goal: &Goal) -> bool {
+        let Self { data, factorisation, multipliers, value, activity, x, .. } = self;
+        match goal {
+            Goal::Norm => {
+                multipliers.balance_norm(data, factorisation, x);
+                true
+            }
+            Goal::Rows(_) => {
+                let last = factorisation.groups.len() - 1;
+                value[..data.n].copy_from_slice(x);
+                let of = (last, Residuals::Balanced);
+                multipliers.balance_level(data, factorisation, value, activity, of)
+            }
+        }
+    }
+
+    /// Returns true if row `id` is active but need not stay so.
+    fn may_drop(&self, id: usize) -> bool {
+        let is_inequality = matches!(self.activity[id], Activity::Lower | Activity::Upper);
+        is_inequality && !self.fixed[id] && !self.kept.contains(&id)
+    }
+
+    /// The row to drop, multipliers judged by their own rounding.
+    fn smallest_wrong(&mut self, choice: Choice) -> Option<usize> {
+        let Self { data, factorisation, multipliers, .. } = self;
+        multipliers.set_rounding(data, factorisation);
+        let residuals = self.multipliers.residuals(&self.factorisation);
+        let rows = residuals.chain(self.multipliers.with_rounding(&self.factorisation));
+        let wrong = rows.filter(|&(id, multiplier, rounding)| {
+            self.activity[id].has_wrong_sign(multiplier, rounding) && self.may_drop(id)
+        });
+        let forces = wrong.map(|(id, multiplier, _)| (id, multiplier.abs() * self.data.norm(id)));
+        let worst = match choice {
+            Choice::Steepest => forces.max_by(|a, b| a.1.total_cmp(&b.1)),
+            Choice::First => forces.min_by_key(|&(id, _)| id),
+        };
+        worst.map(|(id, _)| id)
+    }
+}

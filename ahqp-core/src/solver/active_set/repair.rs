@@ -1,0 +1,183 @@
+//! Repair of a predicted active set.
+//!
+//! A level's Lagrangian has the gradient Aᵀr of its residuals r, balanced by multipliers of all rows
+//! above it: hard rows, rows of higher objectives (held, of either sign) and bounds. x is optimal when
+//! every inactive row holds and, for every active inequality, the first level at which its multiplier
+//! differs from zero gives it the right sign (Dimitrov, Sherikov, Wieber; Escande, Mansard, Wieber,
+//! IJRR 33, 2014). A repair computes x of the active set, and makes rows that are violated active and
+//! rows with a wrong sign inactive, until none is left or no end is in sight.
+
+use super::{ActiveSet, Residuals};
+use crate::linalg::vector::norm;
+use crate::solver::activity::{Activity, active_bound};
+use crate::solver::factorisation::Purpose;
+use crate::solver::tolerances::{FAR, UPDATED};
+
+impl ActiveSet {
+    /// Repairs the present active set, which fits the data, in up to `rounds` rounds. Returns true if x
+    /// is the optimum then.
+    pub(crate) fn repair(&mut self, rounds: usize) -> bool {
+        self.prediction_is_far = true;
+        for round in 0..rounds {
+            self.iterations += 1;
+            let first = round == 0;
+            if !self.set_point(first) {
+                return false;
+            }
+            let Some(changes) = self.correct(first) else { return false };
+            if changes == 0 {
+                self.x.copy_from_slice(&self.factorisation.x);
+                return true;
+            }
+            if first {
+                self.prediction_is_far = changes > self.data.n / FAR + 1;
+            }
+            if self.prediction_is_far {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// Computes the point of the present active set. Returns false if there is none.
+    fn set_point(&mut self, anew: bool) -> bool {
+        let Self { factorisation, data, activity, signs, .. } = self;
+        let few = !anew && signs.changed.len() <= data.n / UPDATED;
+        if few && factorisation.update(data, activity, &signs.changed) {
+            return factorisation.set_point(data);
+        }
+        factorisation.factorise(data, activity)
+    }
+
+    /// Checks the point that the active set gives, and corrects the set where it is wrong. Returns how
+    /// many rows came or went; none where that cannot help.
+    ///
+    /// As in a primal active-set method, the way from point to point ends where it meets a row
+    /// that is inactive, and a row goes only where nothing was in the way. The first point is
+    /// taken as it is: what it violates becomes active, and is approached from there.
+    fn correct(&mut self, first: bool) -> Option<usize> {
+        let x_norm = norm(&self.factorisation.x);
+        if !x_norm.is_finite() {
+            return None;
+        }
+        self.signs.begin(&self.activity);
+        self.find_violated(x_norm)?;
+        let blocked = !first && self.stop_at_first();
+        for &(id, bound) in &self.violated {
+            self.activity[id] = bound;
+            self.signs.changed.push(id);
+        }
+        if !blocked {
+            self.reached.copy_from_slice(&self.value);
+            self.check_signs();
+        }
+        Some(self.signs.changed.len())
+    }
+
+    /// Lets go of rows with a multiplier of the wrong sign, at the first level that has any: signs
+    /// below a level that is not at its optimum mean nothing.
+    fn check_signs(&mut self) {
+        for group in 0..self.factorisation.groups.len() {
+            if self.signs.unsettled == 0 {
+                return;
+            }
+            if self.factorisation.groups[group].purpose == Purpose::Minimised {
+                let Self { data, factorisation, multipliers, value, activity, .. } = self;
+                let of = (group, Residuals::Balanced);
+                if multipliers.balance_level(data, factorisation, value, activity, of) {
+                    self.check_signs_of_level();
+                }
+                if self.signs.release(&mut self.activity) > 0 {
+                    return;
+                }
+            }
+        }
+        let Self { data, factorisation, multipliers, .. } = self;
+        let x = std::mem::take(&mut factorisation.x);
+        multipliers.balance_norm(data, factorisation, &x);
+        factorisation.x = x;
+        self.check_signs_of_level();
+        self.signs.release(&mut self.activity);
+    }
+
+    /// Looks at the signs of the multipliers just computed.
+    fn check_signs_of_level(&mut self) {
+        let Self { data, factorisation, multipliers, signs, activity, .. } = self;
+        for (id, residual, rounding) in multipliers.residuals(factorisation) {
+            signs.check(id, activity[id], residual, rounding, data.norm(id));
+        }
+        // How much of small multipliers is rounding is only asked where there are any.
+        let clear = multipliers.clear_force();
+        let is_clear = |(id, multiplier): (usize, f64)| {
+            !signs.is_open(id) || multiplier.abs() * data.norm(id) > clear
+        };
+        if multipliers.pairs(factorisation).all(is_clear) {
+            for (id, multiplier) in multipliers.pairs(factorisation) {
+                signs.check(id, activity[id], multiplier, 0.0, data.norm(id));
+            }
+            return;
+        }
+        multipliers.set_rounding(data, factorisation);
+        for (id, multiplier, rounding) in multipliers.with_rounding(factorisation) {
+            signs.check(id, activity[id], multiplier, rounding, data.norm(id));
+        }
+    }
+
+    /// Finds the rows that are violated; none if a row that should hold does not.
+    fn find_violated(&mut self, x_norm: f64) -> Option<()> {
+        let n = self.data.n;
+        self.violated.clear();
+        self.value[..n].copy_from_slice(&self.factorisation.x);
+        self.data.multiply(n..self.data.len(), &self.factorisation.x, &mut self.value);
+        let bounds = self.factorisation.bounds_in_stack();
+        let constraints = self.data.levels.iter().flat_map(|level| level.constraints.clone());
+        if bounds.chain(constraints).any(|id| self.is_missed(id, x_norm)) {
+            return None;
+        }
+        let bounds = self.data.lower.iter().zip(&self.data.upper);
+        for (id, (&value, (&lower, &upper))) in self.value.iter().zip(bounds).enumerate() {
+            let outside = value > upper || value < lower;
+            if outside && self.activity[id] == Activity::Inactive {
+                let (gap, bound) = if value > upper {
+                    (value - upper, Activity::Upper)
+                } else {
+                    (lower - value, Activity::Lower)
+                };
+                if !self.is_closed_at_point(id, gap, x_norm) {
+                    self.violated.push((id, bound));
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// Goes from the point reached last towards the present one, up to the first of the violated
+    /// rows, which is the only one kept. Returns false if there is none: the present point is reached.
+    fn stop_at_first(&mut self) -> bool {
+        let length = |&(id, bound): &(usize, Activity)| {
+            let (from, to) = (self.reached[id], self.value[id]);
+            let bounds = if bound == Activity::Upper { &self.data.upper } else { &self.data.lower };
+            ((bounds[id] - from) / (to - from)).max(0.0)
+        };
+        let lengths = self.violated.iter().map(|row| (length(row), *row));
+        let Some((length, row)) = lengths.min_by(|a, b| a.0.total_cmp(&b.0)) else { return false };
+        for (from, to) in self.reached.iter_mut().zip(&self.value) {
+            *from += length * (to - *from);
+        }
+        self.violated.clear();
+        self.violated.push(row);
+        true
+    }
+
+    /// Returns true if row `id` is active, but x is not at its bound.
+    fn is_missed(&self, id: usize, x_norm: f64) -> bool {
+        let gap = || self.value[id] - active_bound(&self.data, &self.activity, id);
+        self.activity[id].is_active() && !self.is_closed_at_point(id, gap(), x_norm)
+    }
+
+    /// Returns true if a gap between a row and its bound is none at the factorisation's point.
+    fn is_closed_at_point(&self, id: usize, gap: f64, x_norm: f64) -> bool {
+        let tolerance = self.settings.feasibility_tolerance;
+        self.data.is_closed(id, gap, &self.factorisation.x, x_norm, tolerance)
+    }
+}

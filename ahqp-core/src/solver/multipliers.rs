@@ -1,0 +1,264 @@
+//! Multipliers of the active rows for one level, or for the least norm behind the last, with the
+//! rounding in each: that of its own sum, term by term.
+
+use std::ops::Range;
+
+use super::activity::{Activity, active_bound};
+use super::data::ProblemData;
+use super::factorisation::{Factorisation, Group};
+use super::tolerances::{CLEARLY_THERE, ROUNDING};
+use crate::linalg::vector::{add_scaled, norm};
+
+/// Which residuals a level's gradient is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Residuals {
+    /// Those of the rows at x.
+    AtPoint,
+    /// Those that balance each other: of heavy rows they may be far below the rounding of a x.
+    Balanced,
+}
+
+/// The gradient of a level, and the multipliers that balance it; sized once.
+#[derive(Debug, Clone)]
+pub(crate) struct Multipliers {
+    /// Of the pivots before those of the level, and the rounding in them.
+    of_pivots: Vec<f64>,
+    rounding_of_pivots: Vec<f64>,
+    rounding_of_bounds: Vec<f64>,
+    /// The pivots that balance the gradient: those decided for good do not matter any more.
+    pivots: Range<usize>,
+    /// The level's group, if it has one.
+    group: Option<usize>,
+    /// Residuals of the rows of the level, in the order of the stack, and the rounding in them.
+    residual: Vec<f64>,
+    residual_rounding: Vec<f64>,
+    /// What the multipliers of the pivots leave of the gradient at the variables at a bound.
+    gradient: Vec<f64>,
+    /// Weights of the rows of the problem in a sum.
+    weights: Vec<f64>,
+    /// The size of the forces that balance each other, and the rounding in each coordinate.
+    size: f64,
+    rounding: f64,
+    /// The cap on what counts as rounding, relative to the forces.
+    tolerance: f64,
+}
+
+impl Multipliers {
+    pub(crate) fn new(data: &ProblemData, tolerance: f64) -> Self {
+        Self {
+            of_pivots: vec![0.0; data.n],
+            rounding_of_pivots: vec![0.0; data.n],
+            rounding_of_bounds: vec![0.0; data.n],
+            pivots: 0..0,
+            group: None,
+            residual: vec![0.0; data.len()],
+            residual_rounding: vec![0.0; data.len()],
+            gradient: vec![0.0; data.n],
+            weights: vec![0.0; data.len()],
+            size: 0.0,
+            rounding: 0.0,
+            tolerance,
+        }
+    }
+
+    /// Balances the gradient of the level whose rows are `group`. `value` is aᵢx. Returns false if there
+    /// is no gradient but rounding.
+    pub(crate) fn balance_level(
+        &mut self,
+        data: &ProblemData,
+        factorisation: &Factorisation,
+        value: &[f64],
+        activity: &[Activity],
+        (group, residuals): (usize, Residuals),
+    ) -> bool {
+        let Group { level, start, end, rank, first_pivot, linear_of, .. } =
+            factorisation.groups[group];
+        (self.group, self.pivots) = (Some(group), factorisation.closed()..first_pivot);
+        // Balanced, the residuals of the pivots are those that balance the others along the
+        // coordinates that the level decides; without others there are none.
+        let first = if residuals == Residuals::Balanced { rank } else { 0 };
+        if linear_of.is_none() && end - start == first {
+            return false;
+        }
+        let x_norm = norm(&value[..data.n]);
+        let residual = &mut self.residual[..end - start];
+        let rounding = &mut self.residual_rounding[..end - start];
+        let mut any = linear_of.is_some();
+        for (i, &id) in factorisation.stacked[start..end].iter().enumerate().skip(first) {
+            residual[i] = value[id] - active_bound(data, activity, id);
+            rounding[i] = data.rounding(id, x_norm);
+            any |= residual[i].abs() > rounding[i];
+        }
+        if !any {
+            return false;
+        }
+        if residuals == Residuals::Balanced {
+            factorisation.balance_group(data, group, residual, rounding);
+        }
+        (self.size, self.rounding) = (0.0, 0.0);
+        let terms = residual.iter().zip(rounding.iter());
+        for (&id, (&residual, &rounding)) in factorisation.stacked[start..end].iter().zip(terms) {
+            self.size += data.norm(id) * residual.abs();
+            self.rounding += data.norm(id) * (rounding + ROUNDING * residual.abs());
+        }
+        let coordinates = &mut self.of_pivots[..first_pivot];
+        coordinates.fill(0.0);
+        factorisation.add_rows(start..end, residual, coordinates);
+        if !factorisation.bounded.is_empty() {
+            let objective = data.levels[level].rows_of(&factorisation.stacked[start..end]);
+            self.weights[objective.clone()].fill(0.0);
+            for (&id, &residual) in factorisation.stacked[start..end].iter().zip(residual.iter()) {
+                self.weights[id] = residual;
+            }
+            self.gradient.fill(0.0);
+            data.add_rows(objective.clone(), &self.weights[objective], &mut self.gradient);
+        }
+        if let Some(level) = linear_of {
+            let linear = &data.levels[level].linear;
+            factorisation.add_linear(level, coordinates);
+            if !factorisation.bounded.is_empty() {
+                add_scaled(&mut self.gradient, 1.0, linear);
+            }
+            self.size += norm(linear);
+            self.rounding += ROUNDING * norm(linear);
+        }
+        self.balance(data, factorisation);
+        true
+    }
+
+    /// Balances the gradient of the least norm, x itself.
+    pub(crate) fn balance_norm(
+        &mut self,
+        data: &ProblemData,
+        factorisation: &mut Factorisation,
+        x: &[f64],
+    ) {
+        (self.group, self.pivots) = (None, factorisation.closed()..factorisation.rank());
+        factorisation.coordinates(x, &mut self.of_pivots[..self.pivots.end]);
+        self.gradient.copy_from_slice(x);
+        self.size = norm(x);
+        self.rounding = self.tolerance * self.size;
+        self.balance(data, factorisation);
+    }
+
+    /// The multipliers of the pivots for the gradient whose coordinates stand in their place;
+    /// `gradient` keeps what they leave at the variables at a bound.
+    fn balance(&mut self, data: &ProblemData, factorisation: &Factorisation) {
+        let pivots = self.pivots.clone();
+        factorisation.balance(&mut self.of_pivots[..pivots.end]);
+        let multipliers = &self.of_pivots[pivots.clone()];
+        if !factorisation.bounded.is_empty() {
+            self.weights.fill(0.0);
+            let mut end = data.n;
+            for (&multiplier, &pivot) in
+                multipliers.iter().zip(&factorisation.pivots[pivots.clone()])
+            {
+                let id = factorisation.stacked[pivot];
+                self.weights[id] = multiplier;
+                end = end.max(id + 1);
+            }
+            // A bound in the stack is one of a variable that counts as free.
+            let rows = data.n..end;
+            data.add_rows(rows.clone(), &self.weights[rows], &mut self.gradient);
+        }
+        let ids = factorisation.pivots[pivots].iter().map(|&pivot| factorisation.stacked[pivot]);
+        let forces = multipliers.iter().zip(ids).map(|(m, id)| m.abs() * data.norm(id));
+        self.size += forces.sum::<f64>();
+    }
+
+    /// A force above this is certainly no rounding.
+    pub(crate) fn clear_force(&self) -> f64 {
+        CLEARLY_THERE * self.size
+    }
+
+    /// The rows of the level and their residuals, with the rounding in these.
+    pub(crate) fn residuals<'a>(
+        &'a self,
+        factorisation: &'a Factorisation,
+    ) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
+        let (start, end) = self.group.map_or((0, 0), |group| {
+            let Group { start, end, .. } = factorisation.groups[group];
+            (start, end)
+        });
+        let terms = self.residual.iter().zip(&self.residual_rounding);
+        let rows = factorisation.stacked[start..end].iter().zip(terms);
+        rows.map(|(&id, (&residual, &rounding))| (id, residual, rounding))
+    }
+
+    /// The rows that balance the gradient, and their multipliers: pivots first, in order.
+    pub(crate) fn pairs<'a>(
+        &'a self,
+        factorisation: &'a Factorisation,
+    ) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let pivots = &factorisation.pivots[self.pivots.clone()];
+        let ids = pivots.iter().map(|&pivot| factorisation.stacked[pivot]);
+        let of_pivots = ids.zip(self.of_pivots[self.pivots.clone()].iter().copied());
+        of_pivots.chain(factorisation.bounded.iter().map(|&id| (id, -self.gradient[id])))
+    }
+
+    /// Computes the rounding in the multipliers: that of the sums they come from.
+    pub(crate) fn set_rounding(&mut self, data: &ProblemData, factorisation: &Factorisation) {
+        let end = self.pivots.end;
+        self.rounding_of_pivots[..end].fill(self.rounding);
+        let norm = |id| data.norm(id);
+        let (multipliers, rounding) = (&self.of_pivots[..end], &mut self.rounding_of_pivots[..end]);
+        factorisation.balance_rounding(multipliers, norm, rounding);
+        // Where rows nearly depend on each other, these bounds grow far beyond the real rounding.
+        let pivots = &factorisation.pivots[self.pivots.clone()];
+        let ids = pivots.iter().map(|&pivot| factorisation.stacked[pivot]);
+        let most = self.tolerance * self.size;
+        for (rounding, id) in rounding[self.pivots.clone()].iter_mut().zip(ids) {
+            *rounding = rounding.min(most / data.norm(id));
+        }
+        for index in 0..factorisation.bounded.len() {
+            let id = factorisation.bounded[index];
+            self.rounding_of_bounds[index] = self.entry_rounding(data, factorisation, id);
+        }
+    }
+
+    /// The rows of [`pairs`](Self::pairs) with their multipliers and the rounding in these, once it has
+    /// been [computed](Self::set_rounding).
+    pub(crate) fn with_rounding<'a>(
+        &'a self,
+        factorisation: &'a Factorisation,
+    ) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
+        let of_pivots = self.rounding_of_pivots[self.pivots.clone()].iter();
+        let rounding = of_pivots.chain(&self.rounding_of_bounds);
+        self.pairs(factorisation).zip(rounding).map(|((id, m), &rounding)| (id, m, rounding))
+    }
+
+    /// The rounding in the entry of the gradient at a variable at a bound, balanced by the pivots.
+    fn entry_rounding(
+        &self,
+        data: &ProblemData,
+        factorisation: &Factorisation,
+        variable: usize,
+    ) -> f64 {
+        let entry = |id: usize| {
+            if id < data.n { 0.0 } else { data.coefficients(id)[variable].abs() }
+        };
+        let of_level = match self.group {
+            None => self.rounding,
+            Some(group) => {
+                let linear_of = factorisation.groups[group].linear_of;
+                let linear = linear_of.map_or(0.0, |l| data.levels[l].linear[variable].abs());
+                self.residuals(factorisation)
+                    .map(|(id, r, rounding)| entry(id) * (rounding + ROUNDING * r.abs()))
+                    .sum::<f64>()
+                    + ROUNDING * linear
+            }
+        };
+        let rounding = &self.rounding_of_pivots[self.pivots.clone()];
+        let terms = self.of_pivots[self.pivots.clone()].iter().zip(rounding);
+        let pivots = &factorisation.pivots[self.pivots.clone()];
+        let balanced = pivots.iter().zip(terms).map(|(&pivot, (m, rounding))| {
+            entry(factorisation.stacked[pivot]) * (rounding + ROUNDING * m.abs())
+        });
+        of_level + balanced.sum::<f64>()
+    }
+
+    /// Multipliers below this, times the norms of their rows, say nothing: for certificates.
+    pub(crate) fn negligible(&self) -> f64 {
+        1e-3 * self.rounding
+    }
+}
