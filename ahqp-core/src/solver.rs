@@ -2,6 +2,7 @@
 
 pub(crate) mod active_set;
 mod basis;
+pub(crate) mod budget;
 pub(crate) mod data;
 pub(crate) mod factorisation;
 mod habits;
@@ -22,8 +23,11 @@ use crate::certificate::multipliers::Proof;
 use crate::error::Error;
 use crate::linalg::list::List;
 use crate::linalg::vector::norm;
-use crate::problem::hierarchy::{ConstraintSource, Hierarchy};
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::ids::LevelId;
+use crate::problem::source::{ConstraintSource, Names};
 use crate::solver::active_set::{ActiveSet, End, Goal, RowState};
+use crate::solver::budget::{Allowance, Budget};
 use crate::solver::data::RowTable;
 use crate::solver::habits::{Habits, JUMP};
 use crate::solver::settings::{Settings, WarmStart};
@@ -76,7 +80,7 @@ enum Memory {
 /// How a level ended, if it did not fail.
 enum LevelEnd {
     Solved,
-    OutOfIterations,
+    OutOfBudget,
 }
 
 impl Solver {
@@ -88,14 +92,8 @@ impl Solver {
         settings.validate()?;
         let table = RowTable::new(hierarchy);
         let (n, count) = (table.n, table.len());
-        let levels = hierarchy.levels().len();
         Ok(Self {
-            solution: Solution {
-                x: vec![0.0; n],
-                status: Status::Solved,
-                iterations: 0,
-                violations: vec![0.0; levels],
-            },
+            solution: Solution { x: vec![0.0; n], status: Status::Solved, iterations: 0 },
             verifier: Verifier::new(&table, settings),
             habits: Habits::new(count, n),
             memory: Memory::Nothing,
@@ -106,6 +104,26 @@ impl Solver {
         })
     }
 
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Changes the settings. Where tolerances change, the next solve starts from nothing.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for a setting out of range; nothing has changed then.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
+        settings.validate()?;
+        if !settings.has_tolerances_of(&self.settings) {
+            self.forget();
+        }
+        self.settings = settings;
+        self.set.settings = settings;
+        self.verifier.settings = settings;
+        Ok(())
+    }
+
     /// Forgets the previous active set: the next solve starts from nothing.
     pub fn forget(&mut self) {
         self.memory = Memory::Nothing;
@@ -113,7 +131,7 @@ impl Solver {
 
     /// What cannot hold together, after [`Error::Infeasible`]; empty otherwise: constraints,
     /// bounds, and rows of objectives above, at the values to which these levels brought them. A
-    /// quadratic objective is there by rows of its factor.
+    /// quadratic objective is there by rows of its factor. [`Hierarchy::describe`] puts them in words.
     pub fn conflict(&self) -> &[ConstraintSource] {
         &self.conflict
     }
@@ -128,7 +146,7 @@ impl Solver {
         if self.memory != Memory::Optimum {
             return Err(Error::NotSolved);
         }
-        self.set.table.load(hierarchy)?;
+        self.set.table.load(hierarchy).map_err(|error| error.with_names(hierarchy))?;
         let table = &mut self.set.table;
         self.verifier.fit(table);
         self.verifier.factorisation.factorise(
@@ -151,11 +169,30 @@ impl Solver {
     /// Solves `hierarchy`, of the shape given at construction.
     ///
     /// # Errors
-    /// Data that make no problem ([`Error::NotFinite`], [`Error::TooLarge`], [`Error::EmptyRange`],
-    /// [`Error::AsymmetricHessian`], [`Error::IndefiniteHessian`], [`Error::ShapeChanged`]), or
-    /// a problem that has no solution ([`Error::Infeasible`], [`Error::Unbounded`]), or one beyond
-    /// double precision ([`Error::Overflow`]).
+    /// Data that make no problem ([`Error::NotFinite`], [`Error::TooLarge`], [`Error::NanBound`],
+    /// [`Error::EmptyRange`], [`Error::AsymmetricHessian`], [`Error::IndefiniteHessian`],
+    /// [`Error::ShapeChanged`]), or a problem that has no solution ([`Error::Infeasible`],
+    /// [`Error::Unbounded`]), or one beyond double precision ([`Error::Overflow`]).
     pub fn solve(&mut self, hierarchy: &Hierarchy) -> Result<&Solution, Error> {
+        self.solve_within(hierarchy, Budget::default())
+    }
+
+    /// Solves `hierarchy` as far as a budget of iterations and time allows. Where it runs out the
+    /// [`Status`] says so, and the next warm solve goes on from there.
+    ///
+    /// # Errors
+    /// Those of [`solve`](Self::solve).
+    pub fn solve_within(
+        &mut self,
+        hierarchy: &Hierarchy,
+        budget: Budget,
+    ) -> Result<&Solution, Error> {
+        self.set.allowance = Allowance::new(budget, self.settings.max_iterations);
+        self.find_solution(hierarchy).map_err(|error| error.with_names(hierarchy))?;
+        Ok(&self.solution)
+    }
+
+    fn find_solution(&mut self, hierarchy: &Hierarchy) -> Result<(), Error> {
         let memory = std::mem::replace(&mut self.memory, Memory::Nothing);
         self.conflict.clear();
         self.set.iterations = 0;
@@ -165,7 +202,7 @@ impl Solver {
                 if self.mend() {
                     self.set.x.copy_from_slice(&self.verifier.factorisation.x);
                     self.finish(Status::Solved);
-                    return Ok(&self.solution);
+                    return Ok(());
                 }
                 !self.verifier.far
             }
@@ -191,7 +228,7 @@ impl Solver {
             return Err(Error::Overflow);
         }
         self.finish(status);
-        Ok(&self.solution)
+        Ok(())
     }
 
     fn finish(&mut self, status: Status) {
@@ -243,7 +280,7 @@ impl Solver {
             verifier.far = false;
             return false;
         }
-        let left = self.settings.max_iterations.saturating_sub(set.iterations);
+        let left = set.allowance.left(set.iterations);
         let solved = verifier.solve(&set.table, ROUNDS.min(left));
         set.iterations += verifier.rounds;
         solved
@@ -260,14 +297,14 @@ impl Solver {
         self.set.reset(&self.solution.x);
         self.verifier.activity.fill(RowState::Inside);
         for level in 0..levels {
-            if let LevelEnd::OutOfIterations = self.solve_level(level)? {
+            if let LevelEnd::OutOfBudget = self.solve_level(level)? {
                 self.remember_active();
-                return Ok(Status::IterationLimit { level });
+                return Ok(self.set.allowance.status(Some(LevelId::new(level))));
             }
         }
         match self.choose_least_norm() {
             LevelEnd::Solved => Ok(Status::Solved),
-            LevelEnd::OutOfIterations => Ok(Status::IterationLimit { level: levels }),
+            LevelEnd::OutOfBudget => Ok(self.set.allowance.status(None)),
         }
     }
 
@@ -279,14 +316,14 @@ impl Solver {
             rows: objective.clone(),
             linear_of: has_linear.then_some(level),
         });
-        if let LevelEnd::OutOfIterations = self.make_feasible(level, constraints)? {
-            return Ok(LevelEnd::OutOfIterations);
+        if let LevelEnd::OutOfBudget = self.make_feasible(level, constraints)? {
+            return Ok(LevelEnd::OutOfBudget);
         }
         self.set.place_soft(objective.clone());
         let end = goal.as_ref().map_or(End::Optimal, |goal| self.set.search(goal));
         match end {
-            End::Unbounded => return Err(Error::Unbounded { level }),
-            End::OutOfIterations => return Ok(LevelEnd::OutOfIterations),
+            End::Unbounded => return Err(unbounded(level)),
+            End::OutOfBudget => return Ok(LevelEnd::OutOfBudget),
             End::Optimal => {}
         }
         self.set.settle(goal.as_ref(), &mut self.verifier.activity);
@@ -301,11 +338,11 @@ impl Solver {
             self.solution.x.copy_from_slice(&self.set.x);
             let goal = Goal::Rows { rows: rows.clone(), linear_of: None };
             match self.set.search(&goal) {
-                End::OutOfIterations => {
+                End::OutOfBudget => {
                     self.set.x.copy_from_slice(&self.solution.x);
-                    return Ok(LevelEnd::OutOfIterations);
+                    return Ok(LevelEnd::OutOfBudget);
                 }
-                End::Unbounded => return Err(Error::Unbounded { level }),
+                End::Unbounded => return Err(unbounded(level)),
                 End::Optimal => self.expect_feasible(level)?,
             }
         }
@@ -340,19 +377,20 @@ impl Solver {
         let pushing = forces.filter(|&(_, force)| force.abs() > threshold);
         conflict.extend(pushing.map(|(id, _)| set.table.sources[id]));
         Err(Error::Infeasible {
-            level,
+            level: LevelId::new(level),
             worst: self.set.table.sources[worst],
             violation: self.set.violation(worst).abs() / self.set.table.scale(worst),
             members: self.conflict.len(),
+            names: Names::default(),
         })
     }
 
     /// Among the optima of all levels, the one of least norm.
     fn choose_least_norm(&mut self) -> LevelEnd {
         let idle = self.set.basis.free_count() + self.set.basis.active().len() == 0;
-        if !idle && self.set.search(&Goal::Norm) == End::OutOfIterations {
+        if !idle && self.set.search(&Goal::Norm) == End::OutOfBudget {
             self.remember_active();
-            return LevelEnd::OutOfIterations;
+            return LevelEnd::OutOfBudget;
         }
         let rounding = 10.0 * f64::EPSILON * self.set.farthest;
         if rounding > 0.0 && rounding.is_finite() && norm(&self.set.x) <= rounding {
@@ -377,21 +415,11 @@ impl Solver {
         for (i, (to, &from)) in self.solution.x.iter_mut().zip(&self.set.x).enumerate() {
             *to = from.clamp(table.lower[i], table.upper[i]);
         }
-        for (violation, level) in self.solution.violations.iter_mut().zip(&table.levels) {
-            *violation = 0.0;
-            if !level.quadratic {
-                let rows = level.objective.clone();
-                table.multiply(rows.clone(), &self.solution.x, &mut self.set.value);
-                let squares: f64 = rows
-                    .map(|id| {
-                        let value = self.set.value[id];
-                        (value - value.clamp(table.lower[id], table.upper[id])).powi(2)
-                    })
-                    .sum();
-                *violation = squares.sqrt();
-            }
-        }
     }
+}
+
+fn unbounded(level: usize) -> Error {
+    Error::Unbounded { level: LevelId::new(level), names: Names::default() }
 }
 
 /// Multipliers with the sources of their rows; those of a quadratic's factor become those of its
@@ -414,11 +442,11 @@ fn named(
                 let on_hessian =
                     table.hessian_multipliers(level, data.objective(), &multipliers)?;
                 all.extend(on_hessian.into_iter().map(|(row, multiplier)| {
-                    (ConstraintSource::Objective { level, row }, multiplier)
+                    (ConstraintSource::Objective { level: LevelId::new(level), row }, multiplier)
                 }));
             }
         } else {
-            all.extend(of_level.map(|&(id, multiplier)| (table.sources[id], multiplier)));
+            all.extend(of_level.map(|&(id, m)| (table.sources[id], m * table.scale(id))));
         }
     }
     let plain = |id: usize| !matches!(table.sources[id], ConstraintSource::Objective { .. });

@@ -10,6 +10,7 @@ use std::ops::Range;
 use crate::linalg::list::List;
 use crate::linalg::vector::{add_scaled, norm};
 use crate::solver::basis::Basis;
+use crate::solver::budget::{Allowance, Budget};
 use crate::solver::data::RowTable;
 use crate::solver::least_squares::{LeastSquares, Minimum};
 use crate::solver::pulled::Pulled;
@@ -74,7 +75,7 @@ impl Goal {
 pub(crate) enum End {
     Optimal,
     Unbounded,
-    OutOfIterations,
+    OutOfBudget,
 }
 
 #[derive(Debug, Clone)]
@@ -99,6 +100,7 @@ pub(crate) struct ActiveSet {
     pub(crate) pull: Vec<f64>,
     pub(crate) pull_rounding: Vec<f64>,
     pub(crate) iterations: usize,
+    pub(crate) allowance: Allowance,
     /// Rows that may be active at the optimum, and where.
     pub(crate) hint: Vec<RowState>,
     /// The largest ‖x‖ of this solve.
@@ -153,6 +155,7 @@ impl ActiveSet {
             gradient: vec![0.0; n],
             gradient_rounding: vec![0.0; n],
             table,
+            allowance: Allowance::new(Budget::default(), settings.max_iterations),
             settings,
         }
     }

@@ -40,8 +40,8 @@ impl ActiveSet {
         self.kept.clear();
         let (mut stalled, mut released) = (0, None);
         loop {
-            if self.iterations >= self.settings.max_iterations {
-                return End::OutOfIterations;
+            if self.allowance.is_spent(self.iterations) {
+                return End::OutOfBudget;
             }
             self.iterations += 1;
             // Least index first cannot cycle (Bland), but is slow: only after a stall.

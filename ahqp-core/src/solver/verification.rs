@@ -52,7 +52,7 @@ pub(crate) struct Verifier {
     rounding: f64,
     /// Entries of a level's gradient: those of the variables at a bound, the rest is not needed.
     gradient: Vec<f64>,
-    settings: Settings,
+    pub(crate) settings: Settings,
 }
 
 impl Verifier {
