@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use ahqp_core::testing::problems::controller_sequence;
-use ahqp_core::{ContinuousStack, Hierarchy, Level, Rows, Settings, Solver};
+use ahqp_core::{ContinuousStack, Hierarchy, Level, Settings, Solver};
 use divan::{Bencher, black_box};
 
 fn main() {
@@ -24,13 +24,13 @@ fn plain(bencher: Bencher) {
     let mut next = problems.iter().cycle();
     bencher.bench_local(|| {
         let problem = black_box(next.next().unwrap_or(&problems[0]));
-        for (index, from) in problem.levels().iter().enumerate() {
-            copy_level(from, hierarchy.level_mut(index).unwrap());
+        for (id, from) in hierarchy.ids().zip(problem.levels()) {
+            copy_level(from, hierarchy.level_mut(id).unwrap());
         }
         let (lower, upper) = hierarchy.bounds_mut();
         lower.copy_from_slice(problem.lower());
         upper.copy_from_slice(problem.upper());
-        solver.solve(&hierarchy).unwrap().x()[0]
+        solver.solve(&hierarchy).unwrap().optimum().unwrap()[0]
     });
 }
 
@@ -38,7 +38,7 @@ fn plain(bencher: Bencher) {
 fn stack(bencher: Bencher, changes: usize) {
     let problems = problems();
     let mut stack = ContinuousStack::new(&problems[0], Settings::default()).unwrap();
-    let levels: Vec<_> = stack.levels().collect();
+    let levels: Vec<_> = stack.ids().collect();
     for (i, level) in levels.iter().rev().take(changes).enumerate() {
         stack.activate(*level, 0.5 + 0.1 * i as f64, 0.0).unwrap();
     }
@@ -51,15 +51,15 @@ fn stack(bencher: Bencher, changes: usize) {
         let (lower, upper) = stack.bounds_mut();
         lower.copy_from_slice(problem.lower());
         upper.copy_from_slice(problem.upper());
-        stack.solve(1e-3).unwrap()[0]
+        stack.solve(1e-3).unwrap().best()[0]
     });
 }
 
 fn copy_level(from: &Level, to: &mut Level) {
-    copy_rows(from.constraints(), to.constraints_mut());
+    to.constraints_mut().copy_from(from.constraints()).unwrap();
     match from.objective() {
         ahqp_core::Objective::LeastSquares(rows) => {
-            copy_rows(rows, to.least_squares_mut().unwrap());
+            to.rows_mut().unwrap().copy_from(rows).unwrap();
         }
         ahqp_core::Objective::Quadratic { hessian, gradient } => {
             let (to_hessian, to_gradient) = to.quadratic_mut().unwrap();
@@ -68,12 +68,4 @@ fn copy_level(from: &Level, to: &mut Level) {
         }
         _ => {}
     }
-}
-
-fn copy_rows(from: &Rows, to: &mut Rows) {
-    for i in 0..from.len() {
-        to.row_mut(i).unwrap().copy_from_slice(from.row(i).unwrap());
-    }
-    to.lower_mut().copy_from_slice(from.lower());
-    to.upper_mut().copy_from_slice(from.upper());
 }

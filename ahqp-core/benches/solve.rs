@@ -72,6 +72,6 @@ fn run(bencher: Bencher, case: Case, problems: &[Hierarchy]) {
     let mut next = problems.iter().cycle();
     bencher.bench_local(|| {
         let problem = next.next().unwrap_or(&problems[0]);
-        solver.solve(black_box(problem)).map(|solution| solution.x()[0]).unwrap()
+        solver.solve(black_box(problem)).map(|solution| solution.optimum().unwrap()[0]).unwrap()
     });
 }

@@ -13,8 +13,11 @@ use nalgebra::DVector;
 
 use crate::error::Error;
 use crate::linalg::vector::{add_scaled, dot, norm, norm_max};
-use crate::problem::hierarchy::{ConstraintSource, Hierarchy, Objective};
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::ids::LevelId;
+use crate::problem::level::Objective;
 use crate::problem::rows::Rows;
+use crate::problem::source::ConstraintSource;
 
 /// Below this, relative to the numbers around it, a violation counts as zero.
 const ZERO: f64 = 1e-9;
@@ -31,7 +34,7 @@ const ROUNDING: f64 = 1e-13;
 /// hierarchy.set_bounds(&dvector![-1.0], &dvector![1.0])?;
 /// hierarchy.push(Level::least_squares(Rows::equalities(&dmatrix![2.0], &dvector![6.0])?))?;
 /// let mut solver = Solver::new(&hierarchy, Settings::default())?;
-/// let x = solver.solve(&hierarchy)?.x().to_vec();
+/// let x = solver.solve(&hierarchy)?.optimum()?.to_vec();
 /// let certificate = solver.certificate(&hierarchy)?;
 /// assert!(certificate.residuals(&hierarchy, &x)?.worst() < 1e-9);
 /// // 2 (2·1 − 6) + λ = 0 at the upper bound.
@@ -207,10 +210,12 @@ impl Check<'_> {
             Some(Objective::None) => {}
             Some(Objective::LeastSquares(rows)) => {
                 for index in 0..rows.len() {
-                    let Some(row) = self.row(rows, index) else { continue };
-                    add_scaled(&mut gradient, row.violation, &row.coefficients);
-                    size += row.norm * (row.violation.abs() + row.magnitude);
+                    let Some(row) = self.objective_row(rows, index) else { continue };
+                    let weight = rows.weight(index);
+                    add_scaled(&mut gradient, weight * row.violation, &row.coefficients);
+                    size += weight * row.norm * (row.violation.abs() + row.magnitude);
                     if row.relative(row.violation, norm(self.x)) > ZERO {
+                        let level = LevelId::new(level);
                         settled.insert(ConstraintSource::Objective { level, row: index });
                     }
                 }
@@ -226,18 +231,21 @@ impl Check<'_> {
 
     fn source(&self, source: ConstraintSource, level: usize) -> Result<RowAt, Error> {
         let levels = self.hierarchy.levels();
-        let missing = || Error::NoSuchLevel { level, levels: levels.len() };
+        let missing = || Error::NoSuchLevel { level: LevelId::new(level) };
         match source {
             ConstraintSource::Bound { variable } if variable < self.x.len() => {
                 Ok(self.bound(variable))
             }
-            ConstraintSource::Constraint { level: at, row } if at <= level => {
-                let rows = levels.get(at).map(crate::Level::constraints).ok_or_else(missing)?;
+            ConstraintSource::Constraint { level: at, row } if at.index() <= level => {
+                let rows =
+                    levels.get(at.index()).map(crate::Level::constraints).ok_or_else(missing)?;
                 self.row(rows, row).ok_or_else(missing)
             }
-            ConstraintSource::Objective { level: at, row } if at < level => {
-                match levels.get(at).map(crate::Level::objective) {
-                    Some(Objective::LeastSquares(rows)) => self.row(rows, row).ok_or_else(missing),
+            ConstraintSource::Objective { level: at, row } if at.index() < level => {
+                match levels.get(at.index()).map(crate::Level::objective) {
+                    Some(Objective::LeastSquares(rows)) => {
+                        self.objective_row(rows, row).ok_or_else(missing)
+                    }
                     Some(Objective::Quadratic { hessian, .. }) if row < hessian.nrows() => {
                         let coefficients: Vec<f64> = hessian.row(row).iter().copied().collect();
                         let value = dot(&coefficients, self.x);
@@ -260,6 +268,15 @@ impl Check<'_> {
     fn row(&self, rows: &Rows, index: usize) -> Option<RowAt> {
         let coefficients = rows.row(index)?.to_vec();
         Some(self.row_at(coefficients, *rows.lower().get(index)?, *rows.upper().get(index)?))
+    }
+
+    /// A row of an objective; one of weight zero bounds nothing.
+    fn objective_row(&self, rows: &Rows, index: usize) -> Option<RowAt> {
+        if rows.weight(index) > 0.0 {
+            return self.row(rows, index);
+        }
+        let coefficients = rows.row(index)?.to_vec();
+        Some(self.row_at(coefficients, f64::NEG_INFINITY, f64::INFINITY))
     }
 
     fn row_at(&self, coefficients: Vec<f64>, lower: f64, upper: f64) -> RowAt {

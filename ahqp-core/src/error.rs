@@ -1,11 +1,14 @@
 //! What can be wrong with a problem, and how to put it right.
 
-use crate::problem::hierarchy::ConstraintSource;
-use crate::stack::LevelId;
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::ids::LevelId;
+use crate::problem::source::{ConstraintSource, Names};
+use crate::solver::solution::Status;
 
 /// Misuse of the crate, or a problem that has no solution.
 ///
-/// Levels are counted from 0, highest priority first.
+/// Errors of a problem say where it is wrong, with the [names](Names) of level, row or variable, if
+/// they have any.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -26,7 +29,8 @@ pub enum Error {
 
     /// A datum is NaN, or infinite where only finite numbers make sense.
     #[error(
-        "{what} holds a value that is not finite ({source_of_row}, entry {entry}); replace NaN and infinities before solving"
+        "{what} holds a value that is not finite ({}, entry {entry}); replace NaN and infinities before solving",
+        .names.label(*.source_of_row)
     )]
     NotFinite {
         /// The offending item.
@@ -35,6 +39,8 @@ pub enum Error {
         source_of_row: ConstraintSource,
         /// The entry in it.
         entry: usize,
+        /// What they are called.
+        names: Names,
     },
 
     /// Only equalities can be damped.
@@ -59,22 +65,40 @@ pub enum Error {
 
     /// A number is so large that its square overflows.
     #[error(
-        "{source_of_row} holds {value:e}, beyond 1e100, where double precision overflows; change units, or use an infinite bound"
+        "{} holds {value:e}, beyond 1e100, where double precision overflows; change units, or use an infinite bound",
+        .names.label(*.source_of_row)
     )]
     TooLarge {
         /// Where it stands.
         source_of_row: ConstraintSource,
         /// The number.
         value: f64,
+        /// What they are called.
+        names: Names,
     },
 
     /// The solution overflows: the data are sound one by one, but their quotients are not.
     #[error("the solution overflows double precision; bring rows and bounds to comparable sizes")]
     Overflow,
 
-    /// A lower bound lies above its upper bound, or a bound is NaN.
+    /// A bound is NaN.
     #[error(
-        "{source_of_row}: lower bound {lower} and upper bound {upper} leave nothing between them; order them, or use an infinite bound for a side that is free"
+        "{}: {what} is NaN; give a number, or an infinite bound for a side that is free",
+        .names.label(*.source_of_row)
+    )]
+    NanBound {
+        /// The offending bound.
+        what: &'static str,
+        /// Where it stands.
+        source_of_row: ConstraintSource,
+        /// What they are called.
+        names: Names,
+    },
+
+    /// A lower bound lies above its upper bound, or both are the same infinity.
+    #[error(
+        "{}: lower bound {lower} and upper bound {upper} leave nothing between them; order them, or use an infinite bound for a side that is free",
+        .names.label(*.source_of_row)
     )]
     EmptyRange {
         /// Where the bounds stand.
@@ -83,59 +107,99 @@ pub enum Error {
         lower: f64,
         /// The upper bound.
         upper: f64,
+        /// What they are called.
+        names: Names,
     },
 
     /// A Hessian is not symmetric.
     #[error(
-        "the Hessian of level {level} is not symmetric: entries ({row}, {column}) and ({column}, {row}) differ by {difference:e}; pass (H + Hᵀ)/2"
+        "the Hessian of {} is not symmetric: entries ({row}, {column}) and ({column}, {row}) differ by {difference:e}; pass (H + Hᵀ)/2",
+        .names.label_of_level(*.level)
     )]
     AsymmetricHessian {
         /// The level.
-        level: usize,
+        level: LevelId,
         /// Row of the worst entry.
         row: usize,
         /// Column of the worst entry.
         column: usize,
         /// By how much the two differ.
         difference: f64,
+        /// What it is called.
+        names: Names,
     },
 
     /// A Hessian has a negative eigenvalue.
     #[error(
-        "the Hessian of level {level} is not positive semidefinite (found near variable {variable}: {pivot:e}); project it onto the convex cone first"
+        "the Hessian of {} is not positive semidefinite (found near variable {variable}: {pivot:e}); project it onto the convex cone first",
+        .names.label_of_level(*.level)
     )]
     IndefiniteHessian {
         /// The level.
-        level: usize,
+        level: LevelId,
         /// The variable at which the factorisation failed.
         variable: usize,
         /// The negative pivot, or the off-diagonal remainder that cannot belong to a PSD matrix.
         pivot: f64,
+        /// What it is called.
+        names: Names,
     },
 
     /// The hierarchy given to `solve` has another shape than the one the solver was made for.
     #[error(
-        "level {level} has another shape than when the solver was constructed; build a new solver after adding, removing or resizing levels"
+        "{} has another shape than when the solver was constructed; build a new solver after adding, removing or resizing levels",
+        .names.label_of_level(*.level)
     )]
     ShapeChanged {
         /// The first level that differs (the number of levels, if one has more).
-        level: usize,
+        level: LevelId,
+        /// What it is called.
+        names: Names,
     },
 
     /// There is no such level.
-    #[error("there is no level {level}: the hierarchy has {levels}")]
+    #[error(
+        "there is no {level}: it belongs to another problem, or has been removed; take the id that push or insert returned"
+    )]
     NoSuchLevel {
         /// The level asked for.
-        level: usize,
-        /// How many there are.
-        levels: usize,
+        level: LevelId,
     },
 
-    /// A continuous stack has no such level any more.
-    #[error("the stack has no {id}: it has been removed; ask for the activation of a level first")]
-    UnknownLevel {
-        /// The level asked for.
-        id: LevelId,
+    /// A block has no such row.
+    #[error("there is no row {row}: the block has {rows}, counted from 0")]
+    NoSuchRow {
+        /// The row asked for.
+        row: usize,
+        /// How many there are.
+        rows: usize,
+    },
+
+    /// A level minimises something else.
+    #[error(
+        "{} minimises {found}, not {expected}; see Level::objective, and constraints_mut for what must hold",
+        .names.label_of_level(*.level)
+    )]
+    OtherObjective {
+        /// The level, if it is known.
+        level: Option<LevelId>,
+        /// What was asked for.
+        expected: &'static str,
+        /// What there is.
+        found: &'static str,
+        /// What it is called.
+        names: Names,
+    },
+
+    /// A weight of a row is NaN, negative, infinite, or so far from 1 that it would overflow.
+    #[error(
+        "the weight of row {row} is {weight:e}; it must be from 1e-100 to 1e100, or zero to leave the row out"
+    )]
+    Weight {
+        /// The row.
+        row: usize,
+        /// Its weight.
+        weight: f64,
     },
 
     /// A change of a continuous stack was asked for while too many are under way.
@@ -149,26 +213,42 @@ pub enum Error {
     ///
     /// [`Solver::conflict`](crate::Solver::conflict) lists a subset that cannot hold together.
     #[error(
-        "the hard constraints of level {level} cannot hold together with those above it: {worst} stays violated by {violation:e}; relax what Solver::conflict lists ({members} rows), or make the level's constraints soft"
+        "the hard constraints of {} cannot hold together with those above it: {} stays violated by {violation:e}; relax what Solver::conflict lists ({members} rows), or make the level's constraints soft",
+        .names.label_of_level(*.level),
+        .names.label(*.worst)
     )]
     Infeasible {
         /// The level whose constraints cannot be met.
-        level: usize,
+        level: LevelId,
         /// The constraint that is violated most.
         worst: ConstraintSource,
         /// By how much, in the unit of its bounds.
         violation: f64,
         /// The size of the conflicting subset.
         members: usize,
+        /// What level and constraint are called.
+        names: Names,
     },
 
     /// A quadratic objective falls for ever along a direction that nothing limits.
     #[error(
-        "the quadratic objective of level {level} decreases without bound; add constraints, or curvature along its gradient"
+        "the quadratic objective of {} decreases without bound; add constraints, or curvature along its gradient",
+        .names.label_of_level(*.level)
     )]
     Unbounded {
         /// The level.
-        level: usize,
+        level: LevelId,
+        /// What it is called.
+        names: Names,
+    },
+
+    /// A solve ended before it reached the optimum.
+    #[error(
+        "{status}; take Solution::best for how far it came, solve again to go on from there, or raise the budget"
+    )]
+    Unfinished {
+        /// How it ended.
+        status: Status,
     },
 
     /// A certificate was asked for, but there is no optimum to certify.
@@ -208,4 +288,48 @@ pub enum Error {
         /// Clarabel's status.
         status: String,
     },
+}
+
+impl Error {
+    /// The same error with the names that `hierarchy` has for what it speaks of.
+    pub(crate) fn with_names(mut self, hierarchy: &Hierarchy) -> Self {
+        match &mut self {
+            Self::NotFinite { source_of_row, names, .. }
+            | Self::TooLarge { source_of_row, names, .. }
+            | Self::NanBound { source_of_row, names, .. }
+            | Self::EmptyRange { source_of_row, names, .. }
+            | Self::Infeasible { worst: source_of_row, names, .. } => {
+                *names = hierarchy.names(*source_of_row);
+            }
+            Self::AsymmetricHessian { level, names, .. }
+            | Self::IndefiniteHessian { level, names, .. }
+            | Self::ShapeChanged { level, names }
+            | Self::Unbounded { level, names } => {
+                *names = Names::of_level(hierarchy.level(*level).ok());
+            }
+            _ => {}
+        }
+        self
+    }
+
+    /// The same error where levels have other ids.
+    pub(crate) fn renamed(mut self, rename: impl Fn(LevelId) -> LevelId) -> Self {
+        match &mut self {
+            Self::NotFinite { source_of_row, .. }
+            | Self::TooLarge { source_of_row, .. }
+            | Self::NanBound { source_of_row, .. }
+            | Self::EmptyRange { source_of_row, .. } => {
+                *source_of_row = source_of_row.renamed(rename);
+            }
+            Self::Infeasible { level, worst, .. } => {
+                (*level, *worst) = (rename(*level), worst.renamed(rename));
+            }
+            Self::AsymmetricHessian { level, .. }
+            | Self::IndefiniteHessian { level, .. }
+            | Self::ShapeChanged { level, .. }
+            | Self::Unbounded { level, .. } => *level = rename(*level),
+            _ => {}
+        }
+        self
+    }
 }

@@ -8,7 +8,7 @@
 //! let mut hierarchy = Hierarchy::new(2)?;
 //! hierarchy.push(Level::least_squares(Rows::equalities(&dmatrix![1.0, 1.0], &dvector![2.0])?))?;
 //! let mut solver = Solver::new(&hierarchy, Settings::default())?;
-//! let x = solver.solve(&hierarchy)?.x();
+//! let x = solver.solve(&hierarchy)?.optimum()?;
 //! assert!((x[0] - 1.0).abs() < 1e-12 && (x[1] - 1.0).abs() < 1e-12);
 //! # Ok::<(), ahqp_core::Error>(())
 //! ```
@@ -28,18 +28,25 @@ pub mod testing;
 
 pub use certificate::{Certificate, CertificateResiduals};
 pub use error::Error;
-pub use kinematics::clik::{AugmentedClik, AugmentedState, integrate_pose, pose_error};
+pub use kinematics::clik::{
+    AugmentedClik, AugmentedState, Clik, PoseAxes, integrate_pose, pose_error,
+};
 pub use kinematics::damping::Damping;
 pub use kinematics::rotation::{left_jacobian_inverse, rotation_log};
 pub use limits::{AcceleratedState, JerkLimits, Limits, MotionState, VelocityInterval};
-pub use problem::hierarchy::{ConstraintSource, Hierarchy, Level, Objective};
-pub use problem::rows::Rows;
+pub use nalgebra;
+pub use problem::hierarchy::Hierarchy;
+pub use problem::ids::LevelId;
+pub use problem::level::{Level, Objective};
+pub use problem::rows::{Rows, Values};
+pub use problem::source::{ConstraintSource, Names};
 #[cfg(feature = "reference")]
 pub use reference::solve_reference;
 pub use solver::Solver;
+pub use solver::budget::Budget;
 pub use solver::settings::{Settings, WarmStart};
 pub use solver::solution::{Solution, Status};
-pub use stack::{CertifiedPart, ContinuousStack, LevelId, Part, Place};
+pub use stack::{CertifiedPart, ContinuousStack, Part, Place};
 
 /// The example of the repository's front page.
 #[cfg(doctest)]

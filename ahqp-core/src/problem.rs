@@ -1,4 +1,7 @@
 //! What is solved: rows, levels, hierarchies.
 
 pub(crate) mod hierarchy;
+pub(crate) mod ids;
+pub(crate) mod level;
 pub(crate) mod rows;
+pub(crate) mod source;

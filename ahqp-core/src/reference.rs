@@ -14,7 +14,8 @@ mod span;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
-use crate::problem::hierarchy::{Hierarchy, Objective};
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::level::Objective;
 use crate::problem::rows::Rows;
 use crate::solver::data::ProblemData;
 use interior::{Optimum, QuadraticProblem};
@@ -49,7 +50,7 @@ const AT_BOUND: f64 = 1e-8;
 /// [`Error::Reference`] with the level and the reason for constraints that cannot hold, and with
 /// Clarabel's status where it fails.
 pub fn solve_reference(hierarchy: &Hierarchy) -> Result<DVector<f64>, Error> {
-    ProblemData::new(hierarchy).load(hierarchy)?;
+    ProblemData::new(hierarchy).load(hierarchy).map_err(|error| error.with_names(hierarchy))?;
     let n = hierarchy.variables();
     let mut cascade = Cascade::new(hierarchy);
     for (level, data) in hierarchy.levels().iter().enumerate() {
@@ -57,7 +58,9 @@ pub fn solve_reference(hierarchy: &Hierarchy) -> Result<DVector<f64>, Error> {
         cascade.constrain(data.constraints())?;
         match data.objective() {
             Objective::None => {}
-            Objective::LeastSquares(rows) => cascade.minimise(rows, &DVector::zeros(n))?,
+            Objective::LeastSquares(rows) => {
+                cascade.minimise(&weighed(rows)?, &DVector::zeros(n))?;
+            }
             Objective::Quadratic { hessian, gradient } => {
                 let (rows, linear) = as_least_squares(hessian, gradient)?;
                 cascade.minimise(&rows, &linear)?;
@@ -208,6 +211,18 @@ impl Cascade {
             self.hold(&rows);
         }
     }
+}
+
+/// The rows that weigh something, with their bounds multiplied by the roots of their weights.
+fn weighed(rows: &Rows) -> Result<Rows, Error> {
+    let kept: Vec<usize> = (0..rows.len()).filter(|&i| rows.weight(i) > 0.0).collect();
+    let mut weighed = Rows::zeros(kept.len(), rows.columns());
+    for (to, from) in kept.into_iter().enumerate() {
+        let root = rows.weight(from).sqrt();
+        let row: Vec<f64> = rows.row(from).into_iter().flatten().map(|a| root * a).collect();
+        weighed.set_row(to, &row, root * rows.lower()[from], root * rows.upper()[from])?;
+    }
+    Ok(weighed)
 }
 
 /// ½xᵀHx + gᵀx = ½‖Rx − b‖² + linearᵀx + constant, with H = RᵀR by pivoted Cholesky

@@ -2,6 +2,7 @@
 
 pub(crate) mod active_set;
 pub(crate) mod activity;
+pub(crate) mod budget;
 pub(crate) mod data;
 pub(crate) mod factorisation;
 pub(crate) mod multipliers;
@@ -18,9 +19,12 @@ use crate::certificate::multipliers::Proof;
 use crate::error::Error;
 use crate::linalg::list::List;
 use crate::linalg::vector::norm;
-use crate::problem::hierarchy::{ConstraintSource, Hierarchy};
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::ids::LevelId;
+use crate::problem::source::{ConstraintSource, Names};
 use active_set::{ActiveSet, End, Goal};
 use activity::Activity;
+use budget::{Allowance, Budget};
 use data::ProblemData;
 use prediction::Prediction;
 use settings::{Settings, WarmStart};
@@ -62,7 +66,7 @@ enum Memory {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum LevelEnd {
     Solved,
-    OutOfIterations,
+    OutOfBudget,
 }
 
 impl Solver {
@@ -74,14 +78,8 @@ impl Solver {
         settings.validate()?;
         let data = ProblemData::new(hierarchy);
         let (n, count) = (data.n, data.len());
-        let levels = hierarchy.levels().len();
         Ok(Self {
-            solution: Solution {
-                x: vec![0.0; n],
-                status: Status::Solved,
-                iterations: 0,
-                violations: vec![0.0; levels],
-            },
+            solution: Solution { x: vec![0.0; n], status: Status::Solved, iterations: 0 },
             prediction: Prediction::new(count, n),
             found: vec![Activity::Inactive; count],
             memory: Memory::Nothing,
@@ -92,6 +90,25 @@ impl Solver {
         })
     }
 
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Changes the settings. Where tolerances change, the next solve starts from nothing.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for a setting out of range; nothing has changed then.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
+        settings.validate()?;
+        if !settings.has_tolerances_of(&self.settings) {
+            self.forget();
+        }
+        self.settings = settings;
+        self.set.change_settings(settings);
+        Ok(())
+    }
+
     /// Forgets the previous active set: the next solve starts from nothing.
     pub fn forget(&mut self) {
         self.memory = Memory::Nothing;
@@ -99,7 +116,7 @@ impl Solver {
 
     /// What cannot hold together, after [`Error::Infeasible`]; empty otherwise: constraints,
     /// bounds, and rows of objectives above, at the values to which these levels brought them. A
-    /// quadratic objective is there by rows of its factor.
+    /// quadratic objective is there by rows of its factor. [`Hierarchy::describe`] puts them in words.
     pub fn conflict(&self) -> &[ConstraintSource] {
         &self.conflict
     }
@@ -114,7 +131,7 @@ impl Solver {
         if self.memory != Memory::Optimum {
             return Err(Error::NotSolved);
         }
-        self.set.data.load(hierarchy)?;
+        self.set.data.load(hierarchy).map_err(|error| error.with_names(hierarchy))?;
         self.set.fit();
         self.set.factorise();
         let found = Proof::new(&mut self.set, &self.solution.x).levels()?;
@@ -133,11 +150,31 @@ impl Solver {
     /// Solves `hierarchy`, of the shape given at construction.
     ///
     /// # Errors
-    /// Data that make no problem ([`Error::NotFinite`], [`Error::TooLarge`], [`Error::EmptyRange`],
-    /// [`Error::AsymmetricHessian`], [`Error::IndefiniteHessian`], [`Error::ShapeChanged`]), or
-    /// a problem that has no solution ([`Error::Infeasible`], [`Error::Unbounded`]), or one beyond
-    /// double precision ([`Error::Overflow`]).
+    /// Data that make no problem ([`Error::NotFinite`], [`Error::TooLarge`], [`Error::NanBound`],
+    /// [`Error::EmptyRange`], [`Error::AsymmetricHessian`], [`Error::IndefiniteHessian`],
+    /// [`Error::ShapeChanged`]), or a problem that has no solution ([`Error::Infeasible`],
+    /// [`Error::Unbounded`]), or one beyond double precision ([`Error::Overflow`]).
     pub fn solve(&mut self, hierarchy: &Hierarchy) -> Result<&Solution, Error> {
+        self.solve_within(hierarchy, Budget::default())
+    }
+
+    /// Solves `hierarchy` as far as a budget of iterations and time allows. Where it runs out the
+    /// [`Status`] says so, and the next warm solve goes on from there.
+    ///
+    /// # Errors
+    /// Those of [`solve`](Self::solve).
+    pub fn solve_within(
+        &mut self,
+        hierarchy: &Hierarchy,
+        budget: Budget,
+    ) -> Result<&Solution, Error> {
+        self.set.allowance = Allowance::new(budget, self.settings.max_iterations);
+        self.find_solution(hierarchy).map_err(|error| error.with_names(hierarchy))?;
+        Ok(&self.solution)
+    }
+
+    /// Load, predict, search, read out.
+    fn find_solution(&mut self, hierarchy: &Hierarchy) -> Result<(), Error> {
         let memory = std::mem::replace(&mut self.memory, Memory::Nothing);
         self.conflict.clear();
         self.set.iterations = 0;
@@ -152,7 +189,7 @@ impl Solver {
         }
         self.remember(status);
         self.read_out(status);
-        Ok(&self.solution)
+        Ok(())
     }
 
     /// Predicts the active set from the solves before, and repairs the prediction where that is likely
@@ -198,7 +235,7 @@ impl Solver {
             self.set.prediction_is_far = false;
             return false;
         }
-        let left = self.settings.max_iterations.saturating_sub(self.set.iterations);
+        let left = self.set.allowance.left(self.set.iterations);
         self.set.repair(ROUNDS.min(left))
     }
 
@@ -248,13 +285,13 @@ impl Solver {
     fn search_levels(&mut self, levels: usize) -> Result<Status, Error> {
         self.set.begin_search(&self.solution.x);
         for level in 0..levels {
-            if self.solve_level(level)? == LevelEnd::OutOfIterations {
-                return Ok(Status::IterationLimit { level });
+            if self.solve_level(level)? == LevelEnd::OutOfBudget {
+                return Ok(self.set.allowance.status(Some(LevelId::new(level))));
             }
         }
         match self.choose_least_norm(levels) {
             LevelEnd::Solved => Ok(Status::Solved),
-            LevelEnd::OutOfIterations => Ok(Status::IterationLimit { level: levels }),
+            LevelEnd::OutOfBudget => Ok(self.set.allowance.status(None)),
         }
     }
 
@@ -263,16 +300,16 @@ impl Solver {
         let (constraints, objective) = (rows.constraints.clone(), rows.used_objective());
         let is_minimised = !objective.is_empty() || rows.has_linear;
         self.set.open_held(level);
-        if self.make_feasible(level, constraints.clone())? == LevelEnd::OutOfIterations {
-            return Ok(LevelEnd::OutOfIterations);
+        if self.make_feasible(level, constraints.clone())? == LevelEnd::OutOfBudget {
+            return Ok(LevelEnd::OutOfBudget);
         }
         self.set.place_hard(level, constraints);
         let goal = is_minimised.then(|| Goal::Rows(objective.clone()));
         if let Some(goal) = &goal {
             self.set.place_soft(level, objective);
             match self.set.search(goal) {
-                End::Unbounded => return Err(Error::Unbounded { level }),
-                End::OutOfIterations => return Ok(LevelEnd::OutOfIterations),
+                End::Unbounded => return Err(unbounded(level)),
+                End::OutOfBudget => return Ok(LevelEnd::OutOfBudget),
                 End::Optimal => {}
             }
         }
@@ -289,11 +326,11 @@ impl Solver {
         self.solution.x.copy_from_slice(&self.set.x);
         self.set.place_soft(level, rows.clone());
         match self.set.search(&Goal::Rows(rows.clone())) {
-            End::OutOfIterations => {
+            End::OutOfBudget => {
                 self.set.x.copy_from_slice(&self.solution.x);
-                return Ok(LevelEnd::OutOfIterations);
+                return Ok(LevelEnd::OutOfBudget);
             }
-            End::Unbounded => return Err(Error::Unbounded { level }),
+            End::Unbounded => return Err(unbounded(level)),
             End::Optimal => self.expect_feasible(level, rows.clone())?,
         }
         self.set.remove_soft(rows);
@@ -314,10 +351,11 @@ impl Solver {
         let threshold = self.settings.optimality_tolerance * rows.map(size).sum::<f64>();
         self.set.extend_by_pushing(threshold, &mut self.conflict);
         Err(Error::Infeasible {
-            level,
+            level: LevelId::new(level),
             worst: self.set.data.sources[worst],
             violation: self.set.violation(worst).abs() / self.set.data.scale(worst),
             members: self.conflict.len(),
+            names: Names::default(),
         })
     }
 
@@ -325,8 +363,8 @@ impl Solver {
     fn choose_least_norm(&mut self, levels: usize) -> LevelEnd {
         if !self.set.is_decided() {
             self.set.open_held(levels);
-            if self.set.search(&Goal::Norm) == End::OutOfIterations {
-                return LevelEnd::OutOfIterations;
+            if self.set.search(&Goal::Norm) == End::OutOfBudget {
+                return LevelEnd::OutOfBudget;
             }
         }
         LevelEnd::Solved
@@ -339,21 +377,11 @@ impl Solver {
         for (i, (to, &from)) in self.solution.x.iter_mut().zip(&self.set.x).enumerate() {
             *to = from.clamp(data.lower[i], data.upper[i]);
         }
-        for (violation, level) in self.solution.violations.iter_mut().zip(&data.levels) {
-            *violation = 0.0;
-            if !level.quadratic {
-                let rows = level.objective.clone();
-                data.multiply(rows.clone(), &self.solution.x, &mut self.set.value);
-                let squares: f64 = rows
-                    .map(|id| {
-                        let value = self.set.value[id];
-                        (value - value.clamp(data.lower[id], data.upper[id])).powi(2)
-                    })
-                    .sum();
-                *violation = squares.sqrt();
-            }
-        }
     }
+}
+
+fn unbounded(level: usize) -> Error {
+    Error::Unbounded { level: LevelId::new(level), names: Names::default() }
 }
 
 /// Multipliers with the sources of their rows; those of a quadratic's factor become those of its
@@ -376,11 +404,11 @@ fn named(
                 let on_hessian =
                     data.hessian_multipliers(level, of_hierarchy.objective(), &multipliers)?;
                 all.extend(on_hessian.into_iter().map(|(row, multiplier)| {
-                    (ConstraintSource::Objective { level, row }, multiplier)
+                    (ConstraintSource::Objective { level: LevelId::new(level), row }, multiplier)
                 }));
             }
         } else {
-            all.extend(of_level.map(|&(id, multiplier)| (data.sources[id], multiplier)));
+            all.extend(of_level.map(|&(id, m)| (data.sources[id], m * data.scale(id))));
         }
     }
     let plain = |id: usize| !matches!(data.sources[id], ConstraintSource::Objective { .. });

@@ -9,28 +9,26 @@ mod plan;
 mod ramp;
 
 use std::fmt;
+use std::time::Instant;
+
+use nalgebra::{DMatrix, DVector};
 
 pub use part::{CertifiedPart, Part};
 
 use crate::error::Error;
-use crate::problem::hierarchy::{Hierarchy, Level};
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::ids::LevelId;
+use crate::problem::level::{Level, of_level};
+use crate::problem::rows::Rows;
+use crate::problem::source::{ConstraintSource, Names};
+use crate::solver::budget::Budget;
 use crate::solver::settings::Settings;
-use crate::solver::solution::Status;
+use crate::solver::solution::{Solution, Status};
 use blend::Blend;
 use change::{Change, Difference, End};
 use data::{Bounds, Data};
 use output::Output;
 use ramp::Ramp;
-
-/// A level of a [`ContinuousStack`]; never used again for another.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct LevelId(u64);
-
-impl fmt::Display for LevelId {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "level #{}", self.0)
-    }
-}
 
 /// Where a level is inserted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,7 +86,7 @@ pub enum Place {
 /// let mut before = 0.0;
 /// for _ in 0..500 {
 ///     let bound = stack.rate() * 1e-3 * 1.0;
-///     let x = stack.solve(1e-3)?[0];
+///     let x = stack.solve(1e-3)?.optimum()?[0];
 ///     assert!((x - before).abs() <= bound + 1e-12);
 ///     before = x;
 /// }
@@ -100,12 +98,14 @@ pub struct ContinuousStack {
     data: Data,
     blend: Blend,
     output: Output,
-    status: Status,
+    /// The last solution, and whether there was one.
+    solution: Solution,
+    is_solved: bool,
     failed: Option<usize>,
-    x: Vec<f64>,
     /// The solution in the making.
-    next: Vec<f64>,
-    named: u64,
+    next: Solution,
+    /// How many levels there have ever been.
+    came: usize,
     settings: Settings,
 }
 
@@ -113,7 +113,7 @@ impl ContinuousStack {
     /// The most changes that can be under way at a time.
     pub const MAX_CHANGES: usize = Blend::MAX_CHANGES;
 
-    /// A stack of the levels of `hierarchy`, all active.
+    /// A stack of the levels of `hierarchy`, all active; they keep their ids.
     ///
     /// # Errors
     /// [`Error::Setting`] for a setting out of range.
@@ -123,37 +123,99 @@ impl ContinuousStack {
         let data = Data {
             bounds: Bounds { lower, upper },
             output: Bounds::none(variables),
-            levels: (0..).map(LevelId).zip(hierarchy.levels().iter().cloned()).collect(),
+            levels: hierarchy.ids().zip(hierarchy.levels().iter().cloned()).collect(),
+            variable_names: hierarchy.variable_names().to_vec(),
         };
+        let solution = Solution { x: vec![0.0; variables], status: Status::Solved, iterations: 0 };
         Ok(Self {
             blend: Blend::new(&data, settings)?,
             output: Output::new(&data, settings)?,
-            status: Status::Solved,
             failed: None,
-            x: vec![0.0; variables],
-            next: vec![0.0; variables],
-            named: data.levels.len() as u64,
+            next: solution.clone(),
+            solution,
+            is_solved: false,
+            came: data.levels.len(),
             data,
             settings,
         })
     }
 
-    /// The levels, highest priority first, as they will stand when all changes are over, those
-    /// with an activation of zero among them.
-    pub fn levels(&self) -> impl Iterator<Item = LevelId> + '_ {
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Changes the settings. Where tolerances change, the next solve starts from nothing.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for a setting out of range; nothing has changed then.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
+        settings.validate()?;
+        self.blend.set_settings(settings)?;
+        self.output.set_settings(settings)?;
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// The ids of the levels, highest priority first, as they will stand when all changes are over,
+    /// those with an activation of zero among them.
+    pub fn ids(&self) -> impl Iterator<Item = LevelId> + '_ {
         let leaves = |id| self.blend.changes.iter().any(|change| change.removes(id));
         let order = self.blend.final_order().iter();
         order.map(|entry| entry.id).filter(move |&id| !leaves(id))
     }
 
-    /// Level `id`, until its removal is over.
-    pub fn level(&self, id: LevelId) -> Option<&Level> {
-        self.data.level(id).filter(|_| self.has(id))
+    /// Level `id`.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchLevel`] when its removal is over.
+    pub fn level(&self, id: LevelId) -> Result<&Level, Error> {
+        self.expect_level(id)?;
+        self.data.level(id).ok_or(Error::NoSuchLevel { level: id })
     }
 
-    /// Level `id`, to rewrite its data in place (not to resize), until its removal is over.
-    pub fn level_mut(&mut self, id: LevelId) -> Option<&mut Level> {
-        if self.has(id) { self.data.level_mut(id) } else { None }
+    /// Level `id`, to rewrite its data in place (not to resize).
+    ///
+    /// # Errors
+    /// [`Error::NoSuchLevel`] when its removal is over.
+    pub fn level_mut(&mut self, id: LevelId) -> Result<&mut Level, Error> {
+        self.expect_level(id)?;
+        self.data.level_mut(id).ok_or(Error::NoSuchLevel { level: id })
+    }
+
+    /// The rows that level `id` minimises, to rewrite in place (not to resize).
+    ///
+    /// # Errors
+    /// [`Error::OtherObjective`] for a level that minimises a quadratic, or nothing;
+    /// [`Error::NoSuchLevel`].
+    pub fn rows_mut(&mut self, id: LevelId) -> Result<&mut Rows, Error> {
+        of_level(id, self.level_mut(id)?.rows_mut())
+    }
+
+    /// The hard constraints of level `id`, to rewrite in place (not to resize).
+    ///
+    /// # Errors
+    /// [`Error::NoSuchLevel`].
+    pub fn constraints_mut(&mut self, id: LevelId) -> Result<&mut Rows, Error> {
+        Ok(self.level_mut(id)?.constraints_mut())
+    }
+
+    /// Hessian and gradient that level `id` minimises, to rewrite in place (not to resize).
+    ///
+    /// # Errors
+    /// [`Error::OtherObjective`] for a level that minimises rows, or nothing;
+    /// [`Error::NoSuchLevel`].
+    pub fn quadratic_mut(
+        &mut self,
+        id: LevelId,
+    ) -> Result<(&mut DMatrix<f64>, &mut DVector<f64>), Error> {
+        of_level(id, self.level_mut(id)?.quadratic_mut())
+    }
+
+    /// A row in words, with the names that level, row and variable have.
+    pub fn describe(&self, row: ConstraintSource) -> impl fmt::Display + use<> {
+        let level = row.level().and_then(|id| self.data.level(id));
+        Names::of(row, level, &self.data.variable_names).label(row)
     }
 
     /// The bounds of the variables, to rewrite in place: `(lower, upper)`.
@@ -171,9 +233,13 @@ impl ContinuousStack {
         (&mut self.data.output.lower, &mut self.data.output.upper)
     }
 
-    /// The activation of level `id`, from 0 to 1, until its removal is over.
-    pub fn activation(&self, id: LevelId) -> Option<f64> {
-        self.blend.activation(id).filter(|_| self.has(id))
+    /// The activation of level `id`, from 0 to 1.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchLevel`] when its removal is over.
+    pub fn activation(&self, id: LevelId) -> Result<f64, Error> {
+        self.expect_level(id)?;
+        self.blend.activation(id).ok_or(Error::NoSuchLevel { level: id })
     }
 
     /// Whether a change is under way.
@@ -192,7 +258,7 @@ impl ContinuousStack {
     /// Inserts a level, whose activation goes from 0 to 1 over `duration` seconds.
     ///
     /// # Errors
-    /// [`Error::Size`] when its rows do not cover the variables, [`Error::UnknownLevel`] for a
+    /// [`Error::Size`] when its rows do not cover the variables, [`Error::NoSuchLevel`] for a
     /// place next to a level that is gone, [`Error::Parameter`] for a duration that is negative
     /// or not finite, [`Error::TooManyChanges`]. Nothing has changed then.
     pub fn insert(&mut self, level: Level, place: Place, duration: f64) -> Result<LevelId, Error> {
@@ -202,9 +268,9 @@ impl ContinuousStack {
         if let Place::Above(neighbour) | Place::Below(neighbour) = place {
             self.expect_level(neighbour)?;
         }
-        Hierarchy::new(self.x.len())?.push(level.clone())?;
-        let id = LevelId(self.named);
-        self.named += 1;
+        level.expect_columns(self.solution.x.len())?;
+        let id = LevelId::new(self.came);
+        self.came += 1;
         self.data.levels.push((id, level));
         self.blend.insert(id, place);
         self.begin(Difference::Activation(id), share, End::Settles)?;
@@ -214,7 +280,7 @@ impl ContinuousStack {
     /// Removes a level: its activation goes to 0 over `duration` seconds, then it is gone.
     ///
     /// # Errors
-    /// [`Error::UnknownLevel`] when it is gone already, [`Error::Parameter`] for a duration that
+    /// [`Error::NoSuchLevel`] when it is gone already, [`Error::Parameter`] for a duration that
     /// is negative or not finite, [`Error::TooManyChanges`]. Nothing has changed then.
     pub fn remove(&mut self, id: LevelId, duration: f64) -> Result<(), Error> {
         self.move_activation(id, 0.0, duration, End::Removes)
@@ -228,7 +294,7 @@ impl ContinuousStack {
     /// setting it again does not allocate.
     ///
     /// # Errors
-    /// [`Error::UnknownLevel`] when the level is gone, [`Error::Parameter`] for an activation
+    /// [`Error::NoSuchLevel`] when the level is gone, [`Error::Parameter`] for an activation
     /// outside \[0, 1\] or a duration that is negative or not finite,
     /// [`Error::TooManyChanges`]. Nothing has changed then.
     pub fn activate(&mut self, id: LevelId, activation: f64, duration: f64) -> Result<(), Error> {
@@ -244,7 +310,7 @@ impl ContinuousStack {
     /// has begun, it lets them go back from where they are.
     ///
     /// # Errors
-    /// [`Error::UnknownLevel`] when one is gone, [`Error::Parameter`] for a duration that is
+    /// [`Error::NoSuchLevel`] when one is gone, [`Error::Parameter`] for a duration that is
     /// negative or not finite, [`Error::TooManyChanges`]. Nothing has changed then.
     pub fn swap(&mut self, a: LevelId, b: LevelId, duration: f64) -> Result<(), Error> {
         let share = Ramp::new(0.0, 1.0, duration)?;
@@ -264,68 +330,76 @@ impl ContinuousStack {
         self.begin(Difference::Exchange(a, b), share, End::Settles)
     }
 
-    /// The solution `period` seconds after the last one.
+    /// The solution `period` seconds after the last one. Its status is [`Status::Solved`] if all
+    /// [parts](Self::parts) were solved, else that of the first that was not.
     ///
     /// # Errors
-    /// Those of [`Solver::solve`](crate::Solver::solve), levels being counted as
-    /// [`failed_part`](Self::failed_part) lists them; [`Error::Parameter`] for a period that is
-    /// negative or not finite.
-    pub fn solve(&mut self, period: f64) -> Result<&[f64], Error> {
+    /// Those of [`Solver::solve`](crate::Solver::solve), of the part that
+    /// [`failed_part`](Self::failed_part) names; [`Error::Parameter`] for a period that is negative
+    /// or not finite.
+    pub fn solve(&mut self, period: f64) -> Result<&Solution, Error> {
+        self.solve_within(period, Budget::default())
+    }
+
+    /// The solution `period` seconds after the last one, as far as a budget allows: so many
+    /// iterations for each of the [parts](Self::parts), in the time of all together.
+    ///
+    /// # Errors
+    /// Those of [`solve`](Self::solve).
+    pub fn solve_within(&mut self, period: f64, budget: Budget) -> Result<&Solution, Error> {
         if !(period >= 0.0 && period.is_finite()) {
             let expected = "finite and not negative [s]";
             return Err(Error::Parameter { name: "the period", value: period, expected });
         }
+        let begin = budget.time.map(|time| (Instant::now(), time));
+        let left = || Budget {
+            time: begin.map(|(begin, time)| time.saturating_sub(begin.elapsed())),
+            ..budget
+        };
         self.blend.changes.iter_mut().for_each(|change| change.share.advance(period));
         self.blend.weigh();
-        (self.failed, self.status) = (None, Status::Solved);
-        self.next.fill(0.0);
+        self.failed = None;
+        (self.next.status, self.next.iterations) = (Status::Solved, 0);
+        self.next.x.fill(0.0);
         let alone = self.blend.plans.iter().any(|plan| plan.weight == 1.0);
         let plans = self.blend.plans.iter_mut().enumerate();
         for (index, plan) in plans.filter(|(_, plan)| plan.weight > 0.0) {
             let weight = plan.weight;
-            let solution = plan.solve(&mut self.data, alone).inspect_err(|_| {
+            let solution = plan.solve(&mut self.data, alone, left()).inspect_err(|_| {
                 self.failed = Some(index);
             })?;
-            self.next.iter_mut().zip(solution.x()).for_each(|(to, x)| *to += weight * x);
-            if self.status == Status::Solved {
-                self.status = solution.status();
+            self.next.x.iter_mut().zip(&solution.x).for_each(|(to, x)| *to += weight * x);
+            self.next.iterations += solution.iterations;
+            if self.next.status == Status::Solved {
+                self.next.status = solution.status;
             }
         }
         if !alone {
-            self.obey_output()?;
+            self.obey_output(left())?;
         }
-        self.x.copy_from_slice(&self.next);
-        Ok(&self.x)
+        std::mem::swap(&mut self.solution, &mut self.next);
+        self.is_solved = true;
+        Ok(&self.solution)
     }
 
     /// Takes rounding off the mean of points within the bounds, and moves it to where the
     /// output allows it.
-    fn obey_output(&mut self) -> Result<(), Error> {
+    fn obey_output(&mut self, budget: Budget) -> Result<(), Error> {
         let Bounds { lower, upper } = &self.data.bounds;
-        for (x, (lower, upper)) in self.next.iter_mut().zip(lower.iter().zip(upper)) {
+        for (x, (lower, upper)) in self.next.x.iter_mut().zip(lower.iter().zip(upper)) {
             *x = x.max(*lower).min(*upper);
         }
-        if self.data.output.hold(&self.next) {
+        if self.data.output.hold(&self.next.x) {
             return Ok(());
         }
         let solved = self.blend.plans.iter().filter(|plan| plan.weight > 0.0);
         let binds = |id| solved.clone().all(|plan| plan.levels().any(|other| other == id));
-        let status = self.output.project(&self.data, binds, &mut self.next)?;
-        if self.status == Status::Solved {
-            self.status = status;
-        }
-        Ok(())
+        self.output.project(&self.data, binds, &mut self.next, budget)
     }
 
-    /// The last solution, of size n.
-    pub fn x(&self) -> &[f64] {
-        &self.x
-    }
-
-    /// How the last solve ended: [`Status::Solved`] if all its parts did, else the status of the first
-    /// that did not, whose levels [`parts`](Self::parts) names.
-    pub fn status(&self) -> Status {
-        self.status
+    /// The last solution; none before the first.
+    pub fn solution(&self) -> Option<&Solution> {
+        self.is_solved.then_some(&self.solution)
     }
 
     /// The plain hierarchies that were solved last.
@@ -356,8 +430,7 @@ impl ContinuousStack {
         end: End,
     ) -> Result<(), Error> {
         let difference = Difference::Activation(id);
-        self.expect_level(id)?;
-        let share = Ramp::new(self.activation(id).unwrap_or(0.0), target, duration)?;
+        let share = Ramp::new(self.activation(id)?, target, duration)?;
         let mut running = self.blend.changes.iter_mut();
         if let Some(change) = running.find(|change| change.difference == difference) {
             (change.share, change.end) = (share, end);
@@ -386,7 +459,7 @@ impl ContinuousStack {
     }
 
     fn expect_level(&self, id: LevelId) -> Result<(), Error> {
-        if self.has(id) { Ok(()) } else { Err(Error::UnknownLevel { id }) }
+        if self.has(id) { Ok(()) } else { Err(Error::NoSuchLevel { level: id }) }
     }
 
     fn expect_room(&self) -> Result<(), Error> {

@@ -166,7 +166,7 @@ impl Builder {
                     self.lines.bounds = Some(line);
                     return Ok(());
                 }
-                self.unit_rows(&bounds)
+                self.unit_rows(&bounds)?
             }
         };
         self.hierarchy.push(if hard {
@@ -208,15 +208,7 @@ impl Builder {
             lower.push(tokens.number("a lower bound", Number::Bound)?);
             upper.push(tokens.number("an upper bound", Number::Bound)?);
         }
-        let mut rows = Rows::zeros(count, n);
-        for (i, coefficients) in matrix.chunks_exact(n).enumerate() {
-            if let Some(row) = rows.row_mut(i) {
-                row.copy_from_slice(coefficients);
-            }
-        }
-        rows.lower_mut().copy_from_slice(&lower);
-        rows.upper_mut().copy_from_slice(&upper);
-        Ok(rows)
+        Ok(Rows::from_row_slice(count, n, &matrix, &lower, &upper)?)
     }
 
     fn bounds<R: BufRead>(
@@ -251,14 +243,12 @@ impl Builder {
         true
     }
 
-    fn unit_rows(&self, bounds: &[Bound]) -> Rows {
+    fn unit_rows(&self, bounds: &[Bound]) -> Result<Rows, HqpError> {
         let mut rows = Rows::zeros(bounds.len(), self.hierarchy.variables());
         for (i, bound) in bounds.iter().enumerate() {
-            if let Some(row) = rows.row_mut(i) {
-                row[bound.variable] = 1.0;
-            }
+            rows.row_mut(i)?[bound.variable] = 1.0;
             (rows.lower_mut()[i], rows.upper_mut()[i]) = (bound.lower, bound.upper);
         }
-        rows
+        Ok(rows)
     }
 }

@@ -74,7 +74,8 @@ impl Runs {
             }
             std::hint::black_box(read_through(hierarchy));
             let start = Instant::now();
-            let result = ready.solve(hierarchy).inspect(|solution| x.copy_from_slice(solution.x()));
+            let result =
+                ready.solve(hierarchy).inspect(|solution| x.copy_from_slice(solution.best()));
             let time = start.elapsed();
             if matches!(result, Err(Error::ShapeChanged { .. })) {
                 *solver = None;
@@ -83,8 +84,12 @@ impl Runs {
             let iterations = result.as_ref().map_or(0, |solution| solution.iterations());
             self.times.push(time);
             self.iterations += iterations;
-            let reason = result.as_ref().err().map(|error| problem.reason(error));
-            return Outcome { code: code(&result), iterations, x, reason };
+            let code = code(&result);
+            let reason = result.err().map(|error| match ready.conflict() {
+                [] => problem.reason(&error),
+                conflict => format!("{}; {}", problem.reason(&error), problem.conflict(conflict)),
+            });
+            return Outcome { code, iterations, x, reason };
         }
     }
 

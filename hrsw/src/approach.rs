@@ -231,7 +231,7 @@ impl ApproachRows {
                 });
             }
         }
-        Ok(self.write_candidates(motion, rows))
+        self.write_candidates(motion, rows)
     }
 
     /// The least distance of the pairs written last \[m\]; infinite for none.
@@ -285,7 +285,7 @@ impl ApproachRows {
                 contact: false,
             });
         }
-        Ok(self.write_candidates(motion, rows))
+        self.write_candidates(motion, rows)
     }
 
     fn check(
@@ -341,11 +341,15 @@ impl ApproachRows {
         }
     }
 
-    fn write_candidates(&self, motion: &JointMotion<'_>, rows: &mut Rows) -> Option<Nearest> {
+    fn write_candidates(
+        &self,
+        motion: &JointMotion<'_>,
+        rows: &mut Rows,
+    ) -> Result<Option<Nearest>, Error> {
         let mut nearest: Option<Nearest> = None;
         for index in 0..self.capacity {
             let candidate = self.candidates.get(index);
-            let Some(row) = rows.row_mut(index) else { continue };
+            let row = rows.row_mut(index)?;
             row.fill(0.0);
             let mut upper = f64::INFINITY;
             if let Some(candidate) = candidate {
@@ -359,11 +363,9 @@ impl ApproachRows {
                     nearest = Some(pair);
                 }
             }
-            if let Some(bound) = rows.upper_mut().get_mut(index) {
-                *bound = upper;
-            }
+            rows.upper_mut()[index] = upper;
         }
-        nearest
+        Ok(nearest)
     }
 }
 

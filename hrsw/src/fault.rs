@@ -77,7 +77,7 @@ pub enum Fault {
     /// The solver found no command.
     #[error("no solution")]
     NoSolution,
-    /// The solver's iterations ran out before the optimum; the constraints hold.
+    /// The solver's iterations, or its time, ran out before the optimum; the constraints hold.
     #[error("iteration limit")]
     IterationLimit,
     /// A number that the loop computed is not finite.

@@ -125,7 +125,7 @@ impl SoftWorkspace {
     /// The level, its rows still to be written.
     ///
     /// # Errors
-    /// None for a state that [`new`](Self::new) accepts.
+    /// [`Error::Hierarchy`] for weights that are not from 1e-100 to 1e100.
     pub fn level(&self) -> Result<Level, Error> {
         let rows = free_rows(self.capacity(), self.state.len());
         match self.softening.slack {
@@ -133,10 +133,11 @@ impl SoftWorkspace {
             Slack::Shared => {
                 let slack = self.state.slack();
                 let mut selection = DMatrix::zeros(slack.len(), self.state.len());
-                for ((i, j), weight) in slack.clone().enumerate().zip(&self.softening.weights) {
-                    selection[(i, j)] = weight.sqrt();
+                for (i, j) in slack.clone().enumerate() {
+                    selection[(i, j)] = 1.0;
                 }
-                let objective = Rows::equalities(&selection, &DVector::zeros(slack.len()))?;
+                let mut objective = Rows::equalities(&selection, &DVector::zeros(slack.len()))?;
+                objective.set_weights(&self.softening.weights)?;
                 Ok(Level::least_squares(objective).with_constraints(rows))
             }
         }
@@ -148,7 +149,8 @@ impl SoftWorkspace {
     ///
     /// # Errors
     /// [`Error::NotFinite`] or [`Error::NotUnit`] for the desired pose; [`Error::TooMany`] when
-    /// the workspace has more rows than there is room for; [`Error::Size`] for another level.
+    /// the workspace has more rows than there is room for; [`Error::Size`] or [`Error::Hierarchy`]
+    /// for another level.
     pub fn write(
         &self,
         workspace: &Workspace,
@@ -173,18 +175,13 @@ impl SoftWorkspace {
         self.check_room(workspace, surroundings)?;
         let rows = match self.softening.slack {
             Slack::Shared => level.constraints_mut(),
-            Slack::RowWise => {
-                let none = Error::Size { what: "the level", found: 0, expected: self.capacity() };
-                level.least_squares_mut().ok_or(none)?
-            }
+            Slack::RowWise => level.rows_mut()?,
         };
         check_size("the level's rows", rows.len(), self.capacity())?;
         check_size("the level's columns", rows.columns(), self.state.len())?;
-        rows.upper_mut().fill(f64::INFINITY);
+        rows.set_free();
         for index in 0..rows.len() {
-            if let Some(row) = rows.row_mut(index) {
-                row.fill(0.0);
-            }
+            rows.row_mut(index)?.fill(0.0);
         }
         let to_axes = workspace.world_from_workspace().rotation.inverse();
         let around = surroundings.into_iter().flat_map(|around| around.rows(desired));
@@ -193,7 +190,7 @@ impl SoftWorkspace {
             PoseRow { axes: stack(&axes, &Vector3::zeros()), ..row }
         });
         for (index, row) in workspace.rows(desired).chain(around).enumerate() {
-            self.write_row(&row, rows, index);
+            self.write_row(&row, rows, index)?;
         }
         Ok(())
     }
@@ -218,23 +215,21 @@ impl SoftWorkspace {
         Ok(())
     }
 
-    fn write_row(&self, row: &PoseRow, rows: &mut Rows, index: usize) {
+    fn write_row(&self, row: &PoseRow, rows: &mut Rows, index: usize) -> Result<(), Error> {
         let (scale, slack) = match self.softening.slack {
             Slack::Shared => (1.0, self.state.slack()),
             Slack::RowWise => (self.weight(&row.axes).sqrt(), 0..0),
         };
         let velocity = self.state.desired_velocity();
-        if let Some(out) = rows.row_mut(index) {
-            for (out, gradient) in out[velocity].iter_mut().zip(&row.gradient) {
-                *out = scale * self.horizon * gradient;
-            }
-            for (out, part) in out[slack].iter_mut().zip(&row.axes) {
-                *out = -part.abs();
-            }
+        let out = rows.row_mut(index)?;
+        for (out, gradient) in out[velocity].iter_mut().zip(&row.gradient) {
+            *out = scale * self.horizon * gradient;
         }
-        if let Some(upper) = rows.upper_mut().get_mut(index) {
-            *upper = -scale * (row.excess + self.horizon * row.drift);
+        for (out, part) in out[slack].iter_mut().zip(&row.axes) {
+            *out = -part.abs();
         }
+        rows.upper_mut()[index] = -scale * (row.excess + self.horizon * row.drift);
+        Ok(())
     }
 
     /// The weights' mean by the squares of the parts.
@@ -247,7 +242,6 @@ impl SoftWorkspace {
 /// Rows that bound nothing.
 fn free_rows(rows: usize, columns: usize) -> Rows {
     let mut rows = Rows::zeros(rows, columns);
-    rows.lower_mut().fill(f64::NEG_INFINITY);
-    rows.upper_mut().fill(f64::INFINITY);
+    rows.set_free();
     rows
 }

@@ -87,8 +87,7 @@ impl SpeedCap {
     /// The block, bounding nothing yet.
     pub fn rows(state: AugmentedState) -> Rows {
         let mut rows = Rows::zeros(Self::ROWS, state.len());
-        rows.lower_mut().fill(f64::NEG_INFINITY);
-        rows.upper_mut().fill(f64::INFINITY);
+        rows.set_free();
         rows
     }
 
@@ -118,7 +117,7 @@ impl SpeedCap {
         }
         for (index, direction) in DIRECTIONS.iter().enumerate() {
             let direction = Vector3::from(*direction);
-            let Some(row) = rows.row_mut(index) else { continue };
+            let row = rows.row_mut(index)?;
             row.fill(0.0);
             for (out, column) in row.iter_mut().zip(motion.jacobian.column_iter()) {
                 *out = column.fixed_rows::<3>(0).dot(&direction);
@@ -126,12 +125,8 @@ impl SpeedCap {
             let along = |rates: &[f64]| row.iter().zip(rates).map(|(a, b)| a * b).sum::<f64>();
             let braking = motion.braking.map_or(0.0, along);
             let (bound, carried) = (INNER * speed, direction.dot(person));
-            if let Some(upper) = rows.upper_mut().get_mut(index) {
-                *upper = (bound + carried).max(0.0).max(braking);
-            }
-            if let Some(lower) = rows.lower_mut().get_mut(index) {
-                *lower = (carried - bound).min(0.0).min(braking);
-            }
+            rows.upper_mut()[index] = (bound + carried).max(0.0).max(braking);
+            rows.lower_mut()[index] = (carried - bound).min(0.0).min(braking);
         }
         Ok(())
     }

@@ -96,6 +96,7 @@ impl Controller {
             softening,
             base: settings.base,
             posture: settings.posture.clone(),
+            budget: settings.budget,
         };
         let stack = TaskStack::new(n, stack, safety.bound(&data, &rest, &rest)?)?;
         let tool = *data.world_from_tool();
@@ -300,7 +301,7 @@ impl Controller {
         })?;
         let status = solution.status();
         self.command.outcome = Outcome::Solved(status);
-        let (joints, rest) = solution.x().split_at(configuration.len());
+        let (joints, rest) = solution.best().split_at(configuration.len());
         let (desired, slack) = rest.split_at(6);
         self.command.joint_velocity.copy_from_slice(joints);
         self.command.desired_twist.copy_from_slice(desired);

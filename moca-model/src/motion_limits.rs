@@ -51,7 +51,15 @@ impl MecanumBase {
     ///
     /// The velocity nearest to rest that the `intervals` of the three joints allow is always
     /// admitted, so that turning while driving at the limit cannot make the problem infeasible.
-    pub fn write(&self, yaw: f64, intervals: &[VelocityInterval], rows: &mut Rows) {
+    ///
+    /// # Errors
+    /// [`Error::Hierarchy`] for rows that [`rows`](Self::rows) has not made.
+    pub fn write(
+        &self,
+        yaw: f64,
+        intervals: &[VelocityInterval],
+        rows: &mut Rows,
+    ) -> Result<(), Error> {
         let (sine, cosine) = yaw.sin_cos();
         let wheels = WHEEL_SIGNS.into_iter().map(|signs| (signs, self.speed));
         let axes = AXIS_SIGNS.into_iter().map(|signs| (signs, self.axis_speed));
@@ -63,18 +71,13 @@ impl MecanumBase {
                 .zip(intervals)
                 .map(|(coefficient, interval)| coefficient * nearest_to_rest(interval))
                 .sum();
-            if let Some(row) = rows.row_mut(index) {
-                for (entry, coefficient) in row.iter_mut().zip(coefficients) {
-                    *entry = coefficient;
-                }
+            for (entry, coefficient) in rows.row_mut(index)?.iter_mut().zip(coefficients) {
+                *entry = coefficient;
             }
-            if let Some(lower) = rows.lower_mut().get_mut(index) {
-                *lower = f64::NEG_INFINITY;
-            }
-            if let Some(upper) = rows.upper_mut().get_mut(index) {
-                *upper = limit.max(braked);
-            }
+            rows.lower_mut()[index] = f64::NEG_INFINITY;
+            rows.upper_mut()[index] = limit.max(braked);
         }
+        Ok(())
     }
 }
 
@@ -167,7 +170,7 @@ mod tests {
             let base = MecanumBase::default();
             let mut rows = base.rows(state);
             let rest = [VelocityInterval { lower: -1.0, upper: 1.0 }; 3];
-            base.write(yaw, &rest, &mut rows);
+            base.write(yaw, &rest, &mut rows).unwrap();
             let values: Vec<f64> = rows
                 .iter()
                 .map(|(row, _, _)| row.iter().zip(v).map(|(a, b)| a * b).sum())
@@ -191,7 +194,7 @@ mod tests {
             let intervals =
                 ends.map(|(lower, width)| VelocityInterval { lower, upper: lower + width });
             let mut rows = MecanumBase::default().rows(state);
-            MecanumBase::default().write(yaw, &intervals, &mut rows);
+            MecanumBase::default().write(yaw, &intervals, &mut rows).unwrap();
             let braked = intervals.map(|interval| nearest_to_rest(&interval));
             for (row, _, upper) in rows.iter() {
                 let value: f64 = row.iter().zip(braked).map(|(a, b)| a * b).sum();

@@ -1,5 +1,6 @@
 //! Every threshold and gain of the controller, with its default.
 
+use ahqp_core::Budget;
 use ergo_map::{Person, Region, Side};
 use hrsw::{ClockSettings, FollowerSettings};
 use nalgebra::{UnitQuaternion, Vector3, Vector6};
@@ -142,6 +143,9 @@ pub struct ControllerSettings {
     pub base: Option<MecanumBase>,
     /// The posture of the fourth level.
     pub posture: PostureTask,
+    /// What solving the stack may cost a tick; where it runs out, [`Fault::IterationLimit`](hrsw::Fault::IterationLimit) says so,
+    /// limits hold, and the next tick goes on. Default: the solver's iterations, in any time.
+    pub budget: Budget,
     /// When actions become intentions.
     pub intention: IntentionSettings,
     /// The body tracker.
@@ -177,6 +181,7 @@ impl Default for ControllerSettings {
                 gain: base(0.0, 1.0),
                 weight: base(0.5, 1.0),
             },
+            budget: Budget::default(),
             intention: IntentionSettings::default(),
             tracker: TrackerSettings::default(),
             follower: FollowerSettings::default(),

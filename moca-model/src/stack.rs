@@ -2,8 +2,8 @@
 //! ergonomics or its benchmark), and a posture for what is left.
 
 use ahqp_core::{
-    AugmentedClik, AugmentedState, Hierarchy, Level, Rows, Settings, Solution, Solver,
-    VelocityInterval,
+    AugmentedClik, AugmentedState, Budget, Hierarchy, Level, LevelId, PoseAxes, Rows, Settings,
+    Solution, Solver, VelocityInterval,
 };
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{SoftWorkspace, Softening, Workspace};
@@ -14,16 +14,16 @@ use crate::motion_limits::MecanumBase;
 use crate::safety::SafetyRows;
 
 /// The levels, by priority.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Priority {
-    SpeedCap = 0,
-    Separation = 1,
-    OwnBodies = 2,
-    Return = 3,
-    Kinematics = 4,
-    Workspace = 5,
-    Goal = 6,
-    Posture = 7,
+#[derive(Debug, Clone, Copy)]
+struct Levels {
+    speed_cap: LevelId,
+    separation: LevelId,
+    own_bodies: LevelId,
+    returns: LevelId,
+    kinematics: LevelId,
+    workspace: LevelId,
+    goal: LevelId,
+    posture: LevelId,
 }
 
 /// What the third level minimises.
@@ -64,6 +64,8 @@ pub struct StackSettings {
     pub base: Option<MecanumBase>,
     /// The last level.
     pub posture: PostureTask,
+    /// What the solve of a tick may cost.
+    pub budget: Budget,
 }
 
 /// The hierarchy of the levels and its solver; sized once, rewritten each tick.
@@ -71,12 +73,14 @@ pub struct StackSettings {
 pub struct TaskStack {
     state: AugmentedState,
     hierarchy: Hierarchy,
+    levels: Levels,
     solver: Solver,
     clik: AugmentedClik,
     soft: SoftWorkspace,
     base: Option<MecanumBase>,
     posture: PostureTask,
     horizon: f64,
+    budget: Budget,
 }
 
 /// What a tick asks of the stack.
@@ -113,25 +117,28 @@ impl TaskStack {
         settings: StackSettings,
         safety: SafetyRows<'_>,
     ) -> Result<Self, Error> {
-        let StackSettings { gain, period, horizon, softening, base, posture } = settings;
+        let StackSettings { gain, period, horizon, softening, base, posture, budget } = settings;
         let state = Self::layout(joints);
-        let clik = AugmentedClik::new(state, gain, period)?;
+        let clik = AugmentedClik::new(state, PoseAxes::ALL, gain, period)?;
         let soft = SoftWorkspace::with_softening(state, horizon, softening)?;
         posture.check(joints)?;
         let mut hierarchy = Hierarchy::new(state.len())?;
         let wheels = base.map_or(Rows::zeros(0, state.len()), |base| base.rows(state));
-        hierarchy.push(Level::constraints_only(safety.cap.clone()))?;
         let separation = Level::least_squares(safety.separation.clone());
-        hierarchy.push(separation.with_constraints(wheels))?;
-        hierarchy.push(Level::least_squares(safety.own.clone()))?;
-        hierarchy.push(Level::least_squares(return_rows(state)))?;
-        hierarchy.push(Level::least_squares(clik.rows()))?;
-        hierarchy.push(soft.level()?)?;
         let zero = (DMatrix::zeros(state.len(), state.len()), DVector::zeros(state.len()));
-        hierarchy.push(Level::quadratic(zero.0, zero.1)?)?;
-        hierarchy.push(Level::least_squares(posture.rows(state)?))?;
+        let mut push = |name, level: Level| hierarchy.push(level.named(name));
+        let levels = Levels {
+            speed_cap: push("speed cap", Level::constraints_only(safety.cap.clone()))?,
+            separation: push("separation", separation.with_constraints(wheels))?,
+            own_bodies: push("own bodies", Level::least_squares(safety.own.clone()))?,
+            returns: push("return into the limits", Level::least_squares(return_rows(state)?))?,
+            kinematics: push("inverse kinematics", Level::least_squares(clik.rows()))?,
+            workspace: push("shared workspace", soft.level()?)?,
+            goal: push("goal", Level::quadratic(zero.0, zero.1)?)?,
+            posture: push("posture", Level::least_squares(posture.rows(state)?))?,
+        };
         let solver = Solver::new(&hierarchy, Settings::default())?;
-        Ok(Self { state, hierarchy, solver, clik, soft, base, posture, horizon })
+        Ok(Self { state, hierarchy, levels, solver, clik, soft, base, posture, horizon, budget })
     }
 
     /// The layout of χ for n = `joints`.
@@ -152,11 +159,11 @@ impl TaskStack {
         self.write_bounds(input.intervals);
         self.write_safety(input)?;
         self.write_kinematics(input)?;
-        let level = self.hierarchy.level_mut(Priority::Workspace as usize)?;
+        let level = self.hierarchy.level_mut(self.levels.workspace)?;
         self.soft.write(input.workspace, input.desired, level)?;
         self.write_goal(&input.goal, input.desired)?;
         self.write_posture(input.configuration)?;
-        Ok(self.solver.solve(&self.hierarchy)?)
+        Ok(self.solver.solve_within(&self.hierarchy, self.budget)?)
     }
 
     fn write_bounds(&mut self, intervals: &[VelocityInterval]) {
@@ -168,35 +175,24 @@ impl TaskStack {
     }
 
     fn write_kinematics(&mut self, input: &StackInput<'_>) -> Result<(), Error> {
-        let level = self.hierarchy.level_mut(Priority::Kinematics as usize)?;
-        if let Some(rows) = level.least_squares_mut() {
-            self.clik.write(input.jacobian, input.error, rows)?;
-        }
-        Ok(())
+        let rows = self.hierarchy.rows_mut(self.levels.kinematics)?;
+        Ok(self.clik.write(input.jacobian, input.error, rows)?)
     }
 
     fn write_safety(&mut self, input: &StackInput<'_>) -> Result<(), Error> {
-        let own = self.hierarchy.level_mut(Priority::OwnBodies as usize)?;
-        if let Some(rows) = own.least_squares_mut() {
-            copy(input.safety.own, rows);
-        }
-        let cap = self.hierarchy.level_mut(Priority::SpeedCap as usize)?;
-        copy(input.safety.cap, cap.constraints_mut());
-        let separation = self.hierarchy.level_mut(Priority::Separation as usize)?;
-        if let Some(rows) = separation.least_squares_mut() {
-            copy(input.safety.separation, rows);
-        }
+        let (hierarchy, levels) = (&mut self.hierarchy, &self.levels);
+        hierarchy.rows_mut(levels.own_bodies)?.copy_from(input.safety.own)?;
+        hierarchy.constraints_mut(levels.speed_cap)?.copy_from(input.safety.cap)?;
+        hierarchy.rows_mut(levels.separation)?.copy_from(input.safety.separation)?;
         if let (Some(base), Some(&yaw)) = (&self.base, input.configuration.get(2)) {
-            base.write(yaw, input.intervals, separation.constraints_mut());
+            base.write(yaw, input.intervals, hierarchy.constraints_mut(levels.separation)?)?;
         }
-        let level = self.hierarchy.level_mut(Priority::Return as usize)?;
-        if let Some(rows) = level.least_squares_mut() {
-            for (bound, interval) in rows.lower_mut().iter_mut().zip(input.returns) {
-                *bound = interval.lower;
-            }
-            for (bound, interval) in rows.upper_mut().iter_mut().zip(input.returns) {
-                *bound = interval.upper;
-            }
+        let rows = hierarchy.rows_mut(levels.returns)?;
+        for (bound, interval) in rows.lower_mut().iter_mut().zip(input.returns) {
+            *bound = interval.lower;
+        }
+        for (bound, interval) in rows.upper_mut().iter_mut().zip(input.returns) {
+            *bound = interval.upper;
         }
         Ok(())
     }
@@ -214,26 +210,23 @@ impl TaskStack {
         let (curvature, slope) = ergonomics
             .map_or((Matrix3::zeros(), Vector3::zeros()), |terms| (terms.hessian, terms.gradient));
         let velocity = self.state.desired_velocity().start;
-        let level = self.hierarchy.level_mut(Priority::Goal as usize)?;
-        if let Some((hessian, gradient)) = level.quadratic_mut() {
-            for i in 0..6 {
-                let at = velocity + i;
-                hessian[(at, at)] = 2.0 * (1.0 - share);
-                gradient[at] = if i < 3 { share * slope[i] } else { 0.0 };
-            }
-            for i in 0..3 {
-                for j in 0..3 {
-                    let benchmark = if i == j { 2.0 * (1.0 - share) } else { 0.0 };
-                    hessian[(velocity + i, velocity + j)] = share * curvature[(i, j)] + benchmark;
-                }
+        let (hessian, gradient) = self.hierarchy.quadratic_mut(self.levels.goal)?;
+        for i in 0..6 {
+            let at = velocity + i;
+            hessian[(at, at)] = 2.0 * (1.0 - share);
+            gradient[at] = if i < 3 { share * slope[i] } else { 0.0 };
+        }
+        for i in 0..3 {
+            for j in 0..3 {
+                let benchmark = if i == j { 2.0 * (1.0 - share) } else { 0.0 };
+                hessian[(velocity + i, velocity + j)] = share * curvature[(i, j)] + benchmark;
             }
         }
         Ok(())
     }
 
     fn write_posture(&mut self, configuration: &[f64]) -> Result<(), Error> {
-        let level = self.hierarchy.level_mut(Priority::Posture as usize)?;
-        let Some(rows) = level.least_squares_mut() else { return Ok(()) };
+        let rows = self.hierarchy.rows_mut(self.levels.posture)?;
         let task = &self.posture;
         let rates = task
             .configuration
@@ -250,25 +243,9 @@ impl TaskStack {
 }
 
 /// The joints' velocities, within bounds still to be written.
-fn return_rows(state: AugmentedState) -> Rows {
-    let mut rows = Rows::zeros(state.joints, state.len());
-    for joint in 0..state.joints {
-        if let Some(entry) = rows.row_mut(joint).and_then(|row| row.get_mut(joint)) {
-            *entry = 1.0;
-        }
-    }
-    rows
-}
-
-/// Writes the rows of one block into another of the same shape.
-fn copy(from: &Rows, to: &mut Rows) {
-    for index in 0..from.len().min(to.len()) {
-        if let (Some(from), Some(to)) = (from.row(index), to.row_mut(index)) {
-            to.copy_from_slice(from);
-        }
-    }
-    to.lower_mut().iter_mut().zip(from.lower()).for_each(|(to, from)| *to = *from);
-    to.upper_mut().iter_mut().zip(from.upper()).for_each(|(to, from)| *to = *from);
+fn return_rows(state: AugmentedState) -> Result<Rows, Error> {
+    let matrix = DMatrix::identity(state.joints, state.len());
+    Ok(Rows::equalities(&matrix, &DVector::zeros(state.joints))?)
 }
 
 impl PostureTask {

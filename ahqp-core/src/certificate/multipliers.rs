@@ -5,7 +5,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
 use crate::linalg::vector::{add_scaled, norm};
-use crate::problem::hierarchy::{Hierarchy, Level};
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::level::Level;
 use crate::problem::rows::Rows;
 use crate::solver::Solver;
 use crate::solver::active_set::ActiveSet;
@@ -159,7 +160,7 @@ impl<'a> Proof<'a> {
         problem.push(Level::least_squares(Rows::equalities(&columns, &target)?))?;
         let settings = Settings { rank_tolerance, ..Settings::default() };
         let mut solver = Solver::new(&problem, settings)?;
-        let found = solver.solve(&problem)?.x();
+        let found = solver.solve(&problem)?.best();
         let multipliers = candidates.iter().zip(found).filter(|(_, value)| value.abs() > 1e-12);
         Ok(multipliers
             .map(|(&(id, _), value)| (id, value * scale / self.set.data.norm(id)))

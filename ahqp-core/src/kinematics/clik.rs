@@ -1,8 +1,11 @@
-//! Closed-loop inverse kinematics in the augmented state χ = [q̇; ẋ_d; s].
+//! Closed-loop inverse kinematics: rows of a task, in joint velocities or in the augmented state
+//! χ = [q̇; ẋ_d; s].
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{
+    Dim, Isometry3, Matrix, RawStorage, Translation3, UnitQuaternion, Vector3, Vector6,
+};
 
 use crate::error::Error;
 use crate::kinematics::rotation::rotation_log;
@@ -82,15 +85,193 @@ pub fn integrate_pose(pose: &Isometry3<f64>, twist: &Vector6<f64>, period: f64) 
     Isometry3::from_parts(Translation3::from(pose.translation.vector + linear * period), rotation)
 }
 
-/// The augmented inverse kinematics, min ‖[J −(I + K_p Δt) 0] χ − K_p (x_d(t−1) − x_a)‖²
-/// (the paper's eq. 4).
+/// Which coordinates of a pose a task controls, 1 to 6 of them: x, y and z, then the rotations about
+/// them, in world axes.
 ///
 /// ```
-/// use ahqp_core::{AugmentedClik, AugmentedState};
+/// use ahqp_core::PoseAxes;
+///
+/// assert_eq!(PoseAxes::PLANAR.iter().collect::<Vec<_>>(), [0, 1, 5]);
+/// // Height and heading.
+/// assert_eq!(PoseAxes::new(&[2, 5])?.len(), 2);
+/// # Ok::<(), ahqp_core::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PoseAxes {
+    chosen: [bool; 6],
+}
+
+impl PoseAxes {
+    /// The whole pose.
+    pub const ALL: Self = Self { chosen: [true; 6] };
+    /// x, y and z.
+    pub const POSITION: Self = Self { chosen: [true, true, true, false, false, false] };
+    /// The rotations about x, y and z.
+    pub const ORIENTATION: Self = Self { chosen: [false, false, false, true, true, true] };
+    /// x, y and the rotation about z.
+    pub const PLANAR: Self = Self { chosen: [true, true, false, false, false, true] };
+
+    /// These coordinates, counted from 0; they come in the order of a pose.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for none, for one named twice, and for one above 5.
+    pub fn new(axes: &[usize]) -> Result<Self, Error> {
+        let mut chosen = [false; 6];
+        for &axis in axes {
+            match chosen.get_mut(axis) {
+                Some(chosen) if !*chosen => *chosen = true,
+                _ => {
+                    let (name, expected) = ("a coordinate of the task", "from 0 to 5, each once");
+                    return Err(Error::Parameter { name, value: axis as f64, expected });
+                }
+            }
+        }
+        if axes.is_empty() {
+            let (name, expected) = ("the dimension of the task", "from 1 to 6");
+            return Err(Error::Parameter { name, value: 0.0, expected });
+        }
+        Ok(Self { chosen })
+    }
+
+    /// How many there are: the dimension m of the task.
+    #[expect(clippy::len_without_is_empty, reason = "there is always one")]
+    pub fn len(&self) -> usize {
+        self.iter().count()
+    }
+
+    /// The coordinates, in order.
+    pub fn iter(&self) -> impl Iterator<Item = usize> + use<> {
+        self.chosen.into_iter().enumerate().filter(|(_, chosen)| *chosen).map(|(axis, _)| axis)
+    }
+}
+
+/// Closed-loop inverse kinematics for plain stacks over χ = q̇: rows J q̇ = ẋ_d + K_p (x_d − x_a) of
+/// the coordinates that the task controls (Siciliano, Sciavicco, Villani, Oriolo, *Robotics:
+/// Modelling, Planning and Control*, 2009, Sec. 3.7).
+///
+/// ```
+/// use ahqp_core::{Clik, Error, Hierarchy, Level, PoseAxes, Settings, Solver, pose_error};
+/// use nalgebra::{Isometry3, Matrix6xX, Vector6};
+///
+/// // Two links of 0.5 m in a plane: reach for a point, whatever the orientation.
+/// let axes = PoseAxes::new(&[0, 1])?;
+/// let clik = Clik::new(2, axes, Vector6::repeat(20.0), 1e-3)?;
+/// let mut hierarchy = Hierarchy::new(2)?;
+/// hierarchy.set_bounds(&[-2.0; 2], &[2.0; 2])?;
+/// let reach = hierarchy.push(Level::least_squares(clik.rows()).named("reach"))?;
+/// let mut solver = Solver::new(&hierarchy, Settings::default())?;
+///
+/// let desired = Isometry3::translation(0.3, 0.6, 0.0);
+/// let (mut q, mut jacobian) = ([0.3, 0.4], Matrix6xX::zeros(2));
+/// let mut error = Vector6::zeros();
+/// for _tick in 0..1000 {
+///     let (first, both) = (q[0], q[0] + q[1]);
+///     let (elbow, tip) = ((0.5 * first.cos(), 0.5 * first.sin()), (0.5 * both.cos(), 0.5 * both.sin()));
+///     let actual = Isometry3::translation(elbow.0 + tip.0, elbow.1 + tip.1, 0.0);
+///     jacobian.column_mut(0).copy_from_slice(&[-elbow.1 - tip.1, elbow.0 + tip.0, 0.0, 0.0, 0.0, 1.0]);
+///     jacobian.column_mut(1).copy_from_slice(&[-tip.1, tip.0, 0.0, 0.0, 0.0, 1.0]);
+///     error = pose_error(&desired, &actual);
+///     clik.write(&jacobian, &error, &Vector6::zeros(), hierarchy.rows_mut(reach)?)?;
+///     let rates = solver.solve(&hierarchy)?.optimum()?;
+///     q.iter_mut().zip(rates).for_each(|(q, rate)| *q += 1e-3 * rate);
+/// }
+/// assert!(error.norm() < 1e-6);
+/// # Ok::<(), Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clik {
+    joints: usize,
+    axes: PoseAxes,
+    gain: Vector6<f64>,
+}
+
+impl Clik {
+    /// For n = `joints`, with the diagonal of K_p \[1/s\], of which that of the `axes` counts, and
+    /// the control period Δt \[s\].
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for gains or a period that are not positive and finite, or a gain above
+    /// 1/Δt, where the loop of one step would overshoot.
+    pub fn new(
+        joints: usize,
+        axes: PoseAxes,
+        gain: Vector6<f64>,
+        period: f64,
+    ) -> Result<Self, Error> {
+        if !(period.is_finite() && period > 0.0) {
+            return Err(Error::Parameter {
+                name: "the control period",
+                value: period,
+                expected: "positive and finite [s]",
+            });
+        }
+        let gains = axes.iter().map(|axis| gain[axis]);
+        if let Some(value) = gains.into_iter().find(|&k| !(k > 0.0 && k <= 1.0 / period)) {
+            return Err(Error::Parameter {
+                name: "a gain of the inverse kinematics",
+                value,
+                expected: "positive and at most 1/Δt [1/s]",
+            });
+        }
+        Ok(Self { joints, axes, gain })
+    }
+
+    /// Empty rows of the right size for [`write`](Self::write), m × n.
+    pub fn rows(&self) -> Rows {
+        Rows::zeros(self.axes.len(), self.joints)
+    }
+
+    /// Writes the rows for the Jacobian J (6 × n, linear then angular), the pose error x_d − x_a of
+    /// [`pose_error`], and the velocity ẋ_d at which the desired pose moves, zero if it does not.
+    /// Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::Size`] when the Jacobian or the rows do not fit.
+    pub fn write<R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
+        &self,
+        jacobian: &Matrix<f64, R, C, S>,
+        error: &Vector6<f64>,
+        velocity: &Vector6<f64>,
+        rows: &mut Rows,
+    ) -> Result<(), Error> {
+        self.write_jacobian(jacobian, self.joints, rows)?;
+        for (index, axis) in self.axes.iter().enumerate() {
+            let target = velocity[axis] + self.gain[axis] * error[axis];
+            rows.lower_mut()[index] = target;
+            rows.upper_mut()[index] = target;
+        }
+        Ok(())
+    }
+
+    /// Writes [J 0] into rows of so many `columns`.
+    fn write_jacobian<R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
+        &self,
+        jacobian: &Matrix<f64, R, C, S>,
+        columns: usize,
+        rows: &mut Rows,
+    ) -> Result<(), Error> {
+        expect_size("the rows of the Jacobian", jacobian.nrows(), 6)?;
+        expect_size("the columns of the Jacobian", jacobian.ncols(), self.joints)?;
+        expect_size("the rows of the task", rows.len(), self.axes.len())?;
+        expect_size("a row of the task", rows.columns(), columns)?;
+        for (index, axis) in self.axes.iter().enumerate() {
+            let (own, rest) = rows.row_mut(index)?.split_at_mut(self.joints);
+            own.iter_mut().enumerate().for_each(|(j, entry)| *entry = jacobian[(axis, j)]);
+            rest.fill(0.0);
+        }
+        Ok(())
+    }
+}
+
+/// The augmented inverse kinematics, min ‖[J −(I + K_p Δt) 0] χ − K_p (x_d(t−1) − x_a)‖²
+/// (the paper's eq. 4), of the coordinates that the task controls.
+///
+/// ```
+/// use ahqp_core::{AugmentedClik, AugmentedState, PoseAxes};
 /// use nalgebra::{DMatrix, Vector6};
 ///
 /// let state = AugmentedState { joints: 7, task: 6, slack: 0 };
-/// let clik = AugmentedClik::new(state, Vector6::repeat(40.0), 1e-3)?;
+/// let clik = AugmentedClik::new(state, PoseAxes::ALL, Vector6::repeat(40.0), 1e-3)?;
 /// let mut rows = clik.rows();
 /// clik.write(&DMatrix::zeros(6, 7), &Vector6::zeros(), &mut rows)?;
 /// assert_eq!(rows.row(0).map(|row| row[7]), Some(-1.04));
@@ -99,34 +280,25 @@ pub fn integrate_pose(pose: &Isometry3<f64>, twist: &Vector6<f64>, period: f64) 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AugmentedClik {
     state: AugmentedState,
-    gain: Vector6<f64>,
+    clik: Clik,
     period: f64,
 }
 
 impl AugmentedClik {
-    /// With the diagonal of K_p \[1/s\] and the control period Δt \[s\].
+    /// With the diagonal of K_p \[1/s\], of which that of the `axes` counts, and the control period
+    /// Δt \[s\]. ẋ_d has one entry an axis.
     ///
     /// # Errors
-    /// [`Error::Size`] unless the task has 6 dimensions; [`Error::Parameter`] for gains or a
-    /// period that are not positive and finite, or a gain above 1/Δt, where the loop of one
-    /// step would overshoot.
-    pub fn new(state: AugmentedState, gain: Vector6<f64>, period: f64) -> Result<Self, Error> {
-        expect_size("the dimension of the task", state.task, 6)?;
-        if !(period.is_finite() && period > 0.0) {
-            return Err(Error::Parameter {
-                name: "the control period",
-                value: period,
-                expected: "positive and finite [s]",
-            });
-        }
-        if let Some(&value) = gain.iter().find(|&&k| !(k > 0.0 && k <= 1.0 / period)) {
-            return Err(Error::Parameter {
-                name: "a gain of the inverse kinematics",
-                value,
-                expected: "positive and at most 1/Δt [1/s]",
-            });
-        }
-        Ok(Self { state, gain, period })
+    /// [`Error::Size`] unless the task has as many dimensions as there are axes; those of
+    /// [`Clik::new`].
+    pub fn new(
+        state: AugmentedState,
+        axes: PoseAxes,
+        gain: Vector6<f64>,
+        period: f64,
+    ) -> Result<Self, Error> {
+        expect_size("the dimension of the task", state.task, axes.len())?;
+        Ok(Self { state, clik: Clik::new(state.joints, axes, gain, period)?, period })
     }
 
     /// Empty rows of the right size for [`write`](Self::write).
@@ -134,32 +306,24 @@ impl AugmentedClik {
         Rows::zeros(self.state.task, self.state.len())
     }
 
-    /// Writes the rows A_clik χ = b_clik for the Jacobian J (6 × n) and the pose error
-    /// x_d(t−1) − x_a of [`pose_error`].
+    /// Writes the rows A_clik χ = b_clik for the Jacobian J (6 × n, linear then angular) and the pose
+    /// error x_d(t−1) − x_a of [`pose_error`]. Allocates nothing.
     ///
     /// # Errors
     /// [`Error::Size`] when the Jacobian or the rows do not fit.
-    pub fn write(
+    pub fn write<R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
         &self,
-        jacobian: &DMatrix<f64>,
+        jacobian: &Matrix<f64, R, C, S>,
         error: &Vector6<f64>,
         rows: &mut Rows,
     ) -> Result<(), Error> {
-        expect_size("the rows of the Jacobian", jacobian.nrows(), self.state.task)?;
-        expect_size("the columns of the Jacobian", jacobian.ncols(), self.state.joints)?;
-        expect_size("the rows of the task", rows.len(), self.state.task)?;
-        expect_size("a row of the task", rows.columns(), self.state.len())?;
+        self.clik.write_jacobian(jacobian, self.state.len(), rows)?;
         let desired = self.state.desired_velocity().start;
-        for i in 0..self.state.task {
-            if let Some(row) = rows.row_mut(i) {
-                row.fill(0.0);
-                for (j, entry) in row.iter_mut().take(self.state.joints).enumerate() {
-                    *entry = jacobian[(i, j)];
-                }
-                row[desired + i] = -(1.0 + self.gain[i] * self.period);
-            }
-            rows.lower_mut()[i] = self.gain[i] * error[i];
-            rows.upper_mut()[i] = self.gain[i] * error[i];
+        for (index, axis) in self.clik.axes.iter().enumerate() {
+            let gain = self.clik.gain[axis];
+            rows.row_mut(index)?[desired + index] = -(1.0 + gain * self.period);
+            rows.lower_mut()[index] = gain * error[axis];
+            rows.upper_mut()[index] = gain * error[axis];
         }
         Ok(())
     }
@@ -168,6 +332,7 @@ impl AugmentedClik {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::{DMatrix, DVector};
     use proptest::prelude::*;
 
     fn pose() -> impl Strategy<Value = Isometry3<f64>> {
@@ -192,7 +357,7 @@ mod tests {
             let error = pose_error(&desired, &actual);
             let velocity = Vector6::from(velocity);
             let state = AugmentedState { joints: 6, task: 6, slack: 0 };
-            let clik = AugmentedClik::new(state, Vector6::repeat(gain), period).unwrap();
+            let clik = AugmentedClik::new(state, PoseAxes::ALL, Vector6::repeat(gain), period).unwrap();
             let mut rows = clik.rows();
             clik.write(&DMatrix::identity(6, 6), &error, &mut rows).unwrap();
             let twist = velocity * (1.0 + gain * period) + error * gain;
@@ -212,16 +377,84 @@ mod tests {
         }
     }
 
+    /// One to six coordinates.
+    fn axes() -> impl Strategy<Value = PoseAxes> {
+        prop::sample::subsequence((0..6).collect::<Vec<_>>(), 1..=6)
+            .prop_map(|axes| PoseAxes::new(&axes).unwrap())
+    }
+
+    proptest! {
+        #[test]
+        fn rows_are_those_of_the_coordinates_controlled(
+            axes in axes(),
+            entries in prop::collection::vec(-1.0..1.0_f64, 6 * 4),
+            error in prop::array::uniform6(-1.0..1.0_f64),
+            velocity in prop::array::uniform6(-1.0..1.0_f64),
+            rates in prop::array::uniform4(-1.0..1.0_f64),
+        ) {
+            let jacobian = DMatrix::from_row_slice(6, 4, &entries);
+            let (error, velocity) = (Vector6::from(error), Vector6::from(velocity));
+            let gain = Vector6::from_fn(|i, _| 10.0 + i as f64);
+            let twist = &jacobian * DVector::from_column_slice(&rates);
+
+            let plain = Clik::new(4, axes, gain, 1e-3).unwrap();
+            let mut rows = plain.rows();
+            plain.write(&jacobian, &error, &velocity, &mut rows).unwrap();
+            prop_assert_eq!((rows.len(), rows.columns()), (axes.len(), 4));
+            // In the augmented form with ẋ_d as a variable, held at the same velocity.
+            let state = AugmentedState { joints: 4, task: axes.len(), slack: 2 };
+            let augmented = AugmentedClik::new(state, axes, gain, 1e-3).unwrap();
+            let mut wide = augmented.rows();
+            augmented.write(&jacobian, &error, &mut wide).unwrap();
+            for (index, axis) in axes.iter().enumerate() {
+                let (row, lower, upper) = rows.iter().nth(index).unwrap();
+                let reached: f64 = row.iter().zip(&rates).map(|(a, b)| a * b).sum();
+                let left = twist[axis] - velocity[axis] - gain[axis] * error[axis];
+                prop_assert!((reached - lower - left).abs() < 1e-12);
+                prop_assert_eq!(lower, upper);
+                let (row, lower, upper) = wide.iter().nth(index).unwrap();
+                prop_assert_eq!(&row[..4], rows.row(index).unwrap());
+                for (j, entry) in row[4..].iter().enumerate() {
+                    let own = if j == index { -(1.0 + gain[axis] * 1e-3) } else { 0.0 };
+                    prop_assert_eq!(*entry, own);
+                }
+                prop_assert_eq!((lower, upper), (gain[axis] * error[axis], lower));
+            }
+        }
+    }
+
+    #[test]
+    fn axes_are_one_to_six_different_coordinates() {
+        for wrong in [&[][..], &[6], &[1, 1], &[0, 1, 2, 3, 4, 5, 0]] {
+            assert!(matches!(PoseAxes::new(wrong), Err(Error::Parameter { .. })), "{wrong:?}");
+        }
+        assert_eq!(PoseAxes::new(&[5, 0, 1]).unwrap(), PoseAxes::PLANAR);
+        assert_eq!(PoseAxes::new(&[0, 1, 2, 3, 4, 5]).unwrap(), PoseAxes::ALL);
+        // Gains of coordinates that are left alone do not count.
+        let gain = Vector6::new(1.0, 1.0, 1.0, 0.0, f64::NAN, -1.0);
+        assert!(Clik::new(7, PoseAxes::POSITION, gain, 1e-3).is_ok());
+        assert!(Clik::new(7, PoseAxes::PLANAR, gain, 1e-3).is_err());
+        let state = AugmentedState { joints: 7, task: 6, slack: 0 };
+        let error = AugmentedClik::new(state, PoseAxes::POSITION, gain, 1e-3).unwrap_err();
+        assert_eq!(error, Error::Size { what: "the dimension of the task", found: 6, expected: 3 });
+    }
+
     #[test]
     fn bad_parameters_are_named() {
         let state = AugmentedState { joints: 7, task: 6, slack: 0 };
         for gain in [0.0, -1.0, f64::NAN, 2000.0] {
-            let error = AugmentedClik::new(state, Vector6::repeat(gain), 1e-3).unwrap_err();
+            let error =
+                AugmentedClik::new(state, PoseAxes::ALL, Vector6::repeat(gain), 1e-3).unwrap_err();
             assert!(error.to_string().contains("gain"), "{error}");
         }
-        assert!(AugmentedClik::new(state, Vector6::repeat(1.0), 0.0).is_err());
-        let clik = AugmentedClik::new(state, Vector6::repeat(1.0), 1e-3).unwrap();
+        assert!(AugmentedClik::new(state, PoseAxes::ALL, Vector6::repeat(1.0), 0.0).is_err());
+        let clik = AugmentedClik::new(state, PoseAxes::ALL, Vector6::repeat(1.0), 1e-3).unwrap();
         let mut rows = clik.rows();
         assert!(clik.write(&DMatrix::zeros(6, 8), &Vector6::zeros(), &mut rows).is_err());
+        let clik = Clik::new(7, PoseAxes::ALL, Vector6::repeat(1.0), 1e-3).unwrap();
+        let zero = Vector6::zeros();
+        assert!(clik.write(&DMatrix::zeros(5, 7), &zero, &zero, &mut clik.rows()).is_err());
+        assert!(clik.write(&DMatrix::zeros(6, 7), &zero, &zero, &mut clik.rows()).is_ok());
+        assert!(clik.write(&DMatrix::zeros(6, 7), &zero, &zero, &mut Rows::zeros(6, 8)).is_err());
     }
 }

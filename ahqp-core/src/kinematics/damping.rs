@@ -30,6 +30,11 @@ use crate::problem::rows::Rows;
 /// let mut rows = Rows::equalities(&dmatrix![1.0, 0.0; 1.0, 1e-3], &dvector![0.0, 1.0])?;
 /// assert!(damping.apply(&mut rows)? > 0.0);
 /// assert!((rows.lower()[1] - rows.lower()[0]).abs() < 0.01);
+///
+/// // Applied again it changes nothing more.
+/// let once = rows.clone();
+/// damping.apply(&mut rows)?;
+/// assert_eq!(rows, once);
 /// # Ok(())
 /// # }
 /// ```
@@ -68,11 +73,12 @@ impl Damping {
     }
 
     /// Damps the targets of `rows` where its matrix is nearly singular, and returns the μ used;
-    /// zero where it is not. Does not allocate.
+    /// zero where it is not. Allocates only the first time that rows are damped.
     ///
-    /// The targets are overwritten: in a control loop write them anew each tick, also where only the
-    /// matrix changes, or they are damped again and again. A zero row, and rows more than
-    /// variables, leave a pivot of zero: the damping is then the largest throughout.
+    /// The rows remember the targets that they were given: damped again, whether their matrix has
+    /// changed or not, they are damped from those; where a bound is written, it is one of those. A
+    /// zero row, and rows more than variables, leave a pivot of zero: the damping is then the largest
+    /// throughout.
     ///
     /// # Errors
     /// [`Error::Size`] for more rows than sized for; [`Error::NotAnEquality`] for a row whose bounds
@@ -82,6 +88,7 @@ impl Damping {
         if m > self.rows {
             return Err(Error::Size { what: "the damped level", found: m, expected: self.rows });
         }
+        rows.undo_damping();
         self.load(rows)?;
         let smallest = self.smallest_pivot(m);
         if smallest >= self.threshold {
@@ -96,11 +103,9 @@ impl Damping {
             *to = bound / self.norms[i];
         }
         solve_positive_definite(&mut self.system[..m * m], &mut self.target[..m]);
-        for i in 0..m {
-            let reached = dot(&self.gram[i * m..(i + 1) * m], &self.target[..m]) * self.norms[i];
-            rows.lower_mut()[i] = reached;
-            rows.upper_mut()[i] = reached;
-        }
+        let target = &self.target[..m];
+        let rows_of_gram = self.gram[..m * m].chunks_exact(m).zip(&self.norms);
+        rows.damp(rows_of_gram.map(|(row, norm)| dot(row, target) * norm));
         Ok(damping)
     }
 
@@ -169,7 +174,8 @@ mod tests {
             prop_assume!((0..m).all(|i| a.row(i).norm() > 1e-2));
             let b = DVector::from_column_slice(&target[..m]);
             let mut rows = Rows::equalities(&a, &b).unwrap();
-            let damping = Damping::new(4, 0.1, 0.05).unwrap().apply(&mut rows).unwrap();
+            let mut damped = Damping::new(4, 0.1, 0.05).unwrap();
+            let damping = damped.apply(&mut rows).unwrap();
             let found = DVector::from_column_slice(rows.lower());
             if damping == 0.0 {
                 prop_assert_eq!(found, b);
@@ -183,6 +189,39 @@ mod tests {
                 prop_assert!(x.norm() <= scaled.norm() / (2.0 * damping) * (1.0 + 1e-9));
             }
         }
+    }
+
+    #[test]
+    fn rows_are_damped_from_the_targets_that_they_were_given() {
+        let mut damping = Damping::new(2, 0.1, 0.05).unwrap();
+        let near = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, 1e-3]);
+        let nearer = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, 1e-4]);
+        let far = DMatrix::identity(2, 2);
+        let fresh = |damping: &mut Damping, matrix: &DMatrix<f64>, targets: [f64; 2]| {
+            let mut rows = Rows::equalities(matrix, &targets).unwrap();
+            damping.apply(&mut rows).unwrap();
+            (rows.lower().to_vec(), rows.upper().to_vec())
+        };
+        let now = |rows: &Rows| (rows.lower().to_vec(), rows.upper().to_vec());
+        let mut rows = Rows::equalities(&near, &[0.0, 1.0]).unwrap();
+        for matrix in [&near, &near, &nearer, &far, &near] {
+            rows.set_matrix(matrix).unwrap();
+            for _ in 0..2 {
+                damping.apply(&mut rows).unwrap();
+                assert_eq!(now(&rows), fresh(&mut damping, matrix, [0.0, 1.0]));
+            }
+        }
+        // One target of two is written.
+        rows.lower_mut()[1] = 2.0;
+        rows.upper_mut()[1] = 2.0;
+        assert_eq!(now(&rows).0, [0.0, 2.0]);
+        damping.apply(&mut rows).unwrap();
+        assert_eq!(now(&rows), fresh(&mut damping, &near, [0.0, 2.0]));
+        // Written anew, also with what came out of the damping, targets are targets.
+        let reached = [rows.lower()[0], rows.lower()[1]];
+        rows.set_targets(&reached).unwrap();
+        damping.apply(&mut rows).unwrap();
+        assert_eq!(now(&rows), fresh(&mut damping, &near, reached));
     }
 
     #[test]

@@ -1,127 +1,15 @@
 //! The problem: levels of objectives and constraints in order of priority.
 
 use std::fmt;
+use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, Dim, Matrix, RawStorage};
+use nalgebra::{DMatrix, DVector};
 
-use crate::Error;
-use crate::problem::rows::{Rows, expect_size};
-
-/// What a level minimises.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum Objective {
-    /// Nothing: the level only adds constraints.
-    None,
-    /// ½ Σ (distance of a row of `A x` to its range)²; with equal bounds ½‖A x − b‖²
-    /// (the paper's eq. 1).
-    LeastSquares(Rows),
-    /// ½ xᵀHx + gᵀx with H symmetric positive semidefinite (the form of the paper's Sec. III-B).
-    Quadratic {
-        /// H, n × n.
-        hessian: DMatrix<f64>,
-        /// g, of size n.
-        gradient: DVector<f64>,
-    },
-}
-
-/// One priority level: an objective, and hard constraints that hold from this level down.
-///
-/// ```
-/// use ahqp_core::{Level, Rows};
-/// use nalgebra::{dmatrix, dvector};
-///
-/// let level = Level::least_squares(Rows::equalities(&dmatrix![1.0, 1.0], &dvector![2.0])?)
-///     .with_constraints(Rows::ranges(&dmatrix![1.0, 0.0], &dvector![0.0], &dvector![0.5])?);
-/// assert_eq!(level.constraints().len(), 1);
-/// # Ok::<(), ahqp_core::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct Level {
-    objective: Objective,
-    constraints: Rows,
-}
-
-impl Level {
-    /// A level that minimises the violation of `rows` in the least-squares sense.
-    pub fn least_squares(rows: Rows) -> Self {
-        let columns = rows.columns();
-        Self { objective: Objective::LeastSquares(rows), constraints: Rows::zeros(0, columns) }
-    }
-
-    /// A level that minimises ½ xᵀHx + gᵀx, H of size n × n, g of size n.
-    ///
-    /// Whether H is symmetric and positive semidefinite is checked at each solve, since it may
-    /// be rewritten between two of them.
-    ///
-    /// # Errors
-    /// [`Error::Size`] when H is not square or g does not fit it.
-    pub fn quadratic(hessian: DMatrix<f64>, gradient: DVector<f64>) -> Result<Self, Error> {
-        expect_size("the columns of the Hessian", hessian.ncols(), hessian.nrows())?;
-        expect_size("the gradient", gradient.len(), hessian.nrows())?;
-        let columns = gradient.len();
-        Ok(Self {
-            objective: Objective::Quadratic { hessian, gradient },
-            constraints: Rows::zeros(0, columns),
-        })
-    }
-
-    /// A level that only adds hard constraints.
-    pub fn constraints_only(rows: Rows) -> Self {
-        Self { objective: Objective::None, constraints: rows }
-    }
-
-    /// The same level with `rows` as its hard constraints.
-    #[must_use]
-    pub fn with_constraints(mut self, rows: Rows) -> Self {
-        self.constraints = rows;
-        self
-    }
-
-    /// What the level minimises.
-    pub fn objective(&self) -> &Objective {
-        &self.objective
-    }
-
-    /// What must hold from this level down.
-    pub fn constraints(&self) -> &Rows {
-        &self.constraints
-    }
-
-    /// The hard constraints, to rewrite in place.
-    pub fn constraints_mut(&mut self) -> &mut Rows {
-        &mut self.constraints
-    }
-
-    /// The rows of a least-squares objective, to rewrite in place.
-    pub fn least_squares_mut(&mut self) -> Option<&mut Rows> {
-        match &mut self.objective {
-            Objective::LeastSquares(rows) => Some(rows),
-            Objective::None | Objective::Quadratic { .. } => None,
-        }
-    }
-
-    /// Hessian and gradient of a quadratic objective, to rewrite in place (not to resize).
-    pub fn quadratic_mut(&mut self) -> Option<(&mut DMatrix<f64>, &mut DVector<f64>)> {
-        match &mut self.objective {
-            Objective::Quadratic { hessian, gradient } => Some((hessian, gradient)),
-            Objective::None | Objective::LeastSquares(_) => None,
-        }
-    }
-
-    fn expect_columns(&self, variables: usize) -> Result<(), Error> {
-        match &self.objective {
-            Objective::None => {}
-            Objective::LeastSquares(rows) => {
-                expect_size("a row of the objective", rows.columns(), variables)?;
-            }
-            Objective::Quadratic { gradient, .. } => {
-                expect_size("the gradient", gradient.len(), variables)?;
-            }
-        }
-        expect_size("a row of the constraints", self.constraints.columns(), variables)
-    }
-}
+use crate::error::Error;
+use crate::problem::ids::LevelId;
+use crate::problem::level::{Level, of_level};
+use crate::problem::rows::{Rows, Values, collect_names, expect_size, write};
+use crate::problem::source::{ConstraintSource, Names};
 
 /// A hierarchical quadratic programme over n variables.
 ///
@@ -137,12 +25,17 @@ impl Level {
 /// let mut hierarchy = Hierarchy::new(2)?;
 /// hierarchy.set_bounds(&dvector![-1.0, -1.0], &dvector![1.5, 9.0])?;
 /// hierarchy.push(Level::least_squares(Rows::equalities(&dmatrix![1.0, 1.0], &dvector![2.0])?))?;
-/// hierarchy.push(Level::least_squares(Rows::equalities(&dmatrix![1.0, 0.0], &dvector![5.0])?))?;
+/// let near = Rows::equalities(&dmatrix![1.0, 0.0], &dvector![5.0])?;
+/// let near = hierarchy.push(Level::least_squares(near).named("near"))?;
 ///
 /// let mut solver = Solver::new(&hierarchy, Settings::default())?;
-/// let solution = solver.solve(&hierarchy)?;
-/// assert!((solution.x()[0] - 1.5).abs() < 1e-12);
-/// assert!((solution.x()[1] - 0.5).abs() < 1e-12);
+/// let x = solver.solve(&hierarchy)?.optimum()?;
+/// assert!((x[0] - 1.5).abs() < 1e-12 && (x[1] - 0.5).abs() < 1e-12);
+///
+/// // The next tick: other data, the same solver.
+/// hierarchy.rows_mut(near)?.set_targets(&[-5.0])?;
+/// let x = solver.solve(&hierarchy)?.optimum()?;
+/// assert!((x[0] + 1.0).abs() < 1e-12 && (x[1] - 3.0).abs() < 1e-12);
 /// # Ok::<(), ahqp_core::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -150,6 +43,8 @@ pub struct Hierarchy {
     lower: Vec<f64>,
     upper: Vec<f64>,
     levels: Vec<Level>,
+    /// Of all variables, or none.
+    variable_names: Vec<Arc<str>>,
 }
 
 impl Hierarchy {
@@ -165,6 +60,7 @@ impl Hierarchy {
             lower: vec![f64::NEG_INFINITY; variables],
             upper: vec![f64::INFINITY; variables],
             levels: Vec::new(),
+            variable_names: Vec::new(),
         })
     }
 
@@ -173,14 +69,31 @@ impl Hierarchy {
         self.lower.len()
     }
 
-    /// Adds a level below all present ones and returns its index.
+    /// Gives every variable a name, for errors and conflicts.
+    ///
+    /// # Errors
+    /// [`Error::Size`] unless there are n.
+    pub fn name_variables<T: Into<Arc<str>>>(
+        &mut self,
+        names: impl IntoIterator<Item = T>,
+    ) -> Result<(), Error> {
+        self.variable_names = collect_names("the names of the variables", names, self.variables())?;
+        Ok(())
+    }
+
+    /// The names of the variables; empty if they have none.
+    pub fn variable_names(&self) -> &[Arc<str>] {
+        &self.variable_names
+    }
+
+    /// Adds a level below all present ones and returns its id.
     ///
     /// # Errors
     /// [`Error::Size`] when its rows do not cover the variables.
-    pub fn push(&mut self, level: Level) -> Result<usize, Error> {
+    pub fn push(&mut self, level: Level) -> Result<LevelId, Error> {
         level.expect_columns(self.variables())?;
         self.levels.push(level);
-        Ok(self.levels.len() - 1)
+        Ok(LevelId::new(self.levels.len() - 1))
     }
 
     /// The levels, highest priority first.
@@ -188,13 +101,84 @@ impl Hierarchy {
         &self.levels
     }
 
-    /// Level `index`, to rewrite its data in place.
+    /// The ids of the levels, highest priority first.
+    pub fn ids(&self) -> impl Iterator<Item = LevelId> + use<> {
+        (0..self.levels.len()).map(LevelId::new)
+    }
+
+    /// Level `id`.
     ///
     /// # Errors
-    /// [`Error::NoSuchLevel`] past the last.
-    pub fn level_mut(&mut self, index: usize) -> Result<&mut Level, Error> {
-        let levels = self.levels.len();
-        self.levels.get_mut(index).ok_or(Error::NoSuchLevel { level: index, levels })
+    /// [`Error::NoSuchLevel`] for the id of another hierarchy with more levels.
+    pub fn level(&self, id: LevelId) -> Result<&Level, Error> {
+        self.levels.get(id.index()).ok_or(Error::NoSuchLevel { level: id })
+    }
+
+    /// Level `id`, to rewrite its data in place.
+    ///
+    /// # Errors
+    /// As [`level`](Self::level).
+    pub fn level_mut(&mut self, id: LevelId) -> Result<&mut Level, Error> {
+        self.levels.get_mut(id.index()).ok_or(Error::NoSuchLevel { level: id })
+    }
+
+    /// The rows that level `id` minimises, to rewrite in place (not to resize).
+    ///
+    /// # Errors
+    /// [`Error::OtherObjective`] for a level that minimises a quadratic, or nothing;
+    /// [`Error::NoSuchLevel`].
+    pub fn rows_mut(&mut self, id: LevelId) -> Result<&mut Rows, Error> {
+        of_level(id, self.level_mut(id)?.rows_mut())
+    }
+
+    /// The hard constraints of level `id`, to rewrite in place (not to resize).
+    ///
+    /// # Errors
+    /// [`Error::NoSuchLevel`].
+    pub fn constraints_mut(&mut self, id: LevelId) -> Result<&mut Rows, Error> {
+        Ok(self.level_mut(id)?.constraints_mut())
+    }
+
+    /// Hessian and gradient that level `id` minimises, to rewrite in place (not to resize).
+    ///
+    /// # Errors
+    /// [`Error::OtherObjective`] for a level that minimises rows, or nothing;
+    /// [`Error::NoSuchLevel`].
+    pub fn quadratic_mut(
+        &mut self,
+        id: LevelId,
+    ) -> Result<(&mut DMatrix<f64>, &mut DVector<f64>), Error> {
+        of_level(id, self.level_mut(id)?.quadratic_mut())
+    }
+
+    /// A row in words, with the names that level, row and variable have.
+    ///
+    /// ```
+    /// use ahqp_core::{Error, Hierarchy, Level, Rows, Settings, Solver};
+    /// use nalgebra::dmatrix;
+    ///
+    /// let mut hierarchy = Hierarchy::new(1)?;
+    /// hierarchy.set_bounds(&[0.0], &[1.0])?;
+    /// hierarchy.name_variables(["elbow"])?;
+    /// let rows = Rows::at_least(&dmatrix![1.0], &[2.0])?.with_names(["raised"])?;
+    /// hierarchy.push(Level::constraints_only(rows).named("posture"))?;
+    ///
+    /// let mut solver = Solver::new(&hierarchy, Settings::default())?;
+    /// assert!(matches!(solver.solve(&hierarchy), Err(Error::Infeasible { .. })));
+    /// let conflict = solver.conflict().iter().map(|&row| hierarchy.describe(row).to_string());
+    /// assert_eq!(conflict.collect::<Vec<_>>(), [
+    ///     "constraint row 0 \"raised\" of level 0 \"posture\"",
+    ///     "the bounds of variable 0 \"elbow\"",
+    /// ]);
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn describe(&self, row: ConstraintSource) -> impl fmt::Display + use<> {
+        self.names(row).label(row)
+    }
+
+    pub(crate) fn names(&self, row: ConstraintSource) -> Names {
+        let level = row.level().and_then(|id| self.level(id).ok());
+        Names::of(row, level, &self.variable_names)
     }
 
     /// The lower bounds of the variables; negative infinity where there is none.
@@ -216,58 +200,16 @@ impl Hierarchy {
     ///
     /// # Errors
     /// [`Error::Size`] unless both have n entries.
-    pub fn set_bounds<D: Dim, T, E: Dim, U>(
+    pub fn set_bounds<'a>(
         &mut self,
-        lower: &Matrix<f64, D, nalgebra::U1, T>,
-        upper: &Matrix<f64, E, nalgebra::U1, U>,
-    ) -> Result<(), Error>
-    where
-        T: RawStorage<f64, D, nalgebra::U1>,
-        U: RawStorage<f64, E, nalgebra::U1>,
-    {
-        expect_size("the lower bound of the variables", lower.nrows(), self.variables())?;
-        expect_size("the upper bound of the variables", upper.nrows(), self.variables())?;
-        self.lower.iter_mut().zip(lower.iter()).for_each(|(to, from)| *to = *from);
-        self.upper.iter_mut().zip(upper.iter()).for_each(|(to, from)| *to = *from);
+        lower: impl Values<'a>,
+        upper: impl Values<'a>,
+    ) -> Result<(), Error> {
+        let (lower, upper) = (lower.into_iter(), upper.into_iter());
+        expect_size("the lower bound of the variables", lower.len(), self.variables())?;
+        expect_size("the upper bound of the variables", upper.len(), self.variables())?;
+        write(&mut self.lower, lower);
+        write(&mut self.upper, upper);
         Ok(())
-    }
-}
-
-/// Where a row of the problem comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum ConstraintSource {
-    /// The bounds of a variable.
-    Bound {
-        /// The variable.
-        variable: usize,
-    },
-    /// A hard constraint of a level.
-    Constraint {
-        /// The level.
-        level: usize,
-        /// The row of its constraints.
-        row: usize,
-    },
-    /// A row of a level's objective.
-    Objective {
-        /// The level.
-        level: usize,
-        /// The row of its objective.
-        row: usize,
-    },
-}
-
-impl fmt::Display for ConstraintSource {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Bound { variable } => write!(formatter, "the bounds of variable {variable}"),
-            Self::Constraint { level, row } => {
-                write!(formatter, "constraint row {row} of level {level}")
-            }
-            Self::Objective { level, row } => {
-                write!(formatter, "objective row {row} of level {level}")
-            }
-        }
     }
 }

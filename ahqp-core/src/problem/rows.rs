@@ -1,8 +1,20 @@
 //! Blocks of linear rows `lower ≤ A x ≤ upper`.
 
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
 use nalgebra::{Dim, Matrix, RawStorage};
 
-use crate::Error;
+use crate::error::Error;
+
+/// Weights that are not zero.
+const WEIGHTS: RangeInclusive<f64> = 1e-100..=1e100;
+
+/// Numbers one after another: `&DVector`, `&Vector6` or another nalgebra vector or view by
+/// reference, a slice, a reference to an array or `Vec`.
+pub trait Values<'a>: IntoIterator<Item = &'a f64, IntoIter: ExactSizeIterator> {}
+
+impl<'a, T: IntoIterator<Item = &'a f64, IntoIter: ExactSizeIterator>> Values<'a> for T {}
 
 /// A block of `m` rows over `n` variables, `lower ≤ A x ≤ upper`.
 ///
@@ -13,9 +25,20 @@ use crate::Error;
 /// use ahqp_core::Rows;
 /// use nalgebra::{dmatrix, dvector};
 ///
-/// let rows = Rows::equalities(&dmatrix![1.0, 0.0; 0.0, 2.0], &dvector![3.0, 4.0])?;
-/// assert_eq!(rows.len(), 2);
-/// assert_eq!(rows.row(1), Some(&[0.0, 2.0][..]));
+/// // x = 3 and 2 y = 4, the second with a hundredfold weight.
+/// let mut rows = Rows::equalities(&dmatrix![1.0, 0.0; 0.0, 2.0], &dvector![3.0, 4.0])?
+///     .with_names(["left", "right"])?;
+/// rows.set_weights(&[1.0, 100.0])?;
+/// assert_eq!((rows.len(), rows.row(1)), (2, Some(&[0.0, 2.0][..])));
+///
+/// // Rewritten in place, tick by tick.
+/// rows.set_targets(&[3.5, 4.5])?;
+/// rows.row_mut(0)?.copy_from_slice(&[1.0, 0.1]);
+/// assert_eq!(rows.lower(), rows.upper());
+///
+/// // x + y ≤ 1.
+/// let limit = Rows::at_most(&dmatrix![1.0, 1.0], &[1.0])?;
+/// assert_eq!(limit.lower(), [f64::NEG_INFINITY]);
 /// # Ok::<(), ahqp_core::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +47,12 @@ pub struct Rows {
     matrix: Vec<f64>,
     lower: Vec<f64>,
     upper: Vec<f64>,
+    /// What the targets were before they were damped; empty if they are not.
+    undamped: Vec<f64>,
+    /// One a row, or none.
+    weights: Vec<f64>,
+    /// One a row, or none.
+    names: Vec<Arc<str>>,
 }
 
 impl Rows {
@@ -34,6 +63,9 @@ impl Rows {
             matrix: vec![0.0; rows * columns],
             lower: vec![0.0; rows],
             upper: vec![0.0; rows],
+            undamped: Vec::new(),
+            weights: Vec::new(),
+            names: Vec::new(),
         }
     }
 
@@ -41,35 +73,101 @@ impl Rows {
     ///
     /// # Errors
     /// [`Error::Size`] when `b` has not as many entries as `A` has rows.
-    pub fn equalities<R: Dim, C: Dim, S, D: Dim, T>(
+    pub fn equalities<'a, R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
         a: &Matrix<f64, R, C, S>,
-        b: &nalgebra::Vector<f64, D, T>,
-    ) -> Result<Self, Error>
-    where
-        S: RawStorage<f64, R, C>,
-        T: RawStorage<f64, D>,
-    {
-        Self::ranges(a, b, b)
+        b: impl Values<'a>,
+    ) -> Result<Self, Error> {
+        let mut rows = Self::free(a)?;
+        rows.set_targets(b)?;
+        Ok(rows)
     }
 
     /// `lower ≤ A x ≤ upper`, with `A` of size m × n and the bounds of size m.
     ///
     /// # Errors
     /// [`Error::Size`] when a bound has not as many entries as `A` has rows.
-    pub fn ranges<R: Dim, C: Dim, S, D: Dim, T, E: Dim, U>(
+    pub fn ranges<'a, R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
         a: &Matrix<f64, R, C, S>,
-        lower: &nalgebra::Vector<f64, D, T>,
-        upper: &nalgebra::Vector<f64, E, U>,
-    ) -> Result<Self, Error>
-    where
-        S: RawStorage<f64, R, C>,
-        T: RawStorage<f64, D>,
-        U: RawStorage<f64, E>,
-    {
-        let mut rows = Self::zeros(a.nrows(), a.ncols());
-        rows.set_matrix(a)?;
+        lower: impl Values<'a>,
+        upper: impl Values<'a>,
+    ) -> Result<Self, Error> {
+        let mut rows = Self::free(a)?;
         rows.set_bounds(lower, upper)?;
         Ok(rows)
+    }
+
+    /// `A x ≤ upper`, with `A` of size m × n and the bound of size m.
+    ///
+    /// # Errors
+    /// [`Error::Size`] when the bound has not as many entries as `A` has rows.
+    pub fn at_most<'a, R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
+        a: &Matrix<f64, R, C, S>,
+        upper: impl Values<'a>,
+    ) -> Result<Self, Error> {
+        let (mut rows, upper) = (Self::free(a)?, upper.into_iter());
+        expect_size("the upper bound", upper.len(), rows.len())?;
+        write(&mut rows.upper, upper);
+        Ok(rows)
+    }
+
+    /// `A x ≥ lower`, with `A` of size m × n and the bound of size m.
+    ///
+    /// # Errors
+    /// [`Error::Size`] when the bound has not as many entries as `A` has rows.
+    pub fn at_least<'a, R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
+        a: &Matrix<f64, R, C, S>,
+        lower: impl Values<'a>,
+    ) -> Result<Self, Error> {
+        let (mut rows, lower) = (Self::free(a)?, lower.into_iter());
+        expect_size("the lower bound", lower.len(), rows.len())?;
+        write(&mut rows.lower, lower);
+        Ok(rows)
+    }
+
+    /// `lower ≤ A x ≤ upper` from the coefficients of A, m × n = `rows` × `columns`, row after row,
+    /// and bounds of size m.
+    ///
+    /// # Errors
+    /// [`Error::Size`] for what has another size.
+    pub fn from_row_slice<'a>(
+        rows: usize,
+        columns: usize,
+        coefficients: &[f64],
+        lower: impl Values<'a>,
+        upper: impl Values<'a>,
+    ) -> Result<Self, Error> {
+        expect_size("the slice of coefficients", coefficients.len(), rows * columns)?;
+        let mut block = Self::zeros(rows, columns);
+        block.matrix.copy_from_slice(coefficients);
+        block.set_bounds(lower, upper)?;
+        Ok(block)
+    }
+
+    /// A, bounded by nothing.
+    fn free<R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
+        a: &Matrix<f64, R, C, S>,
+    ) -> Result<Self, Error> {
+        let mut rows = Self::zeros(a.nrows(), a.ncols());
+        rows.set_matrix(a)?;
+        rows.set_free();
+        Ok(rows)
+    }
+
+    /// The same rows with a name each, for errors and conflicts.
+    ///
+    /// # Errors
+    /// [`Error::Size`] unless there is one a row.
+    pub fn with_names<T: Into<Arc<str>>>(
+        mut self,
+        names: impl IntoIterator<Item = T>,
+    ) -> Result<Self, Error> {
+        self.names = collect_names("the names of the rows", names, self.len())?;
+        Ok(self)
+    }
+
+    /// The names of the rows; empty if they have none.
+    pub fn names(&self) -> &[Arc<str>] {
+        &self.names
     }
 
     /// How many rows there are.
@@ -89,12 +187,41 @@ impl Rows {
 
     /// The coefficients of row `index`, one a variable.
     pub fn row(&self, index: usize) -> Option<&[f64]> {
+        if index >= self.len() {
+            return None;
+        }
         self.matrix.get(index * self.columns..(index + 1) * self.columns)
     }
 
     /// The coefficients of row `index`, to write in place.
-    pub fn row_mut(&mut self, index: usize) -> Option<&mut [f64]> {
-        self.matrix.get_mut(index * self.columns..(index + 1) * self.columns)
+    ///
+    /// # Errors
+    /// [`Error::NoSuchRow`] past the last.
+    pub fn row_mut(&mut self, index: usize) -> Result<&mut [f64], Error> {
+        let rows = self.len();
+        if index >= rows {
+            return Err(Error::NoSuchRow { row: index, rows });
+        }
+        Ok(&mut self.matrix[index * self.columns..(index + 1) * self.columns])
+    }
+
+    /// Copies coefficients and bounds of row `index`.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchRow`] past the last, [`Error::Size`] unless there is a coefficient a variable.
+    pub fn set_row<'a>(
+        &mut self,
+        index: usize,
+        coefficients: impl Values<'a>,
+        lower: f64,
+        upper: f64,
+    ) -> Result<(), Error> {
+        let coefficients = coefficients.into_iter();
+        expect_size("a row", coefficients.len(), self.columns)?;
+        write(self.row_mut(index)?, coefficients);
+        self.undo_damping();
+        (self.lower[index], self.upper[index]) = (lower, upper);
+        Ok(())
     }
 
     /// The lower bounds.
@@ -104,6 +231,7 @@ impl Rows {
 
     /// The lower bounds, to write in place.
     pub fn lower_mut(&mut self) -> &mut [f64] {
+        self.undo_damping();
         &mut self.lower
     }
 
@@ -114,6 +242,7 @@ impl Rows {
 
     /// The upper bounds, to write in place.
     pub fn upper_mut(&mut self) -> &mut [f64] {
+        self.undo_damping();
         &mut self.upper
     }
 
@@ -140,21 +269,112 @@ impl Rows {
     /// Copies the bounds.
     ///
     /// # Errors
-    /// [`Error::Size`] when they have not one entry a row.
-    pub fn set_bounds<D: Dim, T, E: Dim, U>(
+    /// [`Error::Size`] when they have not one entry a row; nothing has changed then.
+    pub fn set_bounds<'a>(
         &mut self,
-        lower: &nalgebra::Vector<f64, D, T>,
-        upper: &nalgebra::Vector<f64, E, U>,
-    ) -> Result<(), Error>
-    where
-        T: RawStorage<f64, D>,
-        U: RawStorage<f64, E>,
-    {
-        expect_size("the lower bound", lower.nrows(), self.len())?;
-        expect_size("the upper bound", upper.nrows(), self.len())?;
-        self.lower.iter_mut().zip(lower.iter()).for_each(|(to, from)| *to = *from);
-        self.upper.iter_mut().zip(upper.iter()).for_each(|(to, from)| *to = *from);
+        lower: impl Values<'a>,
+        upper: impl Values<'a>,
+    ) -> Result<(), Error> {
+        let (lower, upper) = (lower.into_iter(), upper.into_iter());
+        expect_size("the lower bound", lower.len(), self.len())?;
+        expect_size("the upper bound", upper.len(), self.len())?;
+        self.undamped.clear();
+        write(&mut self.lower, lower);
+        write(&mut self.upper, upper);
         Ok(())
+    }
+
+    /// Makes the rows equalities with these targets: both bounds at once.
+    ///
+    /// # Errors
+    /// [`Error::Size`] when there is not one a row; nothing has changed then.
+    pub fn set_targets<'a>(&mut self, targets: impl Values<'a>) -> Result<(), Error> {
+        let targets = targets.into_iter();
+        expect_size("the targets", targets.len(), self.len())?;
+        self.undamped.clear();
+        write(&mut self.lower, targets);
+        self.upper.copy_from_slice(&self.lower);
+        Ok(())
+    }
+
+    /// Takes all bounds away.
+    pub fn set_free(&mut self) {
+        self.undamped.clear();
+        self.lower.fill(f64::NEG_INFINITY);
+        self.upper.fill(f64::INFINITY);
+    }
+
+    /// Sets what the rows of an objective weigh against each other: ½ Σ wᵢ dᵢ² is minimised, dᵢ
+    /// being the distance of row i to its range.
+    ///
+    /// A weight of 100 counts as much as ten times the row and its bounds would. Zero leaves the
+    /// row out. Rows without weights have weight 1; setting weights again replaces them. Between
+    /// levels, and for hard constraints, weights have no influence. The first call allocates, later
+    /// ones do not.
+    ///
+    /// # Errors
+    /// [`Error::Size`] when there is not one a row; [`Error::Weight`] unless they are zero or from
+    /// 1e-100 to 1e100. Nothing has changed then.
+    pub fn set_weights<'a, T: Values<'a, IntoIter: Clone>>(
+        &mut self,
+        weights: T,
+    ) -> Result<(), Error> {
+        let weights = weights.into_iter();
+        expect_size("the weights", weights.len(), self.len())?;
+        let fits = |weight: &f64| *weight == 0.0 || WEIGHTS.contains(weight);
+        if let Some((row, &weight)) = weights.clone().enumerate().find(|(_, w)| !fits(w)) {
+            return Err(Error::Weight { row, weight });
+        }
+        self.weights.resize(self.len(), 1.0);
+        write(&mut self.weights, weights);
+        Ok(())
+    }
+
+    /// The weight of row `index`, 1 unless one was set.
+    pub fn weight(&self, index: usize) -> f64 {
+        self.weights.get(index).copied().unwrap_or(1.0)
+    }
+
+    /// The weights, if they were set.
+    pub fn weights(&self) -> Option<&[f64]> {
+        (!self.weights.is_empty()).then_some(&self.weights)
+    }
+
+    /// Copies coefficients, bounds and weights from rows of the same size; the names stay. Allocates
+    /// only where the weights, or damped targets, are the first.
+    ///
+    /// # Errors
+    /// [`Error::Size`] when the sizes differ; nothing has changed then.
+    pub fn copy_from(&mut self, other: &Self) -> Result<(), Error> {
+        expect_size("the block to copy", other.len(), self.len())?;
+        expect_size("a row to copy", other.columns, self.columns)?;
+        self.matrix.copy_from_slice(&other.matrix);
+        self.lower.copy_from_slice(&other.lower);
+        self.upper.copy_from_slice(&other.upper);
+        for (to, from) in
+            [(&mut self.weights, &other.weights), (&mut self.undamped, &other.undamped)]
+        {
+            to.clear();
+            to.extend_from_slice(from);
+        }
+        Ok(())
+    }
+
+    /// Puts other targets in the place of those of equalities, until the bounds are written again.
+    pub(crate) fn damp(&mut self, targets: impl Iterator<Item = f64>) {
+        self.undo_damping();
+        self.undamped.extend_from_slice(&self.lower);
+        self.lower.iter_mut().zip(targets).for_each(|(to, target)| *to = target);
+        self.upper.copy_from_slice(&self.lower);
+    }
+
+    /// Brings the targets back that the rows were given.
+    pub(crate) fn undo_damping(&mut self) {
+        if !self.undamped.is_empty() {
+            self.lower.copy_from_slice(&self.undamped);
+            self.upper.copy_from_slice(&self.undamped);
+            self.undamped.clear();
+        }
     }
 
     /// A, row after row.
@@ -162,7 +382,7 @@ impl Rows {
         &self.matrix
     }
 
-    /// Every row with its bounds: `(coefficients, lower, upper)`.
+    /// Every row with its bounds, unweighted: `(coefficients, lower, upper)`.
     pub fn iter(&self) -> impl Iterator<Item = (&[f64], f64, f64)> + '_ {
         (0..self.len()).map(|i| {
             let row = &self.matrix[i * self.columns..(i + 1) * self.columns];
@@ -174,4 +394,20 @@ impl Rows {
 /// An error unless `found` equals `expected`.
 pub(crate) fn expect_size(what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
     if found == expected { Ok(()) } else { Err(Error::Size { what, found, expected }) }
+}
+
+/// Copies as many numbers as there are.
+pub(crate) fn write<'a>(to: &mut [f64], from: impl Iterator<Item = &'a f64>) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+}
+
+/// As many names as `expected`.
+pub(crate) fn collect_names<T: Into<Arc<str>>>(
+    what: &'static str,
+    names: impl IntoIterator<Item = T>,
+    expected: usize,
+) -> Result<Vec<Arc<str>>, Error> {
+    let names: Vec<Arc<str>> = names.into_iter().map(Into::into).collect();
+    expect_size(what, names.len(), expected)?;
+    Ok(names)
 }

@@ -13,6 +13,7 @@ mod signs;
 use std::ops::Range;
 
 use super::activity::Activity;
+use super::budget::{Allowance, Budget};
 use super::data::ProblemData;
 use super::factorisation::{Factorisation, Form, Group, Purpose, RankTolerances};
 use super::multipliers::{Multipliers, Residuals};
@@ -20,7 +21,7 @@ use super::settings::Settings;
 use super::tolerances::{DOUBTFUL, ROUNDING};
 use crate::linalg::list::List;
 use crate::linalg::vector::norm;
-use crate::problem::hierarchy::ConstraintSource;
+use crate::problem::source::ConstraintSource;
 use ratio_test::Candidate;
 use signs::Signs;
 
@@ -38,6 +39,7 @@ pub(crate) struct ActiveSet {
     /// aᵢx.
     pub(crate) value: Vec<f64>,
     pub(crate) iterations: usize,
+    pub(crate) allowance: Allowance,
     multipliers: Multipliers,
 
     /// Repair: the order of signs; rows that are violated; aᵢx at the point reached last.
@@ -62,7 +64,7 @@ pub(crate) struct ActiveSet {
     kept: List<usize>,
     /// The largest ‖x‖ of this solve.
     pub(crate) farthest: f64,
-    pub(crate) settings: Settings,
+    settings: Settings,
 }
 
 impl ActiveSet {
@@ -76,6 +78,7 @@ impl ActiveSet {
             x: vec![0.0; n],
             value: vec![0.0; count],
             iterations: 0,
+            allowance: Allowance::new(Budget::default(), settings.max_iterations),
             multipliers: Multipliers::new(&data, settings.optimality_tolerance),
             signs: Signs::new(count),
             violated: List::with_capacity(count),
@@ -93,6 +96,12 @@ impl ActiveSet {
             data,
             settings,
         }
+    }
+
+    pub(crate) fn change_settings(&mut self, settings: Settings) {
+        self.factorisation.tolerances = RankTolerances::new(settings.rank_tolerance);
+        self.multipliers.tolerance = settings.optimality_tolerance;
+        self.settings = settings;
     }
 
     /// Makes an active set fit the data: equalities are active, sides without a bound are not.

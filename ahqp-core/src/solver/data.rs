@@ -5,8 +5,11 @@ use std::ops::Range;
 use crate::error::Error;
 use crate::linalg::kernels::{add_rows, multiply_rows, square_rows};
 use crate::linalg::vector::{norm, norm_max};
-use crate::problem::hierarchy::{ConstraintSource, Hierarchy, Objective};
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::ids::LevelId;
+use crate::problem::level::Objective;
 use crate::problem::rows::Rows;
+use crate::problem::source::{ConstraintSource, Names};
 use crate::solver::quadratic_factor::QuadraticFactor;
 use crate::solver::tolerances::{MODERATE, NEAR_ONE, ROUNDING};
 
@@ -104,11 +107,13 @@ pub(crate) struct ProblemData {
     /// the rows of a quadratic's factor.
     relative_rounding: Vec<f64>,
     bound_rounding: Vec<f64>,
-    /// What hard constraints were multiplied by, a power of two: their units have no meaning, but
-    /// where some must be made to hold together, those of large ones would hide small ones.
+    /// What rows were multiplied by. Hard constraints by a power of two: their units have no meaning,
+    /// but where some must be made to hold together, those of large ones would hide small ones. Rows
+    /// of objectives by the roots of their weights.
     scales: Vec<f64>,
-    /// Whether any was multiplied.
+    /// Whether any constraint, and any row of an objective, was multiplied.
     scaled: bool,
+    weighted: bool,
     pub(crate) sources: Vec<ConstraintSource>,
     pub(crate) levels: Vec<LevelRows>,
     factor: QuadraticFactor,
@@ -122,7 +127,7 @@ impl ProblemData {
             (0..n).map(|variable| ConstraintSource::Bound { variable }).collect();
         let mut levels = Vec::with_capacity(hierarchy.levels().len());
         for (level, data) in hierarchy.levels().iter().enumerate() {
-            let start = sources.len();
+            let (start, level) = (sources.len(), LevelId::new(level));
             sources.extend(
                 (0..data.constraints().len())
                     .map(|row| ConstraintSource::Constraint { level, row }),
@@ -151,6 +156,7 @@ impl ProblemData {
             bound_rounding: vec![0.0; count],
             scales: vec![1.0; count],
             scaled: false,
+            weighted: false,
             sources,
             levels,
             factor: QuadraticFactor::new(n),
@@ -257,7 +263,10 @@ impl ProblemData {
             let start = self.levels[level].objective.start;
             match data.objective() {
                 Objective::None => {}
-                Objective::LeastSquares(rows) => self.load_rows(start, rows)?,
+                Objective::LeastSquares(rows) => {
+                    self.load_rows(start, rows)?;
+                    self.weigh_rows(start, rows)?;
+                }
                 Objective::Quadratic { hessian, gradient } => {
                     self.factor.factorise(level, hessian, gradient)?;
                     self.take_factor(level);
@@ -282,7 +291,7 @@ impl ProblemData {
     fn check_shape(&self, hierarchy: &Hierarchy) -> Result<(), Error> {
         let levels = hierarchy.levels();
         if hierarchy.variables() != self.n || levels.len() != self.levels.len() {
-            return Err(Error::ShapeChanged { level: self.levels.len().min(levels.len()) });
+            return Err(shape_changed(self.levels.len().min(levels.len())));
         }
         for (level, (data, rows)) in levels.iter().zip(&self.levels).enumerate() {
             let quadratic = matches!(data.objective(), Objective::Quadratic { .. });
@@ -293,7 +302,7 @@ impl ProblemData {
                 || quadratic != rows.quadratic
                 || objective_rows(data.objective(), self.n) != rows.objective.len()
             {
-                return Err(Error::ShapeChanged { level });
+                return Err(shape_changed(level));
             }
         }
         Ok(())
@@ -317,6 +326,38 @@ impl ProblemData {
         Ok(())
     }
 
+    /// Multiplies rows of an objective, and their bounds, by the roots of their weights.
+    fn weigh_rows(&mut self, start: usize, rows: &Rows) -> Result<(), Error> {
+        if rows.weights().is_none() && !self.weighted {
+            return Ok(());
+        }
+        self.weighted = true;
+        for (id, index) in (start..).zip(0..rows.len()) {
+            let scale = rows.weight(index).sqrt();
+            self.scale_row(id, scale);
+            if scale == 0.0 {
+                (self.lower[id], self.upper[id]) = (f64::NEG_INFINITY, f64::INFINITY);
+            }
+            self.check_row(id)?;
+            self.check_range(id)?;
+        }
+        Ok(())
+    }
+
+    /// Multiplies a row and its bounds.
+    fn scale_row(&mut self, id: usize, scale: f64) {
+        self.scales[id] = scale;
+        if scale != 1.0 {
+            let start = (id - self.n) * self.n;
+            for entry in &mut self.coefficients[start..start + self.n] {
+                *entry *= scale;
+            }
+            self.norms[id] *= scale;
+            self.lower[id] *= scale;
+            self.upper[id] *= scale;
+        }
+    }
+
     /// Brings rows whose norms are far from 1 near it, without rounding.
     fn scale_rows(&mut self, ids: Range<usize>) {
         let norms = self.norms[ids.clone()].iter();
@@ -326,17 +367,7 @@ impl ProblemData {
         }
         self.scaled = true;
         for id in ids {
-            let scale = to_near_one(self.norms[id]);
-            self.scales[id] = scale;
-            if scale != 1.0 {
-                let start = (id - self.n) * self.n;
-                for entry in &mut self.coefficients[start..start + self.n] {
-                    *entry *= scale;
-                }
-                self.norms[id] *= scale;
-                self.lower[id] *= scale;
-                self.upper[id] *= scale;
-            }
+            self.scale_row(id, to_near_one(self.norms[id]));
         }
     }
 
@@ -351,7 +382,8 @@ impl ProblemData {
         let row = &self.coefficients[start..start + self.n];
         if let Some(entry) = row.iter().position(|value| !value.is_finite()) {
             let source_of_row = self.sources[id];
-            return Err(Error::NotFinite { what: "the matrix", source_of_row, entry });
+            let (what, names) = ("the matrix", Names::default());
+            return Err(Error::NotFinite { what, source_of_row, entry, names });
         }
         self.expect_moderate(id, norm_max(row))
     }
@@ -360,7 +392,8 @@ impl ProblemData {
         if value.abs() <= MODERATE {
             Ok(())
         } else {
-            Err(Error::TooLarge { source_of_row: self.sources[id], value })
+            let (source_of_row, names) = (self.sources[id], Names::default());
+            Err(Error::TooLarge { source_of_row, value, names })
         }
     }
 
@@ -381,7 +414,14 @@ impl ProblemData {
             // The bound nearer to zero; a far one only says that its side is free.
             self.expect_moderate(id, if lower > 0.0 { lower } else { upper.min(0.0) })
         } else {
-            Err(Error::EmptyRange { source_of_row: self.sources[id], lower, upper })
+            let (source_of_row, names) = (self.sources[id], Names::default());
+            Err(if lower.is_nan() {
+                Error::NanBound { what: "the lower bound", source_of_row, names }
+            } else if upper.is_nan() {
+                Error::NanBound { what: "the upper bound", source_of_row, names }
+            } else {
+                Error::EmptyRange { source_of_row, lower, upper, names }
+            })
         }
     }
 
@@ -421,6 +461,10 @@ fn to_near_one(number: f64) -> f64 {
     } else {
         f64::from_bits((2 * BIAS).saturating_sub(exponent) << FRACTION)
     }
+}
+
+fn shape_changed(level: usize) -> Error {
+    Error::ShapeChanged { level: LevelId::new(level), names: Names::default() }
 }
 
 fn objective_rows(objective: &Objective, variables: usize) -> usize {

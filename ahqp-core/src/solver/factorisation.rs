@@ -122,7 +122,7 @@ pub(crate) struct Factorisation {
     column: Vec<f64>,
     /// Linear terms in the coordinates y, a level in `n` entries.
     linear: Vec<f64>,
-    tolerances: RankTolerances,
+    pub(crate) tolerances: RankTolerances,
     pub(crate) x: Vec<f64>,
 }
 

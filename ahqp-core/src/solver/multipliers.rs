@@ -40,7 +40,7 @@ pub(crate) struct Multipliers {
     size: f64,
     rounding: f64,
     /// The cap on what counts as rounding, relative to the forces.
-    tolerance: f64,
+    pub(crate) tolerance: f64,
 }
 
 impl Multipliers {

@@ -5,7 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use crate::error::Error;
 use crate::linalg::list::List;
 use crate::linalg::vector::dot;
-use crate::problem::hierarchy::ConstraintSource;
+use crate::problem::ids::LevelId;
+use crate::problem::source::{ConstraintSource, Names};
 use crate::solver::tolerances::ROUNDING;
 
 /// Pivots below this fraction of their diagonal entry count as zero.
@@ -97,7 +98,10 @@ impl QuadraticFactor {
     ) -> Result<(), Error> {
         let n = self.n;
         if hessian.shape() != (n, n) || gradient.len() != n {
-            return Err(Error::ShapeChanged { level });
+            return Err(Error::ShapeChanged {
+                level: LevelId::new(level),
+                names: Names::default(),
+            });
         }
         check_finite(level, hessian, gradient)?;
         let scale = hessian.amax();
@@ -163,7 +167,12 @@ impl QuadraticFactor {
                     self.factor[..self.rank * n].chunks_exact(n).map(|row| row[i] * row[j]).sum();
                 let remainder = hessian[(i, j)] - product;
                 if remainder.abs() > SHAPE_TOLERANCE * scale {
-                    return Err(Error::IndefiniteHessian { level, variable: i, pivot: remainder });
+                    return Err(Error::IndefiniteHessian {
+                        level: LevelId::new(level),
+                        variable: i,
+                        pivot: remainder,
+                        names: Names::default(),
+                    });
                 }
             }
         }
@@ -200,16 +209,21 @@ fn check_finite(
     gradient: &DVector<f64>,
 ) -> Result<(), Error> {
     let find = |values: &[f64]| values.iter().position(|v| !v.is_finite());
-    let source = |row| ConstraintSource::Objective { level, row };
+    let not_finite = |what, row, entry| Error::NotFinite {
+        what,
+        source_of_row: ConstraintSource::Objective { level: LevelId::new(level), row },
+        entry,
+        names: Names::default(),
+    };
     if !dot(hessian.as_slice(), hessian.as_slice()).is_finite()
         && let Some(entry) = find(hessian.as_slice())
     {
         let rows = hessian.nrows().max(1);
         let (row, entry) = (entry % rows, entry / rows);
-        return Err(Error::NotFinite { what: "the Hessian", source_of_row: source(row), entry });
+        return Err(not_finite("the Hessian", row, entry));
     }
     if let Some(entry) = find(gradient.as_slice()) {
-        return Err(Error::NotFinite { what: "the gradient", source_of_row: source(entry), entry });
+        return Err(not_finite("the gradient", entry, entry));
     }
     Ok(())
 }
@@ -218,7 +232,8 @@ fn check_moderate(level: usize, value: f64) -> Result<(), Error> {
     if value <= MODERATE {
         return Ok(());
     }
-    Err(Error::TooLarge { source_of_row: ConstraintSource::Objective { level, row: 0 }, value })
+    let source_of_row = ConstraintSource::Objective { level: LevelId::new(level), row: 0 };
+    Err(Error::TooLarge { source_of_row, value, names: Names::default() })
 }
 
 fn check_symmetric(level: usize, hessian: &DMatrix<f64>, scale: f64) -> Result<(), Error> {
@@ -226,7 +241,8 @@ fn check_symmetric(level: usize, hessian: &DMatrix<f64>, scale: f64) -> Result<(
         for column in 0..row {
             let difference = (hessian[(row, column)] - hessian[(column, row)]).abs();
             if difference > SHAPE_TOLERANCE * scale {
-                return Err(Error::AsymmetricHessian { level, row, column, difference });
+                let (level, names) = (LevelId::new(level), Names::default());
+                return Err(Error::AsymmetricHessian { level, row, column, difference, names });
             }
         }
     }
@@ -275,7 +291,8 @@ mod tests {
         for entries in [[1.0, 0.0, 0.0, -1.0], [0.0, 1.0, 1.0, 0.0], [1.0, 2.0, 2.0, 1.0]] {
             let hessian = DMatrix::from_row_slice(2, 2, &entries);
             let error = factor.factorise(3, &hessian, &gradient).unwrap_err();
-            assert!(matches!(error, Error::IndefiniteHessian { level: 3, .. }), "{error}");
+            let Error::IndefiniteHessian { level, .. } = error else { panic!("{error}") };
+            assert_eq!(level.index(), 3);
         }
     }
 }

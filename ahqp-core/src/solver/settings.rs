@@ -56,6 +56,12 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// Returns true if the tolerances are the same.
+    pub(crate) fn has_tolerances_of(&self, other: &Self) -> bool {
+        let Self { max_iterations, warm_start, .. } = *other;
+        Self { max_iterations, warm_start, ..*self } == *other
+    }
+
     /// Checks the ranges.
     ///
     /// # Errors

@@ -1,33 +1,108 @@
 //! What a solve returns.
 
+use std::fmt;
+
+use crate::error::Error;
+use crate::problem::ids::LevelId;
+
 /// How a solve ended.
+///
+/// Where a budget ran out, all levels above the one named are at their optimum, all their
+/// constraints hold, and the levels from it down are as good as they got. The next warm solve goes
+/// on from there. No level stands for the choice of least norm behind the last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Status {
     /// Every level is at its optimum.
     Solved,
-    /// The iterations ran out within `level`: levels above it are at their optimum, all their
-    /// constraints hold, and the levels from it down are as good as they got. The next warm solve
-    /// goes on from there.
+    /// The iterations ran out.
     IterationLimit {
-        /// The level in which the iterations ran out; the number of levels stands for the choice of
-        /// least norm behind the last, as in a [`Certificate`](crate::Certificate).
-        level: usize,
+        /// The level in which they did.
+        level: Option<LevelId>,
+    },
+    /// The time ran out.
+    TimeLimit {
+        /// The level in which it did.
+        level: Option<LevelId>,
     },
 }
 
-/// The answer of [`Solver::solve`](crate::Solver::solve); it lives in the solver.
+impl Status {
+    /// The same ending where levels have other ids.
+    pub(crate) fn renamed(self, rename: impl Fn(LevelId) -> LevelId) -> Self {
+        match self {
+            Self::Solved => self,
+            Self::IterationLimit { level } => Self::IterationLimit { level: level.map(rename) },
+            Self::TimeLimit { level } => Self::TimeLimit { level: level.map(rename) },
+        }
+    }
+
+    /// The same ending behind all levels.
+    pub(crate) fn behind_all_levels(self) -> Self {
+        match self {
+            Self::Solved => self,
+            Self::IterationLimit { .. } => Self::IterationLimit { level: None },
+            Self::TimeLimit { .. } => Self::TimeLimit { level: None },
+        }
+    }
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (what, level) = match self {
+            Self::Solved => return formatter.write_str("every level is at its optimum"),
+            Self::IterationLimit { level } => ("iterations", level),
+            Self::TimeLimit { level } => ("time", level),
+        };
+        match level {
+            Some(level) => write!(formatter, "the {what} ran out in {level}"),
+            None => write!(formatter, "the {what} ran out in the choice of least norm"),
+        }
+    }
+}
+
+/// The answer of [`Solver::solve`](crate::Solver::solve) and
+/// [`ContinuousStack::solve`](crate::ContinuousStack::solve); it lives in them.
+///
+/// ```
+/// use ahqp_core::{Budget, Error, Hierarchy, Level, Rows, Settings, Solver};
+/// use nalgebra::{dmatrix, dvector};
+///
+/// let mut hierarchy = Hierarchy::new(2)?;
+/// hierarchy.push(Level::least_squares(Rows::equalities(&dmatrix![1.0, 1.0], &dvector![2.0])?))?;
+/// let mut solver = Solver::new(&hierarchy, Settings::default())?;
+///
+/// // What is not the optimum cannot pass for it; how far it came is there when asked for.
+/// let solution = solver.solve_within(&hierarchy, Budget::iterations(1))?;
+/// assert!(matches!(solution.optimum(), Err(Error::Unfinished { .. })));
+/// assert_eq!(solution.best().len(), 2);
+///
+/// let x = solver.solve(&hierarchy)?.optimum()?;
+/// assert!((x[0] - 1.0).abs() < 1e-12 && (x[1] - 1.0).abs() < 1e-12);
+/// # Ok::<(), Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
+#[must_use = "a solution may not be the optimum: take `optimum()`, or see `status()`"]
 pub struct Solution {
     pub(crate) x: Vec<f64>,
     pub(crate) status: Status,
     pub(crate) iterations: usize,
-    pub(crate) violations: Vec<f64>,
 }
 
 impl Solution {
-    /// The variables, of size n.
-    pub fn x(&self) -> &[f64] {
+    /// The variables at the optimum, of size n.
+    ///
+    /// # Errors
+    /// [`Error::Unfinished`] unless the solve ended with [`Status::Solved`].
+    pub fn optimum(&self) -> Result<&[f64], Error> {
+        match self.status {
+            Status::Solved => Ok(&self.x),
+            status => Err(Error::Unfinished { status }),
+        }
+    }
+
+    /// The variables as far as the solve came, of size n: the optimum, or what [`Status`] says.
+    pub fn best(&self) -> &[f64] {
         &self.x
     }
 
@@ -39,10 +114,5 @@ impl Solution {
     /// Iterations spent: rounds of mending and steps of searches, over all levels.
     pub fn iterations(&self) -> usize {
         self.iterations
-    }
-
-    /// ‖violation‖₂ of each level's least-squares rows at x; zero for other kinds of level.
-    pub fn violations(&self) -> &[f64] {
-        &self.violations
     }
 }

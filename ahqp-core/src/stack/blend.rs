@@ -1,11 +1,12 @@
 //! The stacks with and without each of the changes under way, and their weights.
 
+use super::Place;
 use super::change::{Change, Difference};
 use super::data::Data;
 use super::plan::{Entry, Plan};
-use super::{LevelId, Place};
 use crate::error::Error;
 use crate::linalg::list::List;
+use crate::problem::ids::LevelId;
 use crate::solver::settings::Settings;
 
 #[derive(Debug)]
@@ -27,6 +28,11 @@ impl Blend {
             plans: vec![Plan::new(order, data, settings)?],
             settings,
         })
+    }
+
+    pub(super) fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
+        self.settings = settings;
+        self.plans.iter_mut().try_for_each(|plan| plan.set_settings(settings))
     }
 
     /// Gives each set of changes the length of the thresholds at which it is made: sorted by

@@ -1,8 +1,8 @@
 //! A change of the stack under way: how much of it has been made.
 
-use super::LevelId;
 use super::plan::Entry;
 use super::ramp::Ramp;
+use crate::problem::ids::LevelId;
 
 /// A difference between stacks, and how much of the thresholds has it.
 #[derive(Debug, Clone, Copy)]

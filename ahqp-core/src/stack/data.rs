@@ -1,7 +1,11 @@
 //! The problem's data, shared by all the stacks that are blended.
 
-use super::LevelId;
-use crate::problem::hierarchy::{Hierarchy, Level};
+use std::sync::Arc;
+
+use crate::error::Error;
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::ids::LevelId;
+use crate::problem::level::Level;
 
 /// `lower ≤ x ≤ upper`.
 #[derive(Debug, Clone)]
@@ -28,6 +32,7 @@ pub(super) struct Data {
     /// What the blend must obey, but not the solutions that are blended.
     pub(super) output: Bounds,
     pub(super) levels: Vec<(LevelId, Level)>,
+    pub(super) variable_names: Vec<Arc<str>>,
 }
 
 impl Data {
@@ -37,6 +42,15 @@ impl Data {
 
     pub(super) fn level_mut(&mut self, id: LevelId) -> Option<&mut Level> {
         self.levels.iter_mut().find(|(other, _)| *other == id).map(|(_, level)| level)
+    }
+
+    /// A problem over the same variables, without levels.
+    pub(super) fn frame(&self) -> Result<Hierarchy, Error> {
+        let mut frame = Hierarchy::new(self.bounds.lower.len())?;
+        if !self.variable_names.is_empty() {
+            frame.name_variables(self.variable_names.iter().cloned())?;
+        }
+        Ok(frame)
     }
 
     /// Writes the bounds of the variables; with `narrow` within the bounds of the output, which

@@ -2,19 +2,23 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::LevelId;
 use super::data::Data;
 use crate::error::Error;
-use crate::problem::hierarchy::{Hierarchy, Level};
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::ids::LevelId;
+use crate::problem::level::Level;
 use crate::problem::rows::Rows;
+use crate::problem::source::{ConstraintSource, Names};
 use crate::solver::Solver;
+use crate::solver::budget::Budget;
 use crate::solver::settings::Settings;
-use crate::solver::solution::Status;
+use crate::solver::solution::{Solution, Status};
 
 /// min ‖x − blend‖² within the bounds of variables and output and the hard constraints.
 #[derive(Debug)]
 pub(super) struct Output {
     problem: Hierarchy,
+    level: LevelId,
     solver: Solver,
 }
 
@@ -27,39 +31,67 @@ impl Output {
             &DMatrix::<f64>::identity(variables, variables),
             &DVector::<f64>::zeros(variables),
         )?;
-        let mut problem = Hierarchy::new(variables)?;
-        problem.push(
+        let mut problem = data.frame()?;
+        let level = problem.push(
             Level::least_squares(near).with_constraints(Rows::zeros(constraints, variables)),
         )?;
-        Ok(Self { solver: Solver::new(&problem, settings)?, problem })
+        Ok(Self { solver: Solver::new(&problem, settings)?, problem, level })
     }
 
-    /// Moves `x` to the nearest point; the constraints of the levels that `binds` names hold.
+    pub(super) fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
+        self.solver.set_settings(settings)
+    }
+
+    /// Moves the solution to the nearest point; the constraints of the levels that `binds` names
+    /// hold.
     pub(super) fn project(
         &mut self,
         data: &Data,
         binds: impl Fn(LevelId) -> bool,
-        x: &mut [f64],
-    ) -> Result<Status, Error> {
+        solution: &mut Solution,
+        budget: Budget,
+    ) -> Result<(), Error> {
         data.write_bounds(true, &mut self.problem);
-        let level = self.problem.level_mut(0)?;
-        if let Some(near) = level.least_squares_mut() {
-            near.lower_mut().copy_from_slice(x);
-            near.upper_mut().copy_from_slice(x);
-        }
+        let level = self.problem.level_mut(self.level)?;
+        level.rows_mut()?.set_targets(&solution.x)?;
         let rows = level.constraints_mut();
-        rows.lower_mut().fill(f64::NEG_INFINITY);
-        rows.upper_mut().fill(f64::INFINITY);
+        rows.set_free();
         let binding = data.levels.iter().filter(|(id, _)| binds(*id));
-        let binding = binding.flat_map(|(_, level)| level.constraints().iter());
-        for (index, (row, lower, upper)) in binding.enumerate().take(rows.len()) {
-            if let Some(to) = rows.row_mut(index) {
-                to.copy_from_slice(row);
-            }
-            (rows.lower_mut()[index], rows.upper_mut()[index]) = (lower, upper);
+        let constraints = binding.clone().flat_map(|(_, level)| level.constraints().iter());
+        for (index, (row, lower, upper)) in constraints.enumerate() {
+            rows.set_row(index, row, lower, upper)?;
         }
-        let solution = self.solver.solve(&self.problem)?;
-        x.copy_from_slice(solution.x());
-        Ok(solution.status())
+        let found = self.solver.solve_within(&self.problem, budget);
+        let found = found.map_err(|error| in_stack(error, binding))?;
+        solution.x.copy_from_slice(&found.x);
+        solution.iterations += found.iterations;
+        if solution.status == Status::Solved {
+            solution.status = found.status.behind_all_levels();
+        }
+        Ok(())
     }
+}
+
+/// Names the level whose constraint cannot hold.
+fn in_stack<'a>(error: Error, binding: impl Iterator<Item = &'a (LevelId, Level)>) -> Error {
+    let Error::Infeasible {
+        worst: ConstraintSource::Constraint { row, .. },
+        violation,
+        members,
+        ..
+    } = error
+    else {
+        return error;
+    };
+    let mut before = 0;
+    for (id, level) in binding {
+        let own = row - before;
+        if own < level.constraints().len() {
+            let worst = ConstraintSource::Constraint { level: *id, row: own };
+            let names = Names::of(worst, Some(level), &[]);
+            return Error::Infeasible { level: *id, worst, violation, members, names };
+        }
+        before += level.constraints().len();
+    }
+    error
 }

@@ -1,11 +1,12 @@
 //! What the solution of a continuous stack is blended of.
 
-use super::LevelId;
 use super::data::Data;
 use super::plan::Plan;
 use crate::certificate::Certificate;
 use crate::error::Error;
-use crate::problem::hierarchy::{ConstraintSource, Hierarchy};
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::ids::LevelId;
+use crate::problem::source::ConstraintSource;
 use crate::solver::solution::Solution;
 
 /// One of the plain hierarchies whose solutions are blended.
@@ -24,8 +25,8 @@ impl<'a> Part<'a> {
         self.plan.weight
     }
 
-    /// Its levels, highest priority first: errors and solutions count them from 0 in this order.
-    pub fn levels(&self) -> impl Iterator<Item = LevelId> + 'a {
+    /// The ids of its levels, highest priority first.
+    pub fn ids(&self) -> impl Iterator<Item = LevelId> + 'a {
         self.plan.levels()
     }
 
@@ -34,13 +35,15 @@ impl<'a> Part<'a> {
         self.plan.solution()
     }
 
-    /// Constraints that cannot hold together, after [`Error::Infeasible`]; empty otherwise.
-    pub fn conflict(&self) -> &'a [ConstraintSource] {
+    /// What cannot hold together, after [`Error::Infeasible`]; nothing otherwise.
+    /// [`ContinuousStack::describe`](super::ContinuousStack::describe) puts it in words.
+    pub fn conflict(&self) -> impl Iterator<Item = ConstraintSource> + 'a {
         self.plan.conflict()
     }
 }
 
-/// One of the plain hierarchies whose solutions are blended, with the proof of its solution.
+/// One of the plain hierarchies whose solutions are blended, with the proof of its solution. Its
+/// levels are numbered from 0.
 ///
 /// ```
 /// use ahqp_core::{ContinuousStack, Hierarchy, Settings};
@@ -67,7 +70,7 @@ pub struct CertifiedPart {
 impl CertifiedPart {
     pub(super) fn new(plan: &mut Plan, data: &mut Data) -> Result<Self, Error> {
         let (hierarchy, certificate) = plan.certify(data)?;
-        let x = plan.solution().x().to_vec();
+        let x = plan.solution().x.clone();
         Ok(Self { weight: plan.weight, hierarchy, x, certificate })
     }
 }

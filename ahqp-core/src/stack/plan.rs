@@ -2,13 +2,16 @@
 
 use std::mem;
 
-use super::LevelId;
 use super::data::Data;
 use crate::certificate::Certificate;
 use crate::error::Error;
-use crate::problem::hierarchy::{ConstraintSource, Hierarchy, Level};
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::ids::LevelId;
+use crate::problem::level::Level;
 use crate::problem::rows::Rows;
+use crate::problem::source::ConstraintSource;
 use crate::solver::Solver;
+use crate::solver::budget::Budget;
 use crate::solver::settings::Settings;
 use crate::solver::solution::{Solution, Status};
 
@@ -34,23 +37,17 @@ pub(super) struct Plan {
 impl Plan {
     pub(super) fn new(order: Vec<Entry>, data: &Data, settings: Settings) -> Result<Self, Error> {
         let variables = data.bounds.lower.len();
-        let mut frame = Hierarchy::new(variables)?;
+        let mut frame = data.frame()?;
         for entry in order.iter().filter(|entry| entry.active) {
             if let Some(level) = data.level(entry.id) {
                 frame.push(level.clone())?;
             }
         }
         let solver = Solver::new(&frame, settings)?;
-        let levels = frame.levels().len();
-        for index in 0..levels {
-            *frame.level_mut(index)? = Level::constraints_only(Rows::zeros(0, variables));
+        for id in frame.ids() {
+            *frame.level_mut(id)? = Level::constraints_only(Rows::zeros(0, variables));
         }
-        let solution = Solution {
-            x: vec![0.0; variables],
-            status: Status::Solved,
-            iterations: 0,
-            violations: vec![0.0; levels],
-        };
+        let solution = Solution { x: vec![0.0; variables], status: Status::Solved, iterations: 0 };
         Ok(Self { order, frame, solver, solution, weight: 0.0 })
     }
 
@@ -63,21 +60,31 @@ impl Plan {
         &self.solution
     }
 
-    pub(super) fn conflict(&self) -> &[ConstraintSource] {
-        self.solver.conflict()
+    pub(super) fn conflict(&self) -> impl Iterator<Item = ConstraintSource> + '_ {
+        self.solver.conflict().iter().map(|source| source.renamed(|id| in_stack(&self.order, id)))
+    }
+
+    pub(super) fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
+        self.solver.set_settings(settings)
     }
 
     /// Solves within the bounds, or with `narrow` also within those of the output.
-    pub(super) fn solve(&mut self, data: &mut Data, narrow: bool) -> Result<&Solution, Error> {
+    pub(super) fn solve(
+        &mut self,
+        data: &mut Data,
+        narrow: bool,
+        budget: Budget,
+    ) -> Result<&Solution, Error> {
         data.write_bounds(narrow, &mut self.frame);
-        self.with_levels(data, |solver, hierarchy, solution| {
-            let found = solver.solve(hierarchy)?;
-            solution.x.copy_from_slice(found.x());
-            solution.violations.copy_from_slice(found.violations());
-            solution.status = found.status();
-            solution.iterations = found.iterations();
+        let solved = self.with_levels(data, |solver, hierarchy, solution| {
+            let found = solver.solve_within(hierarchy, budget)?;
+            solution.x.copy_from_slice(&found.x);
+            (solution.status, solution.iterations) = (found.status, found.iterations);
             Ok(())
-        })?;
+        });
+        let rename = |id| in_stack(&self.order, id);
+        solved.map_err(|error| error.renamed(rename))?;
+        self.solution.status = self.solution.status.renamed(rename);
         Ok(&self.solution)
     }
 
@@ -102,12 +109,16 @@ impl Plan {
 
     fn exchange_levels(&mut self, data: &mut Data) {
         let active = self.order.iter().filter(|entry| entry.active);
-        for (index, entry) in active.enumerate() {
-            if let (Ok(place), Some(level)) =
-                (self.frame.level_mut(index), data.level_mut(entry.id))
-            {
+        for (id, entry) in self.frame.ids().zip(active) {
+            if let (Ok(place), Some(level)) = (self.frame.level_mut(id), data.level_mut(entry.id)) {
                 mem::swap(place, level);
             }
         }
     }
+}
+
+/// The id in the stack of a level of the plain hierarchy.
+fn in_stack(order: &[Entry], id: LevelId) -> LevelId {
+    let active = order.iter().filter(|entry| entry.active);
+    active.map(|entry| entry.id).nth(id.index()).unwrap_or(id)
 }

@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::random::Random;
 use crate::error::Error;
-use crate::problem::hierarchy::{Hierarchy, Level};
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::level::Level;
 use crate::problem::rows::Rows;
 
 /// What a level minimises.
@@ -87,9 +88,9 @@ impl HierarchyPlan {
                 // The optimum of ½xᵀHx + gᵀx is known to cond(H) only: leave it some room.
                 let above = &self.levels[..k];
                 let shares = Shares { exact: above.iter().all(LevelPlan::is_exact), ..CONSTRAINT };
-                level.with_constraints(rows(&constraints, n, shares, &mut targets, around))
+                level.with_constraints(rows(&constraints, n, shares, &mut targets, around)?)
             } else if slack == Some(k) {
-                let mut rows = rows(&constraints, n, CONSTRAINT, &mut targets, |_, _| 0.0);
+                let mut rows = rows(&constraints, n, CONSTRAINT, &mut targets, |_, _| 0.0)?;
                 rows.lower_mut().fill(f64::NEG_INFINITY);
                 level.with_constraints(rows)
             } else {
@@ -158,7 +159,7 @@ impl LevelPlan {
         let target = |row: &[f64], random: &mut Random| {
             consistent.map_or_else(|| 4.0 * random.dyadic(), |x| dot(row, x))
         };
-        let objective = rows(matrix, n, shares, random, target);
+        let objective = rows(matrix, n, shares, random, target)?;
         match self.kind {
             Kind::None => Ok(Level::constraints_only(Rows::zeros(0, n))),
             Kind::Equalities | Kind::Ranges => Ok(Level::least_squares(objective)),
@@ -181,16 +182,13 @@ fn rows(
     shares: Shares,
     random: &mut Random,
     target: impl Fn(&[f64], &mut Random) -> f64,
-) -> Rows {
+) -> Result<Rows, Error> {
     let mut rows = Rows::zeros(matrix.len(), columns);
     for (i, coefficients) in matrix.iter().enumerate() {
-        if let Some(row) = rows.row_mut(i) {
-            row.copy_from_slice(coefficients);
-        }
         let (lower, upper) = range_around(target(coefficients, random), shares, random);
-        (rows.lower_mut()[i], rows.upper_mut()[i]) = (lower, upper);
+        rows.set_row(i, coefficients, lower, upper)?;
     }
-    rows
+    Ok(rows)
 }
 
 /// A range that holds `value`, now and then just.

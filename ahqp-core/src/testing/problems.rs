@@ -5,7 +5,8 @@ mod manipulator;
 
 use super::random::Random;
 use crate::error::Error;
-use crate::problem::hierarchy::{Hierarchy, Level};
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::level::Level;
 use crate::problem::rows::Rows;
 
 pub use manipulator::controller_sequence;
@@ -34,13 +35,13 @@ pub fn humanoid_sequence(seed: u64, ticks: usize) -> Result<Vec<Hierarchy>, Erro
         }
         let mut rows = Rows::zeros(INEQUALITIES, N);
         for i in 0..INEQUALITIES {
-            fill(&mut rows, i, |j| still[i][j] + moving[i][j] * (1.3 * phase).sin());
+            fill(&mut rows, i, |j| still[i][j] + moving[i][j] * (1.3 * phase).sin())?;
             rows.lower_mut()[i] = f64::NEG_INFINITY;
             rows.upper_mut()[i] = limits[i] * (1.0 + 0.2 * (phase + i as f64).sin());
         }
         hierarchy.push(Level::constraints_only(rows))?;
         for task in &tasks {
-            hierarchy.push(Level::least_squares(task.at(phase)))?;
+            hierarchy.push(Level::least_squares(task.at(phase)?))?;
         }
         Ok(hierarchy)
     };
@@ -86,7 +87,7 @@ pub fn growing_sequence(
         for level in &base {
             let mut rows = Rows::zeros(level.len(), variables);
             for (i, row) in level.iter().enumerate() {
-                fill(&mut rows, i, |j| row.coefficients[j] + CHANGE / root * random.normal());
+                fill(&mut rows, i, |j| row.coefficients[j] + CHANGE / root * random.normal())?;
                 let upper = row.target + CHANGE * random.normal();
                 rows.upper_mut()[i] = upper;
                 rows.lower_mut()[i] = match row.kind {
@@ -135,17 +136,17 @@ impl Task {
         Self { rows, targets }
     }
 
-    fn at(&self, phase: f64) -> Rows {
+    fn at(&self, phase: f64) -> Result<Rows, Error> {
         let [first, second] = &self.rows;
         let columns = first.first().map_or(0, Vec::len);
         let mut rows = Rows::zeros(first.len(), columns);
         for i in 0..first.len() {
-            fill(&mut rows, i, |j| first[i][j] * phase.cos() + 0.6 * second[i][j] * phase.sin());
+            fill(&mut rows, i, |j| first[i][j] * phase.cos() + 0.6 * second[i][j] * phase.sin())?;
             let target =
                 self.targets[0][i] * (3.0 * phase).cos() + self.targets[1][i] * (5.0 * phase).sin();
             (rows.lower_mut()[i], rows.upper_mut()[i]) = (target, target);
         }
-        rows
+        Ok(rows)
     }
 }
 
@@ -154,9 +155,9 @@ fn normal_rows(rows: usize, columns: usize, scale: f64, random: &mut Random) -> 
     (0..rows).map(|_| row()).collect()
 }
 
-fn fill(rows: &mut Rows, index: usize, value: impl FnMut(usize) -> f64) {
-    if let Some(row) = rows.row_mut(index) {
-        let columns = row.len();
-        row.iter_mut().zip((0..columns).map(value)).for_each(|(to, from)| *to = from);
-    }
+fn fill(rows: &mut Rows, index: usize, value: impl FnMut(usize) -> f64) -> Result<(), Error> {
+    let row = rows.row_mut(index)?;
+    let columns = row.len();
+    row.iter_mut().zip((0..columns).map(value)).for_each(|(to, from)| *to = from);
+    Ok(())
 }

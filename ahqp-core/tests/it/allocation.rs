@@ -3,7 +3,8 @@
 use ahqp_core::testing::{Sizes, hierarchy_sequences};
 use ahqp_core::{
     AugmentedClik, AugmentedState, ContinuousStack, Error, Hierarchy, Level, Limits, MotionState,
-    Place, Rows, Settings, Solver, Status, WarmStart, integrate_pose, pose_error,
+    Place, PoseAxes, Rows, Settings, Solution, Solver, Status, WarmStart, integrate_pose,
+    pose_error,
 };
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6, dmatrix, dvector};
 use proptest::prelude::*;
@@ -53,7 +54,8 @@ fn refusing_a_problem_does_not_allocate() {
     let sum = dmatrix![1.0, 1.0, 1.0; 1.0, -1.0, 0.0];
     let rows = Rows::ranges(&sum, &dvector![9.0, 0.0], &dvector![f64::INFINITY, 0.0]).unwrap();
     let flat = Level::quadratic(DMatrix::zeros(3, 3), DVector::zeros(3)).unwrap();
-    hierarchy.push(flat.with_constraints(rows)).unwrap();
+    let rows = rows.with_names(["sum", "difference"]).unwrap();
+    let level = hierarchy.push(flat.with_constraints(rows).named("flat")).unwrap();
     let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
     let fail = |solver: &mut Solver, hierarchy: &Hierarchy| {
         let (calls, result) = allocations(|| solver.solve(hierarchy).map(|_| ()));
@@ -63,28 +65,27 @@ fn refusing_a_problem_does_not_allocate() {
     assert!(matches!(fail(&mut solver, &hierarchy), Error::Infeasible { .. }));
     assert!(!solver.conflict().is_empty());
 
-    let level = hierarchy.level_mut(0).unwrap();
-    level.constraints_mut().lower_mut()[0] = f64::NEG_INFINITY;
-    level.quadratic_mut().unwrap().1[2] = 1.0;
+    hierarchy.constraints_mut(level).unwrap().lower_mut()[0] = f64::NEG_INFINITY;
+    hierarchy.quadratic_mut(level).unwrap().1[2] = 1.0;
     hierarchy.bounds_mut().0[2] = f64::NEG_INFINITY;
     assert!(matches!(fail(&mut solver, &hierarchy), Error::Unbounded { .. }));
 
-    hierarchy.level_mut(0).unwrap().quadratic_mut().unwrap().0[(0, 0)] = -1.0;
+    hierarchy.quadratic_mut(level).unwrap().0[(0, 0)] = -1.0;
     assert!(matches!(fail(&mut solver, &hierarchy), Error::IndefiniteHessian { .. }));
 
     hierarchy.bounds_mut().0[0] = f64::NAN;
-    assert!(matches!(fail(&mut solver, &hierarchy), Error::EmptyRange { .. }));
+    assert!(matches!(fail(&mut solver, &hierarchy), Error::NanBound { .. }));
     assert!(matches!(fail(&mut solver, &Hierarchy::new(3).unwrap()), Error::ShapeChanged { .. }));
 }
 
 #[test]
 fn a_control_tick_does_not_allocate() {
     let state = AugmentedState { joints: 7, task: 6, slack: 0 };
-    let clik = AugmentedClik::new(state, Vector6::repeat(40.0), 1e-3).unwrap();
+    let clik = AugmentedClik::new(state, PoseAxes::ALL, Vector6::repeat(40.0), 1e-3).unwrap();
     let limits = Limits::new(-2.0, 2.0, 1.0, 5.0).unwrap();
     let jacobian = DMatrix::from_fn(6, 7, |i, j| ((3 * i + 7 * j) as f64).sin());
     let mut hierarchy = Hierarchy::new(state.len()).unwrap();
-    hierarchy.push(Level::least_squares(clik.rows())).unwrap();
+    let track = hierarchy.push(Level::least_squares(clik.rows())).unwrap();
     let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
     let desired = Isometry3::new(Vector3::new(0.1, 0.0, 0.2), Vector3::new(0.0, 0.3, 0.0));
     let mut actual = Isometry3::identity();
@@ -92,8 +93,7 @@ fn a_control_tick_does_not_allocate() {
     let (calls, ()) = allocations(|| {
         for _ in 0..20 {
             let error = pose_error(&desired, &actual);
-            let rows = hierarchy.level_mut(0).unwrap().least_squares_mut().unwrap();
-            clik.write(&jacobian, &error, rows).unwrap();
+            clik.write(&jacobian, &error, hierarchy.rows_mut(track).unwrap()).unwrap();
             let (lower, upper) = hierarchy.bounds_mut();
             for (i, motion) in motion.iter().enumerate() {
                 let interval = limits.velocity_interval(*motion, 1e-3);
@@ -101,7 +101,7 @@ fn a_control_tick_does_not_allocate() {
             }
             let solution = solver.solve(&hierarchy).unwrap();
             assert_eq!(solution.status(), Status::Solved);
-            for (motion, &velocity) in motion.iter_mut().zip(solution.x()) {
+            for (motion, &velocity) in motion.iter_mut().zip(solution.optimum().unwrap()) {
                 *motion = MotionState { position: motion.position + 1e-3 * velocity, velocity };
             }
             actual = integrate_pose(&actual, &error, 1e-3);
@@ -120,7 +120,7 @@ fn a_changing_stack_does_not_allocate_between_changes() {
     hierarchy.push(Level::least_squares(row(0.3)).with_constraints(limit)).unwrap();
     hierarchy.push(Level::least_squares(row(0.7))).unwrap();
     let mut stack = ContinuousStack::new(&hierarchy, Settings::default()).unwrap();
-    let levels: Vec<_> = stack.levels().collect();
+    let levels: Vec<_> = stack.ids().collect();
     let by_hand = stack.insert(Level::least_squares(row(-0.9)), Place::Bottom, 0.01).unwrap();
     stack.activate(by_hand, 0.0, 0.0).unwrap();
     stack.swap(levels[0], levels[1], 0.02).unwrap();
@@ -131,18 +131,18 @@ fn a_changing_stack_does_not_allocate_between_changes() {
         for tick in 0..40 {
             let target = 0.01 * f64::from(tick);
             for level in &levels {
-                if let Some(rows) = stack.level_mut(*level).and_then(Level::least_squares_mut) {
-                    rows.lower_mut()[0] = target;
-                    rows.upper_mut()[0] = target;
+                if let Ok(rows) = stack.rows_mut(*level) {
+                    rows.set_targets(&[target]).unwrap();
                 }
             }
             stack.activate(by_hand, 0.5 + target, 0.0).unwrap();
-            let last = [stack.x()[0], stack.x()[1], stack.x()[2]];
+            let x = stack.solution().map_or(&[0.0; 3][..], Solution::best);
+            let last = [x[0], x[1], x[2]];
             let (lower, upper) = stack.output_bounds_mut();
             for (i, x) in last.iter().enumerate() {
                 (lower[i], upper[i]) = (x - 0.05, x + 0.05);
             }
-            let x = stack.solve(1e-3).unwrap();
+            let x = stack.solve(1e-3).unwrap().optimum().unwrap();
             let at_bound = |(x, last): (&f64, &f64)| (x - last).abs() > 0.05 - 1e-9;
             projected += usize::from(x.iter().zip(&last).any(at_bound));
         }

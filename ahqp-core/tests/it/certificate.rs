@@ -30,7 +30,7 @@ fn multipliers_and_active_set_are_named() {
 fn a_certificate_of_another_problem_is_refused() {
     let hierarchy = clamped();
     let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
-    let x = solver.solve(&hierarchy).unwrap().x().to_vec();
+    let x = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
     let certificate = solver.certificate(&hierarchy).unwrap();
     assert!(certificate.residuals(&hierarchy, &x[..1]).is_err());
     let mut longer = clamped();

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use ahqp_core::testing::problems::controller_sequence;
 use ahqp_core::{
-    ContinuousStack, Error, Hierarchy, Level, LevelId, Objective, Place, Rows, Settings, Solver,
-    Status, WarmStart,
+    ContinuousStack, Error, Hierarchy, Level, LevelId, Place, Rows, Settings, Solver, Status,
+    WarmStart,
 };
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, RngSeed, TestRng};
@@ -117,7 +117,7 @@ impl Run {
         ];
         let stack =
             ContinuousStack::new(&hierarchy(tasks.iter(), 0.0), Settings::default()).unwrap();
-        let order: Vec<_> = stack.levels().collect();
+        let order: Vec<_> = stack.ids().collect();
         let tasks = order.iter().copied().zip(tasks).collect();
         Self { stack, tasks, order, time: 0.0, random, reach: f64::INFINITY }
     }
@@ -128,7 +128,7 @@ impl Run {
         let mut solver = Solver::new(&hierarchy, settings).unwrap();
         let solution = solver.solve(&hierarchy).unwrap();
         assert_eq!(solution.status(), Status::Solved);
-        solution.x().to_vec()
+        solution.optimum().unwrap().to_vec()
     }
 
     /// The mean over all thresholds, from the activations and the order expected.
@@ -198,21 +198,21 @@ impl Run {
         self.time += PERIOD;
         for (id, task) in &self.tasks {
             // A level that is gone needs no data.
-            if let Some(level) = self.stack.level_mut(*id) {
+            if let Ok(level) = self.stack.level_mut(*id) {
                 let rows = if task.constraint {
                     level.constraints_mut()
                 } else {
-                    level.least_squares_mut().unwrap()
+                    level.rows_mut().unwrap()
                 };
                 task.write(rows, self.time);
             }
         }
-        let last = self.stack.x().to_vec();
+        let last = self.stack.solution().map_or(vec![0.0; VARIABLES], |last| last.best().to_vec());
         let (lower, upper) = self.stack.output_bounds_mut();
         for (i, x) in last.iter().enumerate() {
             (lower[i], upper[i]) = (x - self.reach, x + self.reach);
         }
-        self.stack.solve(PERIOD).unwrap().to_vec()
+        self.stack.solve(PERIOD).unwrap().best().to_vec()
     }
 
     /// What no change may touch: the bounds, the hard constraints, and the first task.
@@ -227,11 +227,10 @@ impl Run {
         }
         let alone = hierarchy(above.into_iter(), self.time);
         let mut solver = Solver::new(&alone, Settings::default()).unwrap();
-        let least = solver.solve(&alone).unwrap().violations()[1];
+        let x_alone = solver.solve(&alone).unwrap().optimum().unwrap();
+        let least = alone.levels()[1].violation(x_alone).unwrap();
         let level = above[1].level(self.time);
-        let Objective::LeastSquares(rows) = level.objective() else { panic!("{level:?}") };
-        let squares: f64 = rows.iter().map(|(row, b, _)| (value(row, x) - b).powi(2)).sum();
-        assert!((squares.sqrt() - least).abs() < 1e-8);
+        assert!((level.violation(x).unwrap() - least).abs() < 1e-8);
     }
 }
 
@@ -274,7 +273,7 @@ fn record(seed: u64) -> Record {
     let mut aims = BTreeMap::new();
     let mut before = run.tick();
     let mut plans_before: BTreeSet<Vec<LevelId>> =
-        run.stack.parts().map(|part| part.levels().collect()).collect();
+        run.stack.parts().map(|part| part.ids().collect()).collect();
     for tick in 1..600 {
         if tick < 400 && run.random.random_range(0..40) == 0 {
             let old = run.plain(&run.aim(&aims), run.time);
@@ -290,15 +289,15 @@ fn record(seed: u64) -> Record {
         let mut weights = 0.0;
         for part in run.stack.parts() {
             assert_eq!(part.solution().status(), Status::Solved);
-            let levels: Vec<_> = part.levels().collect();
+            let levels: Vec<_> = part.ids().collect();
             let plain = run.plain(&levels, run.time);
-            assert!(distance(part.solution().x(), &plain) < 1e-7);
+            assert!(distance(part.solution().optimum().unwrap(), &plain) < 1e-7);
             mean.iter_mut().zip(&plain).for_each(|(to, x)| *to += part.weight() * x);
             weights += part.weight();
         }
         assert!((weights - 1.0).abs() < 1e-12 && distance(&mean, &x) < 1e-7);
         if !run.stack.is_changing() {
-            assert_eq!(run.stack.levels().collect::<Vec<_>>(), run.order);
+            assert_eq!(run.stack.ids().collect::<Vec<_>>(), run.order);
             assert!(distance(&run.expected(), &x) < 1e-7);
         }
 
@@ -312,7 +311,7 @@ fn record(seed: u64) -> Record {
 
         // The rates and distances of the plain hierarchies of this tick and the last.
         let plans: BTreeSet<Vec<LevelId>> =
-            run.stack.parts().map(|part| part.levels().collect()).collect();
+            run.stack.parts().map(|part| part.ids().collect()).collect();
         let all: Vec<_> = plans.union(&plans_before).collect();
         let now: Vec<_> = all.iter().map(|levels| run.plain(levels, run.time)).collect();
         for (levels, x) in all.iter().zip(&now) {
@@ -382,8 +381,8 @@ fn the_stack_of_a_mobile_manipulator_keeps_constraints_and_bounds_of_the_output(
     const REACH: f64 = 0.02;
     let problems = controller_sequence(1, 600).unwrap();
     let mut stack = ContinuousStack::new(&problems[0], Settings::default()).unwrap();
-    let levels: Vec<_> = stack.levels().collect();
-    let mut before = stack.solve(PERIOD).unwrap().to_vec();
+    let levels: Vec<_> = stack.ids().collect();
+    let mut before = stack.solve(PERIOD).unwrap().optimum().unwrap().to_vec();
     for (tick, problem) in problems.iter().enumerate().skip(1) {
         match tick {
             50 => stack.remove(levels[3], 0.2).unwrap(),
@@ -393,7 +392,7 @@ fn the_stack_of_a_mobile_manipulator_keeps_constraints_and_bounds_of_the_output(
             _ => {}
         }
         for (id, level) in levels.iter().zip(problem.levels()) {
-            if let Some(to) = stack.level_mut(*id) {
+            if let Ok(to) = stack.level_mut(*id) {
                 to.clone_from(level);
             }
         }
@@ -404,14 +403,13 @@ fn the_stack_of_a_mobile_manipulator_keeps_constraints_and_bounds_of_the_output(
         for (i, x) in before.iter().enumerate() {
             (lower[i], upper[i]) = (x - REACH, x + REACH);
         }
-        let x = stack.solve(PERIOD).unwrap().to_vec();
-        assert_eq!(stack.status(), Status::Solved);
+        let x = stack.solve(PERIOD).unwrap().optimum().unwrap().to_vec();
         for (i, x) in x.iter().enumerate() {
             assert!((problem.lower()[i]..=problem.upper()[i]).contains(x));
             assert!((x - before[i]).abs() <= REACH + 1e-12);
         }
         let whole = levels.iter().zip(problem.levels());
-        for (_, level) in whole.filter(|(id, _)| stack.activation(**id) == Some(1.0)) {
+        for (_, level) in whole.filter(|(id, _)| stack.activation(**id) == Ok(1.0)) {
             for (row, lower, upper) in level.constraints().iter() {
                 assert!((lower - 1e-9..=upper + 1e-9).contains(&value(row, &x)), "{tick}");
             }
@@ -427,9 +425,10 @@ fn running_out_of_iterations_shows() {
     let settings = Settings { max_iterations: 1, ..Settings::default() };
     let tasks = hierarchy.order.iter().map(|id| &hierarchy.tasks[id]);
     let mut stack = ContinuousStack::new(&self::hierarchy(tasks, 0.0), settings).unwrap();
-    stack.solve(PERIOD).unwrap();
-    assert!(matches!(stack.status(), Status::IterationLimit { .. }));
+    let solution = stack.solve(PERIOD).unwrap();
+    assert!(matches!(solution.status(), Status::IterationLimit { .. }));
+    assert!(matches!(solution.optimum(), Err(Error::Unfinished { .. })));
     let mut run = Run::new(1);
     run.tick();
-    assert_eq!(run.stack.status(), Status::Solved);
+    assert!(run.stack.solution().unwrap().optimum().is_ok());
 }

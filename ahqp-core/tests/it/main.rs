@@ -3,13 +3,17 @@
 
 mod allocation;
 mod bad_input;
+mod budgets;
 mod certificate;
 mod continuous_stack;
 mod exact;
 mod fuzz;
 mod hard_cases;
 mod jerk_limits;
+mod names;
 mod properties;
+mod rows;
 mod scales;
 mod stack_changes;
+mod support;
 mod weights;

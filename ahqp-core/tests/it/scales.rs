@@ -41,11 +41,17 @@ fn a_large_variable_loosens_no_constraint_of_another() {
         for first in [0.9, 1.05] {
             let start = beside_a_large_one(size, first, (-1.0, 1.0));
             let mut solver = Solver::new(&start, Settings::default()).unwrap();
-            assert!(near(solver.solve(&start).unwrap().x(), f64::min(first, 1.0)));
+            assert!(near(solver.solve(&start).unwrap().optimum().unwrap(), f64::min(first, 1.0)));
             let next = beside_a_large_one(size, 1.05, (-1.0, 1.0));
-            assert!(near(solver.solve(&next).unwrap().x(), 1.0), "{size} after {first}");
+            assert!(
+                near(solver.solve(&next).unwrap().optimum().unwrap(), 1.0),
+                "{size} after {first}"
+            );
             let back = beside_a_large_one(size, -1.0 - 1e-3, (-1.0, 1.0));
-            assert!(near(solver.solve(&back).unwrap().x(), -1.0), "{size} after {first}");
+            assert!(
+                near(solver.solve(&back).unwrap().optimum().unwrap(), -1.0),
+                "{size} after {first}"
+            );
         }
         let gap = 1e4 * rounding;
         let contradiction = beside_a_large_one(size, 0.0, (gap, -gap));
@@ -53,7 +59,10 @@ fn a_large_variable_loosens_no_constraint_of_another() {
             .unwrap()
             .solve(&contradiction)
             .unwrap_err();
-        assert!(matches!(error, Error::Infeasible { level: 0, .. }), "{size}: {error}");
+        assert!(
+            matches!(error, Error::Infeasible { level, .. } if level.index() == 0),
+            "{size}: {error}"
+        );
     }
 }
 
@@ -61,7 +70,7 @@ fn a_large_variable_loosens_no_constraint_of_another() {
 fn a_certificate_sees_a_small_row_beside_a_large_variable() {
     let hierarchy = beside_a_large_one(1e9, 1.05, (-1.0, 1.0));
     let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
-    let mut x = solver.solve(&hierarchy).unwrap().x().to_vec();
+    let mut x = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
     let certificate = solver.certificate(&hierarchy).unwrap();
     assert!(certificate.residuals(&hierarchy, &x).unwrap().worst() < 1e-9);
     x[1] = 1.05;
@@ -75,7 +84,7 @@ fn curvatures_and_slopes_of_very_different_size_count() {
         hierarchy.set_bounds(&dvector![-1e3, -1e3], &dvector![1e3, 1e3]).unwrap();
         hierarchy.push(Level::quadratic(hessian, gradient).unwrap()).unwrap();
         let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
-        solver.solve(&hierarchy).unwrap().x().to_vec()
+        solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec()
     };
     let near = |x: &[f64], expected: [f64; 2]| {
         assert!(x.iter().zip(expected).all(|(x, e)| (x - e).abs() < 1e-9), "{x:?} {expected:?}");
@@ -216,7 +225,7 @@ fn expect_proof(hierarchy: &Hierarchy) -> Result<(), TestCaseError> {
         let solution = solver.solve(hierarchy)?.clone();
         prop_assert_eq!(solution.status(), Status::Solved);
         let certificate = solver.certificate(hierarchy)?;
-        let residuals = certificate.residuals(hierarchy, solution.x())?;
+        let residuals = certificate.residuals(hierarchy, solution.optimum().unwrap())?;
         prop_assert!(residuals.worst() < 1e-8, "{residuals:?}");
     }
     Ok(())
@@ -282,9 +291,9 @@ proptest! {
         for _ in 0..2 {
             let solution = solver.solve(&hierarchy)?;
             prop_assert_eq!(solution.status(), Status::Solved);
-            let size = 1e-11 * DVector::from_column_slice(solution.x()).norm();
+            let size = 1e-11 * DVector::from_column_slice(solution.optimum().unwrap()).norm();
             for (row, _, upper) in hierarchy.levels()[1].constraints().iter() {
-                let value: f64 = row.iter().zip(solution.x()).map(|(a, x)| a * x).sum();
+                let value: f64 = row.iter().zip(solution.optimum().unwrap()).map(|(a, x)| a * x).sum();
                 prop_assert!(value <= upper + size, "{value} {upper}");
             }
         }

@@ -1,8 +1,8 @@
 //! What each change of a continuous stack does, on stacks of one variable.
 
 use ahqp_core::{
-    AcceleratedState, ContinuousStack, Error, Hierarchy, Level, LevelId, Limits, Place, Rows,
-    Settings,
+    AcceleratedState, ConstraintSource, ContinuousStack, Error, Hierarchy, Level, LevelId, Limits,
+    Place, Rows, Settings,
 };
 use nalgebra::{dmatrix, dvector};
 
@@ -18,12 +18,16 @@ fn line() -> (ContinuousStack, LevelId) {
     hierarchy.set_bounds(&dvector![-5.0], &dvector![5.0]).unwrap();
     hierarchy.push(near(0.0)).unwrap();
     let stack = ContinuousStack::new(&hierarchy, Settings::default()).unwrap();
-    let level = stack.levels().next().unwrap();
+    let level = stack.ids().next().unwrap();
     (stack, level)
 }
 
 fn ticks(stack: &mut ContinuousStack, count: usize) -> f64 {
-    (0..count).fold(stack.x()[0], |_, _| stack.solve(PERIOD).unwrap()[0])
+    let mut x = stack.solution().map_or(0.0, |last| last.best()[0]);
+    for _ in 0..count {
+        x = stack.solve(PERIOD).unwrap().optimum().unwrap()[0];
+    }
+    x
 }
 
 #[test]
@@ -34,12 +38,12 @@ fn a_change_that_is_called_off_goes_back_from_where_it_is() {
     assert!((half_way - 0.5).abs() < 1e-9);
     stack.remove(one, 0.2).unwrap();
     assert!((ticks(&mut stack, 1) - half_way).abs() < 1e-4);
-    assert_eq!(stack.levels().collect::<Vec<_>>(), [zero]);
+    assert_eq!(stack.ids().collect::<Vec<_>>(), [zero]);
     // The removal, too.
     ticks(&mut stack, 99);
     stack.activate(one, 1.0, 0.1).unwrap();
     assert_eq!(ticks(&mut stack, 100), 1.0);
-    assert_eq!(stack.levels().collect::<Vec<_>>(), [one, zero]);
+    assert_eq!(stack.ids().collect::<Vec<_>>(), [one, zero]);
     // And a swap.
     stack.swap(one, zero, 0.2).unwrap();
     let near_zero = ticks(&mut stack, 150);
@@ -62,8 +66,8 @@ fn a_level_stays_at_the_activation_it_is_given() {
     assert_eq!(ticks(&mut stack, 99), 0.25 * 1.0 + 0.75 * 2.0);
     stack.activate(one, 0.0, 0.0).unwrap();
     assert_eq!(ticks(&mut stack, 1), 2.0);
-    assert_eq!(stack.activation(one), Some(0.0));
-    assert_eq!(stack.levels().collect::<Vec<_>>(), [one, two, zero]);
+    assert_eq!(stack.activation(one), Ok(0.0));
+    assert_eq!(stack.ids().collect::<Vec<_>>(), [one, two, zero]);
 }
 
 #[test]
@@ -71,13 +75,18 @@ fn a_level_that_is_gone_is_unknown() {
     let (mut stack, zero) = line();
     let one = stack.insert(near(1.0), Place::Bottom, 0.01).unwrap();
     stack.remove(one, 0.05).unwrap();
-    assert!(stack.level_mut(one).is_some());
+    assert!(stack.level_mut(one).is_ok());
     ticks(&mut stack, 49);
-    assert!(stack.activation(one).is_some_and(|activation| activation < 0.01));
+    assert!(stack.activation(one).is_ok_and(|activation| activation < 0.01));
     ticks(&mut stack, 2);
-    assert!(stack.level(one).is_none() && stack.level_mut(one).is_none());
-    assert_eq!(stack.activation(one), None);
-    let unknown = Err(Error::UnknownLevel { id: one });
+    let gone = Error::NoSuchLevel { level: one };
+    assert_eq!(stack.level(one).unwrap_err(), gone);
+    assert_eq!(stack.level_mut(one).unwrap_err(), gone);
+    assert_eq!(stack.rows_mut(one).unwrap_err(), gone);
+    assert_eq!(stack.constraints_mut(one).unwrap_err(), gone);
+    assert_eq!(stack.quadratic_mut(one).unwrap_err(), gone);
+    assert_eq!(stack.activation(one), Err(gone.clone()));
+    let unknown = Err(gone);
     assert_eq!(stack.remove(one, 0.1), unknown);
     assert_eq!(stack.activate(one, 1.0, 0.1), unknown);
     assert_eq!(stack.swap(zero, one, 0.1), unknown);
@@ -88,7 +97,6 @@ fn a_level_that_is_gone_is_unknown() {
 #[test]
 fn a_bad_change_changes_nothing() {
     let (mut stack, zero) = line();
-    let before = stack.x().to_vec();
     for duration in [-1.0, f64::NAN, f64::INFINITY] {
         let wrong = |result: Result<(), Error>| matches!(result, Err(Error::Parameter { .. }));
         assert!(wrong(stack.insert(near(1.0), Place::Top, duration).map(|_| ())));
@@ -101,7 +109,7 @@ fn a_bad_change_changes_nothing() {
     }
     let wide = Level::constraints_only(Rows::zeros(1, 2));
     assert!(matches!(stack.insert(wide, Place::Top, 0.1), Err(Error::Size { .. })));
-    assert_eq!((stack.levels().collect::<Vec<_>>(), stack.x()), (vec![zero], &before[..]));
+    assert_eq!((stack.ids().collect::<Vec<_>>(), stack.solution()), (vec![zero], None));
     for _ in 0..ContinuousStack::MAX_CHANGES {
         stack.insert(near(1.0), Place::Top, 0.1).unwrap();
     }
@@ -122,14 +130,15 @@ fn a_new_constraint_is_violated_less_and_less() {
         let left = 1.0 - stack.activation(constraint).unwrap();
         assert!(2.0 - x <= 2.0 * left + 1e-12);
     }
-    assert_eq!(stack.x(), [2.0]);
+    assert_eq!(stack.solution().unwrap().optimum().unwrap(), [2.0]);
 }
 
 #[test]
 fn rows_of_another_width_and_bounds_that_are_no_numbers_are_refused() {
     let (mut stack, zero) = line();
     *stack.level_mut(zero).unwrap() = Level::least_squares(Rows::zeros(1, 2));
-    assert_eq!(stack.solve(PERIOD).unwrap_err(), Error::ShapeChanged { level: 0 });
+    let error = stack.solve(PERIOD).unwrap_err();
+    assert!(matches!(error, Error::ShapeChanged { level, .. } if level == zero), "{error}");
     *stack.level_mut(zero).unwrap() = near(0.0);
     assert!(stack.solve(PERIOD).is_ok());
     let bounds: [fn(&mut ContinuousStack) -> &mut f64; 2] =
@@ -138,7 +147,7 @@ fn rows_of_another_width_and_bounds_that_are_no_numbers_are_refused() {
         let (mut stack, zero) = line();
         stack.insert(near(1.0), Place::Above(zero), 0.2).unwrap();
         *bound(&mut stack) = f64::NAN;
-        assert!(matches!(stack.solve(PERIOD), Err(Error::EmptyRange { .. })));
+        assert!(matches!(stack.solve(PERIOD), Err(Error::NanBound { .. })));
         *bound(&mut stack) = 0.0;
         assert!(stack.solve(PERIOD).is_ok());
     }
@@ -154,9 +163,11 @@ fn the_hierarchy_without_a_solution_is_named() {
     assert!(stack.failed_part().is_none());
     let error = stack.solve(PERIOD).unwrap_err();
     let Error::Infeasible { level, .. } = error else { panic!("{error}") };
+    assert_eq!(level, least);
     let part = stack.failed_part().unwrap();
-    assert_eq!(part.levels().nth(level), Some(least));
-    assert!(!part.conflict().is_empty());
+    assert!(part.ids().eq([most, least, zero]));
+    let conflict: Vec<_> = part.conflict().filter_map(ConstraintSource::level).collect();
+    assert!(conflict.contains(&least) && conflict.contains(&most), "{conflict:?}");
     // Without it all is well again.
     stack.remove(least, 0.0).unwrap();
     assert_eq!(ticks(&mut stack, 1), 0.0);
@@ -176,7 +187,7 @@ fn limits_of_the_output_do_not_delay_a_change_that_they_allow() {
         let allowed = limits.velocity_interval(state, PERIOD);
         let (lower, upper) = stack.output_bounds_mut();
         (lower[0], upper[0]) = (allowed.lower, allowed.upper);
-        state = state.after(stack.solve(PERIOD).unwrap()[0], PERIOD);
+        state = state.after(stack.solve(PERIOD).unwrap().optimum().unwrap()[0], PERIOD);
         assert!(limits.admits(state));
         let s = f64::from(tick) / 500.0;
         let ramp = s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);

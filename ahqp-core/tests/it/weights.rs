@@ -46,11 +46,11 @@ fn judge(hierarchy: &Hierarchy, x: &[f64]) -> Verdict {
 fn perturbed(hierarchy: &Hierarchy, seed: u64) -> Hierarchy {
     let mut random = random(seed);
     let mut other = hierarchy.clone();
-    for index in 0..other.levels().len() {
-        let level = other.level_mut(index).unwrap();
+    for id in other.ids() {
+        let level = other.level_mut(id).unwrap();
         for hard in [true, false] {
-            let rows = if hard { Some(level.constraints_mut()) } else { level.least_squares_mut() };
-            let Some(rows) = rows else { continue };
+            let rows = if hard { Ok(level.constraints_mut()) } else { level.rows_mut() };
+            let Ok(rows) = rows else { continue };
             let mut nudge = |value: &mut f64| *value *= 1.0 + random.random_range(-1e-15..1e-15);
             for i in 0..rows.len() {
                 rows.row_mut(i).unwrap().iter_mut().for_each(&mut nudge);
@@ -86,7 +86,7 @@ fn one_level(bounds: &[(f64, f64)], rows: Rows) -> Hierarchy {
 fn expect_right(solver: &mut Solver, hierarchy: &Hierarchy) {
     let solution = solver.solve(hierarchy).unwrap();
     assert_eq!(solution.status(), Status::Solved);
-    let x = solution.x().to_vec();
+    let x = solution.optimum().unwrap().to_vec();
     assert_eq!(judge(hierarchy, &x), Verdict::Right, "{x:?}");
     let residuals = solver.certificate(hierarchy).unwrap().residuals(hierarchy, &x).unwrap();
     assert!(residuals.worst() < 1e-8, "{residuals:?}");
@@ -104,7 +104,7 @@ fn a_light_row_follows_its_target_beside_a_heavy_one_that_cannot() {
         for target in [-2000.0, target] {
             expect_right(&mut solver, &at(target));
         }
-        let x = solver.solve(&at(target)).unwrap().x().to_vec();
+        let x = solver.solve(&at(target)).unwrap().optimum().unwrap().to_vec();
         assert!((x[1] - target).abs() < 1e-9, "{x:?}");
     }
 }
@@ -129,7 +129,7 @@ fn a_light_row_is_heard_where_a_heavy_one_pulls_in_vain() {
         let hierarchy = one_level(&[(-1.0, 1.0), (-2.0, 2.0)], rows);
         let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
         expect_right(&mut solver, &hierarchy);
-        assert!((solver.solve(&hierarchy).unwrap().x()[0] + 1.0).abs() < 1e-9);
+        assert!((solver.solve(&hierarchy).unwrap().optimum().unwrap()[0] + 1.0).abs() < 1e-9);
     }
 }
 
@@ -248,7 +248,7 @@ fn try_sequences(count: usize, variables: std::ops::RangeInclusive<usize>, sprea
             for (i, solver) in solvers.iter_mut().enumerate() {
                 let solution = solver.solve(hierarchy).unwrap();
                 assert_eq!(solution.status(), Status::Solved);
-                let x = solution.x().to_vec();
+                let x = solution.optimum().unwrap().to_vec();
                 match judge(hierarchy, &x) {
                     Verdict::Right => tally.right += 1,
                     Verdict::Wrong { sensitivity, .. } if sensitivity > 1e-7 => {

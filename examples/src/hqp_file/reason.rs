@@ -1,21 +1,30 @@
 //! Why a problem of a set has no solution, in the words of the file.
 
-use ahqp_core::{ConstraintSource, Error};
+use ahqp_core::{ConstraintSource, Error, LevelId};
 
 use super::Problem;
+
+/// The most rows of a conflict that are listed.
+const MOST_PLACES: usize = 10;
 
 impl Problem {
     /// Says why the solver gives no solution: with the file's line where the rows stand, and what
     /// is wrong with them.
     pub fn reason(&self, error: &Error) -> String {
         let words = match error {
-            Error::EmptyRange { source_of_row, lower, upper } => {
+            Error::EmptyRange { source_of_row, lower, upper, .. } if lower == upper => {
+                format!(
+                    "{}: both bounds are {lower}, where no number is; give one of them a value",
+                    self.place(*source_of_row)
+                )
+            }
+            Error::EmptyRange { source_of_row, lower, upper, .. } => {
                 format!(
                     "{}: the lower bound {lower} lies above the upper bound {upper}; order them",
                     self.place(*source_of_row)
                 )
             }
-            Error::TooLarge { source_of_row, value } => format!(
+            Error::TooLarge { source_of_row, value, .. } => format!(
                 "{}: {value:e} is beyond 1e100, where double precision overflows; change units, or \
                  write 1e30 where there is no bound",
                 self.place(*source_of_row)
@@ -29,7 +38,7 @@ impl Problem {
                 self.level(*level),
                 self.place(*worst)
             ),
-            Error::Unbounded { level } => {
+            Error::Unbounded { level, .. } => {
                 format!("{}: its objective falls without end", self.level(*level))
             }
             other => other.to_string(),
@@ -37,10 +46,19 @@ impl Problem {
         format!("problem {} ({}), {words}", self.index, self.name)
     }
 
-    fn level(&self, level: usize) -> String {
-        match self.lines.levels.get(level) {
+    /// Lists what cannot hold together, in the words of the file.
+    pub fn conflict(&self, conflict: &[ConstraintSource]) -> String {
+        let places: Vec<String> =
+            conflict.iter().take(MOST_PLACES).map(|source| self.place(*source)).collect();
+        let rest = conflict.len() - places.len();
+        let more = if rest > 0 { format!("; and {rest} more") } else { String::new() };
+        format!("what cannot hold together: {}{more}", places.join("; "))
+    }
+
+    fn level(&self, level: LevelId) -> String {
+        match self.lines.levels.get(level.index()) {
             Some(line) => format!("the level of line {line}"),
-            None => format!("level {level}"),
+            None => level.to_string(),
         }
     }
 

@@ -261,12 +261,40 @@ level G 0 1
         ),
         "{infeasible}"
     );
+    assert!(
+        infeasible.ends_with(
+            "what cannot hold together: row 0 of the level of line 5; row 0 of the level of line 3"
+        ),
+        "{infeasible}"
+    );
     assert_eq!(
         refused,
         "problem 1 (backwards), row 0 of the level of line 8: the lower bound 3 lies above the upper \
          bound 2; order them"
     );
     assert!(times.starts_with("median_us="));
+}
+
+#[test]
+fn bounds_that_are_the_same_infinity_and_long_conflicts_are_told() {
+    let impossible = "1 2 1e30\n".repeat(30);
+    let text = format!(
+        "hqpset x 2
+problem 0 nowhere 1 1
+level G 1 1
+1 1e30 1e30
+problem 1 crowd 1 2
+level B 1 1
+0 -1 1
+level G 1 30
+{impossible}"
+    );
+    let output = hqp(&text, &[]);
+    assert!(output.status.success());
+    let errors = String::from_utf8(output.stderr).unwrap();
+    let lines: Vec<&str> = errors.lines().collect();
+    assert!(lines[0].contains("line 3: both bounds are inf, where no number is"), "{errors}");
+    assert!(lines[1].contains("; row 9 of the level of line 8; and 21 more"), "{errors}");
 }
 
 #[test]

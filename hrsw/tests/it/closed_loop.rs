@@ -1,6 +1,8 @@
 //! A small robot in closed loop with people who come, go and jump.
 
-use ahqp_core::{AugmentedState, Hierarchy, Level, Limits, MotionState, Rows, Settings, Solver};
+use ahqp_core::{
+    AugmentedState, Hierarchy, Level, LevelId, Limits, MotionState, Rows, Settings, Solver,
+};
 use hrsw::{
     ApproachRows, Attachment, Bounds, Capsule, Cone, JointMotion, MovingSettings, MovingWorkspace,
     OrientationShape, PersonBody, PositionShape, RobotBody, SeparationSettings, SoftWorkspace,
@@ -20,6 +22,8 @@ struct Gantry {
     jacobian: DMatrix<f64>,
     limits: Limits,
     hierarchy: Hierarchy,
+    apart: LevelId,
+    reach: LevelId,
     solver: Solver,
     separation: ApproachRows,
 }
@@ -40,15 +44,17 @@ impl Gantry {
         let mut jacobian = DMatrix::zeros(6, 3);
         jacobian.view_mut((0, 0), (3, 3)).fill_with_identity();
         let mut hierarchy = Hierarchy::new(3).unwrap();
-        hierarchy
+        let apart = hierarchy
             .push(match kind {
                 Kind::Level => Level::least_squares(separation.rows()),
                 Kind::Hard => Level::constraints_only(separation.rows()),
             })
             .unwrap();
         let goal = Rows::equalities(&DMatrix::identity(3, 3), &DVector::zeros(3)).unwrap();
-        hierarchy.push(Level::least_squares(goal)).unwrap();
+        let reach = hierarchy.push(Level::least_squares(goal)).unwrap();
         Self {
+            apart,
+            reach,
             position: Vector3::zeros(),
             velocity: Vector3::zeros(),
             jacobian,
@@ -80,18 +86,15 @@ impl Gantry {
             velocity: self.velocity.as_slice(),
             braking: (*kind == Kind::Hard).then_some(&braking),
         };
-        let level = self.hierarchy.level_mut(0).unwrap();
         let rows = match kind {
-            Kind::Level => level.least_squares_mut().unwrap(),
-            Kind::Hard => level.constraints_mut(),
+            Kind::Level => self.hierarchy.rows_mut(self.apart).unwrap(),
+            Kind::Hard => self.hierarchy.constraints_mut(self.apart).unwrap(),
         };
         self.separation.write(&motion, &robot, person, rows).unwrap();
-        let rows = self.hierarchy.level_mut(1).unwrap().least_squares_mut().unwrap();
         let wanted = (goal - self.position) * 5.0;
-        rows.lower_mut().copy_from_slice(wanted.as_slice());
-        rows.upper_mut().copy_from_slice(wanted.as_slice());
+        self.hierarchy.rows_mut(self.reach).unwrap().set_targets(&wanted).unwrap();
         let solution = self.solver.solve(&self.hierarchy).unwrap();
-        let velocity = Vector3::from_column_slice(solution.x());
+        let velocity = Vector3::from_column_slice(solution.optimum().unwrap());
         assert!((velocity - self.velocity).amax() <= ACCELERATION * PERIOD + 1e-9);
         self.velocity = velocity;
         self.position += velocity * PERIOD;
@@ -180,6 +183,7 @@ struct Desired {
     limits: Limits,
     soft: SoftWorkspace,
     hierarchy: Hierarchy,
+    inside: LevelId,
     solver: Solver,
 }
 
@@ -188,7 +192,7 @@ impl Desired {
         let room = Softening { position_rows: 13, ..Softening::default() };
         let soft = SoftWorkspace::with_softening(DESIRED, 0.3, room).unwrap();
         let mut hierarchy = Hierarchy::new(DESIRED.len()).unwrap();
-        hierarchy.push(soft.level().unwrap()).unwrap();
+        let inside = hierarchy.push(soft.level().unwrap()).unwrap();
         let rest = DMatrix::from_fn(6, DESIRED.len(), |i, j| if j == i + 1 { 1.0 } else { 0.0 });
         let rest = Rows::equalities(&rest, &DVector::zeros(6)).unwrap();
         hierarchy.push(Level::least_squares(rest)).unwrap();
@@ -198,6 +202,7 @@ impl Desired {
             twist: Vector6::zeros(),
             limits: Limits::new(free.0, free.1, 1.8, DESIRED_ACCELERATION).unwrap(),
             soft,
+            inside,
             solver: Solver::new(&hierarchy, Settings::default()).unwrap(),
             hierarchy,
         }
@@ -210,9 +215,12 @@ impl Desired {
             let interval = self.limits.velocity_interval(at, PERIOD);
             (lower[index], upper[index]) = (interval.lower, interval.upper);
         }
-        self.soft.write(workspace, &self.pose, self.hierarchy.level_mut(0).unwrap()).unwrap();
+        self.soft
+            .write(workspace, &self.pose, self.hierarchy.level_mut(self.inside).unwrap())
+            .unwrap();
         let solution = self.solver.solve(&self.hierarchy).unwrap();
-        let twist = Vector6::from_column_slice(&solution.x()[DESIRED.desired_velocity()]);
+        let twist =
+            Vector6::from_column_slice(&solution.optimum().unwrap()[DESIRED.desired_velocity()]);
         assert!((twist - self.twist).amax() <= DESIRED_ACCELERATION * PERIOD + 1e-9);
         self.twist = twist;
         self.pose = ahqp_core::integrate_pose(&self.pose, &self.twist, PERIOD);

@@ -90,7 +90,7 @@ proptest! {
         }
         hierarchy.push(level).unwrap();
         let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
-        let x = solver.solve(&hierarchy).unwrap().x().to_vec();
+        let x = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
         let slack = Vector6::from_column_slice(&x[7..]);
         let expected = if held { workspace.violation(&desired).abs() } else { Vector6::zeros() };
         prop_assert!((slack - expected).norm() < 1e-9, "{slack} {expected}");

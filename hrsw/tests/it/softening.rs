@@ -69,7 +69,7 @@ proptest! {
         soft.write_within(&workspace, Some(&around), &desired, &mut level).unwrap();
         let hierarchy = hierarchy(&soft, level, speed);
         let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
-        let ours = solver.solve(&hierarchy).unwrap().x().to_vec();
+        let ours = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
         let reference = solve_reference(&hierarchy).unwrap();
         let cost = |x: &[f64]| {
             if shared {
@@ -100,7 +100,7 @@ proptest! {
             soft.write(&workspace, &desired, &mut level).unwrap();
             let hierarchy = hierarchy(&soft, level, speed);
             let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
-            let x = solver.solve(&hierarchy).unwrap().x().to_vec();
+            let x = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
             let nothing = Surroundings::default();
             row_excess(&workspace, &nothing, &desired, &Vector6::from_column_slice(&x[1..7]))
         });
@@ -126,7 +126,7 @@ proptest! {
         hierarchy.push(Level::constraints_only(held)).unwrap();
         hierarchy.push(level).unwrap();
         let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
-        let x = solver.solve(&hierarchy).unwrap().x().to_vec();
+        let x = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
         let (ex, ey) = (0.4 + HORIZON * x[1], 0.4 + HORIZON * x[2]);
         prop_assert!((wx * ex - wy * ey).abs() < 1e-9, "{ex} {ey}");
     }
@@ -154,7 +154,8 @@ fn what_does_not_fit_is_named() {
     let row_wise = Softening { slack: Slack::RowWise, ..Softening::default() };
     let without_slack = AugmentedState { slack: 0, ..SLACK };
     let soft = SoftWorkspace::with_softening(without_slack, HORIZON, row_wise).unwrap();
-    assert!(matches!(soft.write(&boxed, &here, &mut other), Err(Error::Size { .. })));
+    let error = soft.write(&boxed, &here, &mut other).unwrap_err();
+    assert!(matches!(error, Error::Hierarchy(ahqp_core::Error::OtherObjective { .. })), "{error}");
     let weights = Vector6::new(1.0, 1.0, 0.0, 1.0, 1.0, 1.0);
     let softening = Softening { weights, ..Softening::default() };
     let error = SoftWorkspace::with_softening(SLACK, HORIZON, softening).unwrap_err();

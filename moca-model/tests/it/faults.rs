@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use ahqp_core::Budget;
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{ClockFault, Fault, FrameFault, SafetyState};
 use moca_model::{
@@ -187,6 +188,27 @@ fn ticks_without_a_solution_are_heard_of() {
         drive.step();
     }
     drive.assert_waits(Fault::NoSolution);
+}
+
+#[test]
+fn a_budget_that_runs_out_is_heard_of_and_keeps_the_limits() {
+    let budgets = [Budget::iterations(6), Budget::time(std::time::Duration::ZERO)];
+    for budget in budgets {
+        // The drive checks every command against the limits.
+        let mut drive = Drive::with(ControllerSettings { budget, ..ControllerSettings::default() });
+        let mut ran_out = 0;
+        for _ in 0..1500 {
+            drive.step();
+            let command = drive.controller.command();
+            ran_out += u32::from(command.fault == Some(Fault::IterationLimit));
+            assert!(
+                command.outcome != Outcome::Braking && command.fault != Some(Fault::NoSolution)
+            );
+            assert_eq!(command.outcome.is_optimal(), command.fault != Some(Fault::IterationLimit));
+        }
+        assert!(ran_out > 0, "{budget:?}");
+        assert!(drive.state() != SafetyState::ProtectiveStop, "{budget:?}");
+    }
 }
 
 #[test]

@@ -37,7 +37,7 @@ impl Goal {
 pub(crate) enum End {
     Optimal,
     Unbounded,
-    OutOfIterations,
+    OutOfBudget,
 }
 
 impl ActiveSet {
@@ -46,8 +46,8 @@ impl ActiveSet {
         self.kept.clear();
         let (mut stalled, mut dropped) = (0, None);
         loop {
-            if self.iterations >= self.settings.max_iterations {
-                return End::OutOfIterations;
+            if self.allowance.is_spent(self.iterations) {
+                return End::OutOfBudget;
             }
             self.iterations += 1;
             // Least index first cannot cycle, but is slow: only after a stall.

@@ -7,8 +7,9 @@ use nalgebra::{
 };
 
 use crate::error::Error;
-use crate::kinematics::clik::{AugmentedClik, AugmentedState};
-use crate::problem::hierarchy::{Hierarchy, Level};
+use crate::kinematics::clik::{AugmentedClik, AugmentedState, PoseAxes};
+use crate::problem::hierarchy::Hierarchy;
+use crate::problem::level::Level;
 use crate::problem::rows::Rows;
 use crate::testing::random::Random;
 
@@ -48,7 +49,7 @@ type Jacobian = SMatrix<f64, 6, 10>;
 pub fn controller_sequence(seed: u64, ticks: usize) -> Result<Vec<Hierarchy>, Error> {
     let random = &mut Random::new(seed);
     let preference = preference(random);
-    let clik = AugmentedClik::new(STATE, Vector6::repeat(GAIN), PERIOD)?;
+    let clik = AugmentedClik::new(STATE, PoseAxes::ALL, Vector6::repeat(GAIN), PERIOD)?;
     let mut joints = SMatrix::<f64, 10, 1>::from(START);
     let (start, _) = kinematics(&joints);
     let mut desired = start;
@@ -87,7 +88,7 @@ pub fn controller_sequence(seed: u64, ticks: usize) -> Result<Vec<Hierarchy>, Er
         let mut tracking = clik.rows();
         clik.write(&DMatrix::from_column_slice(6, 10, jacobian.as_slice()), &error, &mut tracking)?;
         hierarchy.push(Level::least_squares(tracking))?;
-        hierarchy.push(Level::constraints_only(box_rows(&room(1, 1.0), &room(0, -1.0))))?;
+        hierarchy.push(Level::constraints_only(box_rows(&room(1, 1.0), &room(0, -1.0))?))?;
         hierarchy.push(Level::least_squares(block(
             STATE.slack().start,
             &DMatrix::identity(6, 6),
@@ -133,18 +134,17 @@ fn preference(random: &mut Random) -> Matrix3<f64> {
 }
 
 /// Rows Δt ẋ_d − s ≤ above and −Δt ẋ_d − s ≤ below.
-fn box_rows(above: &[f64; 6], below: &[f64; 6]) -> Rows {
+fn box_rows(above: &[f64; 6], below: &[f64; 6]) -> Result<Rows, Error> {
     let mut rows = Rows::zeros(12, STATE.len());
     for i in 0..12 {
         let axis = i % 6;
-        if let Some(row) = rows.row_mut(i) {
-            row[STATE.desired_velocity().start + axis] = if i < 6 { PERIOD } else { -PERIOD };
-            row[STATE.slack().start + axis] = -1.0;
-        }
+        let row = rows.row_mut(i)?;
+        row[STATE.desired_velocity().start + axis] = if i < 6 { PERIOD } else { -PERIOD };
+        row[STATE.slack().start + axis] = -1.0;
         rows.lower_mut()[i] = f64::NEG_INFINITY;
         rows.upper_mut()[i] = if i < 6 { above[axis] } else { below[axis] };
     }
-    rows
+    Ok(rows)
 }
 
 /// Equalities of `matrix` on the variables from `start` on.

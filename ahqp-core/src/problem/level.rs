@@ -1,0 +1,194 @@
+//! One priority level: what it minimises, and what must hold.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::error::Error;
+use crate::linalg::vector::dot;
+use crate::problem::ids::LevelId;
+use crate::problem::rows::{Rows, expect_size};
+use crate::problem::source::Names;
+
+/// What a level minimises.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Objective {
+    /// Nothing: the level only adds constraints.
+    None,
+    /// ½ Σ wᵢ (distance of row i of `A x` to its range)², wᵢ being the
+    /// [weights](Rows::set_weights), 1 unless they are set; with equal bounds ½‖A x − b‖²
+    /// (the paper's eq. 1).
+    LeastSquares(Rows),
+    /// ½ xᵀHx + gᵀx with H symmetric positive semidefinite (the form of the paper's Sec. III-B).
+    Quadratic {
+        /// H, n × n.
+        hessian: DMatrix<f64>,
+        /// g, of size n.
+        gradient: DVector<f64>,
+    },
+}
+
+impl Objective {
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::None => "nothing",
+            Self::LeastSquares(_) => "rows",
+            Self::Quadratic { .. } => "a quadratic",
+        }
+    }
+}
+
+/// One priority level: an objective, and hard constraints that hold from this level down.
+///
+/// ```
+/// use ahqp_core::{Level, Rows};
+/// use nalgebra::{dmatrix, dvector};
+///
+/// let level = Level::least_squares(Rows::equalities(&dmatrix![1.0, 1.0], &dvector![2.0])?)
+///     .with_constraints(Rows::ranges(&dmatrix![1.0, 0.0], &dvector![0.0], &dvector![0.5])?)
+///     .named("reach");
+/// assert_eq!(level.constraints().len(), 1);
+/// assert_eq!(level.name(), Some("reach"));
+/// assert_eq!(level.violation(&[0.5, 0.5])?, 1.0);
+/// # Ok::<(), ahqp_core::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    objective: Objective,
+    constraints: Rows,
+    name: Option<Arc<str>>,
+}
+
+impl Level {
+    /// A level that minimises the violation of `rows` in the least-squares sense.
+    pub fn least_squares(rows: Rows) -> Self {
+        let constraints = Rows::zeros(0, rows.columns());
+        Self { objective: Objective::LeastSquares(rows), constraints, name: None }
+    }
+
+    /// A level that minimises ½ xᵀHx + gᵀx, H of size n × n, g of size n.
+    ///
+    /// Whether H is symmetric and positive semidefinite is checked at each solve, since it may
+    /// be rewritten between two of them.
+    ///
+    /// # Errors
+    /// [`Error::Size`] when H is not square or g does not fit it.
+    pub fn quadratic(hessian: DMatrix<f64>, gradient: DVector<f64>) -> Result<Self, Error> {
+        expect_size("the columns of the Hessian", hessian.ncols(), hessian.nrows())?;
+        expect_size("the gradient", gradient.len(), hessian.nrows())?;
+        let constraints = Rows::zeros(0, gradient.len());
+        Ok(Self { objective: Objective::Quadratic { hessian, gradient }, constraints, name: None })
+    }
+
+    /// A level that only adds hard constraints.
+    pub fn constraints_only(rows: Rows) -> Self {
+        Self { objective: Objective::None, constraints: rows, name: None }
+    }
+
+    /// The same level with `rows` as its hard constraints.
+    #[must_use]
+    pub fn with_constraints(mut self, rows: Rows) -> Self {
+        self.constraints = rows;
+        self
+    }
+
+    /// The same level with a name, for errors and conflicts.
+    #[must_use]
+    pub fn named(mut self, name: impl Into<Arc<str>>) -> Self {
+        self.name = Some(name.into());
+        self
+    }
+
+    /// Its name, if it has one.
+    pub fn name(&self) -> Option<&str> {
+        self.name.as_deref()
+    }
+
+    pub(crate) fn shared_name(&self) -> Option<&Arc<str>> {
+        self.name.as_ref()
+    }
+
+    /// What the level minimises.
+    pub fn objective(&self) -> &Objective {
+        &self.objective
+    }
+
+    /// What must hold from this level down.
+    pub fn constraints(&self) -> &Rows {
+        &self.constraints
+    }
+
+    /// The hard constraints, to rewrite in place (not to resize).
+    pub fn constraints_mut(&mut self) -> &mut Rows {
+        &mut self.constraints
+    }
+
+    /// The rows of a least-squares objective, to rewrite in place (not to resize).
+    ///
+    /// # Errors
+    /// [`Error::OtherObjective`] for a level that minimises a quadratic, or nothing.
+    pub fn rows_mut(&mut self) -> Result<&mut Rows, Error> {
+        let (found, name) = (self.objective.kind(), &self.name);
+        match &mut self.objective {
+            Objective::LeastSquares(rows) => Ok(rows),
+            _ => Err(other_objective("rows", found, name)),
+        }
+    }
+
+    /// Hessian and gradient of a quadratic objective, to rewrite in place (not to resize).
+    ///
+    /// # Errors
+    /// [`Error::OtherObjective`] for a level that minimises rows, or nothing.
+    pub fn quadratic_mut(&mut self) -> Result<(&mut DMatrix<f64>, &mut DVector<f64>), Error> {
+        let (found, name) = (self.objective.kind(), &self.name);
+        match &mut self.objective {
+            Objective::Quadratic { hessian, gradient } => Ok((hessian, gradient)),
+            _ => Err(other_objective("a quadratic", found, name)),
+        }
+    }
+
+    /// √(Σ wᵢ dᵢ²) of a least-squares objective at `x`, dᵢ being the distance of row i to its range
+    /// and wᵢ its weight; zero for other kinds of objective. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::Size`] when x does not fit the rows.
+    pub fn violation(&self, x: &[f64]) -> Result<f64, Error> {
+        let Objective::LeastSquares(rows) = &self.objective else { return Ok(0.0) };
+        expect_size("x", x.len(), rows.columns())?;
+        let squares = rows.iter().enumerate().map(|(index, (row, lower, upper))| {
+            let value = dot(row, x);
+            let distance = (lower - value).max(value - upper).max(0.0);
+            rows.weight(index) * distance * distance
+        });
+        Ok(squares.sum::<f64>().sqrt())
+    }
+
+    pub(crate) fn expect_columns(&self, variables: usize) -> Result<(), Error> {
+        match &self.objective {
+            Objective::None => {}
+            Objective::LeastSquares(rows) => {
+                expect_size("a row of the objective", rows.columns(), variables)?;
+            }
+            Objective::Quadratic { gradient, .. } => {
+                expect_size("the gradient", gradient.len(), variables)?;
+            }
+        }
+        expect_size("a row of the constraints", self.constraints.columns(), variables)
+    }
+}
+
+fn other_objective(expected: &'static str, found: &'static str, name: &Option<Arc<str>>) -> Error {
+    let names = Names { level: name.clone(), row: None };
+    Error::OtherObjective { level: None, expected, found, names }
+}
+
+/// Says which level an error speaks of.
+pub(crate) fn of_level<T>(level: LevelId, result: Result<T, Error>) -> Result<T, Error> {
+    result.map_err(|error| match error {
+        Error::OtherObjective { expected, found, names, .. } => {
+            Error::OtherObjective { level: Some(level), expected, found, names }
+        }
+        other => other,
+    })
+}

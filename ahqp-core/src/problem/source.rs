@@ -1,0 +1,150 @@
+//! Where a row of a problem comes from, and what it is called.
+
+use std::fmt;
+use std::sync::Arc;
+
+use crate::problem::ids::LevelId;
+use crate::problem::level::{Level, Objective};
+
+/// Where a row of the problem comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum ConstraintSource {
+    /// The bounds of a variable.
+    Bound {
+        /// The variable.
+        variable: usize,
+    },
+    /// A hard constraint of a level.
+    Constraint {
+        /// The level.
+        level: LevelId,
+        /// The row of its constraints.
+        row: usize,
+    },
+    /// A row of a level's objective.
+    Objective {
+        /// The level.
+        level: LevelId,
+        /// The row of its objective.
+        row: usize,
+    },
+}
+
+impl ConstraintSource {
+    /// The level, if it is not a bound.
+    pub fn level(self) -> Option<LevelId> {
+        match self {
+            Self::Bound { .. } => None,
+            Self::Constraint { level, .. } | Self::Objective { level, .. } => Some(level),
+        }
+    }
+
+    /// The same row where levels have other ids.
+    pub(crate) fn renamed(self, rename: impl Fn(LevelId) -> LevelId) -> Self {
+        match self {
+            Self::Bound { .. } => self,
+            Self::Constraint { level, row } => Self::Constraint { level: rename(level), row },
+            Self::Objective { level, row } => Self::Objective { level: rename(level), row },
+        }
+    }
+}
+
+impl fmt::Display for ConstraintSource {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Label { source: *self, names: Names::default() }.fmt(formatter)
+    }
+}
+
+/// The names that a level and a row of it, or a variable, were given.
+///
+/// Errors carry them, so that they can be read without the problem at hand. Cloning does not
+/// allocate.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Names {
+    /// Of the level.
+    pub level: Option<Arc<str>>,
+    /// Of the row, or of the variable whose bounds it is.
+    pub row: Option<Arc<str>>,
+}
+
+impl Names {
+    /// The names of a row of `level`, or of the bounds of one of the `variables`.
+    pub(crate) fn of(
+        source: ConstraintSource,
+        level: Option<&Level>,
+        variables: &[Arc<str>],
+    ) -> Self {
+        let row = match source {
+            ConstraintSource::Bound { variable } => variables.get(variable).cloned(),
+            ConstraintSource::Constraint { row, .. } => {
+                level.and_then(|level| level.constraints().names().get(row).cloned())
+            }
+            ConstraintSource::Objective { row, .. } => match level.map(Level::objective) {
+                Some(Objective::LeastSquares(rows)) => rows.names().get(row).cloned(),
+                _ => None,
+            },
+        };
+        Self { row, ..Self::of_level(level) }
+    }
+
+    pub(crate) fn of_level(level: Option<&Level>) -> Self {
+        Self { level: level.and_then(|level| level.shared_name().cloned()), row: None }
+    }
+
+    /// "level 3", with its name behind; "the level" if its id is not known.
+    pub(crate) fn label_of_level(&self, level: impl Into<Option<LevelId>>) -> LevelLabel<'_> {
+        LevelLabel { level: level.into(), name: Quoted(self.level.as_deref()) }
+    }
+
+    /// "constraint row 2 of level 3", with their names.
+    pub(crate) fn label(&self, source: ConstraintSource) -> Label {
+        Label { source, names: self.clone() }
+    }
+}
+
+/// A row in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Label {
+    source: ConstraintSource,
+    names: Names,
+}
+
+impl fmt::Display for Label {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (kind, level, row) = match self.source {
+            ConstraintSource::Bound { variable } => ("the bounds of variable", None, variable),
+            ConstraintSource::Constraint { level, row } => ("constraint row", Some(level), row),
+            ConstraintSource::Objective { level, row } => ("objective row", Some(level), row),
+        };
+        write!(formatter, "{kind} {row}{}", Quoted(self.names.row.as_deref()))?;
+        match level {
+            Some(level) => write!(formatter, " of {}", self.names.label_of_level(level)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A level in words.
+pub(crate) struct LevelLabel<'a> {
+    level: Option<LevelId>,
+    name: Quoted<'a>,
+}
+
+impl fmt::Display for LevelLabel<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.level {
+            Some(level) => write!(formatter, "{level}{}", self.name),
+            None => write!(formatter, "the level{}", self.name),
+        }
+    }
+}
+
+/// A name in quotes behind a space, or nothing.
+struct Quoted<'a>(Option<&'a str>);
+
+impl fmt::Display for Quoted<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.map_or(Ok(()), |name| write!(formatter, " \"{name}\""))
+    }
+}

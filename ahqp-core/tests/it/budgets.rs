@@ -1,0 +1,157 @@
+//! Budgets of a solve, and settings that change on the way.
+
+use std::time::Duration;
+
+use ahqp_core::testing::problems::humanoid_sequence;
+use ahqp_core::testing::{Sizes, hierarchies, hierarchy_sequences};
+use ahqp_core::{
+    Budget, ContinuousStack, Error, Hierarchy, Level, Place, Rows, Settings, Solver, Status,
+    WarmStart,
+};
+use nalgebra::dmatrix;
+use proptest::prelude::*;
+
+const LONG: Duration = Duration::from_secs(3600);
+
+fn small() -> Sizes {
+    Sizes { variables: 1..=10, levels: 1..=4, rows: 0..=6 }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { rng_seed: prop::test_runner::RngSeed::Fixed(1), ..ProptestConfig::with_cases(200) })]
+
+    #[test]
+    fn a_budget_of_iterations_is_that_of_the_settings(
+        sequence in hierarchy_sequences(small(), 3), iterations in 1..20_usize,
+    ) {
+        let settings = Settings { max_iterations: iterations, ..Settings::default() };
+        let mut by_settings = Solver::new(&sequence[0], settings)?;
+        let mut by_budget = Solver::new(&sequence[0], Settings::default())?;
+        for hierarchy in &sequence {
+            // A long time changes nothing, and a larger budget than the settings' nothing either.
+            let time = Some(LONG);
+            let one = by_settings.solve_within(hierarchy, Budget { iterations: Some(500), time })?;
+            let other = by_budget.solve_within(hierarchy, Budget::iterations(iterations))?;
+            prop_assert_eq!(one, other);
+            prop_assert!(one.iterations() <= iterations);
+        }
+    }
+
+    /// Each solve makes a few iterations, and the next goes on from there.
+    #[test]
+    fn without_time_there_is_progress(hierarchy in hierarchies(Sizes::default())) {
+        let mut solver = Solver::new(&hierarchy, Settings::default())?;
+        let no_time = Budget::time(Duration::ZERO);
+        let mut last = None;
+        for _ in 0..200 {
+            let solution = solver.solve_within(&hierarchy, no_time)?;
+            last = Some(solution.status());
+            match solution.status() {
+                Status::Solved => break,
+                Status::TimeLimit { .. } => {
+                    let unfinished = Error::Unfinished { status: solution.status() };
+                    prop_assert_eq!(solution.optimum(), Err(unfinished));
+                    // Looked at every eighth iteration.
+                    prop_assert!(solution.iterations().is_multiple_of(8));
+                    for (i, x) in solution.best().iter().enumerate() {
+                        prop_assert!((hierarchy.lower()[i]..=hierarchy.upper()[i]).contains(x));
+                    }
+                }
+                other => return Err(TestCaseError::fail(other.to_string())),
+            }
+        }
+        prop_assert!(last.is_some());
+    }
+}
+
+#[test]
+fn what_ran_out_is_said() {
+    let hierarchy = humanoid_sequence(1, 1).unwrap().remove(0);
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    let mut end = |budget| {
+        solver.forget();
+        solver.solve_within(&hierarchy, budget).unwrap().status()
+    };
+    let Status::IterationLimit { level: Some(early) } = end(Budget::iterations(1)) else {
+        panic!()
+    };
+    let Status::TimeLimit { level: Some(_) } = end(Budget::time(Duration::ZERO)) else { panic!() };
+    // Fewer iterations than the clock is looked at: they run out first.
+    let both = Budget { iterations: Some(3), time: Some(Duration::ZERO) };
+    assert!(matches!(end(both), Status::IterationLimit { .. }));
+    assert!(matches!(end(Budget::iterations(0)), Status::IterationLimit { .. }));
+    assert_eq!(end(Budget { iterations: Some(1000), time: Some(LONG) }), Status::Solved);
+    assert_eq!(end(Budget { iterations: None, time: Some(Duration::MAX) }), Status::Solved);
+    let error = Error::Unfinished { status: Status::TimeLimit { level: Some(early) } };
+    let words = error.to_string();
+    assert!(words.contains("the time ran out in level") && words.contains("best"), "{words}");
+    let error = Error::Unfinished { status: Status::IterationLimit { level: None } };
+    assert!(
+        error.to_string().contains("iterations ran out in the choice of least norm"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_budget_of_a_stack_is_kept_by_all_its_parts() {
+    let problem = humanoid_sequence(1, 1).unwrap().remove(0);
+    let mut stack = ContinuousStack::new(&problem, Settings::default()).unwrap();
+    let lowest = stack.ids().last().unwrap();
+    let near = Rows::equalities(&nalgebra::DMatrix::identity(38, 38), &[0.1; 38]).unwrap();
+    let new = stack.insert(Level::least_squares(near), Place::Above(lowest), 1.0).unwrap();
+    let solution = stack.solve_within(0.5, Budget::iterations(20)).unwrap();
+    assert!(matches!(solution.status(), Status::IterationLimit { level: Some(_) }));
+    assert!(solution.iterations() <= 2 * 20);
+    let solution = stack.solve_within(0.0, Budget::time(Duration::ZERO)).unwrap();
+    assert!(matches!(solution.status(), Status::TimeLimit { .. }), "{:?}", solution.status());
+    assert!(stack.solve(0.0).unwrap().optimum().is_ok());
+    assert!((stack.activation(new).unwrap() - 0.5).abs() < 1e-12);
+}
+
+#[test]
+fn settings_change_on_a_solver_that_lives() {
+    let hierarchy = humanoid_sequence(1, 1).unwrap().remove(0);
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    let x = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
+    // Bad ones are refused, and change nothing.
+    let bad = Settings { rank_tolerance: f64::NAN, ..Settings::default() };
+    assert!(matches!(solver.set_settings(bad), Err(Error::Setting { name: "rank_tolerance", .. })));
+    assert_eq!(solver.settings(), &Settings::default());
+    // A budget leaves the warm start alone.
+    solver.set_settings(Settings { max_iterations: 3, ..Settings::default() }).unwrap();
+    let warm = solver.solve(&hierarchy).unwrap().optimum().unwrap();
+    assert!(warm.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-9));
+    solver.forget();
+    assert!(solver.solve(&hierarchy).unwrap().optimum().is_err());
+    // Other tolerances begin anew, and are those of a new solver.
+    for warm_start in [WarmStart::PreviousActiveSet, WarmStart::Cold] {
+        let settings = Settings { rank_tolerance: 1e-6, warm_start, ..Settings::default() };
+        solver.set_settings(settings).unwrap();
+        let mut fresh = Solver::new(&hierarchy, settings).unwrap();
+        assert_eq!(solver.solve(&hierarchy).unwrap(), fresh.solve(&hierarchy).unwrap());
+    }
+}
+
+#[test]
+fn tolerances_that_change_decide_the_next_solve() {
+    // The second row differs from the first by 1e-8: one direction or two.
+    let mut hierarchy = Hierarchy::new(2).unwrap();
+    let first = Rows::equalities(&dmatrix![1.0, 0.0], &[1.0]).unwrap();
+    let second = Rows::equalities(&dmatrix![1.0, 1e-8], &[2.0]).unwrap();
+    hierarchy.push(Level::least_squares(first)).unwrap();
+    hierarchy.push(Level::least_squares(second)).unwrap();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    let mut stack = ContinuousStack::new(&hierarchy, Settings::default()).unwrap();
+    for (rank_tolerance, second) in [(1e-10, 1e8), (1e-7, 0.0), (1e-10, 1e8)] {
+        let settings = Settings { rank_tolerance, ..Settings::default() };
+        solver.set_settings(settings).unwrap();
+        let x = solver.solve(&hierarchy).unwrap().optimum().unwrap();
+        assert!((x[1] - second).abs() < 1.0, "{x:?}");
+        stack.set_settings(settings).unwrap();
+        assert_eq!(stack.settings(), &settings);
+        let x = stack.solve(1e-3).unwrap().optimum().unwrap();
+        assert!((x[1] - second).abs() < 1.0, "{x:?}");
+    }
+    let bad = Settings { max_iterations: 0, ..Settings::default() };
+    assert!(stack.set_settings(bad).is_err());
+}

@@ -1,0 +1,176 @@
+//! Names of levels, rows and variables where something is wrong.
+
+use ahqp_core::{
+    ConstraintSource, ContinuousStack, Error, Hierarchy, Level, Place, Rows, Settings, Solver,
+    solve_reference,
+};
+use nalgebra::{DMatrix, dmatrix, dvector};
+
+/// A named problem with every kind of row.
+fn named() -> Hierarchy {
+    let mut hierarchy = Hierarchy::new(2).unwrap();
+    hierarchy.set_bounds(&[-1.0, -1.0], &[1.0, 1.0]).unwrap();
+    hierarchy.name_variables(["shoulder", "elbow"]).unwrap();
+    let reach = Rows::equalities(&dmatrix![1.0, 0.0; 0.0, 1.0], &[0.5, 0.5]).unwrap();
+    let limit = Rows::at_most(&dmatrix![1.0, 1.0], &[1.0]).unwrap();
+    let reach = Level::least_squares(reach.with_names(["x", "y"]).unwrap()).named("reach");
+    hierarchy.push(reach.with_constraints(limit.with_names(["wall"]).unwrap())).unwrap();
+    let comfort = Level::quadratic(DMatrix::identity(2, 2), dvector![0.0, 0.0]).unwrap();
+    hierarchy.push(comfort.named("comfort")).unwrap();
+    hierarchy
+}
+
+type Spoil = fn(&mut Hierarchy) -> Result<(), Error>;
+
+#[test]
+fn errors_name_what_they_speak_of() {
+    let cases: [(Spoil, &str); 9] = [
+        (
+            |problem| {
+                problem.bounds_mut().0[1] = f64::NAN;
+                Ok(())
+            },
+            "the bounds of variable 1 \"elbow\": the lower bound is NaN",
+        ),
+        (
+            |problem| {
+                problem.bounds_mut().0[0] = 2.0;
+                Ok(())
+            },
+            "the bounds of variable 0 \"shoulder\": lower bound 2 and upper bound 1",
+        ),
+        (
+            |problem| Ok(problem.rows_mut(first(problem))?.row_mut(1)?[0] = f64::NAN),
+            "(objective row 1 \"y\" of level 0 \"reach\", entry 0)",
+        ),
+        (
+            |problem| problem.rows_mut(first(problem))?.set_targets(&[0.0, 1e200]),
+            "objective row 1 \"y\" of level 0 \"reach\" holds 1e200",
+        ),
+        (
+            |problem| Ok(problem.constraints_mut(first(problem))?.upper_mut()[0] = f64::NAN),
+            "constraint row 0 \"wall\" of level 0 \"reach\": the upper bound is NaN",
+        ),
+        (
+            |problem| Ok(problem.constraints_mut(first(problem))?.upper_mut()[0] = -7.0),
+            "the hard constraints of level 0 \"reach\" cannot hold together with those above it: \
+             constraint row 0 \"wall\" of level 0 \"reach\"",
+        ),
+        (
+            |problem| Ok(problem.quadratic_mut(last(problem))?.0[(0, 0)] = -1.0),
+            "the Hessian of level 1 \"comfort\" is not positive semidefinite",
+        ),
+        (
+            |problem| Ok(problem.quadratic_mut(last(problem))?.0[(0, 1)] = 0.5),
+            "the Hessian of level 1 \"comfort\" is not symmetric",
+        ),
+        (
+            |problem| Ok(*problem.rows_mut(first(problem))? = Rows::zeros(1, 2)),
+            "level 0 \"reach\" has another shape",
+        ),
+    ];
+    for (spoil, words) in cases {
+        let mut problem = named();
+        let mut solver = Solver::new(&problem, Settings::default()).unwrap();
+        spoil(&mut problem).unwrap();
+        let error = solver.solve(&problem).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+        // Names are part of the error: it compares and clones as a whole.
+        assert_eq!(error, error.clone());
+        if !matches!(error, Error::Infeasible { .. } | Error::ShapeChanged { .. }) {
+            assert_eq!(solve_reference(&problem).unwrap_err(), error);
+        }
+    }
+    let mut falling = Hierarchy::new(1).unwrap();
+    let level = Level::quadratic(dmatrix![0.0], dvector![1.0]).unwrap().named("fall");
+    falling.push(level).unwrap();
+    let error = Solver::new(&falling, Settings::default()).unwrap().solve(&falling).unwrap_err();
+    assert!(error.to_string().contains("level 0 \"fall\" decreases without bound"), "{error}");
+}
+
+fn first(problem: &Hierarchy) -> ahqp_core::LevelId {
+    problem.ids().next().unwrap()
+}
+
+fn last(problem: &Hierarchy) -> ahqp_core::LevelId {
+    problem.ids().last().unwrap()
+}
+
+#[test]
+fn conflicts_are_described_by_name() {
+    let mut problem = named();
+    let wall = problem.constraints_mut(first(&problem)).unwrap();
+    wall.upper_mut()[0] = -7.0;
+    let mut solver = Solver::new(&problem, Settings::default()).unwrap();
+    assert!(solver.solve(&problem).is_err());
+    let words = |row: &ConstraintSource| problem.describe(*row).to_string();
+    let conflict: Vec<String> = solver.conflict().iter().map(words).collect();
+    assert_eq!(
+        conflict,
+        [
+            "constraint row 0 \"wall\" of level 0 \"reach\"",
+            "the bounds of variable 0 \"shoulder\"",
+            "the bounds of variable 1 \"elbow\"",
+        ]
+    );
+    // What has no name has a number.
+    let mut plain = Hierarchy::new(2).unwrap();
+    let level = plain.push(Level::constraints_only(Rows::zeros(1, 2))).unwrap();
+    let row = ConstraintSource::Constraint { level, row: 0 };
+    assert_eq!(plain.describe(row).to_string(), "constraint row 0 of level 0");
+    assert_eq!(row.to_string(), "constraint row 0 of level 0");
+}
+
+#[test]
+fn a_stack_names_its_levels_by_their_ids_wherever_they_stand() {
+    let mut hierarchy = Hierarchy::new(1).unwrap();
+    hierarchy.name_variables(["height"]).unwrap();
+    let near =
+        |target: f64| Level::least_squares(Rows::equalities(&dmatrix![1.0], &[target]).unwrap());
+    hierarchy.push(near(0.0).named("rest")).unwrap();
+    let mut stack = ContinuousStack::new(&hierarchy, Settings::default()).unwrap();
+    // Later levels stand above earlier ones.
+    let most = Rows::at_most(&dmatrix![1.0], &[1.0]).unwrap().with_names(["ceiling"]).unwrap();
+    let most = stack.insert(Level::constraints_only(most).named("most"), Place::Top, 0.0).unwrap();
+    let least = Rows::at_least(&dmatrix![1.0], &[2.0]).unwrap().with_names(["floor"]).unwrap();
+    let least = Level::constraints_only(least).named("least");
+    let least = stack.insert(least, Place::Above(most), 0.0).unwrap();
+    assert!(stack.ids().eq([least, most, first(&hierarchy)]));
+    let error = stack.solve(1e-3).unwrap_err();
+    let Error::Infeasible { level, worst, ref names, .. } = error else { panic!("{error}") };
+    assert_eq!((level, worst), (most, ConstraintSource::Constraint { level: most, row: 0 }));
+    assert_eq!((names.level.as_deref(), names.row.as_deref()), (Some("most"), Some("ceiling")));
+    let part = stack.failed_part().unwrap();
+    let conflict: Vec<String> =
+        part.conflict().map(|row| stack.describe(row).to_string()).collect();
+    assert_eq!(
+        conflict,
+        [
+            "constraint row 0 \"ceiling\" of level 1 \"most\"",
+            "constraint row 0 \"floor\" of level 2 \"least\"",
+        ]
+    );
+    stack.bounds_mut().0[0] = f64::NAN;
+    let error = stack.solve(1e-3).unwrap_err();
+    assert!(error.to_string().contains("variable 0 \"height\""), "{error}");
+}
+
+#[test]
+fn a_constraint_that_the_output_cannot_keep_is_named() {
+    let mut hierarchy = Hierarchy::new(1).unwrap();
+    let near =
+        |target: f64| Level::least_squares(Rows::equalities(&dmatrix![1.0], &[target]).unwrap());
+    let least = Rows::at_least(&dmatrix![1.0], &[2.0]).unwrap().with_names(["floor"]).unwrap();
+    let unbinding = Rows::at_most(&dmatrix![1.0; 1.0], &[9.0, 9.0]).unwrap();
+    hierarchy.push(near(3.0).with_constraints(unbinding)).unwrap();
+    let floor = hierarchy.push(Level::constraints_only(least).named("least")).unwrap();
+    let mut stack = ContinuousStack::new(&hierarchy, Settings::default()).unwrap();
+    stack.insert(near(5.0), Place::Top, 1.0).unwrap();
+    // Half way between the two, the output is held far from the floor.
+    stack.solve(0.5).unwrap().optimum().unwrap();
+    stack.output_bounds_mut().1[0] = 1.0;
+    let error = stack.solve(0.0).unwrap_err();
+    let Error::Infeasible { level, worst, ref names, .. } = error else { panic!("{error}") };
+    assert_eq!((level, worst), (floor, ConstraintSource::Constraint { level: floor, row: 0 }));
+    assert_eq!((names.level.as_deref(), names.row.as_deref()), (Some("least"), Some("floor")));
+}
