@@ -106,6 +106,16 @@ impl Solver {
         })
     }
 
+    /// Checks the data of a hierarchy without solving it.
+    ///
+    /// # Errors
+    /// The errors of [`Solver::solve`] for data that make no problem: [`Error::NotFinite`],
+    /// [`Error::TooLarge`], [`Error::EmptyRange`], [`Error::AsymmetricHessian`],
+    /// [`Error::IndefiniteHessian`].
+    pub fn validate(hierarchy: &Hierarchy) -> Result<(), Error> {
+        RowTable::new(hierarchy).load(hierarchy)
+    }
+
     /// Forgets the previous active set: the next solve starts from nothing.
     pub fn forget(&mut self) {
         self.memory = Memory::Nothing;
