@@ -1,28 +1,38 @@
-//! The same hierarchy by another road: one Clarabel problem a level, then elimination of what
-//! the level decided. Slow and independent; it is there to check the solver.
+//! The same hierarchy by another road: the cascade of quadratic programs of the paper
+//! (Sec. III-A). Slow and independent; it is there to check the solver.
+//!
+//! Level k minimises ½‖A_k χ − b_k‖² under the inequalities so far and the stacked equalities
+//! E χ = E χ*: what the levels above decided stays as at their optimum χ* (Kanoun, Lamiraux and
+//! Wieber, "Kinematic control of redundant manipulators: generalizing the task-priority framework
+//! to inequality task", IEEE T-RO 27(4), 2011). With an orthonormal basis Z of the nullspace of
+//! E, the points that keep the equalities are χ* + Z y. Clarabel solves each level for y; faer
+//! does the linear algebra.
 //!
 //! An interior-point method needs a feasible set with an interior, and the optima of a level
 //! have none: rows that had to be active are active at every one of them. Between levels the
-//! cascade therefore turns inequalities that cannot be slack into equalities
-//! (`interior::never_slack`) and eliminates all equalities by an orthonormal basis, so
-//! that each level is a problem in the directions that are really free.
+//! cascade therefore stacks inequalities that cannot be slack as equalities.
 
-mod interior;
+mod always_active;
+mod level;
 mod polish;
-mod span;
+mod program;
+mod row_space;
+mod task;
 
-use nalgebra::{DMatrix, DVector};
+use faer::{Col, ColRef, Mat};
+use nalgebra::DVector;
 
+use crate::Solver;
 use crate::error::Error;
 use crate::problem::hierarchy::Hierarchy;
 use crate::problem::level::Objective;
-use crate::problem::rows::Rows;
-use crate::solver::data::ProblemData;
-use interior::{Optimum, QuadraticProblem};
+use always_active::always_active;
+use level::{LevelOptimum, LevelProgram};
 use polish::polish;
-use span::complement;
+use row_space::{DEPENDENT, RowSpace, row_norms};
+use task::Task;
 
-/// What the bounds of a held row may be exceeded by, relative to their size \[-\].
+/// What the bounds of a hard row may be exceeded by, relative to their size \[-\].
 const FEASIBLE: f64 = 1e-7;
 /// How often a level is solved anew from its optimum for more digits.
 const ROUNDS: usize = 3;
@@ -46,126 +56,105 @@ const AT_BOUND: f64 = 1e-8;
 /// ```
 ///
 /// # Errors
-/// The errors of [`Solver::solve`](crate::Solver::solve) for data that make no problem;
-/// [`Error::Reference`] with the level and the reason for constraints that cannot hold, and with
-/// Clarabel's status where it fails.
+/// The errors of [`Solver::validate`]; [`Error::Reference`] with the level and the reason for
+/// constraints that cannot hold, and with Clarabel's status where it fails.
 pub fn solve_reference(hierarchy: &Hierarchy) -> Result<DVector<f64>, Error> {
-    ProblemData::new(hierarchy).load(hierarchy).map_err(|error| error.with_names(hierarchy))?;
+    Solver::validate(hierarchy)?;
     let n = hierarchy.variables();
-    let mut cascade = Cascade::new(hierarchy);
+    let mut cascade = Cascade::new(hierarchy)?;
     for (level, data) in hierarchy.levels().iter().enumerate() {
         cascade.level = level;
-        cascade.constrain(data.constraints())?;
+        cascade.constrain(&Task::of_rows(data.constraints(), n))?;
         match data.objective() {
             Objective::None => {}
-            Objective::LeastSquares(rows) => {
-                cascade.minimise(&weighed(rows)?, &DVector::zeros(n))?;
-            }
+            Objective::LeastSquares(rows) => cascade.minimise(&Task::of_weighted(rows, n))?,
             Objective::Quadratic { hessian, gradient } => {
-                let (rows, linear) = as_least_squares(hessian, gradient)?;
-                cascade.minimise(&rows, &linear)?;
+                let task = Task::of_quadratic(hessian, gradient);
+                cascade.minimise(&task.ok_or_else(|| no_convergence(level))?)?;
             }
         }
     }
     cascade.level = hierarchy.levels().len();
-    let zero = DVector::zeros(n);
-    cascade.minimise(&Rows::equalities(&DMatrix::identity(n, n), &zero)?, &zero)?;
-    Ok(cascade.x)
+    cascade.minimise(&Task::least_norm(n))?;
+    Ok(DVector::from_iterator(n, cascade.x.iter().copied()))
 }
 
-/// What holds so far: x is an optimum of all levels done, and every other optimum is x plus a
-/// combination of the columns of `free` that keeps the inequalities.
+/// What holds so far: χ* is an optimum of all levels done, and every other optimum is χ* + Z y
+/// for a y that keeps the inequalities.
 struct Cascade {
     level: usize,
-    x: DVector<f64>,
-    free: DMatrix<f64>,
+    /// χ*.
+    x: Col<f64>,
+    /// The rows of E.
+    equalities: Vec<Col<f64>>,
+    /// Z, with E Z = 0 and ZᵀZ = I.
+    nullspace: Mat<f64>,
     inequalities: Vec<Inequality>,
 }
 
-/// a x ≤ b.
+/// a χ ≤ b.
 struct Inequality {
-    a: DVector<f64>,
+    a: Col<f64>,
     b: f64,
 }
 
 impl Cascade {
-    fn new(hierarchy: &Hierarchy) -> Self {
+    fn new(hierarchy: &Hierarchy) -> Result<Self, Error> {
         let n = hierarchy.variables();
-        let bounds = || hierarchy.lower().iter().zip(hierarchy.upper());
-        let x = DVector::from_iterator(n, bounds().map(|(&l, &u)| 0.0_f64.clamp(l, u)));
-        let free = DMatrix::identity(n, n);
-        let mut cascade = Self { level: 0, x, free, inequalities: Vec::new() };
-        for (i, (&lower, &upper)) in bounds().enumerate() {
-            let mut unit = DVector::zeros(n);
-            unit[i] = 1.0;
-            cascade.hold_range(&unit, lower, upper);
-        }
-        cascade
+        let bounds = Task::of_bounds(hierarchy);
+        let mut cascade = Self {
+            level: 0,
+            x: Col::from_fn(n, |i| 0.0_f64.clamp(bounds.lower[i], bounds.upper[i])),
+            equalities: Vec::new(),
+            nullspace: Mat::identity(n, n),
+            inequalities: Vec::new(),
+        };
+        cascade.keep(&bounds, FEASIBLE)?;
+        Ok(cascade)
     }
 
-    /// Adds hard rows, after moving x to where they hold.
-    fn constrain(&mut self, rows: &Rows) -> Result<(), Error> {
-        if rows.is_empty() {
+    /// Adds hard rows, after moving χ* to where they hold.
+    fn constrain(&mut self, rows: &Task) -> Result<(), Error> {
+        if rows.matrix.nrows() == 0 {
             return Ok(());
         }
-        let optimum = self.optimum(rows, &DVector::zeros(self.x.len()))?;
-        for (a, lower, upper) in rows.iter() {
-            let value = DVector::from_row_slice(a).dot(&optimum.x);
-            let violation = (value - value.clamp(lower, upper)).abs();
+        self.x = self.optimum(rows)?.x;
+        let values = &rows.matrix * &self.x;
+        for (i, &value) in values.iter().enumerate() {
+            let violation = (value - value.clamp(rows.lower[i], rows.upper[i])).abs();
             if violation > FEASIBLE * (1.0 + value.abs()) {
                 let status = format!("infeasible: a constraint stays violated by {violation:e}");
                 return Err(Error::Reference { level: self.level, status });
             }
         }
-        self.x = optimum.x;
-        for (a, lower, upper) in rows.iter() {
-            self.hold_range(&DVector::from_row_slice(a), lower, upper);
-        }
-        self.eliminate_never_slack()
+        self.keep(rows, FEASIBLE)?;
+        self.stack_always_active()
     }
 
-    /// Minimises ½ Σ (violation of `rows`)² + linearᵀx and holds the optimum.
-    fn minimise(&mut self, rows: &Rows, linear: &DVector<f64>) -> Result<(), Error> {
-        let optimum = self.optimum(rows, linear)?;
+    /// Minimises `task` and keeps the optimum.
+    fn minimise(&mut self, task: &Task) -> Result<(), Error> {
+        let optimum = self.optimum(task)?;
         self.x = optimum.x;
-        let mut held: Vec<_> = self
-            .inequalities
-            .iter()
-            .zip(&optimum.needed)
-            .filter(|(_, needed)| **needed)
-            .map(|(inequality, _)| inequality.a.clone())
-            .collect();
-        held.push(linear.clone());
-        let mut ranges = Vec::new();
-        for (a, lower, upper) in rows.iter() {
-            let a = DVector::from_row_slice(a);
-            let value = a.dot(&self.x);
-            let slack = AT_BOUND * (1.0 + value.abs());
-            if lower == upper || value > upper + slack || value < lower - slack {
-                held.push(a);
-            } else {
-                ranges.push((a, lower, upper));
-            }
-        }
-        self.hold(&held);
-        for (a, lower, upper) in ranges {
-            self.hold_range(&a, lower, upper);
-        }
-        self.eliminate_never_slack()
+        let needed = self.inequalities.iter().zip(optimum.needed).filter(|(_, needed)| *needed);
+        self.equalities.extend(needed.map(|(inequality, _)| inequality.a.clone()));
+        self.equalities.push(task.linear.clone());
+        self.keep(task, AT_BOUND)?;
+        self.stack_always_active()
     }
 
-    fn optimum(&self, rows: &Rows, linear: &DVector<f64>) -> Result<Optimum, Error> {
-        let mut problem = QuadraticProblem::new(self, self.x.clone(), rows, linear);
-        let (mut best, mut proved) = polish(&problem, problem.solve(self.level)?);
+    fn optimum(&self, task: &Task) -> Result<LevelOptimum, Error> {
+        let mut program = LevelProgram::new(self, self.x.clone(), task);
+        let (mut best, mut proved) = polish(&program, program.solve(self.level)?);
         for _ in 0..ROUNDS {
             // Where little violation is left, its digits show only in its own unit.
-            if proved || problem.violation(&best.x) > 0.3 * problem.violation(&problem.origin) {
+            let before = program.violation(program.origin.as_ref());
+            if proved || program.violation(best.x.as_ref()) > 0.3 * before {
                 break;
             }
-            problem = QuadraticProblem::new(self, best.x.clone(), rows, linear);
-            let Ok(rough) = problem.solve(self.level) else { break };
-            let (finer, surely) = polish(&problem, rough);
-            if problem.violation(&finer.x) > problem.violation(&best.x) {
+            program = LevelProgram::new(self, best.x.clone(), task);
+            let Ok(rough) = program.solve(self.level) else { break };
+            let (finer, surely) = polish(&program, rough);
+            if program.violation(finer.x.as_ref()) > program.violation(best.x.as_ref()) {
                 break;
             }
             (best, proved) = (finer, surely);
@@ -173,85 +162,72 @@ impl Cascade {
         Ok(best)
     }
 
-    /// a x keeps its value from here on, for each a.
-    fn hold(&mut self, rows: &[DVector<f64>]) {
-        let rest = complement(&self.free, rows);
-        self.free = rest;
-        let free = &self.free;
-        self.inequalities.retain(|i| free.tr_mul(&i.a).norm() > span::DEPENDENT * i.a.norm());
-    }
-
-    /// lower ≤ a x ≤ upper holds from here on, as it does at x.
-    fn hold_range(&mut self, a: &DVector<f64>, lower: f64, upper: f64) {
-        if lower == upper {
-            self.hold(std::slice::from_ref(a));
-        } else if self.free.tr_mul(a).norm() > span::DEPENDENT * a.norm() {
-            let value = a.dot(&self.x);
-            if upper.is_finite() {
-                self.inequalities.push(Inequality { a: a.clone(), b: upper.max(value) });
+    /// Keeps what the rows of `task` reach at χ*: equalities, and rows violated by more than
+    /// `slack` relative to their size, keep their value; the others keep their range.
+    fn keep(&mut self, task: &Task, slack: f64) -> Result<(), Error> {
+        let values = &task.matrix * &self.x;
+        let is_stacked = |i: usize| {
+            let (lower, upper, value) = (task.lower[i], task.upper[i], values[i]);
+            let slack = slack * (1.0 + value.abs());
+            lower == upper || value > upper + slack || value < lower - slack
+        };
+        let row = |i: usize| task.matrix.row(i).transpose().to_owned();
+        let (stacked, ranges): (Vec<_>, Vec<_>) = (0..values.nrows()).partition(|&i| is_stacked(i));
+        self.equalities.extend(stacked.into_iter().map(row));
+        for i in ranges {
+            if task.upper[i].is_finite() {
+                let b = task.upper[i].max(values[i]);
+                self.inequalities.push(Inequality { a: row(i), b });
             }
-            if lower.is_finite() {
-                self.inequalities.push(Inequality { a: -a, b: -lower.min(value) });
+            if task.lower[i].is_finite() {
+                let b = -task.lower[i].min(values[i]);
+                self.inequalities.push(Inequality { a: -row(i), b });
             }
         }
+        self.project()
     }
 
-    fn eliminate_never_slack(&mut self) -> Result<(), Error> {
+    /// Computes Z, and drops inequalities whose value the equalities determine.
+    fn project(&mut self) -> Result<(), Error> {
+        let rows = &self.equalities;
+        let stacked = Mat::from_fn(rows.len(), self.x.nrows(), |i, j| rows[i][j]);
+        let space = RowSpace::new(stacked.as_ref(), &row_norms(stacked.as_ref()));
+        self.nullspace = space.ok_or_else(|| no_convergence(self.level))?.nullspace;
+        let nullspace = self.nullspace.transpose();
+        self.inequalities.retain(|i| (nullspace * &i.a).norm_l2() > DEPENDENT * i.a.norm_l2());
+        Ok(())
+    }
+
+    /// Stacks inequalities that no remaining point keeps with slack.
+    fn stack_always_active(&mut self) -> Result<(), Error> {
         loop {
-            let stuck = interior::never_slack(self)?;
-            if stuck.is_empty() {
+            let active = always_active(self)?;
+            if active.is_empty() {
                 return Ok(());
             }
-            let rows: Vec<_> = stuck.iter().map(|&i| self.inequalities[i].a.clone()).collect();
-            let mut index = 0;
-            self.inequalities.retain(|_| {
-                index += 1;
-                !stuck.contains(&(index - 1))
-            });
-            self.hold(&rows);
+            // From the last on, so that the indices before it stay.
+            for index in active.into_iter().rev() {
+                self.equalities.push(self.inequalities.remove(index).a);
+            }
+            self.project()?;
         }
+    }
+
+    /// G and h of the inequalities G y ≤ h at `origin` + Z y, with rows of unit norm.
+    fn reduced_inequalities(&self, origin: ColRef<'_, f64>) -> (Mat<f64>, Col<f64>) {
+        let (count, n) = (self.inequalities.len(), self.x.nrows());
+        let rows = Mat::from_fn(count, n, |i, j| self.inequalities[i].a[j]);
+        let mut g = &rows * &self.nullspace;
+        let values = rows * origin;
+        let mut h = Col::zeros(count);
+        for (i, norm) in row_norms(g.as_ref()).into_iter().enumerate() {
+            g.row_mut(i).iter_mut().for_each(|entry| *entry /= norm);
+            h[i] = (self.inequalities[i].b - values[i]).max(0.0) / norm;
+        }
+        (g, h)
     }
 }
 
-/// The rows that weigh something, with their bounds multiplied by the roots of their weights.
-fn weighed(rows: &Rows) -> Result<Rows, Error> {
-    let kept: Vec<usize> = (0..rows.len()).filter(|&i| rows.weight(i) > 0.0).collect();
-    let mut weighed = Rows::zeros(kept.len(), rows.columns());
-    for (to, from) in kept.into_iter().enumerate() {
-        let root = rows.weight(from).sqrt();
-        let row: Vec<f64> = rows.row(from).into_iter().flatten().map(|a| root * a).collect();
-        weighed.set_row(to, &row, root * rows.lower()[from], root * rows.upper()[from])?;
-    }
-    Ok(weighed)
-}
-
-/// ½xᵀHx + gᵀx = ½‖Rx − b‖² + linearᵀx + constant, with H = RᵀR by pivoted Cholesky
-/// factorisation and Rᵀb the part of −g in its range.
-fn as_least_squares(
-    hessian: &DMatrix<f64>,
-    gradient: &DVector<f64>,
-) -> Result<(Rows, DVector<f64>), Error> {
-    let n = gradient.len();
-    let least = 1e-12 * hessian.amax();
-    let mut rest = hessian.clone();
-    let mut roots = Vec::new();
-    while roots.len() < n {
-        let pivot = rest.diagonal().imax();
-        let size = rest[(pivot, pivot)];
-        if size <= least {
-            break;
-        }
-        let row = rest.row(pivot) / size.sqrt();
-        rest -= row.tr_mul(&row);
-        roots.push(row);
-    }
-    let r = DMatrix::from_fn(roots.len(), n, |i, j| roots[i][j]);
-    let sizes: Vec<f64> = hessian.diagonal().iter().map(|d| d.abs().sqrt()).collect();
-    let none = DVector::zeros(roots.len());
-    let b = span::least_squares(&r.transpose(), &sizes, &-gradient, &none).unwrap_or(none);
-    let mut linear = gradient + r.tr_mul(&b);
-    if linear.norm() <= 1e-9 * gradient.norm() {
-        linear.fill(0.0);
-    }
-    Ok((Rows::equalities(&r, &b)?, linear))
+fn no_convergence(level: usize) -> Error {
+    Error::Reference { level, status: "the singular values do not converge".to_owned() }
 }

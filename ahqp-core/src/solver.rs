@@ -109,6 +109,16 @@ impl Solver {
         Ok(())
     }
 
+    /// Checks the data of a hierarchy without solving it.
+    ///
+    /// # Errors
+    /// The errors of [`Solver::solve`] for data that make no problem: [`Error::NotFinite`],
+    /// [`Error::TooLarge`], [`Error::NanBound`], [`Error::EmptyRange`],
+    /// [`Error::AsymmetricHessian`], [`Error::IndefiniteHessian`].
+    pub fn validate(hierarchy: &Hierarchy) -> Result<(), Error> {
+        ProblemData::new(hierarchy).load(hierarchy).map_err(|error| error.with_names(hierarchy))
+    }
+
     /// Forgets the previous active set: the next solve starts from nothing.
     pub fn forget(&mut self) {
         self.memory = Memory::Nothing;

@@ -1,98 +1,92 @@
 //! The last digits of an interior-point solution: with its active rows held, the optimum is a
 //! linear least-squares problem.
 
-use nalgebra::{DMatrix, DVector};
+use faer::{Col, ColRef};
 
-use super::interior::{Optimum, QuadraticProblem};
-use super::span::{complement, least_squares};
+use super::level::{LevelOptimum, LevelProgram};
+use super::row_space::{RowSpace, row_norms, select_rows};
 
 /// What may count as zero in an interior-point solution, relative \[-\]: tried in this order.
 const GUESSES: [f64; 4] = [0.0, 1e-9, 1e-7, 1e-5];
-/// How well the held inequalities must hold at the polished point, relative \[-\].
+/// How well the inequalities must hold at the polished point, relative \[-\].
 const HOLDS: f64 = 1e-11;
 /// What may be left of the gradient, and of a multiplier's wrong sign, at an optimum, relative to
 /// the level's forces \[-\].
 const BALANCED: f64 = 1e-9;
 
 /// The optimum with more digits, and whether it is proved to be one.
-pub(super) fn polish(problem: &QuadraticProblem<'_>, rough: Optimum) -> (Optimum, bool) {
-    let start = problem.coordinates(&rough.x);
-    let violations = problem.violations(&start);
-    let size = 1.0 + violations.amax();
-    let (mut best, mut least) = (start.clone(), problem.value(&start));
+pub(super) fn polish(program: &LevelProgram<'_>, rough: LevelOptimum) -> (LevelOptimum, bool) {
+    let start = program.coordinates(rough.x.as_ref());
+    let violations = program.violations(start.as_ref());
+    let size = 1.0 + violations.norm_max();
+    let room = &program.h - &program.g * &start;
+    let (mut best, mut least) = (start.clone(), program.value(start.as_ref()));
     for zero in GUESSES {
         for nearby in GUESSES {
-            let near = (&problem.h - &problem.g * &start).map(|room| room < nearby);
             let active: Vec<usize> =
-                (0..near.len()).filter(|&i| rough.active[i] || near[i]).collect();
-            let pulled: Vec<usize> = (0..violations.len())
-                .filter(|&i| problem.is_equality(i) || violations[i].abs() > zero * size)
+                (0..room.nrows()).filter(|&i| rough.active[i] || room[i] < nearby).collect();
+            let violated: Vec<usize> = (0..violations.nrows())
+                .filter(|&i| program.is_equality(i) || violations[i].abs() > zero * size)
                 .collect();
-            let Some(y) = equality_constrained(problem, &start, &active, &pulled) else {
+            let Some(y) = equality_constrained(program, start.as_ref(), &active, &violated) else {
                 continue;
             };
-            let excess = &problem.g * &y - &problem.h;
-            if excess.iter().any(|&excess| excess > HOLDS * (1.0 + y.amax())) {
+            let excess = &program.g * &y - &program.h;
+            let limit = HOLDS * (1.0 + y.norm_max());
+            // Written so that NaN fails.
+            if !excess.iter().all(|&excess| excess <= limit) {
                 continue;
             }
-            if is_optimal(problem, &y, &active) {
-                return (Optimum { x: problem.point(&y), ..rough }, true);
+            if is_optimal(program, y.as_ref(), &active) {
+                return (LevelOptimum { x: program.point(y.as_ref()), ..rough }, true);
             }
-            if problem.value(&y) < least {
-                least = problem.value(&y);
+            if program.value(y.as_ref()) < least {
+                least = program.value(y.as_ref());
                 best = y;
             }
         }
     }
-    (Optimum { x: problem.point(&best), ..rough }, false)
+    (LevelOptimum { x: program.point(best.as_ref()), ..rough }, false)
 }
 
-/// Whether multipliers of the right sign on the active rows balance the gradient at y.
-fn is_optimal(problem: &QuadraticProblem<'_>, y: &DVector<f64>, active: &[usize]) -> bool {
-    let violations = problem.violations(y);
-    let gradient = problem.b.tr_mul(&violations) + &problem.linear;
-    let forces = norms(&problem.b).iter().zip(&violations).map(|(a, w)| a * w.abs()).sum::<f64>();
-    let least = BALANCED * (forces + problem.linear.norm()) + problem.rounding * problem.b.norm();
-    let transposed = problem.g.select_rows(active).transpose();
-    let none = DVector::zeros(active.len());
-    least_squares(&transposed, &vec![1.0; transposed.nrows()], &-&gradient, &none).is_some_and(
-        |multipliers| {
-            multipliers.iter().all(|&multiplier| multiplier >= -least)
-                && (transposed * multipliers + gradient).norm() <= least
-        },
-    )
+/// Returns true if multipliers of the right sign on the active rows balance the gradient at y.
+fn is_optimal(program: &LevelProgram<'_>, y: ColRef<'_, f64>, active: &[usize]) -> bool {
+    let violations = program.violations(y);
+    let gradient = program.b.transpose() * &violations + &program.linear;
+    let sizes = row_norms(program.b.as_ref());
+    let forces: f64 = sizes.iter().zip(violations.iter()).map(|(a, w)| a * w.abs()).sum();
+    let least =
+        BALANCED * (forces + program.linear.norm_l2()) + program.rounding * program.b.norm_l2();
+    let normals = select_rows(program.g.as_ref(), active);
+    let normals = normals.transpose();
+    let Some(space) = RowSpace::new(normals, &vec![1.0; normals.nrows()]) else { return false };
+    let multipliers = space.minimise((-&gradient).as_ref(), Col::zeros(active.len()).as_ref());
+    multipliers.iter().all(|&multiplier| multiplier >= -least)
+        && (normals * multipliers + gradient).norm_l2() <= least
 }
 
-/// From `start` onto the active rows, then to the minimum of the pulled rows' violation inside
+/// From `start` onto the active rows, then to the minimum of the violated rows' violation inside
 /// them, by the shortest steps.
 fn equality_constrained(
-    problem: &QuadraticProblem<'_>,
-    start: &DVector<f64>,
+    program: &LevelProgram<'_>,
+    start: ColRef<'_, f64>,
     active: &[usize],
-    pulled: &[usize],
-) -> Option<DVector<f64>> {
-    let k = problem.basis.ncols();
-    let held = problem.g.select_rows(active);
-    let gap = select(&problem.h, active) - &held * start;
-    let onto = start + least_squares(&held, &norms(&held), &gap, &DVector::zeros(k))?;
-    let rows: Vec<_> = held.row_iter().map(|row| row.transpose()).collect();
-    let inside = complement(&DMatrix::identity(k, k), &rows);
-    let b = problem.b.select_rows(pulled);
-    let values = &problem.b * start;
-    let bound = |&i: &usize| {
-        let (lower, upper) = (problem.lower[i], problem.upper[i]);
+    violated: &[usize],
+) -> Option<Col<f64>> {
+    let held = select_rows(program.g.as_ref(), active);
+    let gap = Col::from_fn(active.len(), |i| program.h[active[i]]) - &held * start;
+    let held = RowSpace::new(held.as_ref(), &row_norms(held.as_ref()))?;
+    let onto = start + held.minimise(gap.as_ref(), Col::zeros(start.nrows()).as_ref());
+
+    let b = select_rows(program.b.as_ref(), violated);
+    let values = &b * start;
+    let target = Col::from_fn(violated.len(), |i| {
+        let (lower, upper) = (program.lower[violated[i]], program.upper[violated[i]]);
         if values[i] < lower { lower } else { upper }
-    };
-    let target = DVector::from_iterator(pulled.len(), pulled.iter().map(bound));
-    let linear = inside.tr_mul(&problem.linear);
-    let step = least_squares(&(&b * &inside), &norms(&b), &(target - &b * &onto), &linear)?;
-    Some(onto + inside * step)
-}
-
-fn select(values: &DVector<f64>, indices: &[usize]) -> DVector<f64> {
-    DVector::from_iterator(indices.len(), indices.iter().map(|&i| values[i]))
-}
-
-fn norms(matrix: &DMatrix<f64>) -> Vec<f64> {
-    matrix.row_iter().map(|row| row.norm()).collect()
+    });
+    let inside = &b * &held.nullspace;
+    let linear = held.nullspace.transpose() * &program.linear;
+    let step = RowSpace::new(inside.as_ref(), &row_norms(b.as_ref()))?
+        .minimise((target - &b * &onto).as_ref(), linear.as_ref());
+    Some(onto + &held.nullspace * step)
 }

@@ -8,8 +8,23 @@ use nalgebra::{DMatrix, DVector, Vector6, dmatrix, dvector};
 
 use crate::support::id;
 
+/// The solution; the check of the data alone must refuse what the solve refuses for its data.
 fn solve(hierarchy: &Hierarchy) -> Result<Solution, Error> {
-    Solver::new(hierarchy, Settings::default())?.solve(hierarchy).cloned()
+    let result = Solver::new(hierarchy, Settings::default())?.solve(hierarchy).cloned();
+    let of_data = result.as_ref().err().filter(|error| {
+        matches!(
+            error,
+            Error::NotFinite { .. }
+                | Error::TooLarge { .. }
+                | Error::NanBound { .. }
+                | Error::EmptyRange { .. }
+                | Error::AsymmetricHessian { .. }
+                | Error::IndefiniteHessian { .. }
+        )
+    });
+    let checked = Solver::validate(hierarchy).err();
+    assert_eq!(checked.map(|error| error.to_string()), of_data.map(ToString::to_string));
+    result
 }
 
 type Setter = fn(&mut Settings, f64);
