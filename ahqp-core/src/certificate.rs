@@ -40,6 +40,8 @@ const ROUNDING: f64 = 1e-13;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Certificate {
+    /// The problem that is proved.
+    pub(crate) hierarchy: Hierarchy,
     pub(crate) levels: Vec<Vec<(ConstraintSource, f64)>>,
     pub(crate) active: Vec<ConstraintSource>,
 }
@@ -81,19 +83,15 @@ impl Certificate {
     /// Checks that x is optimal, from the data of the hierarchy and the multipliers alone.
     ///
     /// # Errors
-    /// [`Error::Size`] when x or the certificate does not fit the hierarchy.
+    /// [`Error::Size`] when x does not fit; [`Error::ShapeChanged`] and [`Error::DataChanged`] when
+    /// `hierarchy` is not the problem that the certificate was made for.
     pub fn residuals(
         &self,
         hierarchy: &Hierarchy,
         x: &[f64],
     ) -> Result<CertificateResiduals, Error> {
-        let levels = hierarchy.levels().len();
+        self.hierarchy.expect_equal(hierarchy)?;
         crate::problem::rows::expect_size("x", x.len(), hierarchy.variables())?;
-        crate::problem::rows::expect_size(
-            "the levels of the certificate",
-            self.levels.len(),
-            levels + 1,
-        )?;
         let mut check = Check { hierarchy, x, residuals: CertificateResiduals::default() };
         check.feasibility();
         let mut settled = BTreeSet::new();

@@ -113,9 +113,9 @@ pub enum Error {
         pivot: f64,
     },
 
-    /// The hierarchy given to `solve` has another shape than the one the solver was made for.
+    /// The hierarchy has another shape than the one that the solver or certificate was made for.
     #[error(
-        "level {level} has another shape than when the solver was constructed; build a new solver after adding, removing or resizing levels"
+        "level {level} has another shape than when the solver was constructed or the certificate made; build a new solver after adding, removing or resizing levels"
     )]
     ShapeChanged {
         /// The first level that differs (the number of levels, if one has more).
@@ -176,6 +176,16 @@ pub enum Error {
         "no solve ended at the optimum since the solver was made or told to forget; certify after one with Status::Solved"
     )]
     NotSolved,
+
+    /// A certificate was asked for, or is to be checked, with other data than those of the solve.
+    #[error(
+        "{source_of_row} has changed since the problem was solved; certify and check with the data of the solve, or solve again"
+    )]
+    DataChanged {
+        /// The first row that differs, its coefficients or its bounds. Of a quadratic objective, a row of its
+        /// Hessian or entry of its gradient that the change reaches.
+        source_of_row: ConstraintSource,
+    },
 
     /// A setting is out of its range.
     #[error("setting {name} is {value}; it must be {expected}")]

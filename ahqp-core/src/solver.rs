@@ -123,12 +123,13 @@ impl Solver {
     ///
     /// # Errors
     /// Those of [`solve`](Self::solve) for data that make no problem; [`Error::NotSolved`] when
-    /// the last solve did not end at the optimum, or was [forgotten](Self::forget).
+    /// the last solve did not end at the optimum, or was [forgotten](Self::forget);
+    /// [`Error::DataChanged`] when `hierarchy` does not hold the data that were solved.
     pub fn certificate(&mut self, hierarchy: &Hierarchy) -> Result<Certificate, Error> {
         if self.memory != Memory::Optimum {
             return Err(Error::NotSolved);
         }
-        self.set.table.load(hierarchy)?;
+        self.set.table.expect_unchanged(hierarchy)?;
         let table = &mut self.set.table;
         self.verifier.fit(table);
         self.verifier.factorisation.factorise(
@@ -145,7 +146,7 @@ impl Solver {
             .filter(|&id| self.verifier.activity[id].is_active())
             .map(|id| table.sources[id])
             .collect();
-        Ok(Certificate { levels, active })
+        Ok(Certificate { hierarchy: hierarchy.clone(), levels, active })
     }
 
     /// Solves `hierarchy`, of the shape given at construction.

@@ -233,6 +233,65 @@ impl Hierarchy {
     }
 }
 
+impl Hierarchy {
+    /// An error that names the first difference to `other` unless both hold the same numbers.
+    pub(crate) fn expect_equal(&self, other: &Self) -> Result<(), Error> {
+        let (levels, others) = (self.levels.len(), other.levels.len());
+        if self.variables() != other.variables() || levels != others {
+            return Err(Error::ShapeChanged { level: levels.min(others) });
+        }
+        let bounds = |hierarchy: &Self, i: usize| (hierarchy.lower[i], hierarchy.upper[i]);
+        if let Some(variable) = (0..self.variables()).find(|&i| bounds(self, i) != bounds(other, i))
+        {
+            let source_of_row = ConstraintSource::Bound { variable };
+            return Err(Error::DataChanged { source_of_row });
+        }
+        self.levels
+            .iter()
+            .zip(&other.levels)
+            .enumerate()
+            .try_for_each(|(index, (level, other))| level.expect_equal(other, index))
+    }
+}
+
+impl Level {
+    /// An error that names the first difference to `other` unless both hold the same numbers.
+    fn expect_equal(&self, other: &Self, level: usize) -> Result<(), Error> {
+        if let Some(row) = difference(&self.constraints, &other.constraints, level)? {
+            let source_of_row = ConstraintSource::Constraint { level, row };
+            return Err(Error::DataChanged { source_of_row });
+        }
+        let changed = match (&self.objective, &other.objective) {
+            (Objective::None, Objective::None) => None,
+            (Objective::LeastSquares(rows), Objective::LeastSquares(others)) => {
+                difference(rows, others, level)?
+            }
+            (
+                Objective::Quadratic { hessian: h, gradient: g },
+                Objective::Quadratic { hessian: others_h, gradient: others_g },
+            ) if h.shape() == others_h.shape() && g.len() == others_g.len() => {
+                (0..g.len()).find(|&i| h.row(i) != others_h.row(i) || g[i] != others_g[i])
+            }
+            _ => return Err(Error::ShapeChanged { level }),
+        };
+        match changed {
+            None => Ok(()),
+            Some(row) => {
+                let source_of_row = ConstraintSource::Objective { level, row };
+                Err(Error::DataChanged { source_of_row })
+            }
+        }
+    }
+}
+
+/// The first row that differs, of blocks of the same shape.
+fn difference(rows: &Rows, others: &Rows, level: usize) -> Result<Option<usize>, Error> {
+    if (rows.len(), rows.columns()) != (others.len(), others.columns()) {
+        return Err(Error::ShapeChanged { level });
+    }
+    Ok(rows.iter().zip(others.iter()).position(|(row, other)| row != other))
+}
+
 /// Where a row of the problem comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]

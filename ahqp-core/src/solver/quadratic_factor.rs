@@ -62,6 +62,11 @@ impl QuadraticFactor {
         (&self.factor[index * self.n..(index + 1) * self.n], self.target[index])
     }
 
+    /// The variable whose row of H made a row of R.
+    pub(crate) fn pivot(&self, index: usize) -> Option<usize> {
+        self.pivots.get(index).copied()
+    }
+
     /// The rounding of a row's entries, relative to the row, in units of ordinary rounding, and that
     /// of its target: what a small pivot leaves of large terms.
     pub(crate) fn rounding(&self, index: usize) -> (f64, f64) {

@@ -37,10 +37,73 @@ fn a_certificate_of_another_problem_is_refused() {
     let more = Rows::equalities(&dmatrix![1.0, 1.0], &dvector![0.0]).unwrap();
     longer.push(Level::least_squares(more)).unwrap();
     assert!(certificate.residuals(&longer, &x).is_err());
-    // Pulled the other way, the multiplier points the wrong way.
-    let mut other = Hierarchy::new(2).unwrap();
-    other.set_bounds(&dvector![-1.0, -1.0], &dvector![1.0, 1.0]).unwrap();
+    // Pulled the other way.
+    let mut other = clamped();
     let target = Rows::equalities(&DMatrix::identity(2, 2), &dvector![-3.0, 0.5]).unwrap();
-    other.push(Level::least_squares(target)).unwrap();
-    assert!(certificate.residuals(&other, &x).unwrap().worst() > 0.1);
+    *other.level_mut(0).unwrap() = Level::least_squares(target);
+    let source_of_row = ConstraintSource::Objective { level: 0, row: 0 };
+    let changed = Error::DataChanged { source_of_row };
+    assert_eq!(certificate.residuals(&other, &x).unwrap_err(), changed);
+    assert_eq!(solver.certificate(&other).unwrap_err(), changed);
+    assert!(certificate.residuals(&hierarchy, &x).is_ok());
+    assert_eq!(solver.certificate(&hierarchy).unwrap(), certificate);
+}
+
+/// Bounds, hard rows, a least-squares objective and two quadratics.
+fn of_every_kind() -> Hierarchy {
+    let mut hierarchy = Hierarchy::new(3).unwrap();
+    hierarchy.set_bounds(&dvector![-1.0, -2.0, -3.0], &dvector![1.0, 2.0, 3.0]).unwrap();
+    let rows = dmatrix![1.0, 1.0, 0.0; 0.0, 1.0, 1e-9];
+    let hard = Rows::ranges(&rows, &dvector![-1.0, -2.0], &dvector![1.0, f64::INFINITY]).unwrap();
+    let soft = Rows::equalities(&dmatrix![1.0, 0.5, 0.0], &dvector![3.0]).unwrap();
+    hierarchy.push(Level::least_squares(soft).with_constraints(hard)).unwrap();
+    let full = dmatrix![2.0, 1.0, 0.0; 1.0, 2.0, 0.0; 0.0, 0.0, 1.0];
+    hierarchy.push(Level::quadratic(full, dvector![1.0, 0.0, -1.0]).unwrap()).unwrap();
+    let flat = dmatrix![1.0, 0.0, 0.0; 0.0, 0.0, 0.0; 0.0, 0.0, 0.0];
+    hierarchy.push(Level::quadratic(flat, dvector![1.0, 0.0, 0.0]).unwrap()).unwrap();
+    hierarchy
+}
+
+#[test]
+fn whatever_changes_after_the_solve_is_named() {
+    type Change = fn(&mut Hierarchy);
+    let bound = |variable| ConstraintSource::Bound { variable };
+    let hard = |row| ConstraintSource::Constraint { level: 0, row };
+    let objective = |level, row| ConstraintSource::Objective { level, row };
+    let changes: [(Change, ConstraintSource); 9] = [
+        (|h| h.bounds_mut().1[2] += 1e-15, bound(2)),
+        (|h| h.bounds_mut().0[1] = f64::NEG_INFINITY, bound(1)),
+        (|h| h.level_mut(0).unwrap().constraints_mut().row_mut(1).unwrap()[2] *= 2.0, hard(1)),
+        (|h| h.level_mut(0).unwrap().constraints_mut().upper_mut()[1] = 9.0, hard(1)),
+        (
+            |h| {
+                let rows = h.level_mut(0).unwrap().least_squares_mut().unwrap();
+                rows.row_mut(0).unwrap()[2] = 1e-12;
+            },
+            objective(0, 0),
+        ),
+        (
+            |h| {
+                let rows = h.level_mut(0).unwrap().least_squares_mut().unwrap();
+                (rows.lower_mut()[0], rows.upper_mut()[0]) = (4.0, 4.0);
+            },
+            objective(0, 0),
+        ),
+        (|h| h.level_mut(1).unwrap().quadratic_mut().unwrap().0[(2, 2)] = 1.5, objective(1, 2)),
+        (|h| h.level_mut(1).unwrap().quadratic_mut().unwrap().1[2] = 1.5, objective(1, 2)),
+        (|h| h.level_mut(2).unwrap().quadratic_mut().unwrap().1[1] = 1e-3, objective(2, 1)),
+    ];
+    let hierarchy = of_every_kind();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    let x = solver.solve(&hierarchy).unwrap().x().to_vec();
+    let certificate = solver.certificate(&hierarchy).unwrap();
+    for (change, source_of_row) in changes {
+        let mut other = hierarchy.clone();
+        change(&mut other);
+        let error = Error::DataChanged { source_of_row };
+        assert_eq!(solver.certificate(&other).unwrap_err(), error);
+        assert_eq!(certificate.residuals(&other, &x).unwrap_err(), error);
+        assert!(error.to_string().contains(&source_of_row.to_string()));
+    }
+    assert_eq!(solver.certificate(&hierarchy).unwrap(), certificate);
 }
