@@ -13,6 +13,7 @@ use nalgebra::DVector;
 
 use crate::error::Error;
 use crate::linalg::vector::{add_scaled, dot, norm, norm_max};
+use crate::problem::difference::expect_equal;
 use crate::problem::hierarchy::Hierarchy;
 use crate::problem::ids::LevelId;
 use crate::problem::level::Objective;
@@ -43,6 +44,8 @@ const ROUNDING: f64 = 1e-13;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Certificate {
+    /// The problem that is proved.
+    pub(crate) hierarchy: Hierarchy,
     pub(crate) levels: Vec<Vec<(ConstraintSource, f64)>>,
     pub(crate) active: Vec<ConstraintSource>,
 }
@@ -84,19 +87,15 @@ impl Certificate {
     /// Checks that x is optimal, from the data of the hierarchy and the multipliers alone.
     ///
     /// # Errors
-    /// [`Error::Size`] when x or the certificate does not fit the hierarchy.
+    /// [`Error::Size`] when x does not fit; [`Error::ShapeChanged`] and [`Error::DataChanged`] when
+    /// `hierarchy` is not the problem that the certificate was made for.
     pub fn residuals(
         &self,
         hierarchy: &Hierarchy,
         x: &[f64],
     ) -> Result<CertificateResiduals, Error> {
-        let levels = hierarchy.levels().len();
+        expect_equal(&self.hierarchy, hierarchy).map_err(|error| error.with_names(hierarchy))?;
         crate::problem::rows::expect_size("x", x.len(), hierarchy.variables())?;
-        crate::problem::rows::expect_size(
-            "the levels of the certificate",
-            self.levels.len(),
-            levels + 1,
-        )?;
         let mut check = Check { hierarchy, x, residuals: CertificateResiduals::default() };
         check.feasibility();
         let mut settled = BTreeSet::new();

@@ -145,9 +145,9 @@ pub enum Error {
         names: Names,
     },
 
-    /// The hierarchy given to `solve` has another shape than the one the solver was made for.
+    /// The hierarchy has another shape than the one that the solver or certificate was made for.
     #[error(
-        "{} has another shape than when the solver was constructed; build a new solver after adding, removing or resizing levels",
+        "{} has another shape than when the solver was constructed or the certificate made; build a new solver after adding, removing or resizing levels",
         .names.label_of_level(*.level)
     )]
     ShapeChanged {
@@ -257,6 +257,19 @@ pub enum Error {
     )]
     NotSolved,
 
+    /// A certificate was asked for, or is to be checked, with other data than those of the solve.
+    #[error(
+        "{} has changed since the problem was solved; certify and check with the data of the solve, or solve again",
+        .names.label(*.source_of_row)
+    )]
+    DataChanged {
+        /// The first row that differs, its coefficients or its bounds. Of a quadratic objective, a row of its
+        /// Hessian or entry of its gradient that the change reaches.
+        source_of_row: ConstraintSource,
+        /// What it is called.
+        names: Names,
+    },
+
     /// A setting is out of its range.
     #[error("setting {name} is {value}; it must be {expected}")]
     Setting {
@@ -298,6 +311,7 @@ impl Error {
             | Self::TooLarge { source_of_row, names, .. }
             | Self::NanBound { source_of_row, names, .. }
             | Self::EmptyRange { source_of_row, names, .. }
+            | Self::DataChanged { source_of_row, names }
             | Self::Infeasible { worst: source_of_row, names, .. } => {
                 *names = hierarchy.names(*source_of_row);
             }
@@ -318,7 +332,8 @@ impl Error {
             Self::NotFinite { source_of_row, .. }
             | Self::TooLarge { source_of_row, .. }
             | Self::NanBound { source_of_row, .. }
-            | Self::EmptyRange { source_of_row, .. } => {
+            | Self::EmptyRange { source_of_row, .. }
+            | Self::DataChanged { source_of_row, .. } => {
                 *source_of_row = source_of_row.renamed(rename);
             }
             Self::Infeasible { level, worst, .. } => {

@@ -1,5 +1,6 @@
 //! What is solved: rows, levels, hierarchies.
 
+pub(crate) mod difference;
 pub(crate) mod hierarchy;
 pub(crate) mod ids;
 pub(crate) mod level;

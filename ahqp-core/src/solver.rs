@@ -136,12 +136,13 @@ impl Solver {
     ///
     /// # Errors
     /// Those of [`solve`](Self::solve) for data that make no problem; [`Error::NotSolved`] when
-    /// the last solve did not end at the optimum, or was [forgotten](Self::forget).
+    /// the last solve did not end at the optimum, or was [forgotten](Self::forget);
+    /// [`Error::DataChanged`] when `hierarchy` does not hold the data that were solved.
     pub fn certificate(&mut self, hierarchy: &Hierarchy) -> Result<Certificate, Error> {
         if self.memory != Memory::Optimum {
             return Err(Error::NotSolved);
         }
-        self.set.data.load(hierarchy).map_err(|error| error.with_names(hierarchy))?;
+        self.set.data.expect_unchanged(hierarchy).map_err(|error| error.with_names(hierarchy))?;
         self.set.fit();
         self.set.factorise();
         let found = Proof::new(&mut self.set, &self.solution.x).levels()?;
@@ -154,7 +155,7 @@ impl Solver {
             .filter(|&id| self.set.activity[id].is_active())
             .map(|id| data.sources[id])
             .collect();
-        Ok(Certificate { levels, active })
+        Ok(Certificate { hierarchy: hierarchy.clone(), levels, active })
     }
 
     /// Solves `hierarchy`, of the shape given at construction.

@@ -80,13 +80,16 @@ pub enum Error {
     /// A Hessian is not symmetric.
     #[error("the Hessian differs from its transpose by {asymmetry}: symmetrise it")]
     NotSymmetric {
-        /// Largest difference between mirrored entries.
+        /// A difference between mirrored entries, beyond 1e-9 of √(Hᵢᵢ Hⱼⱼ).
         asymmetry: f64,
     },
     /// A Hessian is not positive semidefinite.
-    #[error("the Hessian has the eigenvalue {eigenvalue}: all must be at least 0")]
+    #[error(
+        "the Hessian, scaled to ones on its diagonal, has the eigenvalue {eigenvalue}: all must be at least 0"
+    )]
     NotConvex {
-        /// Its smallest eigenvalue.
+        /// The smallest eigenvalue of the matrix Hᵢⱼ / √(Hᵢᵢ Hⱼⱼ); negative infinity where a diagonal entry
+        /// leaves no room for the others in its row.
         eigenvalue: f64,
     },
     /// A map file cannot be read or written.

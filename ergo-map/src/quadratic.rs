@@ -52,23 +52,17 @@ impl ErgonomicsQuadratic {
     ///
     /// # Errors
     /// [`Error::NotFinite`] for a coefficient, [`Error::NotSymmetric`] and [`Error::NotConvex`]
-    /// for the Hessian (an eigenvalue below -1e-9 of the largest entry).
+    /// for the Hessian. Entry (i, j) is judged against √(Hᵢᵢ Hⱼⱼ), the largest that it can be in a convex
+    /// quadratic, so that the units of the axes do not matter: 1e-9 of it counts as rounding.
     pub fn new(hessian: Matrix3<f64>, gradient: Vector3<f64>, constant: f64) -> Result<Self> {
         // Far beyond any score, and squares stay finite.
         let most = [-1e100, 1e100];
         hessian.iter().try_for_each(|h| within("hessian", *h, most, "1/m²").map(drop))?;
         gradient.iter().try_for_each(|g| within("gradient", *g, most, "1/m").map(drop))?;
         within("constant", constant, most, "(score)")?;
-        let scale = hessian.amax();
-        let asymmetry = (hessian - hessian.transpose()).amax();
-        if asymmetry > 1e-9 * scale {
-            return Err(Error::NotSymmetric { asymmetry });
-        }
+        expect_symmetric(&hessian)?;
         let hessian = (hessian + hessian.transpose()) * 0.5;
-        let smallest = hessian.symmetric_eigenvalues().min();
-        if smallest < -1e-9 * scale {
-            return Err(Error::NotConvex { eigenvalue: smallest });
-        }
+        expect_convex(&hessian)?;
         Ok(Self { hessian, gradient, constant })
     }
 
@@ -109,12 +103,13 @@ impl ErgonomicsQuadratic {
     #[must_use]
     pub fn placed(&self, person: &PersonFrame) -> Self {
         let rotation = person.rotation();
-        let hessian = rotation * self.hessian * rotation.transpose();
+        // From a root of H: what a rotation makes small stays positive in spite of rounding.
+        let turned_root = rotation * root(&self.hessian);
+        let hessian = turned_root * turned_root.transpose();
         let turned = rotation * self.gradient;
         let p = person.position();
         Self {
-            // Exactly symmetric in spite of rounding.
-            hessian: (hessian + hessian.transpose()) * 0.5,
+            hessian,
             gradient: turned - hessian * p,
             constant: self.constant + 0.5 * p.dot(&(hessian * p)) - turned.dot(p),
         }
@@ -145,4 +140,62 @@ impl ErgonomicsQuadratic {
             gradient: self.gradient_at(x_previous) * horizon,
         })
     }
+}
+
+/// Asymmetry and negative curvature up to this part of √(Hᵢᵢ Hⱼⱼ) are rounding: room for matrices that are
+/// products of others, or were written with ten digits.
+const ROUNDING: f64 = 1e-9;
+
+/// The root of what is on the diagonal; zero where that is negative.
+fn roots(hessian: &Matrix3<f64>) -> Vector3<f64> {
+    hessian.diagonal().map(|entry| entry.max(0.0).sqrt())
+}
+
+fn expect_symmetric(hessian: &Matrix3<f64>) -> Result<()> {
+    let roots = roots(hessian);
+    for (i, j) in [(1, 0), (2, 0), (2, 1)] {
+        let asymmetry = (hessian[(i, j)] - hessian[(j, i)]).abs();
+        if asymmetry > ROUNDING * roots[i] * roots[j] {
+            return Err(Error::NotSymmetric { asymmetry });
+        }
+    }
+    Ok(())
+}
+
+fn expect_convex(hessian: &Matrix3<f64>) -> Result<()> {
+    let roots = roots(hessian);
+    // Without curvature of its own an axis can have none with another; the quotient is infinite if it has.
+    let scaled =
+        hessian.map_with_location(
+            |i, j, entry| {
+                if entry == 0.0 { 0.0 } else { entry / roots[i] / roots[j] }
+            },
+        );
+    let eigenvalue = if scaled.iter().all(|entry| entry.is_finite()) {
+        scaled.symmetric_eigenvalues().min()
+    } else {
+        f64::NEG_INFINITY
+    };
+    if eigenvalue < -ROUNDING { Err(Error::NotConvex { eigenvalue }) } else { Ok(()) }
+}
+
+/// R with R Rᵀ = H, by Cholesky factorisation with pivoting.
+fn root(hessian: &Matrix3<f64>) -> Matrix3<f64> {
+    // Less of a diagonal entry is what rounding leaves of it.
+    const NOTHING: f64 = 4.0 * f64::EPSILON;
+    let mut rest = *hessian;
+    let mut root = Matrix3::zeros();
+    for step in 0..3 {
+        let share = |i: usize| rest[(i, i)] / hessian[(i, i)];
+        let pivot = (0..3)
+            .filter(|&i| rest[(i, i)] > 0.0 && share(i) > NOTHING)
+            .max_by(|&i, &j| share(i).total_cmp(&share(j)));
+        let Some(pivot) = pivot else { break };
+        let column = rest.column(pivot) / rest[(pivot, pivot)].sqrt();
+        root.set_column(step, &column);
+        rest -= column * column.transpose();
+        rest.fill_row(pivot, 0.0);
+        rest.fill_column(pivot, 0.0);
+    }
+    root
 }

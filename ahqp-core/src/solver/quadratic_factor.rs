@@ -11,12 +11,11 @@ use crate::solver::tolerances::ROUNDING;
 
 /// Pivots below this fraction of their diagonal entry count as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
-/// Diagonal entries below this fraction of the largest count as zero: curvatures of rows 1e8 apart
-/// are 1e16 apart.
-const SMALLEST_CURVATURE: f64 = 1e-18;
 /// Above this, products of the solver's numbers overflow.
 const MODERATE: f64 = 1e100;
-/// Asymmetry and negative curvature up to this fraction of the largest entry are rounding.
+/// Asymmetry and negative curvature in entry (i, j) up to this fraction of √(Hᵢᵢ Hⱼⱼ) are rounding: the
+/// largest that the entry can be in a semidefinite matrix, whatever the units of the variables. Room for
+/// matrices that are products of others, or were written with ten digits.
 const SHAPE_TOLERANCE: f64 = 1e-9;
 /// Of the terms it is made of, less of a linear part is rounding.
 const LINEAR_TOLERANCE: f64 = 1e-9;
@@ -64,6 +63,11 @@ impl QuadraticFactor {
         (&self.factor[index * self.n..(index + 1) * self.n], self.target[index])
     }
 
+    /// The variable whose row of H made a row of R.
+    pub(crate) fn pivot(&self, index: usize) -> Option<usize> {
+        self.pivots.get(index).copied()
+    }
+
     /// The rounding of a row's entries, relative to the row, in units of ordinary rounding, and that
     /// of its target: what a small pivot leaves of large terms.
     pub(crate) fn rounding(&self, index: usize) -> (f64, f64) {
@@ -104,28 +108,27 @@ impl QuadraticFactor {
             });
         }
         check_finite(level, hessian, gradient)?;
-        let scale = hessian.amax();
-        check_moderate(level, scale.max(gradient.amax()))?;
-        check_symmetric(level, hessian, scale)?;
+        check_moderate(level, hessian.amax().max(gradient.amax()))?;
+        check_symmetric(level, hessian)?;
         self.rank = 0;
         self.pivots.clear();
         for i in 0..n {
             self.diagonal[i] = hessian[(i, i)];
         }
         while self.rank < n {
-            let Some(pivot) = self.best_pivot(hessian, scale) else { break };
+            let Some(pivot) = self.best_pivot(hessian) else { break };
             self.eliminate(hessian, pivot);
         }
-        self.check_remainder(level, hessian, scale)?;
+        self.check_remainder(level, hessian)?;
         self.split_gradient(gradient);
         Ok(())
     }
 
     /// The variable with the largest share of its curvature left, whatever its unit.
-    fn best_pivot(&self, hessian: &DMatrix<f64>, scale: f64) -> Option<usize> {
+    fn best_pivot(&self, hessian: &DMatrix<f64>) -> Option<usize> {
         let share = |i: usize| self.diagonal[i] / hessian[(i, i)];
         (0..self.n)
-            .filter(|&i| hessian[(i, i)] > SMALLEST_CURVATURE * scale && share(i) > RANK_TOLERANCE)
+            .filter(|&i| hessian[(i, i)] > 0.0 && share(i) > RANK_TOLERANCE)
             .max_by(|&i, &j| share(i).total_cmp(&share(j)))
     }
 
@@ -154,19 +157,14 @@ impl QuadraticFactor {
     }
 
     /// What is left of a PSD matrix after its last positive pivot is zero.
-    fn check_remainder(
-        &self,
-        level: usize,
-        hessian: &DMatrix<f64>,
-        scale: f64,
-    ) -> Result<(), Error> {
+    fn check_remainder(&self, level: usize, hessian: &DMatrix<f64>) -> Result<(), Error> {
         let n = self.n;
         for i in (0..n).filter(|i| !self.pivots.contains(i)) {
             for j in (0..=i).filter(|j| !self.pivots.contains(j)) {
                 let product: f64 =
                     self.factor[..self.rank * n].chunks_exact(n).map(|row| row[i] * row[j]).sum();
                 let remainder = hessian[(i, j)] - product;
-                if remainder.abs() > SHAPE_TOLERANCE * scale {
+                if remainder.abs() > SHAPE_TOLERANCE * largest_entry(hessian, i, j) {
                     return Err(Error::IndefiniteHessian {
                         level: LevelId::new(level),
                         variable: i,
@@ -236,11 +234,17 @@ fn check_moderate(level: usize, value: f64) -> Result<(), Error> {
     Err(Error::TooLarge { source_of_row, value, names: Names::default() })
 }
 
-fn check_symmetric(level: usize, hessian: &DMatrix<f64>, scale: f64) -> Result<(), Error> {
+/// The largest that entry (i, j) of a positive semidefinite matrix with this diagonal can be.
+fn largest_entry(hessian: &DMatrix<f64>, i: usize, j: usize) -> f64 {
+    // Root by root: the product of two entries may leave the range of doubles.
+    hessian[(i, i)].max(0.0).sqrt() * hessian[(j, j)].max(0.0).sqrt()
+}
+
+fn check_symmetric(level: usize, hessian: &DMatrix<f64>) -> Result<(), Error> {
     for row in 0..hessian.nrows() {
         for column in 0..row {
             let difference = (hessian[(row, column)] - hessian[(column, row)]).abs();
-            if difference > SHAPE_TOLERANCE * scale {
+            if difference > SHAPE_TOLERANCE * largest_entry(hessian, row, column) {
                 let (level, names) = (LevelId::new(level), Names::default());
                 return Err(Error::AsymmetricHessian { level, row, column, difference, names });
             }
@@ -281,6 +285,76 @@ mod tests {
             let (x, y) = points.split_at(5);
             let (left, right) = (value(x) - value(y), quadratic(x) - quadratic(y));
             prop_assert!((left - right).abs() < 1e-6 * (1.0 + right.abs()));
+        }
+    }
+
+    fn verdict(hessian: &DMatrix<f64>) -> Result<(), Error> {
+        let n = hessian.nrows();
+        QuadraticFactor::new(n).factorise(3, hessian, &DVector::zeros(n))
+    }
+
+    /// A large or small diagonal block beside one of size 2.
+    fn beside(entry: f64, block: [f64; 4]) -> DMatrix<f64> {
+        let mut hessian = DMatrix::zeros(3, 3);
+        hessian[(0, 0)] = entry;
+        hessian.view_mut((1, 1), (2, 2)).copy_from(&DMatrix::from_row_slice(2, 2, &block));
+        hessian
+    }
+
+    #[test]
+    fn a_block_is_judged_by_its_own_entries() {
+        for size in [1e-12, 1.0, 1e12] {
+            for entry in [1e-10, 1.0, 1e10] {
+                let verdict = |block: [f64; 4]| verdict(&beside(entry, block.map(|b| b * size)));
+                let error = verdict([5.0, 2.0, -2.0, 5.0]).unwrap_err();
+                assert!(matches!(error, Error::AsymmetricHessian { row: 2, column: 1, .. }));
+                let error = verdict([1.0, 2.0, 2.0, 1.0]).unwrap_err();
+                assert!(matches!(error, Error::IndefiniteHessian { level: 3, .. }), "{error}");
+                let error = verdict([1.0, 0.0, 0.0, -1.0]).unwrap_err();
+                assert!(matches!(error, Error::IndefiniteHessian { variable: 2, .. }), "{error}");
+                verdict([2.0, 1.0, 1.0, 2.0]).unwrap();
+                verdict([1.0, 1.0, 1.0, 1.0]).unwrap();
+            }
+        }
+    }
+
+    /// What the check says, without the place and the size.
+    fn kind(hessian: &DMatrix<f64>) -> &'static str {
+        match verdict(hessian) {
+            Ok(()) => "convex",
+            Err(Error::AsymmetricHessian { .. }) => "asymmetric",
+            Err(Error::IndefiniteHessian { .. }) => "indefinite",
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn units_of_the_variables_change_no_verdict(
+            entries in prop::collection::vec(-2.0_f64..2.0, 3 * 5),
+            units in prop::collection::vec(-6.0_f64..6.0, 5),
+            change in prop_oneof![Just(0.0_f64), -1e-2..-1e-6, 1e-6..1e-2],
+            at in (0..5_usize, 0..5_usize),
+        ) {
+            let half = DMatrix::from_row_slice(3, 5, &entries);
+            let mut hessian = half.transpose() * &half;
+            let sizes: Vec<f64> = hessian.diagonal().iter().map(|entry| entry.sqrt()).collect();
+            // Rank 3: less on the diagonal is no convex matrix, another entry elsewhere no symmetric one.
+            let change = if at.0 == at.1 { -change.abs() } else { change };
+            hessian[at] += change * sizes[at.0] * sizes[at.1];
+            let expected = match (change == 0.0, at.0 == at.1) {
+                (true, _) => "convex",
+                (false, true) => "indefinite",
+                (false, false) => "asymmetric",
+            };
+            let unit = |i: usize| 10_f64.powf(units[i]);
+            let scaled = DMatrix::from_fn(5, 5, |i, j| unit(i) * hessian[(i, j)] * unit(j));
+            prop_assert_eq!(kind(&hessian), expected);
+            prop_assert_eq!(kind(&scaled), expected);
+            // The same change in both entries leaves the curvature to tell.
+            let symmetric = (&hessian + hessian.transpose()) * 0.5;
+            let scaled = DMatrix::from_fn(5, 5, |i, j| unit(i) * symmetric[(i, j)] * unit(j));
+            prop_assert_eq!(kind(&symmetric), kind(&scaled));
         }
     }
 

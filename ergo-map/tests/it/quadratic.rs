@@ -185,6 +185,26 @@ fn bad_samples_and_options_are_refused() {
     assert!(flat.task_terms(&zero, 0.0).is_err());
 }
 
+fn refusal(hessian: Matrix3<f64>) -> Option<Error> {
+    ErgonomicsQuadratic::new(hessian, Vector3::zeros(), 0.0).err()
+}
+
+#[test]
+fn a_small_block_beside_a_large_entry_is_judged_by_itself() {
+    for (entry, size) in [(1e10, 1.0), (1.0, 1e-12), (1e-12, 1e10)] {
+        let with = |a: f64, b: f64, c: f64, d: f64| {
+            refusal(Matrix3::new(entry, 0.0, 0.0, 0.0, a * size, b * size, 0.0, c * size, d * size))
+        };
+        assert!(matches!(with(5.0, 2.0, -2.0, 5.0), Some(Error::NotSymmetric { .. })));
+        assert!(matches!(with(1.0, 2.0, 2.0, 1.0), Some(Error::NotConvex { .. })));
+        assert!(matches!(with(1.0, 0.0, 0.0, -1.0), Some(Error::NotConvex { .. })));
+        assert!(matches!(with(1.0, 1e-3, 1e-3, 0.0), Some(Error::NotConvex { .. })));
+        assert_eq!(with(2.0, 1.0, 1.0, 2.0), None);
+        assert_eq!(with(1.0, 1.0, 1.0, 1.0), None);
+        assert_eq!(with(0.0, 0.0, 0.0, 0.0), None);
+    }
+}
+
 /// Weighted squared error of any quadratic on points.
 fn loss(points: &[ScoredPoint], h: &Matrix3<f64>, g: &Vector3<f64>, c: f64) -> f64 {
     let e = |x: &Vector3<f64>| 0.5 * x.dot(&(h * x)) + g.dot(x) + c;
@@ -217,6 +237,44 @@ fn cloud(h: &Matrix3<f64>, g: &Vector3<f64>, noise: f64, seed: u64) -> Vec<Score
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn units_of_the_axes_change_no_verdict(
+        m in matrix(), units in proptest::array::uniform3(-6.0..6.0_f64),
+        at in (0..3_usize, 0..3_usize), change in prop_oneof![Just(0.0_f64), -0.1..-1e-6, 1e-6..0.1],
+    ) {
+        // Of rank 2, so that less curvature is none.
+        let flat = m * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0));
+        let mut hessian = flat * flat.transpose();
+        let largest = (hessian[(at.0, at.0)] * hessian[(at.1, at.1)]).sqrt();
+        hessian[at] += if at.0 == at.1 { -change.abs() } else { change } * largest;
+        let units = Matrix3::from_diagonal(&Vector3::from(units.map(|unit| 10_f64.powf(unit))));
+        for hessian in [hessian, units * hessian * units] {
+            match (change == 0.0, at.0 == at.1, refusal(hessian)) {
+                (true, _, None)
+                | (false, true, Some(Error::NotConvex { .. }))
+                | (false, false, Some(Error::NotSymmetric { .. })) => {}
+                verdict => prop_assert!(false, "{verdict:?} of {hessian}"),
+            }
+        }
+    }
+
+    /// What a rotation leaves of a flat quadratic's curvature is small, and never negative.
+    #[test]
+    fn a_quadratic_stays_convex_wherever_it_is_placed(
+        m in matrix(), rank in 0..4_usize, p in vector(5.0), heading in -10.0..10.0_f64,
+    ) {
+        let kept = Matrix3::from_fn(|i, j| if i == j && i < rank { 1.0 } else { 0.0 });
+        let half = m * kept;
+        let quadratic =
+            ErgonomicsQuadratic::new(half * half.transpose(), Vector3::zeros(), 0.0).unwrap();
+        let person = PersonFrame::new(p, heading).unwrap();
+        let placed = *quadratic.placed(&person).hessian();
+        prop_assert!(refusal(placed).is_none(), "{placed}");
+        let rotation = person.rotation();
+        let expected = rotation * quadratic.hessian() * rotation.transpose();
+        prop_assert!((placed - expected).amax() <= 1e-13 * (1.0 + expected.amax()));
+    }
 
     #[test]
     fn the_smallest_eigenvalue_keeps_the_bound_on_any_data(
