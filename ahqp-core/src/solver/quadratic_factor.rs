@@ -309,7 +309,10 @@ mod tests {
                 let error = verdict([5.0, 2.0, -2.0, 5.0]).unwrap_err();
                 assert!(matches!(error, Error::AsymmetricHessian { row: 2, column: 1, .. }));
                 let error = verdict([1.0, 2.0, 2.0, 1.0]).unwrap_err();
-                assert!(matches!(error, Error::IndefiniteHessian { level: 3, .. }), "{error}");
+                assert!(
+                    matches!(error, Error::IndefiniteHessian { level, .. } if level.index() == 3),
+                    "{error}"
+                );
                 let error = verdict([1.0, 0.0, 0.0, -1.0]).unwrap_err();
                 assert!(matches!(error, Error::IndefiniteHessian { variable: 2, .. }), "{error}");
                 verdict([2.0, 1.0, 1.0, 2.0]).unwrap();

@@ -79,7 +79,7 @@ fn config() -> ProptestConfig {
     let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
     ProptestConfig {
         rng_seed: RngSeed::Fixed(1),
-        cases: number("AHQP_CASES").map_or(20, |cases| u32::try_from(cases).unwrap()),
+        cases: number("AHQP_CASES").map_or(10, |cases| u32::try_from(cases).unwrap()),
         failure_persistence: None,
         ..ProptestConfig::default()
     }

@@ -10,7 +10,7 @@ use proptest::{prelude::*, test_runner::RngSeed};
 /// The same cases on every run; `PROPTEST_RNG_SEED` and `AHQP_CASES` ask for others and for more.
 fn config() -> ProptestConfig {
     let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
-    let cases = number("AHQP_CASES").map_or(500, |cases| u32::try_from(cases).unwrap());
+    let cases = number("AHQP_CASES").map_or(300, |cases| u32::try_from(cases).unwrap());
     ProptestConfig {
         rng_seed: RngSeed::Fixed(1),
         cases,

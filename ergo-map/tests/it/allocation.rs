@@ -3,15 +3,16 @@
 use std::hint::black_box;
 
 use ergo_map::{
-    Conditions, ErgonomicsMap, FitOptions, MapOptions, Mode, Person, PersonFrame, Placement,
-    PlacementLimits, Posture, Region, Side, Worksheet, ergonomics_score, ergonomics_score_gradient,
+    Conditions, FitOptions, Mode, PersonFrame, Placement, PlacementLimits, Posture, Region, Side,
+    Worksheet, ergonomics_score, ergonomics_score_gradient,
 };
 use nalgebra::Vector3;
 
+use crate::support::MAP;
+
 #[test]
 fn a_tick_allocates_nothing() {
-    let options = MapOptions { spacing: 0.08, ..MapOptions::default() };
-    let map = ErgonomicsMap::build(&Person::average(), &options, None).unwrap();
+    let map = &*MAP;
     let (quadratic, _) = map.fit(&FitOptions::default()).unwrap();
     let pose = PersonFrame::new(Vector3::new(1.0, 2.0, 0.0), 0.3).unwrap();
     let mut placement = Placement::new(quadratic, pose, PlacementLimits::default()).unwrap();

@@ -3,10 +3,10 @@
 
 use std::f64::consts::PI;
 
-use crate::support::Random;
+use crate::support::{MAP, Random};
 use ergo_map::{
-    ActionLevel, Conditions, ContinuousReba, Coupling, ErgonomicsMap, Error, LegSupport,
-    MapOptions, Mode, Person, Posture, Worksheet, ergonomics_score, ergonomics_score_gradient,
+    ActionLevel, Conditions, ContinuousReba, Coupling, Error, LegSupport, Mode, Posture, Worksheet,
+    ergonomics_score, ergonomics_score_gradient,
 };
 use proptest::prelude::*;
 
@@ -21,9 +21,7 @@ fn rounded(value: f64) -> i64 {
 /// those that the posture predictor takes within reach.
 fn kinds() -> [(&'static str, Vec<Posture>); 3] {
     let mut random = Random(2000);
-    let options = MapOptions { spacing: 0.06, ..MapOptions::default() };
-    let map = ErgonomicsMap::build(&Person::average(), &options, None).unwrap();
-    let nodes: Vec<Posture> = map.nodes().map(|node| node.angles.posture()).collect();
+    let nodes: Vec<Posture> = MAP.nodes().map(|node| node.angles.posture()).collect();
     [
         ("uniform", (0..POSTURES).map(|_| random.posture()).collect()),
         ("easy to extreme", (0..POSTURES).map(|_| random.graded_posture()).collect()),

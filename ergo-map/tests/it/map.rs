@@ -3,17 +3,13 @@
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::support::Random;
+use crate::support::{MAP, Random};
 use ergo_map::{
     Conditions, ErgonomicsMap, Error, HandTarget, MapFileProblem, MapOptions, Mode, Person,
     PosturePredictor, Region, Segments, Side, ergonomics_score,
 };
 use nalgebra::Vector3;
 use proptest::prelude::*;
-
-static MAP: LazyLock<ErgonomicsMap> = LazyLock::new(|| {
-    ErgonomicsMap::build(&Person::average(), &MapOptions::default(), None).unwrap()
-});
 
 fn within(region: &Region, t: [f64; 3]) -> Vector3<f64> {
     region.min() + region.size().component_mul(&Vector3::from(t))
@@ -130,7 +126,7 @@ fn one_map_serves_every_stature_of_the_same_proportions() {
 
 #[test]
 fn longer_arms_make_another_map() {
-    let options = MapOptions { spacing: 0.08, ..MapOptions::default() };
+    let options = MapOptions { spacing: 0.1, ..MapOptions::default() };
     let long = Segments { upper_arm: Some(0.38), forearm: Some(0.30), ..Segments::default() };
     let person = Person::average().with_segments(&long).unwrap();
     let long = ErgonomicsMap::build(&person, &options, None).unwrap();

@@ -1,9 +1,9 @@
 //! Maps from recordings.
 
-use crate::support::Random;
+use crate::support::{MAP, Random};
 use ergo_map::{
-    ErgonomicsMap, Error, FitOptions, HandTarget, JointAngles, MapOptions, MeasuredOptions,
-    MeasuredSample, Person, PosturePredictor, Region, Side, read_samples,
+    ErgonomicsMap, Error, FitOptions, HandTarget, JointAngles, MeasuredOptions, MeasuredSample,
+    Person, PosturePredictor, Region, Side, read_samples,
 };
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -39,8 +39,7 @@ fn a_recorded_map_agrees_with_the_person_it_recorded() {
 
     let (measured, report) = map.fit(&FitOptions::default()).unwrap();
     assert!(report.r_squared > 0.85);
-    let predicted = ErgonomicsMap::build(&Person::average(), &MapOptions::default(), None).unwrap();
-    let (predicted, _) = predicted.fit(&FitOptions::default()).unwrap();
+    let (predicted, _) = MAP.fit(&FitOptions::default()).unwrap();
     let apart = measured.minimiser().unwrap() - predicted.minimiser().unwrap();
     assert!(apart.norm() < 0.05, "{apart}");
 }

@@ -4,11 +4,8 @@
 //! is decided by which side of a threshold an angle is on. The book's page on this crate lists the
 //! figures.
 
-use crate::support::{Random, spearman};
-use ergo_map::{
-    Conditions, ContinuousReba, ErgonomicsMap, LegSupport, MapOptions, Mode, Person, Posture,
-    Worksheet,
-};
+use crate::support::{MAP, Random, spearman};
+use ergo_map::{Conditions, ContinuousReba, LegSupport, Mode, Posture, Worksheet};
 
 const POSTURES: usize = 4000;
 
@@ -118,9 +115,7 @@ fn postures_from_easy_to_extreme_and_those_of_reaching_meet_both_floors() {
     let kind = "easy to extreme, all angles";
     assert_at_least(kind, ranking(kind, postures), FLOORS);
 
-    let options = MapOptions { spacing: 0.06, ..MapOptions::default() };
-    let map = ErgonomicsMap::build(&Person::average(), &options, None).unwrap();
-    let nodes: Vec<Posture> = map.nodes().map(|node| node.angles.posture()).collect();
+    let nodes: Vec<Posture> = MAP.nodes().map(|node| node.angles.posture()).collect();
     let postures = (0..).map(|i: usize| of_posture(&nodes[i * 7919 % nodes.len()]));
     assert_at_least("reaching", ranking("reaching", postures), FLOORS);
 }

@@ -1,8 +1,13 @@
 //! Shared by the integration tests: reading golden tables, and random numbers that repeat.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::LazyLock};
 
-use ergo_map::Posture;
+use ergo_map::{ErgonomicsMap, MapOptions, Person, Posture};
+
+/// The map of the average person with default options, built once.
+pub(crate) static MAP: LazyLock<ErgonomicsMap> = LazyLock::new(|| {
+    ErgonomicsMap::build(&Person::average(), &MapOptions::default(), None).unwrap()
+});
 
 /// Rows of a golden table by column name.
 pub(crate) fn rows(

@@ -15,7 +15,8 @@ use ergo_map::{
     read_samples,
 };
 use examples::ergonomics::{
-    ACCEPTABLE, Assessment, ErgonomicsError, MapReport, MapStudy, build_map, manikin, slices,
+    ACCEPTABLE, Assessment, ErgonomicsError, MapReport, MapStudy, build_map, manikin, read_map,
+    slices,
 };
 use examples::program::{
     self, Ending, Json, OutputFile, Program, Quiet, Session, check_folder, thread_count,
@@ -140,9 +141,7 @@ impl Program for Options {
 /// The map that the options ask for.
 fn map(options: &Options, session: &Session) -> Result<ErgonomicsMap> {
     if let Some(path) = &options.load {
-        let shown = path.display();
-        let bytes = fs::read(path).with_context(|| format!("cannot read {shown}"))?;
-        return ErgonomicsMap::from_bytes(&bytes).with_context(|| shown.to_string());
+        return read_map(path);
     }
     let stature = match options.preset {
         Some(Preset::Short) => Person::short().stature(),

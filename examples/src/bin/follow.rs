@@ -11,8 +11,8 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
-use ergo_map::{MapOptions, Person};
-use examples::ergonomics::build_map;
+use ergo_map::{ErgonomicsMap, MapOptions, Person};
+use examples::ergonomics::{build_map, read_map};
 use examples::follow::{Comparison, Run, Scenario, Summary};
 use examples::program::{
     self, Ending, Json, OutputFile, Program, Progress, Quiet, Session, check_folder,
@@ -23,6 +23,8 @@ use moca_model::Goal;
 
 /// Stature where neither the recording nor the command line gives one (m).
 const DEFAULT_STATURE: f64 = 1.75;
+/// Two statures that are no farther apart are of one person (m).
+const SAME_STATURE: f64 = 0.01;
 /// Ticks that travel to the report together.
 const BATCH: usize = 512;
 
@@ -45,6 +47,10 @@ struct Options {
     /// Stature of the person in metres, in place of the recording's.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     stature: Option<f64>,
+    /// The person's ergonomics map, as `ergo_map` saves it, in place of one that is built for the
+    /// stature. It says which hand the person works with.
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
     /// Keep people at their protective distances, by stops where there is no other way.
     #[arg(long)]
     separation: bool,
@@ -143,12 +149,33 @@ impl Options {
                 Ending::Partial
             }
         };
-        let stature = self.stature.or(header.stature).unwrap_or(DEFAULT_STATURE);
-        let person = Person::new(stature).context("--stature")?;
-        let map = build_map(session, &person, &MapOptions::default(), None)?;
+        let (person, map) = self.person(session, header.stature)?;
         let scenario = Scenario::new(percepts, &person, map)?;
         let scenario = if self.separation { scenario.with_separation() } else { scenario };
         Ok((scenario, recorded))
+    }
+
+    /// The person whose stature was recorded, and the person's map.
+    fn person(&self, session: &Session, recorded: Option<f64>) -> Result<(Person, ErgonomicsMap)> {
+        let stated = self.stature.or(recorded);
+        let Some(path) = &self.map else {
+            let person = Person::new(stated.unwrap_or(DEFAULT_STATURE)).context("--stature")?;
+            let map = build_map(session, &person, &MapOptions::default(), None)?;
+            return Ok((person, map));
+        };
+        let map = read_map(path)?;
+        let own = map.stature();
+        if let Some(stated) = stated
+            && !((stated - own).abs() <= SAME_STATURE)
+        {
+            let whose = if self.stature.is_some() { "--stature" } else { "the recording" };
+            bail!(
+                "{}: this map is of a person of {own} m, but {whose} says {stated} m: give that \
+                 person's map, or --stature {own}",
+                path.display()
+            );
+        }
+        Ok((Person::new(own)?, map))
     }
 
     fn read(&self, path: &Path) -> Result<Recording> {

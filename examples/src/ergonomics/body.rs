@@ -139,7 +139,7 @@ fn depth(outline: &[(f64, f64)], (u, v): (f64, f64)) -> f64 {
     let next = outline.iter().cycle().skip(1);
     let depths = outline.iter().zip(next).map(|(a, b)| {
         let (du, dv) = (b.0 - a.0, b.1 - a.1);
-        (du * (v - a.1) - dv * (u - a.0)) / du.hypot(dv)
+        (du * (v - a.1) - dv * (u - a.0)) / (du * du + dv * dv).sqrt()
     });
     depths.fold(f64::INFINITY, f64::min)
 }

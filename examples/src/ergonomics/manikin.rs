@@ -105,7 +105,9 @@ fn draw_badges(chart: &mut Chart<'_, '_>, view: &View, assessment: &Assessment) 
     let mut taken: Vec<(f64, f64)> = Vec::new();
     for (part, place) in badges(assessment) {
         let at = view.of(&place);
-        let free = taken.iter().all(|other| (other.0 - at.0).hypot(other.1 - at.1) >= APART);
+        let free = taken
+            .iter()
+            .all(|other| (other.0 - at.0).powi(2) + (other.1 - at.1).powi(2) >= APART * APART);
         if let (Some(score), true) = (sub_score(part, assessment), free) {
             taken.push(at);
             let badge = EmptyElement::at(at)

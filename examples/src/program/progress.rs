@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use super::{Quiet, message};
 
 /// Without a terminal, when the first line comes; the time to the next doubles.
-const FIRST: Duration = Duration::from_secs(2);
+const FIRST: Duration = Duration::from_millis(500);
 /// The most time between two lines.
 const LONGEST: Duration = Duration::from_secs(60);
 
@@ -83,14 +83,19 @@ impl Progress {
     }
 
     fn line(&self, done: u64, elapsed: Duration) -> String {
-        let (what, seconds) = (self.bar.message(), elapsed.as_secs());
+        let (what, elapsed) = (self.bar.message(), elapsed.as_secs_f64());
+        // Of what has only begun, whole seconds would say nothing.
+        let digits = usize::from(elapsed < 10.0);
         match self.bar.length() {
             Some(length) if length > 0 => {
                 let share = done as f64 / length as f64;
-                let left = elapsed.as_secs_f64() * (1.0 / share.max(1e-9) - 1.0).max(0.0);
-                format!("{what}: {:.0} % after {seconds} s, {left:.0} s left", 100.0 * share)
+                let left = elapsed * (1.0 / share.max(1e-9) - 1.0).max(0.0);
+                format!(
+                    "{what}: {:.0} % after {elapsed:.digits$} s, {left:.0} s left",
+                    100.0 * share
+                )
             }
-            _ => format!("{what}: {done} after {seconds} s"),
+            _ => format!("{what}: {done} after {elapsed:.digits$} s"),
         }
     }
 }

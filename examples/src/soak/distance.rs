@@ -14,6 +14,22 @@ impl Rod {
     pub(super) fn distance(&self, other: &Self) -> f64 {
         segments(&self.ends, &other.ends) - self.radius - other.radius
     }
+
+    /// How far a point of the segment moves at most to that of `other`, both of this radius \[m\].
+    pub(super) fn farthest_move(&self, other: &Self) -> f64 {
+        let ends = self.ends.iter().zip(&other.ends);
+        ends.map(|(end, other)| (other - end).norm_squared()).fold(0.0, f64::max).sqrt()
+    }
+
+    /// Returns true if the balls around the two are farther apart than this \[m\]; the capsules then
+    /// are, too.
+    pub(super) fn is_surely_beyond(&self, other: &Self, distance: f64) -> bool {
+        let [(at, size), (other, other_size)] = [self, other].map(|rod| {
+            let [a, b] = rod.ends;
+            ((a + b) * 0.5, (b - a).norm() * 0.5 + rod.radius)
+        });
+        (other - at).norm() - size - other_size > distance
+    }
 }
 
 /// For the parameter s on the first segment the best t on the second is explicit, and the squared
@@ -25,7 +41,7 @@ fn segments([a, b]: &[Vector3<f64>; 2], [c, d]: &[Vector3<f64>; 2]) -> f64 {
     let from = |s: f64| {
         let point = a + u * s;
         let t = if ww > 0.0 { ((point - c).dot(&w) / ww).clamp(0.0, 1.0) } else { 0.0 };
-        (point - (c + w * t)).norm()
+        (point - (c + w * t)).norm_squared()
     };
     let along = |target: f64| if uu > 0.0 { (target / uu).clamp(0.0, 1.0) } else { 0.0 };
     // Nearest to the two ends of the second segment, and the lines' nearest point.
@@ -34,7 +50,7 @@ fn segments([a, b]: &[Vector3<f64>; 2], [c, d]: &[Vector3<f64>; 2]) -> f64 {
     if determinant > 0.0 {
         candidates[4] = ((ww * r.dot(&u) - uw * r.dot(&w)) / determinant).clamp(0.0, 1.0);
     }
-    candidates.into_iter().map(from).fold(f64::INFINITY, f64::min)
+    candidates.into_iter().map(from).fold(f64::INFINITY, f64::min).sqrt()
 }
 
 #[cfg(test)]
@@ -59,6 +75,17 @@ mod tests {
             }
             prop_assert!(found <= least + 1e-12);
             prop_assert!(found >= least - 0.05);
+        }
+
+        #[test]
+        fn capsules_surely_beyond_a_distance_are_beyond_it(
+            a in point(), b in point(), c in point(), d in point(),
+            radius in 0.0..0.3_f64, by in -1.0..2.0_f64,
+        ) {
+            let (one, other) = (Rod { ends: [a, b], radius }, Rod { ends: [c, d], radius: 0.1 });
+            if one.is_surely_beyond(&other, by) {
+                prop_assert!(one.distance(&other) > by - 1e-12);
+            }
         }
     }
 }

@@ -28,8 +28,8 @@ use super::distance::Rod;
 const TOWARDS: f64 = 1e-6;
 /// Of the derivatives of distances (s).
 const STEP: f64 = 1e-6;
-/// Beyond this distance no speed of this robot is too fast (m).
-const FAR: f64 = 6.0;
+/// What rounding may make of a distance (m).
+const ROUNDING: f64 = 1e-6;
 
 /// The robot's capsules a moment before and after, at some velocity.
 #[derive(Clone, Debug, Default)]
@@ -50,6 +50,11 @@ impl Motion {
     /// How fast a capsule comes nearer to one that is held still \[m/s\].
     fn towards(&self, link: usize, person: &Rod) -> f64 {
         (self.before[link].distance(person) - self.after[link].distance(person)) / (2.0 * STEP)
+    }
+
+    /// How fast a capsule moves at most \[m/s\].
+    fn fastest(&self, link: usize) -> f64 {
+        self.before[link].farthest_move(&self.after[link]) / (2.0 * STEP)
     }
 }
 
@@ -108,14 +113,17 @@ fn in_breach(
     period: f64,
 ) -> bool {
     let person = &body.now[part];
-    let distance = robot.now[link].distance(person);
-    if distance > FAR {
+    // Most pairs are too far apart even if both came nearer as fast as they move.
+    let swiftest = body.before.map_or(0.0, |before| before[part].farthest_move(person) / period);
+    let reach = protective_distance(settings, swiftest, robot.commanded.fastest(link));
+    if robot.now[link].is_surely_beyond(person, reach + ROUNDING) {
         return false;
     }
     let towards = robot.commanded.towards(link, person);
     if towards <= TOWARDS {
         return false;
     }
+    let distance = robot.now[link].distance(person);
     let coming = body
         .before
         .map_or(0.0, |before| (robot.now[link].distance(&before[part]) - distance) / period);

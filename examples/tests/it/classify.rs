@@ -73,17 +73,17 @@ fn prints_the_most_probable_classes_as_the_network_scores_them() {
 fn trains_tests_and_classifies_by_an_svm() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
-    let (train, test) = (surfaces(&path("train"), 6), surfaces(&path("test"), 3));
+    let (train, test) = (surfaces(&path("train"), 4), surfaces(&path("test"), 2));
     let svm = path("surface.svm").to_str().unwrap().to_owned();
     let ran = classify()
         .with(&["--svm", &svm, "--train", &train, "--test", &test, "--json", "--quiet"])
         .run()
         .done();
-    assert!(ran.output.starts_with("trained with 12 images in "), "{ran:?}");
+    assert!(ran.output.starts_with("trained with 8 images in "), "{ran:?}");
     assert!(ran.output.contains("\naccuracy 100.00 %\n") && ran.errors.is_empty(), "{ran:?}");
     let json = ran.json();
-    assert_eq!(json["training"]["images"], 12);
-    assert_eq!(json["test"]["confusion"], serde_json::json!([[3, 0], [0, 3]]));
+    assert_eq!(json["training"]["images"], 8);
+    assert_eq!(json["test"]["confusion"], serde_json::json!([[2, 0], [0, 2]]));
     assert_eq!(json["test"]["accuracy"], 1.0);
 
     // The file is the machine that the results are of.
@@ -277,7 +277,7 @@ fn an_interrupt_keeps_the_images_so_far() {
 #[test]
 fn an_interrupted_training_leaves_the_machine_that_was_there() {
     let folder = tempfile::tempdir().unwrap();
-    let train = surfaces(&folder.path().join("train"), 1000);
+    let train = surfaces(&folder.path().join("train"), 200);
     let svm = folder.path().join("s.svm");
     fs::write(&svm, "as it was").unwrap();
     let ran = classify()

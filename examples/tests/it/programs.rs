@@ -33,7 +33,7 @@ impl Inputs {
         let path = |name| self.path(name);
         vec![
             Runs::new("record").with(&["--duration=1", "--output", &path("r.jsonl")]),
-            Runs::new("follow").with(&["--recording", &self.recording(), "--no-report"]),
+            Runs::follow().with(&["--recording", &self.recording(), "--no-report"]),
             Runs::new("soak").with(&["--ticks=200"]),
             Runs::new("hqp").with(&[path("set.hqp")]),
             Runs::new("reba").with(&["--input", &path("sheets.csv")]),
@@ -86,7 +86,7 @@ fn nothing_is_lost_when_the_reader_of_standard_output_goes_away() {
     let inputs = Inputs::new();
     let report = inputs.path("report");
     let ran =
-        Runs::new("follow").with(&["--recording", &inputs.recording(), "-o", &report]).run_closed();
+        Runs::follow().with(&["--recording", &inputs.recording(), "-o", &report]).run_closed();
     assert_eq!(ran.code(), Some(141));
     assert_eq!(names(Path::new(&report)), ["follow.svg", "ticks-off.csv", "ticks-on.csv"]);
 }
@@ -155,9 +155,14 @@ fn a_full_disk_leaves_no_half_file() {
     let full = "No space left on device";
     for (program, file) in [
         (Runs::new("record").with(&["--output", &path("old.jsonl")]), "old.jsonl"),
-        (Runs::new("follow").with(&["--output", disk.path().to_str().unwrap()]), "ticks-on.csv"),
+        (Runs::follow().with(&["--output", disk.path().to_str().unwrap()]), "ticks-on.csv"),
         (
-            Runs::new("ergo_map").with(&["--preset=tall", "-o", disk.path().to_str().unwrap()]),
+            Runs::new("ergo_map").with(&[
+                "--preset=tall",
+                "--spacing=0.07",
+                "-o",
+                disk.path().to_str().unwrap(),
+            ]),
             "person.ergomap",
         ),
     ] {
@@ -201,8 +206,8 @@ fn a_soak_that_is_interrupted_prints_what_it_has() {
 fn a_follow_that_is_interrupted_keeps_what_it_has_under_another_name() {
     let inputs = Inputs::new();
     let (recording, report) = (inputs.path("long.jsonl"), inputs.path("report"));
-    Runs::new("record").with(&["--duration=900", "--output", &recording]).run().done();
-    let follow = Runs::new("follow").with(&["--recording", &recording, "--json", "-o", &report]);
+    Runs::new("record").with(&["--duration=200", "--output", &recording]).run().done();
+    let follow = Runs::follow().with(&["--recording", &recording, "--json", "-o", &report]);
     let ran = follow.interrupt_at("Ergonomics on: ", "INT");
     assert_eq!(ran.code(), Some(130), "{ran:?}");
     let json = ran.json();
@@ -210,7 +215,7 @@ fn a_follow_that_is_interrupted_keeps_what_it_has_under_another_name() {
         (&json["partial"], &json["score_mean_off"]),
         (&true.into(), &serde_json::Value::Null)
     );
-    assert!(json["duration_s"].as_f64().is_some_and(|seconds| seconds > 1.0 && seconds < 900.0));
+    assert!(json["duration_s"].as_f64().is_some_and(|seconds| seconds > 1.0 && seconds < 200.0));
     let report = Path::new(&report);
     assert_eq!(names(report), ["follow.partial.svg", "ticks-on.partial.csv"]);
     let ticks = fs::read_to_string(report.join("ticks-on.partial.csv")).unwrap();

@@ -1,11 +1,30 @@
 //! What the tests of programs share.
 
+use std::{fs::File, path::PathBuf};
+
 mod disk;
+mod maps;
 mod networks;
 mod pictures;
 mod run;
 
 pub(crate) use disk::SmallDisk;
+pub(crate) use maps::{average_map, coarse_map};
 pub(crate) use networks::{resnet18, slow_only_r18};
 pub(crate) use pictures::{png_that_claims, save_picture};
 pub(crate) use run::{Ran, Runs, signal};
+
+/// Writes a file into the folder for files of tests, from where it may be read at any time; its path.
+fn keep(name: &str, write: impl FnOnce(&File)) -> String {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    let unfinished = tempfile::NamedTempFile::new_in(&folder).unwrap();
+    write(unfinished.as_file());
+    let path = folder.join(name);
+    unfinished.persist(&path).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// How many random cases to try: AHQP_CASES, or so many.
+pub(crate) fn cases(default: u64) -> u64 {
+    std::env::var("AHQP_CASES").ok().and_then(|value| value.parse().ok()).unwrap_or(default)
+}

@@ -17,7 +17,7 @@ const HOUR: &str = "--duration=3600";
 
 /// `follow` with a recording and no report, to its end.
 fn follow(recording: &Path, options: &[&str]) -> Ran {
-    let played = Runs::new("follow").with(&["--no-report", "--recording"]).with(&[recording]);
+    let played = Runs::follow().with(&["--no-report", "--recording"]).with(&[recording]);
     played.with(options).run()
 }
 
@@ -50,7 +50,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 /// A whole recording of some seconds.
 fn short(folder: &Path) -> PathBuf {
     let path = folder.join("short.jsonl");
-    Runs::new("record").with(&["--duration=12", "--output"]).with(&[&path]).run().done();
+    Runs::new("record").with(&["--duration=4", "--output"]).with(&[&path]).run().done();
     path
 }
 
@@ -96,7 +96,7 @@ fn what_is_played_of_a_partial_recording_is_kept_as_partial() {
     fs::write(&path, whole.replace("\"complete\":true", "\"complete\":false")).unwrap();
     let report = folder.path().join("report");
     let options = ["--partial", "--quiet", "--output", report.to_str().unwrap(), "--recording"];
-    Runs::new("follow").with(&options).with(&[&path]).run().done();
+    Runs::follow().with(&options).with(&[&path]).run().done();
     let mut names: Vec<_> =
         files(&report).into_iter().map(|file| file.file_name().unwrap().to_owned()).collect();
     names.sort();

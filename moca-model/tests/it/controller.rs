@@ -4,13 +4,15 @@ use ergo_map::ErgonomicsQuadratic;
 use hrsw::Fault;
 use moca_model::{
     Controller, ControllerSettings, DesiredMotion, Error, Goal, Intention, MOCA_HOME, Outcome,
-    RobotModel, SimulatedRobot, SpaceSettings,
+    SimulatedRobot, SpaceSettings,
 };
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use proptest::prelude::*;
 use vision_models::{
     Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, Tool, WalkingDirection,
 };
+
+use crate::shared::MOCA;
 
 const PERIOD: f64 = 1e-3;
 /// Ticks between two camera frames at 20 Hz.
@@ -57,7 +59,7 @@ struct Loop {
 
 impl Loop {
     fn new(settings: ControllerSettings) -> Self {
-        let model = RobotModel::moca().unwrap();
+        let model = MOCA.clone();
         let robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
         let controller = Controller::new(model, comfort(), settings, &MOCA_HOME).unwrap();
         Self { controller, robot, tick: 0 }
@@ -179,7 +181,7 @@ fn a_jump_of_two_metres_is_followed_within_the_limits() {
     let mut run = Loop::new(ControllerSettings::default());
     let place =
         |time: f64| person_at(1.3, if time < 4.0 { 0.0 } else { 2.0 }, std::f64::consts::PI);
-    let limits = RobotModel::moca().unwrap().limits().to_vec();
+    let limits = MOCA.limits().to_vec();
     let mut last = vec![0.0; 10];
     for _ in 0..12_000 {
         run.run(1, |time| Some(percept(time, &place(time), Action::Using(Tool::Polisher))));
@@ -201,13 +203,13 @@ proptest! {
     /// Whatever the base's yaw, the base twist is the world velocity in the base's axes.
     #[test]
     fn the_base_twist_is_the_joint_velocity_in_the_base_frame(yaw in -3.0..3.0_f64, x in -0.5..0.5_f64) {
-        let model = RobotModel::moca().unwrap();
+        let model = MOCA.clone();
         let mut start = MOCA_HOME;
         (start[0], start[2]) = (x, yaw);
         let mut controller =
             Controller::new(model, comfort(), ControllerSettings::default(), &start).unwrap();
         let person = person_at(2.0, 0.5, 3.0);
-        let mut robot = SimulatedRobot::new(&RobotModel::moca().unwrap(), &start).unwrap();
+        let mut robot = SimulatedRobot::new(&MOCA, &start).unwrap();
         let mut fastest = 0.0_f64;
         for tick in 0..600_u32 {
             let now = f64::from(tick) * PERIOD;
@@ -231,7 +233,7 @@ proptest! {
 
 #[test]
 fn bad_settings_and_bad_measurements_are_named() {
-    let model = RobotModel::moca().unwrap();
+    let model = MOCA.clone();
     let make = |settings| Controller::new(model.clone(), comfort(), settings, &MOCA_HOME);
     let standard = ControllerSettings::default;
     let short = DesiredMotion { acceleration: 0.5, ..DesiredMotion::default() };

@@ -1,6 +1,8 @@
 //! A robot on its way, with a person in the way, and clocks, frames and measurements that may be
 //! wrong.
 
+use std::sync::LazyLock;
+
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Attachment, Capsule, Cause, Fault, SafetyState, proximity};
 use moca_model::{
@@ -9,6 +11,8 @@ use moca_model::{
 };
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
+
+use crate::shared::MOCA;
 
 pub(crate) const PERIOD: f64 = 1e-3;
 /// Ticks between two camera frames at 20 Hz.
@@ -43,6 +47,7 @@ pub(crate) fn doing(action: Action, time: f64, person: Option<f64>) -> Percept {
 pub(crate) type Clock = fn(f64) -> f64;
 
 /// The robot on its way to a place four metres ahead, with default settings, and what is true.
+#[derive(Clone)]
 pub(crate) struct Drive {
     pub(crate) controller: Controller,
     pub(crate) robot: SimulatedRobot,
@@ -65,7 +70,7 @@ impl Drive {
     }
 
     pub(crate) fn with(settings: ControllerSettings) -> Self {
-        let model = RobotModel::moca().unwrap();
+        let model = MOCA.clone();
         let robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
         let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
         let period = settings.period;
@@ -156,11 +161,20 @@ impl Drive {
         }
     }
 
-    /// Drives until the robot is fast, with nobody there, and puts a person before it.
+    /// The robot when it is fast, with nobody there.
+    pub(crate) fn fast() -> Self {
+        static FAST: LazyLock<Drive> = LazyLock::new(|| {
+            let mut drive = Drive::new();
+            drive.run(2.5);
+            assert!(drive.fastest() > 0.2, "it drives: {}", drive.fastest());
+            drive
+        });
+        FAST.clone()
+    }
+
+    /// The same with a person before it.
     pub(crate) fn towards_a_person() -> Self {
-        let mut drive = Self::new();
-        drive.run(2.5);
-        assert!(drive.fastest() > 0.2, "it drives: {}", drive.fastest());
+        let mut drive = Self::fast();
         drive.person = Some(drive.controller.actual().translation.x + 1.8);
         drive
     }

@@ -7,13 +7,13 @@ use ahqp_core::Budget;
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{ClockFault, Fault, FrameFault, SafetyState};
 use moca_model::{
-    Controller, ControllerSettings, Error, LeashSettings, MOCA_HOME, Outcome, RobotModel,
-    SafetySettings,
+    Controller, ControllerSettings, Error, LeashSettings, MOCA_HOME, Outcome, SafetySettings,
 };
 use nalgebra::{Matrix3, Vector3};
 use vision_models::{Action, Tool};
 
 use crate::drive::{Clock, Drive, FRAME, PERIOD, doing, percept};
+use crate::shared::MOCA;
 
 #[test]
 fn an_empty_frame_an_hour_ahead_blinds_nobody() {
@@ -457,18 +457,17 @@ fn every_fault_does_what_the_table_of_the_book_says() {
             assert!(others.contains(&fault), "{name}");
             continue;
         };
-        let mut drive = Drive::new();
-        drive.run(2.5);
+        let mut drive = Drive::fast();
         make(&mut drive);
         assert_eq!(drive.state(), expected, "{name}");
         assert_eq!(drive.cause(), Some(fault), "{name}");
         // The clock goes on from where it is.
         let offset = drive.controller.clock().now().unwrap() + PERIOD - drive.time();
-        drive.go_on(offset, 3.0);
+        drive.go_on(offset, 2.0);
         if waits {
             drive.assert_waits(fault);
             drive.acknowledge();
-            drive.go_on(offset, 3.0);
+            drive.go_on(offset, 2.0);
         }
         assert_eq!(drive.state(), SafetyState::Normal, "{name}");
         assert!(drive.fastest() > 0.1, "{name}: it goes on");
@@ -477,7 +476,7 @@ fn every_fault_does_what_the_table_of_the_book_says() {
 
 #[test]
 fn bad_settings_of_clock_and_leash_are_named() {
-    let model = RobotModel::moca().unwrap();
+    let model = MOCA.clone();
     let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
     let mut named = Vec::new();
     let mut check = |change: &dyn Fn(&mut ControllerSettings), name: &'static str| {

@@ -1,14 +1,16 @@
 //! Joint impedance: the paper's torque, within its limits, finite or not at all.
 
 use approx::assert_abs_diff_eq;
-use moca_model::{Error, ImpedanceSettings, JointImpedance, JointLimits, JointState, RobotModel};
+use moca_model::{Error, ImpedanceSettings, JointImpedance, JointLimits, JointState};
 use proptest::prelude::*;
+
+use crate::shared::MOCA;
 
 const EFFORT: [f64; 7] = [87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0];
 const DT: f64 = 0.001;
 
 fn panda(settings: ImpedanceSettings) -> Result<JointImpedance, Error> {
-    JointImpedance::new(settings, &RobotModel::moca()?.limits()[3..])
+    JointImpedance::new(settings, &MOCA.limits()[3..])
 }
 
 fn unlimited() -> JointImpedance {

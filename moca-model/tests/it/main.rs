@@ -10,5 +10,6 @@ mod golden;
 mod impedance;
 mod properties;
 mod safety;
+mod shared;
 mod simulation;
 mod support;

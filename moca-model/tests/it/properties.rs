@@ -1,5 +1,6 @@
 //! What must hold for every chain and every configuration.
 
+use crate::shared::MOCA;
 use crate::support::{Kind, Piece, naive, pieces, urdf};
 use approx::assert_abs_diff_eq;
 use moca_model::{
@@ -79,7 +80,7 @@ fn chain_model(pieces: &[Piece], gravity: Vector3<f64>) -> RobotModel {
 
 fn moca_configuration() -> impl Strategy<Value = Vec<f64>> {
     let base = prop::collection::vec(-5.0..5.0, 3);
-    let limits = RobotModel::moca().unwrap().limits()[3..].to_vec();
+    let limits = MOCA.limits()[3..].to_vec();
     let arm: Vec<_> = limits.iter().map(|joint| joint.lower..joint.upper).collect();
     (base, arm).prop_map(|(base, arm)| [base, arm].concat())
 }
@@ -107,14 +108,14 @@ proptest! {
 
     #[test]
     fn jacobian_and_gravity_of_moca_are_derivatives(q in moca_configuration()) {
-        check_derivatives(&RobotModel::moca().unwrap(), &q);
+        check_derivatives(&MOCA, &q);
     }
 
     #[test]
     fn driving_the_base_carries_the_tool_along(
         q in moca_configuration(), x in -3.0..3.0, y in -3.0..3.0, yaw in -7.0..7.0,
     ) {
-        let model = RobotModel::moca().unwrap();
+        let model = &*MOCA;
         let mut still = RobotData::new(&model);
         update(&model, &mut still, &[&[0.0; 3], &q[3..]].concat());
         let mut driven = RobotData::new(&model);
@@ -141,7 +142,7 @@ proptest! {
 
     #[test]
     fn gravity_asks_nothing_of_the_base_on_a_level_floor(q in moca_configuration()) {
-        let model = RobotModel::moca().unwrap();
+        let model = &*MOCA;
         let mut data = RobotData::new(&model);
         update(&model, &mut data, &q);
         for torque in data.gravity().iter().take(4) {
@@ -151,7 +152,7 @@ proptest! {
 
     #[test]
     fn a_joint_does_not_move_what_comes_before_it(q in moca_configuration(), index in 0_usize..10, by in -1.0..1.0) {
-        let model = RobotModel::moca().unwrap();
+        let model = &*MOCA;
         let mut data = RobotData::new(&model);
         update(&model, &mut data, &q);
         let mut moved_q = q.clone();
@@ -209,7 +210,7 @@ fn holding_a_joint_of_the_way_takes_it_out_of_q() {
         ..RobotDescription::moca()
     };
     let held = RobotModel::from_urdf(moca_model::MOCA_URDF, &description).unwrap();
-    let free = RobotModel::moca().unwrap();
+    let free = &*MOCA;
     let (mut held_data, mut free_data) = (RobotData::new(&held), RobotData::new(&free));
     let mut q = vec![0.3, 0.1, -0.4, 0.5, -0.6, 0.7, -1.8, 0.2, 1.5, -0.3];
     update(&free, &mut free_data, &q);
@@ -232,7 +233,7 @@ fn holding_a_joint_of_the_way_takes_it_out_of_q() {
 
 #[test]
 fn limits_of_moca_are_the_makers() {
-    let model = RobotModel::moca().unwrap();
+    let model = &*MOCA;
     let limits = model.limits();
     assert_eq!(limits.len(), 10);
     for (base, (velocity, acceleration)) in limits.iter().zip([(1.5, 0.6), (1.5, 0.6), (3.0, 1.5)])

@@ -3,13 +3,14 @@
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Attachment, Bounds, Cause, SafetyState};
 use moca_model::{
-    Controller, ControllerSettings, Error, LinkCapsule, MOCA_HOME, RobotData, RobotModel,
-    SafetySettings, SimulatedRobot, forward_kinematics, world_from_link,
+    Controller, ControllerSettings, Error, LinkCapsule, MOCA_HOME, RobotData, SafetySettings,
+    SimulatedRobot, forward_kinematics, world_from_link,
 };
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use vision_models::{Action, Confidence, Percept, RecognisedAction};
 
 use crate::drive::body;
+use crate::shared::MOCA;
 
 const PERIOD: f64 = 1e-3;
 
@@ -21,7 +22,7 @@ struct Loop {
 
 impl Loop {
     fn new() -> Self {
-        let model = RobotModel::moca().unwrap();
+        let model = MOCA.clone();
         let robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
         let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
         let settings = ControllerSettings::default();
@@ -94,7 +95,7 @@ fn a_person_who_appears_before_the_moving_robot_stops_it() {
     let x = run.controller.actual().translation.x;
     let speed = run.controller.command().joint_velocity[0];
     assert!(speed > 0.2, "{speed}");
-    let limits = RobotModel::moca().unwrap().limits().to_vec();
+    let limits = MOCA.limits().to_vec();
     while run.controller.command().safety == SafetyState::Normal {
         run.step(Some(x + 0.6));
     }
@@ -134,7 +135,7 @@ fn without_frames_the_robot_stops() {
 /// Every point of the chassis' faces but the inside of the deck lies in a capsule.
 #[test]
 fn the_capsules_hold_the_chassis() {
-    let model = RobotModel::moca().unwrap();
+    let model = MOCA.clone();
     let mut data = RobotData::new(&model);
     forward_kinematics(&model, &mut data, &[0.0; 10]).unwrap();
     let base = world_from_link(&model, &data, model.link("base_link").unwrap()).unwrap();
@@ -156,7 +157,7 @@ fn the_capsules_hold_the_chassis() {
 
 #[test]
 fn bad_safety_settings_are_named() {
-    let model = RobotModel::moca().unwrap();
+    let model = MOCA.clone();
     let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
     let make = |safety| {
         let settings = ControllerSettings { safety, ..ControllerSettings::default() };

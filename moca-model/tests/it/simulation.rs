@@ -1,11 +1,13 @@
 //! The simulated robot follows its command as a first-order lag does.
 
 use approx::assert_abs_diff_eq;
-use moca_model::{Error, MOCA_HOME, RobotModel, SimulatedRobot};
+use moca_model::{Error, MOCA_HOME, SimulatedRobot};
 use proptest::prelude::*;
 
+use crate::shared::MOCA;
+
 fn robot() -> SimulatedRobot {
-    SimulatedRobot::new(&RobotModel::moca().unwrap(), &MOCA_HOME).unwrap()
+    SimulatedRobot::new(&MOCA, &MOCA_HOME).unwrap()
 }
 
 proptest! {
@@ -57,7 +59,7 @@ fn after_one_time_constant_all_but_one_eth_is_reached() {
 
 #[test]
 fn bad_input_gives_an_error_and_no_motion() {
-    let model = RobotModel::moca().unwrap();
+    let model = &*MOCA;
     assert!(matches!(
         SimulatedRobot::new(&model, &[0.0; 9]),
         Err(Error::WrongSize { expected: 10, got: 9, .. })

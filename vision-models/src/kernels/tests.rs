@@ -130,11 +130,13 @@ impl Operands {
         let bias = numbers.take(outputs);
         let mut expected: Vec<f64> = output.iter().map(|&value| f64::from(value)).collect();
         let mut rounding = vec![0.0; expected.len()];
+        let mut terms = Vec::new();
         for pixel in 0..to.pixels() {
             let at = position(pixel, to.size);
             for channel in 0..outputs {
                 let target = to.origin() + offset(at, to.strides()) + spare + channel;
-                let mut terms = vec![f64::from(bias[channel])];
+                terms.clear();
+                terms.push(f64::from(bias[channel]));
                 if epilogue.add {
                     terms.push(expected[target]);
                 }

@@ -334,8 +334,8 @@ fn any_walk() -> impl Strategy<Value = Vec<(Vector2<f64>, f64)>> {
 proptest! {
     #[test]
     fn never_nan_whatever_the_input(
-        frames in prop::collection::vec((prop::option::weighted(0.9, any_body()), 1e-3..0.4_f64), 1..60),
-        real_people in prop::collection::vec(any::<bool>(), 60),
+        frames in prop::collection::vec((prop::option::weighted(0.9, any_body()), 1e-3..0.4_f64), 1..30),
+        real_people in prop::collection::vec(any::<bool>(), 30),
         now in any::<f64>(),
     ) {
         let mut tracker = tracker();

@@ -1,8 +1,10 @@
 //! Networks with random weights.
 
-use std::{io::BufWriter, path::PathBuf, sync::OnceLock};
+use std::{io::BufWriter, sync::OnceLock};
 
 use vision_models::{ResNet, ResNetDepth, SlowOnly, SlowOnlyForm, Tensor, Tensors};
+
+use super::keep;
 
 /// The checkpoint of a ResNet-18 with seven classes.
 pub(crate) fn resnet18() -> &'static str {
@@ -34,12 +36,9 @@ fn write(name: &str, parameters: Vec<(String, Vec<usize>)>) -> String {
         let values = (0..size).map(|_| middle + half * random.next()).collect();
         tensors.insert(name, Tensor::new(shape, values).unwrap()).unwrap();
     }
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-    let unfinished = tempfile::NamedTempFile::new_in(&folder).unwrap();
-    tensors.write_safetensors(BufWriter::new(unfinished.as_file())).unwrap();
-    let path = folder.join(format!("{name}.safetensors"));
-    unfinished.persist(&path).unwrap();
-    path.to_str().unwrap().to_owned()
+    keep(&format!("{name}.safetensors"), |file| {
+        tensors.write_safetensors(BufWriter::new(file)).unwrap();
+    })
 }
 
 /// A linear congruential generator (D. Knuth, "The Art of Computer Programming" 2, 3.3.4): ten

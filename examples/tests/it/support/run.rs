@@ -8,6 +8,8 @@ use std::sync::mpsc::channel;
 use std::thread;
 use std::time::Duration;
 
+use super::coarse_map;
+
 /// No program of a test is waited for longer.
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -34,6 +36,11 @@ impl Runs {
             Command::new(folder.join(name).with_extension(std::env::consts::EXE_EXTENSION));
         command.env("RUST_BACKTRACE", "1");
         Self { name, command }
+    }
+
+    /// `follow` with a coarse map, which takes less time than building one.
+    pub(crate) fn follow() -> Self {
+        Self::new("follow").with(&["--map", coarse_map()])
     }
 
     /// The program of this name with at most so much memory (MiB). What it has does not count by its

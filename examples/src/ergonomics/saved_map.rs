@@ -1,0 +1,17 @@
+//! Reading a map that was saved.
+
+use std::{fs, path::Path};
+
+use anyhow::Context;
+use ergo_map::ErgonomicsMap;
+
+/// Reads the map that `ergo_map` has saved in this file.
+///
+/// # Errors
+/// A file that cannot be read, or holds no whole map; both name the file.
+pub fn read_map(path: impl AsRef<Path>) -> anyhow::Result<ErgonomicsMap> {
+    let path = path.as_ref();
+    let shown = path.display();
+    let bytes = fs::read(path).with_context(|| format!("cannot read {shown}"))?;
+    ErgonomicsMap::from_bytes(&bytes).with_context(|| shown.to_string())
+}
