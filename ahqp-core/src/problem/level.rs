@@ -132,7 +132,7 @@ impl Level {
         let (found, name) = (self.objective.kind(), &self.name);
         match &mut self.objective {
             Objective::LeastSquares(rows) => Ok(rows),
-            _ => Err(other_objective("rows", found, name)),
+            _ => Err(other_objective("rows", found, name.as_ref())),
         }
     }
 
@@ -144,7 +144,7 @@ impl Level {
         let (found, name) = (self.objective.kind(), &self.name);
         match &mut self.objective {
             Objective::Quadratic { hessian, gradient } => Ok((hessian, gradient)),
-            _ => Err(other_objective("a quadratic", found, name)),
+            _ => Err(other_objective("a quadratic", found, name.as_ref())),
         }
     }
 
@@ -178,8 +178,8 @@ impl Level {
     }
 }
 
-fn other_objective(expected: &'static str, found: &'static str, name: &Option<Arc<str>>) -> Error {
-    let names = Names { level: name.clone(), row: None };
+fn other_objective(expected: &'static str, found: &'static str, name: Option<&Arc<str>>) -> Error {
+    let names = Names { level: name.cloned(), row: None };
     Error::OtherObjective { level: None, expected, found, names }
 }
 
