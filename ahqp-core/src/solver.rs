@@ -360,7 +360,9 @@ impl Solver {
         self.conflict.extend(violated.map(|id| self.set.data.sources[id]));
         let size = |id: usize| self.set.violation(id).abs() * self.set.data.norm(id);
         let threshold = self.settings.optimality_tolerance * rows.map(size).sum::<f64>();
+        let pushing = self.conflict.len();
         self.set.extend_by_pushing(threshold, &mut self.conflict);
+        self.conflict[pushing..].sort_unstable();
         Err(Error::Infeasible {
             level: LevelId::new(level),
             worst: self.set.data.sources[worst],

@@ -162,14 +162,13 @@ impl PoseAxes {
 /// let mut solver = Solver::new(&hierarchy, Settings::default())?;
 ///
 /// let desired = Isometry3::translation(0.3, 0.6, 0.0);
-/// let (mut q, mut jacobian) = ([0.3, 0.4], Matrix6xX::zeros(2));
+/// let (mut q, mut jacobian) = ([0.3_f64, 0.4], Matrix6xX::zeros(2));
 /// let mut error = Vector6::zeros();
-/// for _tick in 0..1000 {
-///     let (first, both) = (q[0], q[0] + q[1]);
-///     let (elbow, tip) = ((0.5 * first.cos(), 0.5 * first.sin()), (0.5 * both.cos(), 0.5 * both.sin()));
-///     let actual = Isometry3::translation(elbow.0 + tip.0, elbow.1 + tip.1, 0.0);
-///     jacobian.column_mut(0).copy_from_slice(&[-elbow.1 - tip.1, elbow.0 + tip.0, 0.0, 0.0, 0.0, 1.0]);
-///     jacobian.column_mut(1).copy_from_slice(&[-tip.1, tip.0, 0.0, 0.0, 0.0, 1.0]);
+/// for _tick in 0..2000 {
+///     let [(y1, x1), (y2, x2)] = [q[0], q[0] + q[1]].map(f64::sin_cos).map(|(s, c)| (0.5 * s, 0.5 * c));
+///     let actual = Isometry3::translation(x1 + x2, y1 + y2, 0.0);
+///     jacobian.column_mut(0).copy_from_slice(&[-y1 - y2, x1 + x2, 0.0, 0.0, 0.0, 1.0]);
+///     jacobian.column_mut(1).copy_from_slice(&[-y2, x2, 0.0, 0.0, 0.0, 1.0]);
 ///     error = pose_error(&desired, &actual);
 ///     clik.write(&jacobian, &error, &Vector6::zeros(), hierarchy.rows_mut(reach)?)?;
 ///     let rates = solver.solve(&hierarchy)?.optimum()?;

@@ -129,10 +129,10 @@ impl Level {
     /// # Errors
     /// [`Error::OtherObjective`] for a level that minimises a quadratic, or nothing.
     pub fn rows_mut(&mut self) -> Result<&mut Rows, Error> {
-        let (found, name) = (self.objective.kind(), &self.name);
+        let (found, name) = (self.objective.kind(), self.name.as_ref());
         match &mut self.objective {
             Objective::LeastSquares(rows) => Ok(rows),
-            _ => Err(other_objective("rows", found, name.as_ref())),
+            _ => Err(other_objective("rows", found, name)),
         }
     }
 
@@ -141,10 +141,10 @@ impl Level {
     /// # Errors
     /// [`Error::OtherObjective`] for a level that minimises rows, or nothing.
     pub fn quadratic_mut(&mut self) -> Result<(&mut DMatrix<f64>, &mut DVector<f64>), Error> {
-        let (found, name) = (self.objective.kind(), &self.name);
+        let (found, name) = (self.objective.kind(), self.name.as_ref());
         match &mut self.objective {
             Objective::Quadratic { hessian, gradient } => Ok((hessian, gradient)),
-            _ => Err(other_objective("a quadratic", found, name.as_ref())),
+            _ => Err(other_objective("a quadratic", found, name)),
         }
     }
 

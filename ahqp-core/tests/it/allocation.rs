@@ -2,9 +2,9 @@
 
 use ahqp_core::testing::{Sizes, hierarchy_sequences};
 use ahqp_core::{
-    AugmentedClik, AugmentedState, ContinuousStack, Error, Hierarchy, Level, Limits, MotionState,
-    Place, PoseAxes, Rows, Settings, Solution, Solver, Status, WarmStart, integrate_pose,
-    pose_error,
+    AugmentedClik, AugmentedState, Budget, Clik, ContinuousStack, Damping, Error, Hierarchy, Level,
+    Limits, MotionState, Place, PoseAxes, Rows, Settings, Solution, Solver, Status, WarmStart,
+    integrate_pose, pose_error,
 };
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6, dmatrix, dvector};
 use proptest::prelude::*;
@@ -108,6 +108,39 @@ fn a_control_tick_does_not_allocate() {
         }
     });
     assert_eq!(calls, 0);
+}
+
+#[test]
+fn rewriting_rows_allocates_the_first_time_at_most() {
+    let near = dmatrix![1.0, 0.0, 0.0; 1.0, 1e-3, 0.0];
+    let axes = PoseAxes::new(&[0, 1]).unwrap();
+    let clik = Clik::new(3, axes, Vector6::repeat(40.0), 1e-3).unwrap();
+    let mut damping = Damping::new(2, 0.1, 0.05).unwrap();
+    let mut hierarchy = Hierarchy::new(3).unwrap();
+    let rows = clik.rows().with_names(["x", "y"]).unwrap();
+    let level = hierarchy.push(Level::least_squares(rows).named("reach")).unwrap();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    let mut other = Rows::equalities(&near, &[1.0, 2.0]).unwrap();
+    let jacobian = DMatrix::from_fn(6, 3, |i, j| ((3 * i + 7 * j) as f64).sin());
+    let budget = Budget { iterations: Some(100), time: Some(std::time::Duration::from_secs(3600)) };
+    let mut tick = |weight: f64| {
+        let zero = Vector6::zeros();
+        let rows = hierarchy.rows_mut(level).unwrap();
+        clik.write(&jacobian, &Vector6::repeat(0.1), &zero, rows).unwrap();
+        other.set_weights(&[weight, 1.0]).unwrap();
+        assert!(damping.apply(&mut other).unwrap() > 0.0);
+        rows.copy_from(&other).unwrap();
+        rows.set_bounds(&[-1.0; 2], &[1.0; 2]).unwrap();
+        rows.set_row(0, &[1.0, 2.0, 3.0], 0.0, 0.0).unwrap();
+        damping.apply(rows).unwrap_err();
+        rows.copy_from(&other).unwrap();
+        let solution = solver.solve_within(&hierarchy, budget).unwrap();
+        solution.optimum().unwrap()[0]
+    };
+    tick(1.0);
+    for weight in [2.0, 0.0, 1.0] {
+        assert_eq!(allocations(|| tick(weight)).0, 0);
+    }
 }
 
 #[test]

@@ -40,7 +40,10 @@ fn errors_name_what_they_speak_of() {
             "the bounds of variable 0 \"shoulder\": lower bound 2 and upper bound 1",
         ),
         (
-            |problem| Ok(problem.rows_mut(first(problem))?.row_mut(1)?[0] = f64::NAN),
+            |problem| {
+                problem.rows_mut(first(problem))?.row_mut(1)?[0] = f64::NAN;
+                Ok(())
+            },
             "(objective row 1 \"y\" of level 0 \"reach\", entry 0)",
         ),
         (
@@ -48,24 +51,39 @@ fn errors_name_what_they_speak_of() {
             "objective row 1 \"y\" of level 0 \"reach\" holds 1e200",
         ),
         (
-            |problem| Ok(problem.constraints_mut(first(problem))?.upper_mut()[0] = f64::NAN),
+            |problem| {
+                problem.constraints_mut(first(problem))?.upper_mut()[0] = f64::NAN;
+                Ok(())
+            },
             "constraint row 0 \"wall\" of level 0 \"reach\": the upper bound is NaN",
         ),
         (
-            |problem| Ok(problem.constraints_mut(first(problem))?.upper_mut()[0] = -7.0),
+            |problem| {
+                problem.constraints_mut(first(problem))?.upper_mut()[0] = -7.0;
+                Ok(())
+            },
             "the hard constraints of level 0 \"reach\" cannot hold together with those above it: \
              constraint row 0 \"wall\" of level 0 \"reach\"",
         ),
         (
-            |problem| Ok(problem.quadratic_mut(last(problem))?.0[(0, 0)] = -1.0),
+            |problem| {
+                problem.quadratic_mut(last(problem))?.0[(0, 0)] = -1.0;
+                Ok(())
+            },
             "the Hessian of level 1 \"comfort\" is not positive semidefinite",
         ),
         (
-            |problem| Ok(problem.quadratic_mut(last(problem))?.0[(0, 1)] = 0.5),
+            |problem| {
+                problem.quadratic_mut(last(problem))?.0[(0, 1)] = 0.5;
+                Ok(())
+            },
             "the Hessian of level 1 \"comfort\" is not symmetric",
         ),
         (
-            |problem| Ok(*problem.rows_mut(first(problem))? = Rows::zeros(1, 2)),
+            |problem| {
+                *problem.rows_mut(first(problem))? = Rows::zeros(1, 2);
+                Ok(())
+            },
             "level 0 \"reach\" has another shape",
         ),
     ];

@@ -166,7 +166,7 @@ impl Options {
         let map = read_map(path)?;
         let own = map.stature();
         if let Some(stated) = stated
-            && (stated - own).abs() > SAME_STATURE
+            && (stated.is_nan() || (stated - own).abs() > SAME_STATURE)
         {
             let whose = if self.stature.is_some() { "--stature" } else { "the recording" };
             bail!(
