@@ -13,7 +13,7 @@ use crate::Error;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Iterations of one solve, at least 1 \[-\]: rounds of mending the last active set, and steps
+    /// Iterations of one solve, at least 1 \[-\]: rounds of repairing the prediction, and steps
     /// of searches over all levels. Default 1000.
     pub max_iterations: usize,
     /// A constraint holds when it is violated by less than this, relative to the size of its terms

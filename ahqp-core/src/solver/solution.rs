@@ -111,7 +111,7 @@ impl Solution {
         self.status
     }
 
-    /// Iterations spent: rounds of mending and steps of searches, over all levels.
+    /// Iterations spent: rounds of repair and steps of searches, over all levels.
     pub fn iterations(&self) -> usize {
         self.iterations
     }
