@@ -116,10 +116,10 @@ proptest! {
         q in moca_configuration(), x in -3.0..3.0, y in -3.0..3.0, yaw in -7.0..7.0,
     ) {
         let model = &*MOCA;
-        let mut still = RobotData::new(&model);
-        update(&model, &mut still, &[&[0.0; 3], &q[3..]].concat());
-        let mut driven = RobotData::new(&model);
-        update(&model, &mut driven, &[&[x, y, yaw], &q[3..]].concat());
+        let mut still = RobotData::new(model);
+        update(model, &mut still, &[&[0.0; 3], &q[3..]].concat());
+        let mut driven = RobotData::new(model);
+        update(model, &mut driven, &[&[x, y, yaw], &q[3..]].concat());
 
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
         let drive = Isometry3::from_parts(Vector3::new(x, y, 0.0).into(), turn);
@@ -143,8 +143,8 @@ proptest! {
     #[test]
     fn gravity_asks_nothing_of_the_base_on_a_level_floor(q in moca_configuration()) {
         let model = &*MOCA;
-        let mut data = RobotData::new(&model);
-        update(&model, &mut data, &q);
+        let mut data = RobotData::new(model);
+        update(model, &mut data, &q);
         for torque in data.gravity().iter().take(4) {
             prop_assert!(torque.abs() < 1e-12); // base x, y, yaw and the arm's upright first joint
         }
@@ -153,16 +153,16 @@ proptest! {
     #[test]
     fn a_joint_does_not_move_what_comes_before_it(q in moca_configuration(), index in 0_usize..10, by in -1.0..1.0) {
         let model = &*MOCA;
-        let mut data = RobotData::new(&model);
-        update(&model, &mut data, &q);
+        let mut data = RobotData::new(model);
+        update(model, &mut data, &q);
         let mut moved_q = q.clone();
         moved_q[index] += by;
-        let mut moved = RobotData::new(&model);
-        update(&model, &mut moved, &moved_q);
+        let mut moved = RobotData::new(model);
+        update(model, &mut moved, &moved_q);
         for joint in &model.joints()[..index] {
             prop_assert_eq!(
-                world_from_link(&model, &data, joint.child).unwrap(),
-                world_from_link(&model, &moved, joint.child).unwrap()
+                world_from_link(model, &data, joint.child).unwrap(),
+                world_from_link(model, &moved, joint.child).unwrap()
             );
         }
     }
@@ -211,9 +211,9 @@ fn holding_a_joint_of_the_way_takes_it_out_of_q() {
     };
     let held = RobotModel::from_urdf(moca_model::MOCA_URDF, &description).unwrap();
     let free = &*MOCA;
-    let (mut held_data, mut free_data) = (RobotData::new(&held), RobotData::new(&free));
+    let (mut held_data, mut free_data) = (RobotData::new(&held), RobotData::new(free));
     let mut q = vec![0.3, 0.1, -0.4, 0.5, -0.6, 0.7, -1.8, 0.2, 1.5, -0.3];
-    update(&free, &mut free_data, &q);
+    update(free, &mut free_data, &q);
     q.remove(5);
     update(&held, &mut held_data, &q);
     assert_eq!(held.joint_count(), 9);

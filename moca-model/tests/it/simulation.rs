@@ -61,10 +61,10 @@ fn after_one_time_constant_all_but_one_eth_is_reached() {
 fn bad_input_gives_an_error_and_no_motion() {
     let model = &*MOCA;
     assert!(matches!(
-        SimulatedRobot::new(&model, &[0.0; 9]),
+        SimulatedRobot::new(model, &[0.0; 9]),
         Err(Error::WrongSize { expected: 10, got: 9, .. })
     ));
-    assert!(matches!(SimulatedRobot::new(&model, &[f64::NAN; 10]), Err(Error::NotFinite { .. })));
+    assert!(matches!(SimulatedRobot::new(model, &[f64::NAN; 10]), Err(Error::NotFinite { .. })));
     assert!(matches!(robot().with_time_constants(&[-0.1; 10]), Err(Error::Negative { .. })));
     let mut robot = robot();
     let mut command = [1.0; 10];

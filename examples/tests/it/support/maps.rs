@@ -9,7 +9,7 @@ use super::keep;
 
 /// The map that `follow` builds for a person of 1.75 m.
 pub(crate) fn average_map() -> &'static ErgonomicsMap {
-    static MAP: LazyLock<ErgonomicsMap> = LazyLock::new(|| build(MapOptions::default()));
+    static MAP: LazyLock<ErgonomicsMap> = LazyLock::new(|| build(&MapOptions::default()));
     &MAP
 }
 
@@ -17,11 +17,11 @@ pub(crate) fn average_map() -> &'static ErgonomicsMap {
 pub(crate) fn coarse_map() -> &'static str {
     static PATH: OnceLock<String> = OnceLock::new();
     PATH.get_or_init(|| {
-        let map = build(MapOptions { spacing: 0.1, ..MapOptions::default() });
+        let map = build(&MapOptions { spacing: 0.1, ..MapOptions::default() });
         keep("coarse.ergomap", |mut file| file.write_all(&map.to_bytes()).unwrap())
     })
 }
 
-fn build(options: MapOptions) -> ErgonomicsMap {
-    ErgonomicsMap::build(&Person::average(), &options, None).unwrap()
+fn build(options: &MapOptions) -> ErgonomicsMap {
+    ErgonomicsMap::build(&Person::average(), options, None).unwrap()
 }
