@@ -15,9 +15,8 @@ pub(crate) const CERTAIN: f64 = 10.0;
 /// Of the forces of a level, a multiplier above this part is no rounding: its own bound need not be
 /// known, which saves time and decides nothing.
 pub(crate) const CLEARLY_THERE: f64 = 1e-6;
-/// Of ‖a‖‖x‖, what a search may leave of a violation that it cannot tell from rounding: hard rows that
-/// nearly depend on each other multiply the rounding of x.
-pub(crate) const DOUBTFUL: f64 = 1e-11;
+/// Of ‖a‖‖x‖, what a search may leave of a violation that it cannot tell from rounding.
+pub(crate) const DOUBTFUL: f64 = CERTAIN * ROUNDING;
 /// A step shorter than this part of 1 + ‖x‖ moves nothing but the last digits: the search has stalled.
 pub(crate) const SHORTEST_STEP: f64 = 1e-14;
 /// A remainder of a row that has shrunk to this part of its square has lost half its digits to

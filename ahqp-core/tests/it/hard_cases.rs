@@ -447,3 +447,19 @@ fn a_row_that_rounding_alone_seems_to_leave_open() {
     assert_near(solved(&problem).optimum().unwrap(), expected.as_slice(), 1e-6);
     assert_near(solved(&with_norm).optimum().unwrap(), expected.as_slice(), 1e-6);
 }
+
+/// Variables that the contradicting rows do not see may be large.
+#[test]
+fn large_variables_hide_no_contradiction_of_others() {
+    let soft = Rows::at_least(&dmatrix![1.0, 0.0, 0.0; 1.0, 0.002, 0.0], &[1.0, 2.0]).unwrap();
+    let hard = Rows::ranges(
+        &dmatrix![0.0, 0.0, 1.0; 0.0, 0.0, 1.0],
+        &dvector![2e-9, -FREE],
+        &dvector![FREE, -2e-9],
+    )
+    .unwrap();
+    let problem = hierarchy(3, [Level::least_squares(soft), Level::constraints_only(hard)]);
+    let mut solver = Solver::new(&problem, Settings::default()).unwrap();
+    let error = solver.solve(&problem).unwrap_err();
+    assert!(matches!(error, Error::Infeasible { level, .. } if level.index() == 1), "{error}");
+}
