@@ -1,5 +1,5 @@
 //! Writes the benchmarks' problems as text, for other solvers:
-//! `cargo run --release -p ahqp-core --features testing --example write_problems -- FOLDER`.
+//! `cargo run --release -p ahqp-core --features testing --example write_problems -- FOLDER [SEED]`.
 #![allow(missing_docs)]
 
 use std::error::Error;
@@ -7,27 +7,33 @@ use std::fs::{File, create_dir_all};
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use ahqp_core::testing::problems::{controller_sequence, growing_sequence, humanoid_sequence};
+use ahqp_core::testing::problems::{
+    controller_sequence, growing_sequence, humanoid_sequence, random_comparison,
+};
 use ahqp_core::{Hierarchy, Objective, Rows};
 
-const SEED: u64 = 1;
-
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = std::env::args().nth(1).ok_or("give the folder to write to")?;
+    let mut arguments = std::env::args().skip(1);
+    let folder = arguments.next().ok_or("give the folder to write to")?;
+    let seed = arguments.next().map_or(Ok(1), |seed| seed.parse::<u64>())?;
     create_dir_all(&folder)?;
     let write = |name: &str, problems: &[Hierarchy]| {
         write_set(&Path::new(&folder).join(format!("{name}.hqp")), name, problems)
     };
-    write("controller", &controller_sequence(SEED, 2000)?)?;
-    write("humanoid", &humanoid_sequence(SEED, 300)?)?;
+    write("a_seq", &controller_sequence(seed, 2000)?)?;
+    write("b_seq", &humanoid_sequence(seed, 300)?)?;
     for n in [10, 20, 40, 80, 160] {
         let ticks = if n > 80 { 10 } else { 100 };
         let rows = [n / 3, n / 3, n / 2];
-        write(&format!("variables_{n}"), &growing_sequence(SEED, n, &rows, ticks)?)?;
+        write(&format!("d_n{n}"), &growing_sequence(seed, n, &rows, ticks)?)?;
     }
     for levels in [2, 4, 8] {
         let rows = vec![48 / levels; levels];
-        write(&format!("levels_{levels}"), &growing_sequence(SEED, 40, &rows, 100)?)?;
+        write(&format!("d_p{levels}"), &growing_sequence(seed, 40, &rows, 100)?)?;
+    }
+    for percent in [0, 20, 50, 80, 100] {
+        let problems = random_comparison(seed, f64::from(percent) / 100.0, 100)?;
+        write(&format!("p_eq{percent:02}"), &problems)?;
     }
     Ok(())
 }

@@ -36,6 +36,9 @@ class Problem:
     def violations(self, x):
         return np.array([level.violation(x) for level in self.levels])
 
+    def shape(self):
+        return self.variables, [(level.bounds, level.hard, len(level.lower)) for level in self.levels]
+
 
 def read(path, limit):
     """The first problems of a set."""
@@ -65,21 +68,32 @@ def read(path, limit):
     return problems
 
 
-def ours(hqp, problems, warm):
-    """ahqp-core's solutions, and the line of times that `hqp` prints."""
+class Result:
+    """Solutions, None where there is none, with median and 99th percentile of the times in µs."""
+
+    def __init__(self, solutions, median, p99):
+        self.solutions, self.median, self.p99 = solutions, median, p99
+
+    @classmethod
+    def of_times(cls, solutions, times):
+        return cls(solutions, np.median(times), np.percentile(times, 99))
+
+
+def program(binary, problems, *options):
+    """The result of a program that takes a file and prints what `hqp` prints."""
     with tempfile.NamedTemporaryFile("w", suffix=".hqp") as file:
         file.write(f"hqpset compared {len(problems)}\n")
         for problem in problems:
             file.write("\n".join(problem.text) + "\n")
         file.flush()
-        command = [hqp, file.name, "--repeat", "3"] + (["--warm"] if warm else [])
+        command = [binary, file.name, "--repeat", "3", *options]
         result = subprocess.run(command, capture_output=True, text=True, check=True)
     solutions = []
     for line in result.stdout.splitlines():
         _, status, _, *x = line.split()
         solutions.append(np.array(x, dtype=float) if status == "0" else None)
     times = dict(re.findall(r"(\w+)=([\d.]+)", result.stderr.splitlines()[-1]))
-    return solutions, float(times["median_us"]), float(times["p99_us"])
+    return Result(solutions, float(times["median_us"]), float(times["p99_us"]))
 
 
 def daqp_hierarchy(problems, start):
@@ -103,7 +117,7 @@ def daqp_hierarchy(problems, start):
         solutions.append(x.copy() if flag in (1, 2) else None)
         if start and flag in (1, 2):
             before = {start: {"primal_start": x, "dual_start": info["lam"]}[start].copy()}
-    return solutions, np.median(times), np.percentile(times, 99)
+    return Result.of_times(solutions, times)
 
 
 def cascade(problems, solver):
@@ -123,7 +137,7 @@ def cascade(problems, solver):
             held.hold(level, x)
         solutions.append(x)
         times.append(1e6 * took)
-    return solutions, np.median(times), np.percentile(times, 99)
+    return Result.of_times(solutions, times)
 
 
 class Held:
@@ -187,9 +201,9 @@ def share_right(problems, results):
     right = {name: 0 for name in results}
     for index, problem in enumerate(problems):
         found = {
-            name: problem.violations(solutions[index])
-            for name, (solutions, *_) in results.items()
-            if solutions[index] is not None
+            name: problem.violations(result.solutions[index])
+            for name, result in results.items()
+            if result.solutions[index] is not None
         }
         best = lexicographic_least(list(found.values()))
         for name, values in found.items():
@@ -209,50 +223,95 @@ def lexicographic_least(candidates):
 
 def fastest(results):
     """The result with the least median."""
-    return min(results, key=lambda result: result[1])
+    return min(results, key=lambda result: result.median)
+
+
+def hierarchical_solvers(problems, options):
+    """What each hierarchical solver does with the problems, by name and kind of start."""
+    runs = {("ahqp-core", "cold"): lambda: program(options.hqp, problems)}
+    runs["DAQP", "cold"] = lambda: daqp_hierarchy(problems, None)
+    if options.lexls:
+        runs["LexLS", "cold"] = lambda: program(options.lexls, problems)
+    # Problems of different shapes have nothing to start from.
+    if any(problem.shape() != problems[0].shape() for problem in problems):
+        return runs
+    runs["ahqp-core", "warm"] = lambda: program(options.hqp, problems, "--warm")
+    runs["DAQP", "warm"] = lambda: fastest(
+        daqp_hierarchy(problems, start) for start in ("primal_start", "dual_start")
+    )
+    if options.lexls:
+        runs["LexLS", "warm"] = lambda: fastest(
+            program(options.lexls, problems, "--warm", *point) for point in ((), ("--point",))
+        )
+    return runs
 
 
 def compare(path, options):
+    """Prints how the solvers do on one set; the results of the hierarchical ones."""
     problems = read(path, options.limit)
-    runs = {
-        "ahqp-core warm": lambda: ours(options.hqp, problems, warm=True),
-        "ahqp-core cold": lambda: ours(options.hqp, problems, warm=False),
-        "DAQP warm": lambda: fastest(
-            daqp_hierarchy(problems, start) for start in ("primal_start", "dual_start")
-        ),
-        "DAQP cold": lambda: daqp_hierarchy(problems, None),
-    }
+    name = pathlib.Path(path).stem
+    print(f"\n{name}: {len(problems)} problems", flush=True)
+    if not problems:
+        return name, {}
     results = {}
     # In turn, several times: a machine that others use too is slow for seconds at a time.
     for _ in range(options.rounds):
-        for name, run in runs.items():
+        for key, run in hierarchical_solvers(problems, options).items():
             result = run()
-            results[name] = fastest([result, results.get(name, result)])
+            results[key] = fastest([result, results.get(key, result)])
+    rows = dict(results)
     if not options.no_cascade:
         for solver in ("quadprog", "piqp", "proxqp", "clarabel"):
             if solver in qpsolvers.available_solvers:
-                results[f"cascade, {solver}"] = cascade(problems, solver)
-    right = share_right(problems, results)
-    print(f"\n{pathlib.Path(path).stem}: {len(problems)} problems")
+                rows[f"cascade, {solver}", "cold"] = cascade(problems, solver)
+    right = share_right(problems, rows)
     print(f"{'':22}{'median µs':>12}{'p99 µs':>12}{'ratio':>8}{'right':>8}{'failed':>8}")
-    for name, (solutions, median, p99) in results.items():
-        base = results["ahqp-core warm" if name.endswith("warm") else "ahqp-core cold"][1]
-        failed = sum(x is None for x in solutions)
-        ratio = median / base
-        print(f"{name:22}{median:12.2f}{p99:12.2f}{ratio:8.2f}{right[name]:8.1%}{failed:8}")
+    for (solver, start), result in sorted(rows.items(), key=lambda row: row[0][1], reverse=True):
+        failed = sum(x is None for x in result.solutions)
+        ratio = result.median / rows["ahqp-core", start].median
+        print(
+            f"{solver + ' ' + start:22}{result.median:12.2f}{result.p99:12.2f}{ratio:8.2f}"
+            f"{right[solver, start]:8.1%}{failed:8}"
+        )
+    return name, results
+
+
+def summarise(compared):
+    """Prints a line for each set and kind of start: ahqp-core, and each other solver against it."""
+    others = [name for name in ("DAQP", "LexLS") if any((name, "cold") in r for _, r in compared)]
+    print("\nmedian and p99 in µs; ratio: the other's median over that of ahqp-core")
+    heads = ["set", "start", "ahqp-core", "p99", "p99/median"]
+    for other in others:
+        heads += [other, "p99", "ratio"]
+    lines = []
+    for name, results in compared:
+        for start in ("warm", "cold"):
+            if ("ahqp-core", start) not in results:
+                continue
+            ours = results["ahqp-core", start]
+            cells = [f"{ours.median:.2f}", f"{ours.p99:.2f}", f"{ours.p99 / ours.median:.2f}"]
+            for other in others:
+                theirs = results[other, start]
+                ratio = theirs.median / ours.median
+                cells += [f"{theirs.median:.2f}", f"{theirs.p99:.2f}", f"{ratio:.2f}"]
+            lines.append([name, start, *cells])
+    print("| " + " | ".join(heads) + " |")
+    print("|" + "---|" * len(heads))
+    for line in lines:
+        print("| " + " | ".join(line) + " |")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--hqp", required=True, help="the `hqp` binary")
+    parser.add_argument("--lexls", help="the `lexls_hqp` binary; see lexls/README.md")
     parser.add_argument("--limit", type=int, default=400, help="most problems of a set")
     parser.add_argument("--rounds", type=int, default=3, help="how often each solver runs")
     parser.add_argument("--no-cascade", action="store_true", help="leave the cascades out")
     parser.add_argument("sets", nargs="+")
     options = parser.parse_args()
     warnings.simplefilter("ignore")
-    for path in options.sets:
-        compare(path, options)
+    summarise([compare(path, options) for path in options.sets])
 
 
 if __name__ == "__main__":

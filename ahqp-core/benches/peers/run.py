@@ -5,6 +5,7 @@ import argparse
 import contextlib
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -19,6 +20,8 @@ def main():
     parser.add_argument("--limit", type=int, default=400, help="most problems of a set")
     parser.add_argument("--rounds", type=int, default=3, help="how often each solver runs")
     parser.add_argument("--sets", nargs="*", default=[], help="sets of your own (.hqp)")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the written problems")
+    parser.add_argument("--lexls", help="the `lexls_hqp` binary; see lexls/README.md")
     parser.add_argument("--keep", help="folder to keep and to use again")
     parser.add_argument("--no-cascade", action="store_true", help="leave the cascades out")
     options = parser.parse_args()
@@ -27,10 +30,11 @@ def main():
         folder = pathlib.Path(options.keep or stack.enter_context(tempfile.TemporaryDirectory()))
         python = environment(folder / "venv")
         hqp = build()
-        sets = options.sets or written_problems(folder / "problems")
+        sets = options.sets or written_problems(folder / f"problems-{options.seed}", options.seed)
         command = [python, HERE / "compare.py", "--hqp", hqp, "--limit", str(options.limit)]
         command += ["--rounds", str(options.rounds)]
         command += ["--no-cascade"] if options.no_cascade else []
+        command += ["--lexls", options.lexls] if options.lexls else []
         # One thread for everybody.
         threads = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
         sys.exit(subprocess.run(command + sets, env=os.environ | threads).returncode)
@@ -57,13 +61,17 @@ def target_folder():
     return pathlib.Path(os.environ.get("CARGO_TARGET_DIR", WORKSPACE / "target"))
 
 
-def written_problems(folder):
-    """The sets that `cargo bench` runs, as text."""
+def written_problems(folder, seed):
+    """The sets that `cargo bench` runs, and the published random comparison, as text."""
     if not folder.exists():
         cargo = ["cargo", "run", "--release", "--package", "ahqp-core", "--features", "testing"]
-        cargo += ["--example", "write_problems", "--", folder]
+        cargo += ["--example", "write_problems", "--", folder, str(seed)]
         subprocess.run(cargo, cwd=WORKSPACE, check=True)
-    return sorted(folder.glob("*.hqp"), key=lambda path: (path.stat().st_size, path.name))
+    # d_n10 before d_n160.
+    def order(path):
+        return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", path.stem)]
+
+    return sorted(folder.glob("*.hqp"), key=order)
 
 
 if __name__ == "__main__":

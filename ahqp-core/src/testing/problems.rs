@@ -1,7 +1,8 @@
-//! Sequences of problems like those of robots, the same for the same seed: what the benchmarks
-//! run.
+//! Sequences of problems like those of robots, and unrelated random problems, the same for the same
+//! seed: what the benchmarks run.
 
 mod manipulator;
+mod random_comparison;
 
 use super::random::Random;
 use crate::error::Error;
@@ -10,6 +11,7 @@ use crate::problem::level::Level;
 use crate::problem::rows::Rows;
 
 pub use manipulator::controller_sequence;
+pub use random_comparison::random_comparison;
 
 /// A humanoid's size: 38 bounded variables, 60 inequalities, then five levels of 6 to 12
 /// equalities, smooth in time.

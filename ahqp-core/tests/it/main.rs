@@ -12,6 +12,7 @@ mod hard_cases;
 mod jerk_limits;
 mod names;
 mod properties;
+mod random_comparison;
 mod rows;
 mod scales;
 mod stack_changes;
