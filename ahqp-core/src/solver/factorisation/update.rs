@@ -130,11 +130,7 @@ impl Factorisation {
         let (place, decided, before) =
             (first_pivot + rank, self.pivots.len(), self.orthogonal.rotations.len());
         if !self.tolerances.is_there(norm(&row[place..]) / size)? {
-            // Heavy rows are pivots, light ones are in what these leave.
-            let pivots = self.stacked[start..start + rank].iter();
-            if pivots.map(|&id| data.norm(id)).any(|norm| size > HEAVIER * norm) {
-                return Err(RankInDoubt);
-            }
+            self.expect_heavy_pivots(data, start..start + rank, size)?;
             self.open(end, group);
             return Ok(end);
         }
@@ -157,7 +153,7 @@ impl Factorisation {
         self.orthogonal.push_chain(Chain::Down(before..self.orthogonal.rotations.len()));
         self.shift_pivots(data, group, place..last, from)?;
         if last < decided {
-            self.demote(last);
+            self.demote(data, last)?;
         }
         // The dependent ones of the group have nothing along the coordinate it gains.
         for at in start + rank..self.groups[group].end {
@@ -220,12 +216,28 @@ impl Factorisation {
         Ok(())
     }
 
+    /// An error if a dependent row of this size is much heavier than one of the pivots beside it: a heavy
+    /// row's residual is all rounding where a light pivot's residual has to balance it.
+    fn expect_heavy_pivots(
+        &self,
+        data: &ProblemData,
+        mut pivots: Range<usize>,
+        size: f64,
+    ) -> Result<(), RankInDoubt> {
+        let is_light = |at: usize| size > HEAVIER * data.norm(self.stacked[at]);
+        if pivots.any(is_light) { Err(RankInDoubt) } else { Ok(()) }
+    }
+
     /// The row whose pivot is `coordinate` joins the dependent ones of its group.
-    fn demote(&mut self, coordinate: usize) {
+    fn demote(&mut self, data: &ProblemData, coordinate: usize) -> Result<(), RankInDoubt> {
         let (n, at) = (self.stride, self.pivots[coordinate]);
-        let Some(group) = self.groups.iter_mut().find(|g| (g.start..g.end).contains(&at)) else {
-            return;
-        };
+        let index = self.groups.iter().position(|g| (g.start..g.end).contains(&at));
+        let index = index.ok_or(RankInDoubt)?;
+        let Group { start, rank, purpose, .. } = self.groups[index];
+        if purpose == Purpose::Minimised {
+            self.expect_heavy_pivots(data, start..start + rank, data.norm(self.stacked[at]))?;
+        }
+        let group = &mut self.groups[index];
         let pivots = at..group.start + group.rank;
         // What stands behind a pivot was never made zero.
         self.rows[at * n + coordinate + 1..at * n + group.first_pivot + group.rank].fill(0.0);
@@ -233,6 +245,7 @@ impl Factorisation {
         self.rows[pivots.start * n..pivots.end * n].rotate_left(n);
         self.target[pivots.clone()].rotate_left(1);
         self.stacked[pivots].rotate_left(1);
+        Ok(())
     }
 
     /// Takes a row out of the stack.
