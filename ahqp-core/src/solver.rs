@@ -43,8 +43,8 @@ use tolerances::{FAR_AWAY, FEW, JUMP, PASSES, ROUNDS, VANISHING};
 pub struct Solver {
     set: ActiveSet,
     prediction: Prediction,
-    /// The active set that a search ended with, while another goes on from there.
-    found: Vec<Activity>,
+    /// What a search ended with, while another goes on from there.
+    found: Found,
     settings: Settings,
     solution: Solution,
     memory: Memory,
@@ -60,6 +60,25 @@ enum Memory {
     /// How far it came within its iterations.
     Part,
     Optimum,
+}
+
+/// An optimum.
+#[derive(Debug, Clone)]
+struct Found {
+    x: Vec<f64>,
+    activity: Vec<Activity>,
+}
+
+impl Found {
+    fn copy_from(&mut self, set: &ActiveSet) {
+        self.x.copy_from_slice(&set.x);
+        self.activity.copy_from_slice(&set.activity);
+    }
+
+    fn copy_to(&self, set: &mut ActiveSet) {
+        set.x.copy_from_slice(&self.x);
+        set.activity.copy_from_slice(&self.activity);
+    }
 }
 
 /// How a level ended, if it did not fail.
@@ -81,7 +100,7 @@ impl Solver {
         Ok(Self {
             solution: Solution { x: vec![0.0; n], status: Status::Solved, iterations: 0 },
             prediction: Prediction::new(count, n),
-            found: vec![Activity::Inactive; count],
+            found: Found { x: vec![0.0; n], activity: vec![Activity::Inactive; count] },
             memory: Memory::Nothing,
             is_predictable: true,
             conflict: List::with_capacity(count),
@@ -259,9 +278,23 @@ impl Solver {
         }
     }
 
+    /// Searches; from nothing where the rank tolerance has decided what the active set is, as that
+    /// depends on where a search begins.
+    fn search(&mut self, levels: usize) -> Result<Status, Error> {
+        let from_nothing = self.set.predicted.iter().all(|state| !state.is_active())
+            && self.solution.x.iter().all(|&x| x == 0.0);
+        let status = self.search_in_passes(levels)?;
+        if status == Status::Solved && !from_nothing && self.set.is_rank_in_doubt() {
+            self.set.predicted.fill(Activity::Inactive);
+            self.solution.x.fill(0.0);
+            return self.search_in_passes(levels);
+        }
+        Ok(status)
+    }
+
     /// Solves level by level; again from where that ended if it came from far away, as what rounding
     /// left open on the way is then near.
-    fn search(&mut self, levels: usize) -> Result<Status, Error> {
+    fn search_in_passes(&mut self, levels: usize) -> Result<Status, Error> {
         let mut status = self.search_levels(levels)?;
         let n = self.set.data.n;
         let changes = self.set.changes();
@@ -278,13 +311,12 @@ impl Solver {
                 break;
             }
             self.solution.x.copy_from_slice(&self.set.x);
-            self.found.copy_from_slice(&self.set.activity);
+            self.found.copy_from(&self.set);
             self.set.predicted.fill(Activity::Inactive);
             status = self.search_levels(levels)?;
             if status != Status::Solved {
                 // The optimum found before stands.
-                self.set.x.copy_from_slice(&self.solution.x);
-                self.set.activity.copy_from_slice(&self.found);
+                self.found.copy_to(&mut self.set);
                 return Ok(Status::Solved);
             }
             farthest = self.set.farthest;

@@ -138,6 +138,7 @@ impl ActiveSet {
             self.residual[i] = 0.0;
         }
         self.farthest = norm(&self.x);
+        self.multipliers.has_faint_pulls = false;
         self.factorisation.begin(&self.data, &self.activity, Form::Explicit);
     }
 
@@ -317,6 +318,12 @@ impl ActiveSet {
         let Factorisation { free, stacked, bounded, .. } = &self.factorisation;
         let mut active = stacked.iter().chain(bounded);
         self.factorisation.rank() == free.len() && active.all(|&id| self.fixed[id])
+    }
+
+    /// Returns true if another active set may be the optimum too, as the rank tolerance takes small parts
+    /// of rows for none.
+    pub(crate) fn is_rank_in_doubt(&self) -> bool {
+        self.factorisation.has_faint_rows() || self.multipliers.has_faint_pulls
     }
 
     /// In how many rows the prediction was wrong.

@@ -17,7 +17,7 @@ use std::ops::Range;
 
 use super::activity::{Activity, active_bound};
 use super::data::{Coefficients, ProblemData};
-use super::tolerances::{CLEAR, NOTHING, SHRUNK};
+use super::tolerances::{CLEAR, FAINT, NOTHING, SHRUNK};
 use crate::linalg::list::List;
 use crate::linalg::vector::dot;
 use orthogonal::Orthogonal;
@@ -60,10 +60,12 @@ pub(crate) struct Group {
 /// What of a row counts as a part of its own, relative to the row.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RankTolerances {
-    /// Less than this depends on the rows before it.
+    /// Less than this of a row of an objective depends on the rows before it.
     dependent: f64,
-    /// The same of hard rows in a search: one that stands in the way must be taken.
+    /// The same of hard rows, which must hold: rounding.
     nothing: f64,
+    /// Less than this of a row may be taken for dependent when other bounds are active.
+    pub(crate) faint: f64,
     /// More than this is beyond doubt.
     clear: f64,
 }
@@ -72,7 +74,8 @@ impl RankTolerances {
     pub(crate) fn new(rank_tolerance: f64) -> Self {
         Self {
             dependent: rank_tolerance,
-            nothing: NOTHING * rank_tolerance,
+            nothing: NOTHING.min(rank_tolerance),
+            faint: FAINT * rank_tolerance,
             clear: CLEAR * rank_tolerance,
         }
     }
@@ -111,10 +114,13 @@ pub(crate) struct Factorisation {
     attained: usize,
     /// Coordinates that are decided for good: rows of later groups have no entries along them.
     closed: usize,
+    has_faint_rows: bool,
     /// The coordinates: those decided, then those of free directions.
     y: Vec<f64>,
     turned: Vec<f64>,
     gathered: Vec<f64>,
+    /// What pivots leave of a row.
+    left: Vec<f64>,
     /// Dependent rows of a group and one pivot, and the factor of all.
     dependent: Vec<f64>,
     triangular: Vec<f64>,
@@ -151,9 +157,11 @@ impl Factorisation {
             decided: 0,
             attained: 0,
             closed: 0,
+            has_faint_rows: false,
             y: vec![0.0; stride],
             turned: vec![0.0; stride],
             gathered: vec![0.0; stride],
+            left: vec![0.0; n],
             dependent: vec![0.0; (count + 1) * (stride + LANES)],
             triangular: vec![0.0; n * (stride + LANES)],
             own: vec![0.0; count],
@@ -194,6 +202,7 @@ impl Factorisation {
         self.pivots.clear();
         self.expect_change(0);
         self.closed = 0;
+        self.has_faint_rows = false;
         self.orthogonal.begin(self.free.len(), form);
     }
 
@@ -308,7 +317,10 @@ impl Factorisation {
             if step == k {
                 break;
             }
-            let Some(pivot) = self.heaviest_row(at..end, step, tolerance) else { break };
+            let Some(pivot) = self.heaviest_row(at..end, step, tolerance) else {
+                self.has_faint_rows |= self.exceeds(at..end, self.tolerances.nothing);
+                break;
+            };
             self.swap(at, pivot);
             let (above, below) = self.rows.split_at_mut((at + 1) * n);
             let row = &mut above[at * n..];
@@ -357,6 +369,18 @@ impl Factorisation {
             }
         }
         best
+    }
+
+    /// Returns true if of any of these rows more remains than this part of it.
+    fn exceeds(&self, rows: Range<usize>, part: f64) -> bool {
+        let mut squares = self.rest[rows.clone()].iter().zip(&self.square[rows]);
+        squares.any(|(rest, square)| *rest > part.powi(2) * square)
+    }
+
+    /// Returns true if the rank has taken rows of objectives for dependent that are so only by the rank
+    /// tolerance, and not by rounding: which ones depends on the order of rows and bounds.
+    pub(crate) fn has_faint_rows(&self) -> bool {
+        self.has_faint_rows
     }
 
     fn swap(&mut self, i: usize, j: usize) {

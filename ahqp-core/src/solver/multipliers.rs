@@ -39,6 +39,8 @@ pub(crate) struct Multipliers {
     /// The size of the forces that balance each other, and the rounding in each coordinate.
     size: f64,
     rounding: f64,
+    /// Whether small multipliers come from parts of rows that the rank tolerance may take for none.
+    pub(crate) has_faint_pulls: bool,
     /// The cap on what counts as rounding, relative to the forces.
     pub(crate) tolerance: f64,
 }
@@ -57,6 +59,7 @@ impl Multipliers {
             weights: vec![0.0; data.len()],
             size: 0.0,
             rounding: 0.0,
+            has_faint_pulls: false,
             tolerance,
         }
     }
@@ -167,8 +170,8 @@ impl Multipliers {
     }
 
     /// A force above this is certainly no rounding.
-    pub(crate) fn clear_force(&self) -> f64 {
-        CLEARLY_THERE * self.size
+    pub(crate) fn clear_force(&self, factorisation: &Factorisation) -> f64 {
+        CLEARLY_THERE.max(factorisation.tolerances.faint) * self.size
     }
 
     /// The rows of the level and their residuals, with the rounding in these.
@@ -197,7 +200,7 @@ impl Multipliers {
     }
 
     /// Computes the rounding in the multipliers: that of the sums they come from.
-    pub(crate) fn set_rounding(&mut self, data: &ProblemData, factorisation: &Factorisation) {
+    pub(crate) fn set_rounding(&mut self, data: &ProblemData, factorisation: &mut Factorisation) {
         let end = self.pivots.end;
         self.rounding_of_pivots[..end].fill(self.rounding);
         let norm = |id| data.norm(id);
@@ -209,6 +212,10 @@ impl Multipliers {
         let most = self.tolerance * self.size;
         for (rounding, id) in rounding[self.pivots.clone()].iter_mut().zip(ids) {
             *rounding = rounding.min(most / data.norm(id));
+        }
+        if let Some(group) = self.group {
+            let residuals = self.residual.iter().copied();
+            self.has_faint_pulls |= factorisation.has_faint_pulls(data, group, residuals);
         }
         for index in 0..factorisation.bounded.len() {
             let id = factorisation.bounded[index];

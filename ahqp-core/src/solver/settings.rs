@@ -3,7 +3,7 @@
 use crate::Error;
 
 /// How hard the solver tries and what it calls zero. All tolerances are relative to the sizes
-/// of the rows, bounds and gradients at hand, so that they do not depend on units.
+/// of the rows, bounds and gradients at hand, so that they do not depend on units, and at most 1e-4.
 ///
 /// ```
 /// use ahqp_core::Settings;
@@ -55,6 +55,9 @@ impl Default for Settings {
     }
 }
 
+/// With larger tolerances the answer depends on where a solve starts.
+const LARGEST_TOLERANCE: f64 = 1e-4;
+
 impl Settings {
     /// Returns true if the tolerances are the same.
     pub(crate) fn has_tolerances_of(&self, other: &Self) -> bool {
@@ -79,8 +82,9 @@ impl Settings {
             ("rank_tolerance", self.rank_tolerance),
             ("optimality_tolerance", self.optimality_tolerance),
         ] {
-            if !(value > 0.0 && value < 1e-2) {
-                return Err(Error::Setting { name, value, expected: "between 0 and 0.01" });
+            if !(value > 0.0 && value <= LARGEST_TOLERANCE) {
+                let expected = "above 0 and at most 1e-4";
+                return Err(Error::Setting { name, value, expected });
             }
         }
         Ok(())

@@ -28,12 +28,15 @@ pub(crate) const FAR_AWAY: f64 = 1e3;
 /// Of the longest x on the way, a solution shorter than this is zero: rounding of the way there and back.
 pub(crate) const VANISHING: f64 = ROUNDING;
 
-// Rank, in parts of the rank tolerance.
+// Rank.
 
-/// Less of a row is nothing, even where it stands in the way.
-pub(crate) const NOTHING: f64 = 1e-2;
-/// More of a row is beyond doubt: an updated factorisation needs no pivoting. In between, all rows are
-/// factored anew.
+/// Less of a row, relative to it, is rounding, even where it stands in the way.
+pub(crate) const NOTHING: f64 = 1e-12;
+/// In parts of the rank tolerance: less of a row may be taken for dependent where other bounds are
+/// active, as what remains of it then has another size.
+pub(crate) const FAINT: f64 = 1e2;
+/// In parts of the rank tolerance: more of a row is beyond doubt, an updated factorisation needs no
+/// pivoting. Below, all rows are factored anew.
 pub(crate) const CLEAR: f64 = 1e4;
 /// A dependent row this many times heavier than a pivot of its group asks for a new factorisation, in
 /// which heavy rows are pivots: a light pivot would lose the heavy row's digits.

@@ -438,13 +438,13 @@ fn settings_out_of_range() {
         ("optimality_tolerance", |s, v| s.optimality_tolerance = v),
     ];
     for (expected, set) in cases {
-        for value in [0.0, -1e-9, 0.5, f64::NAN, f64::INFINITY] {
+        for value in [0.0, -1e-9, 1.1e-4, 0.5, f64::NAN, f64::INFINITY] {
             let mut settings = default;
             set(&mut settings, value);
             let error = Solver::new(&sound(), settings).unwrap_err();
             let Error::Setting { name, .. } = error else { panic!("{error}") };
             assert_eq!(name, expected);
-            expect_words(&error, &[expected, "between 0 and 0.01"]);
+            expect_words(&error, &[expected, "above 0 and at most 1e-4"]);
         }
     }
     let error = Solver::new(&sound(), Settings { max_iterations: 0, ..default }).unwrap_err();

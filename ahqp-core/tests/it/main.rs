@@ -15,6 +15,7 @@ mod properties;
 mod random_comparison;
 mod rows;
 mod scales;
+mod settings;
 mod stack_changes;
 mod support;
 mod weights;

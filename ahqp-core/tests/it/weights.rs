@@ -288,6 +288,43 @@ fn small_hierarchies_of_all_weights_come_out_right() {
     }
 }
 
+/// Default settings but for one tolerance, of any size that is accepted.
+fn random_settings(random: &mut TestRng) -> Settings {
+    let mut settings = Settings::default();
+    let tolerances = [
+        &mut settings.feasibility_tolerance,
+        &mut settings.optimality_tolerance,
+        &mut settings.rank_tolerance,
+    ];
+    let index = random.random_range(0..tolerances.len());
+    if let Some(tolerance) = tolerances.into_iter().nth(index) {
+        *tolerance = 10_f64.powf(random.random_range(-11.0..=-4.0));
+    }
+    settings
+}
+
+#[test]
+fn the_answer_depends_on_no_tolerance_and_no_start() {
+    for seed in 0..cases(40) as u64 {
+        let mut random = random(seed);
+        let variables = random.random_range(1..=4);
+        let spread = [1.0, 3.0][random.random_range(0..2)];
+        let shape = Shape::random(&mut random, variables, spread);
+        let ticks: Vec<Hierarchy> = (0..4).map(|_| shape.tick(&mut random)).collect();
+        let warm = random_settings(&mut random);
+        let cold = Settings { warm_start: WarmStart::Cold, ..warm };
+        let mut solvers = [warm, cold].map(|settings| Solver::new(&ticks[0], settings).unwrap());
+        for (k, hierarchy) in ticks.iter().enumerate() {
+            let [warm, cold] = solvers
+                .each_mut()
+                .map(|solver| solver.solve(hierarchy).unwrap().optimum().unwrap().to_vec());
+            let context = format!("seed {seed}, tick {k}: {warm:?}, {cold:?}");
+            assert!(distance(&warm, &cold) < 1e-7, "{context}");
+            assert_eq!(judge(hierarchy, &warm), Verdict::Right, "{context}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(30))]
 

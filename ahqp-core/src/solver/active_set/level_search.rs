@@ -157,7 +157,7 @@ impl ActiveSet {
 
     /// The row with the wrong sign and the largest force, if that is far above rounding.
     fn most_wrong(&self) -> Option<usize> {
-        let (mut largest, mut worst) = (self.multipliers.clear_force(), None);
+        let (mut largest, mut worst) = (self.multipliers.clear_force(&self.factorisation), None);
         let residuals = self.multipliers.residuals(&self.factorisation);
         let rows = residuals.map(|(id, residual, _)| (id, residual));
         for (id, multiplier) in rows.chain(self.multipliers.pairs(&self.factorisation)) {

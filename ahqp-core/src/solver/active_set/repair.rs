@@ -26,6 +26,10 @@ impl ActiveSet {
             }
             let Some(changes) = self.correct(first) else { return false };
             if changes == 0 {
+                if self.is_rank_in_doubt() {
+                    self.prediction_is_far = true;
+                    return false;
+                }
                 self.x.copy_from_slice(&self.factorisation.x);
                 return true;
             }
@@ -61,6 +65,7 @@ impl ActiveSet {
             return None;
         }
         self.signs.begin(&self.activity);
+        self.multipliers.has_faint_pulls = false;
         self.find_violated(x_norm)?;
         let blocked = !first && self.stop_at_first();
         for &(id, bound) in &self.violated {
@@ -107,7 +112,7 @@ impl ActiveSet {
             signs.check(id, activity[id], residual, rounding, data.norm(id));
         }
         // How much of small multipliers is rounding is only asked where there are any.
-        let clear = multipliers.clear_force();
+        let clear = multipliers.clear_force(factorisation);
         let is_clear = |(id, multiplier): (usize, f64)| {
             !signs.is_open(id) || multiplier.abs() * data.norm(id) > clear
         };

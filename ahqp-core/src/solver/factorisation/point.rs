@@ -172,8 +172,15 @@ impl Factorisation {
                 for (entry, row) in column.iter_mut().zip(data.chunks_exact(stride)) {
                     *entry = row[j];
                 }
-                let (tau, _) = reflector(column);
+                let targets = data.iter().skip(rank).step_by(stride);
+                let pull = column.iter().zip(targets).map(|(entry, target)| (entry * target).abs());
+                let pull = pull.sum::<f64>();
+                let (tau, radius) = reflector(column);
                 mix_rows(&mut RowsMut { data, stride }, column, tau);
+                // Pulls that balance each other move nothing.
+                if (data[rank] * radius).abs() <= ROUNDING * pull {
+                    data[rank] = 0.0;
+                }
             }
             self.triangular[j * stride..(j + 1) * stride].copy_from_slice(&data[..stride]);
         }
@@ -232,6 +239,41 @@ impl Factorisation {
                 *rounding += of_pivot * entry.abs() + turned;
             }
         }
+    }
+
+    /// Returns true if a dependent row of the group pulls along a coordinate before those that the group
+    /// decides, or along a variable at a bound, by a small part of it: what the pivots leave of it there.
+    /// With other bounds active the rank tolerance may take that for none.
+    pub(crate) fn has_faint_pulls(
+        &mut self,
+        data: &ProblemData,
+        group: usize,
+        residuals: impl Iterator<Item = f64>,
+    ) -> bool {
+        let n = self.stride;
+        let Group { start, end, rank, first_pivot, .. } = self.groups[group];
+        let open = self.closed.min(first_pivot);
+        let mut remainder = std::mem::take(&mut self.turned);
+        let mut left = std::mem::take(&mut self.left);
+        let any = (start..end).zip(residuals).skip(rank).any(|(at, residual)| {
+            let id = self.stacked[at];
+            remainder.copy_from_slice(&self.rows[at * n..(at + 1) * n]);
+            left.copy_from_slice(data.coefficients(id));
+            for index in (0..rank).rev() {
+                let (coordinate, pivot) = (first_pivot + index, start + index);
+                let row = &self.rows[pivot * n..(pivot + 1) * n];
+                let part = -remainder[coordinate] / row[coordinate];
+                add_scaled(&mut remainder[open..coordinate], part, &row[open..coordinate]);
+                add_scaled(&mut left, part, data.coefficients(self.stacked[pivot]));
+            }
+            let size = data.norm(id);
+            let faint = self.tolerances.nothing * size..self.tolerances.faint * size;
+            let of_bounds = self.bounded.iter().map(|&i| left[i]);
+            let mut parts = remainder[open..first_pivot].iter().copied().chain(of_bounds);
+            residual != 0.0 && parts.any(|part| faint.contains(&part.abs()))
+        });
+        (self.turned, self.left) = (remainder, left);
+        any
     }
 
     /// Replaces the residuals of a group's pivots by those that balance the others, and the linear
