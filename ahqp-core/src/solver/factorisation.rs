@@ -112,6 +112,8 @@ pub(crate) struct Factorisation {
     /// How many groups have their coordinates decided, and in how many the point of a search has them.
     decided: usize,
     attained: usize,
+    /// The first group that the last step of a search moves.
+    moving: usize,
     /// Coordinates that are decided for good: rows of later groups have no entries along them.
     closed: usize,
     has_faint_rows: bool,
@@ -156,6 +158,7 @@ impl Factorisation {
             moved: List::with_capacity(2 * n),
             decided: 0,
             attained: 0,
+            moving: 0,
             closed: 0,
             has_faint_rows: false,
             y: vec![0.0; stride],

@@ -90,7 +90,11 @@ impl ActiveSet {
             Goal::Norm => FreeCoordinates::Zero,
         };
         let Self { data, factorisation, x, value, activity, direction, .. } = self;
-        let gap = |id| active_bound(data, activity, id) - value[id];
+        let gap = |id: usize| {
+            let bound = active_bound(data, activity, id);
+            let gap = bound - value[id];
+            if gap.abs() > f64::EPSILON * bound.abs() { gap } else { 0.0 }
+        };
         factorisation.step_from(data, x, gap, free, direction)
     }
 
@@ -103,6 +107,9 @@ impl ActiveSet {
         self.farthest = self.farthest.max(norm(&self.x));
         for rows in &self.in_play {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
+        }
+        for (id, step) in self.factorisation.steps_of_held() {
+            self.value[id] += length * step;
         }
         if let Goal::Rows(rows) = goal {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);

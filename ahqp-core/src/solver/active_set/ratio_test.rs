@@ -41,8 +41,11 @@ impl ActiveSet {
         // rows met by then the one most across the direction is taken.
         let mut reach = full;
         for candidate in &self.candidates {
-            let slack = if choice == Choice::First { 0.0 } else { self.tolerance(candidate.id) };
-            reach = reach.min((candidate.room + slack) / candidate.slope);
+            if candidate.room < reach * candidate.slope {
+                let slack =
+                    if choice == Choice::First { 0.0 } else { self.tolerance(candidate.id) };
+                reach = reach.min((candidate.room + slack) / candidate.slope);
+            }
         }
         if reach >= full {
             return (full, None);
