@@ -302,7 +302,8 @@ impl Solver {
         let mut farthest = self.set.farthest;
         for _ in 1..PASSES {
             let x_norm = norm(&self.set.x);
-            if status != Status::Solved || farthest <= FAR_AWAY * x_norm {
+            let is_near = farthest <= FAR_AWAY * x_norm && self.set.broken_row().is_none();
+            if status != Status::Solved || is_near {
                 break;
             }
             if x_norm <= VANISHING * farthest {
@@ -317,9 +318,17 @@ impl Solver {
             if status != Status::Solved {
                 // The optimum found before stands.
                 self.found.copy_to(&mut self.set);
-                return Ok(Status::Solved);
+                status = Status::Solved;
+                break;
             }
             farthest = self.set.farthest;
+        }
+        if status == Status::Solved
+            && let Some(id) = self.set.broken_row()
+        {
+            let source_of_row = self.set.data.sources[id];
+            let violation = self.set.violation(id).abs() / self.set.data.scale(id);
+            return Err(Error::Inaccurate { source_of_row, violation, names: Names::default() });
         }
         Ok(status)
     }

@@ -171,8 +171,10 @@ impl ActiveSet {
         match self.violation(id).abs() {
             0.0 => 0.0,
             violation => {
-                let certain = DOUBTFUL * self.data.norm(id) * self.farthest;
-                violation / self.tolerance(id).max(certain)
+                let free = self.data.norm_beside_bounds(id, &self.activity);
+                let certain = DOUBTFUL * free * self.farthest;
+                let tolerance = self.settings.feasibility_tolerance * self.data.size(id, &self.x);
+                violation / tolerance.max(certain).max(f64::MIN_POSITIVE)
             }
         }
     }
@@ -205,6 +207,24 @@ impl ActiveSet {
     pub(crate) fn remove_soft(&mut self, rows: Range<usize>) {
         self.factorisation.pop_group();
         self.activity[rows].fill(Activity::Inactive);
+    }
+
+    /// The hard row that is most violated at x within its bounds, if that is no rounding: numbers of very
+    /// different sizes can lead a search there.
+    pub(crate) fn broken_row(&mut self) -> Option<usize> {
+        for (x, (&lower, &upper)) in
+            self.x.iter_mut().zip(self.data.lower.iter().zip(&self.data.upper))
+        {
+            *x = x.clamp(lower, upper);
+        }
+        let Self { data, x, value, .. } = self;
+        for level in &data.levels {
+            data.multiply(level.constraints.clone(), x, value);
+        }
+        let constraints = self.data.levels.iter().flat_map(|level| level.constraints.clone());
+        let excess = constraints.map(|id| (id, self.excess(id)));
+        let worst = excess.max_by(|a, b| a.1.total_cmp(&b.1));
+        worst.filter(|&(_, excess)| excess > 1.0).map(|(id, _)| id)
     }
 
     /// Returns true if all these rows hold.

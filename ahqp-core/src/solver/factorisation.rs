@@ -15,8 +15,8 @@ mod update;
 
 use std::ops::Range;
 
-use super::activity::{Activity, active_bound};
-use super::data::{Coefficients, ProblemData};
+use super::activity::Activity;
+use super::data::{Coefficients, ProblemData, active_bound};
 use super::tolerances::{CLEAR, FAINT, NOTHING, SHRUNK};
 use crate::linalg::list::List;
 use crate::linalg::vector::dot;

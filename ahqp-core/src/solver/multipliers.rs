@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-use super::activity::{Activity, active_bound};
-use super::data::ProblemData;
+use super::activity::Activity;
+use super::data::{ProblemData, active_bound};
 use super::factorisation::{Factorisation, Group};
 use super::tolerances::{CLEARLY_THERE, ROUNDING};
 use crate::linalg::vector::{add_scaled, norm};
@@ -90,6 +90,9 @@ impl Multipliers {
         for (i, &id) in factorisation.stacked[start..end].iter().enumerate().skip(first) {
             residual[i] = value[id] - active_bound(data, activity, id);
             rounding[i] = data.rounding(id, x_norm);
+            if residual[i].abs() <= rounding[i] {
+                rounding[i] = data.rounding_beside_bounds(id, x_norm, activity);
+            }
             any |= residual[i].abs() > rounding[i];
         }
         if !any {

@@ -12,7 +12,8 @@ use std::ops::Range;
 use super::ratio_test::Choice;
 use super::{ActiveSet, Residuals};
 use crate::linalg::vector::{add_scaled, norm};
-use crate::solver::activity::{Activity, active_bound};
+use crate::solver::activity::Activity;
+use crate::solver::data::active_bound;
 use crate::solver::factorisation::{FreeCoordinates, Purpose};
 use crate::solver::tolerances::SHORTEST_STEP;
 
@@ -95,7 +96,13 @@ impl ActiveSet {
             let gap = bound - value[id];
             if gap.abs() > f64::EPSILON * bound.abs() { gap } else { 0.0 }
         };
-        factorisation.step_from(data, x, gap, free, direction)
+        let has_minimum = factorisation.step_from(data, x, gap, free, direction);
+        for variable in (0..data.n).filter(|&i| activity[i].is_active()) {
+            // Exactly, so that heavy rows see no rounding of it.
+            let step = active_bound(data, activity, variable) - x[variable];
+            direction[variable] = if has_minimum { step } else { 0.0 };
+        }
+        has_minimum
     }
 
     /// x ← x + length · direction.
@@ -104,7 +111,7 @@ impl ActiveSet {
             return;
         }
         add_scaled(&mut self.x, length, &self.direction);
-        self.farthest = self.farthest.max(norm(&self.x));
+        self.farthest = self.farthest.max(norm(&self.x)).min(f64::MAX);
         for rows in &self.in_play {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
         }

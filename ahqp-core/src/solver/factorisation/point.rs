@@ -5,7 +5,8 @@ use std::ops::Range;
 use super::{Factorisation, Group, LANES, Purpose};
 use crate::linalg::kernels::{RowsMut, add_rows, mix_rows, multiply_rows};
 use crate::linalg::vector::{add_scaled, dot, norm, reflector};
-use crate::solver::data::ProblemData;
+use crate::solver::activity::Activity;
+use crate::solver::data::{ProblemData, active_bound};
 use crate::solver::tolerances::ROUNDING;
 
 /// What a step does with coordinates that no group decides.
@@ -43,6 +44,14 @@ impl Factorisation {
         }
         self.turned = z;
         true
+    }
+
+    /// Puts x where bounds in the stack hold it, without the rounding of the way there.
+    pub(crate) fn set_bounds(&mut self, data: &ProblemData, activity: &[Activity]) {
+        let first = self.groups.first().map_or(0, |group| group.end);
+        for &id in self.stacked[..first].iter().filter(|&&id| id < self.n) {
+            self.x[id] = active_bound(data, activity, id);
+        }
     }
 
     /// The step from `x` to the point that the groups decide, where Q is explicit. `gap` is the bound of

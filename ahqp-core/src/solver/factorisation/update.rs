@@ -15,8 +15,8 @@ use super::chain::{Chain, angle, carry_aside};
 use super::{Factorisation, Group, Purpose, RankTolerances};
 use crate::linalg::kernels::Rotation;
 use crate::linalg::vector::{length, norm};
-use crate::solver::activity::{Activity, active_bound};
-use crate::solver::data::{Coefficients, ProblemData};
+use crate::solver::activity::Activity;
+use crate::solver::data::{Coefficients, ProblemData, active_bound};
 use crate::solver::tolerances::HEAVIER;
 
 /// A change that would leave a rank in doubt.
