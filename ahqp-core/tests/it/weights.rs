@@ -53,6 +53,36 @@ fn expect_right(solver: &mut Solver, hierarchy: &Hierarchy) {
 }
 
 #[test]
+fn what_could_be_rounding_is_left_to_exact_arithmetic() {
+    let range = |row: [f64; 2], lower: f64, upper: f64| {
+        let (lower, upper) = (dvector![lower], dvector![upper]);
+        Rows::ranges(&DMatrix::from_row_slice(1, 2, &row), &lower, &upper).unwrap()
+    };
+    let hierarchy = |tasks: [Rows; 2], hard: Rows| {
+        let mut hierarchy = Hierarchy::new(2).unwrap();
+        let [first, second] = tasks.map(Level::least_squares);
+        hierarchy.push(first.with_constraints(hard)).unwrap();
+        hierarchy.push(second).unwrap();
+        hierarchy
+    };
+    let task = || [range([1.0, 0.0], 1.0, 1.0), range([1.0, 1.0], 3.0, 3.0)];
+    let next = 1.0 + f64::EPSILON;
+    let no_limit = f64::NEG_INFINITY;
+    let agreeing = [range([1.0, 1.0], 2.0, 2.0), range([1.0, 1.0 + 1e-12], 3.0, 3.0)];
+    for (tasks, hard, x, is_decided) in [
+        (task(), range([1.0, 0.0], no_limit, 2.0), [1.0, 2.0], true),
+        (task(), range([1.0, 0.0], no_limit, 1.0), [1.0, 2.0], true),
+        (task(), range([1.0, 0.0], no_limit, next), [1.0, 2.0], false),
+        (agreeing, range([1.0, 0.0], -1e3, 1e3), [-1e3, 1002.0], false),
+    ] {
+        let hierarchy = hierarchy(tasks, hard);
+        let extended = solve_extended(&hierarchy, &x);
+        assert_eq!(extended.is_some(), is_decided, "{extended:?}");
+        assert_eq!(judge(&hierarchy, &x), Verdict::Right);
+    }
+}
+
+#[test]
 fn an_answer_that_is_off_is_called_wrong() {
     for seed in 0..10 {
         let hierarchy = &sequence(&mut random(seed), 1..=5, 3.0)[0];
@@ -307,7 +337,7 @@ fn try_sequences(seeds: Range<u64>, sequence: impl Fn(&mut TestRng) -> Vec<Hiera
 
 #[test]
 fn rows_a_million_times_heavier_than_others_leave_every_variable_right() {
-    let tally = try_sequences(seeds(5), |random| sequence(random, 3..=10, 3.0));
+    let tally = try_sequences(seeds(100), |random| sequence(random, 3..=10, 3.0));
     assert_eq!(tally.wrong, 0, "{tally:?}");
     assert!(tally.is_telling(), "{tally:?}");
 }
@@ -327,7 +357,7 @@ fn a_task_over_a_posture_in_one_level_is_nearly_always_right() {
 #[test]
 fn small_hierarchies_of_all_weights_come_out_right() {
     for spread in [1.0, 3.0, 6.0] {
-        let tally = try_sequences(seeds(12), |random| sequence(random, 1..=4, spread));
+        let tally = try_sequences(seeds(100), |random| sequence(random, 1..=4, spread));
         assert_eq!(tally.wrong, 0, "{tally:?}");
         assert!(tally.is_telling(), "{tally:?}");
     }
