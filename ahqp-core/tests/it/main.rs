@@ -7,6 +7,7 @@ mod budgets;
 mod certificate;
 mod continuous_stack;
 mod exact;
+mod extended;
 mod fuzz;
 mod hard_cases;
 mod jerk_limits;
