@@ -18,7 +18,7 @@ use super::data::ProblemData;
 use super::factorisation::{Factorisation, Form, Group, Purpose, RankTolerances};
 use super::multipliers::{Multipliers, Residuals};
 use super::settings::Settings;
-use super::tolerances::{DOUBTFUL, ROUNDING};
+use super::tolerances::{DOUBTFUL, ROUNDING, SPREAD};
 use crate::linalg::list::List;
 use crate::linalg::vector::norm;
 use crate::problem::source::ConstraintSource;
@@ -209,6 +209,22 @@ impl ActiveSet {
         self.activity[rows].fill(Activity::Inactive);
     }
 
+    /// Returns true if rows of one level pull by so different forces that the rounding of one may hide
+    /// another. Bounds then have to leave as columns: turned by rotations, a heavy row pulls by its
+    /// rounding at variables that it does not have.
+    pub(crate) fn has_spread(&self) -> bool {
+        let x_norm = norm(&self.x);
+        self.data.levels.iter().any(|level| {
+            let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+            for id in level.used_objective().filter(|&id| self.data.norm(id) > 0.0) {
+                let norm = self.data.norm(id);
+                least = least.min(norm * norm * x_norm);
+                most = most.max(norm * self.data.magnitude(id, x_norm));
+            }
+            most > SPREAD * least
+        })
+    }
+
     /// The hard row that is most violated at x within its bounds, if that is no rounding: numbers of very
     /// different sizes can lead a search there.
     pub(crate) fn broken_row(&mut self) -> Option<usize> {
@@ -326,7 +342,7 @@ impl ActiveSet {
         if !is_there {
             return Vec::new();
         }
-        let negligible = multipliers.negligible();
+        let negligible = multipliers.negligible(factorisation);
         multipliers
             .pairs(factorisation)
             .filter(|&(id, multiplier)| (multiplier * data.norm(id)).abs() > negligible)

@@ -236,9 +236,9 @@ impl ProblemData {
         }
     }
 
-    /// The rounding in each entry of row `id`.
-    pub(crate) fn entry_rounding(&self, id: usize) -> f64 {
-        self.relative_rounding[id] * self.norms[id]
+    /// The rounding in row `id`, relative to it.
+    pub(crate) fn relative_rounding(&self, id: usize) -> f64 {
+        self.relative_rounding[id]
     }
 
     /// The size of the terms of row `id` at x. Entries of x that the row does not see, however

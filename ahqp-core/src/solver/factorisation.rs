@@ -19,7 +19,7 @@ use super::activity::Activity;
 use super::data::{Coefficients, ProblemData, active_bound};
 use super::tolerances::{CLEAR, FAINT, NOTHING, SHRUNK};
 use crate::linalg::list::List;
-use crate::linalg::vector::dot;
+use crate::linalg::vector::{dot, norm};
 use orthogonal::Orthogonal;
 
 pub(crate) use orthogonal::Form;
@@ -99,6 +99,9 @@ pub(crate) struct Factorisation {
     target: Vec<f64>,
     /// What the variables at a bound add to each row of the problem.
     known: Vec<f64>,
+    /// Of rows of the problem in the stack, the norm of what they have at free variables: their entries
+    /// have its rounding.
+    free_norm: Vec<f64>,
     /// Of stacked rows, the square of what no pivot has taken, and what it was when computed last.
     rest: Vec<f64>,
     measured: Vec<f64>,
@@ -150,6 +153,7 @@ impl Factorisation {
             rows: vec![0.0; (count + 1) * stride],
             target: vec![0.0; count],
             known: vec![0.0; count],
+            free_norm: vec![0.0; count],
             rest: vec![0.0; count],
             measured: vec![0.0; count],
             square: vec![0.0; count],
@@ -281,6 +285,12 @@ impl Factorisation {
         let known = if id < self.n { 0.0 } else { self.known[id] };
         self.target[at] = active_bound(data, activity, id) - known;
         self.square[at] = data.norm(id).powi(2);
+        self.set_free_norm(data, id, at);
+    }
+
+    fn set_free_norm(&mut self, data: &ProblemData, id: usize, at: usize) {
+        let row = &self.rows[at * self.stride..at * self.stride + self.free.len()];
+        self.free_norm[id] = if self.bounded.is_empty() { data.norm(id) } else { norm(row) };
     }
 
     /// Factors the groups from this one on, with pivoting.
@@ -302,6 +312,29 @@ impl Factorisation {
             self.load_row(data, activity, at);
         }
         self.eliminate_from(0);
+    }
+
+    /// Factors all groups anew with all active bounds as columns. Returns false if they are so already.
+    pub(crate) fn take_bounds_out(&mut self, data: &ProblemData, activity: &[Activity]) -> bool {
+        let before = self.stacked.len();
+        let mut end = 0;
+        for group in &mut self.groups {
+            let start = end;
+            for at in group.start..group.end {
+                if self.stacked[at] >= self.n {
+                    self.stacked[end] = self.stacked[at];
+                    end += 1;
+                }
+            }
+            (group.start, group.end) = (start, end);
+        }
+        self.stacked.truncate(end);
+        self.bounded.clear();
+        self.bounded.extend((0..self.n).filter(|&i| activity[i].is_active()));
+        if end < before {
+            self.eliminate_again(data, activity);
+        }
+        end < before
     }
 
     /// Turns the group's rows onto coordinates of their own by reflections.
@@ -429,6 +462,11 @@ impl Factorisation {
     /// A part of a row below this is rounding, relative to the row.
     pub(crate) fn least_part(&self) -> f64 {
         self.tolerances.nothing
+    }
+
+    /// The norm of what row `id` of the stack has at free variables.
+    pub(crate) fn free_norm(&self, id: usize) -> f64 {
+        self.free_norm[id]
     }
 
     /// Coordinates that the groups decide.

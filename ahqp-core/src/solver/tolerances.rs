@@ -28,6 +28,9 @@ pub(crate) const FAR_AWAY: f64 = 1e3;
 /// Of the longest x on the way, a solution shorter than this is zero: rounding of the way there and back.
 pub(crate) const VANISHING: f64 = ROUNDING;
 
+/// Forces of one level that differ by more than this are not left to rotated bounds: half of the digits.
+pub(crate) const SPREAD: f64 = 1e8;
+
 // Rank.
 
 /// Less of a row, relative to it, is rounding, even where it stands in the way.

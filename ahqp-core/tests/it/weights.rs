@@ -264,6 +264,30 @@ fn task_over_posture(random: &mut TestRng) -> Vec<Hierarchy> {
     (0..4).map(|_| tick(random)).collect()
 }
 
+/// The hierarchy with coefficients −1, 0 and 1 and targets in halves, each row times a power of two near
+/// its weight: rows are exact combinations of others, and bounds meet in one point.
+fn with_ties(mut hierarchy: Hierarchy) -> Hierarchy {
+    for id in hierarchy.ids().collect::<Vec<_>>() {
+        let level = hierarchy.level_mut(id).unwrap();
+        for hard in [true, false] {
+            let rows = if hard { level.constraints_mut() } else { level.rows_mut().unwrap() };
+            for i in 0..rows.len() {
+                let row = rows.row_mut(i).unwrap();
+                let largest = row.iter().fold(0.0_f64, |largest, a| largest.max(a.abs()));
+                let weight = largest.log2().floor().exp2();
+                for a in row {
+                    *a = (*a / weight).round() * weight;
+                }
+                for hand in [Rows::lower_mut, Rows::upper_mut] {
+                    let bound = &mut hand(rows)[i];
+                    *bound = (2.0 * *bound / weight).round() / 2.0 * weight;
+                }
+            }
+        }
+    }
+    hierarchy
+}
+
 /// How many answers were right, wrong, and beyond double precision, and how many ticks extended
 /// precision left to exact arithmetic.
 #[derive(Debug, Default, PartialEq)]
@@ -299,7 +323,9 @@ fn try_sequences(seeds: Range<u64>, sequence: impl Fn(&mut TestRng) -> Vec<Hiera
             [cold, Settings::default()].map(|settings| Solver::new(&ticks[0], settings).unwrap());
         for (k, hierarchy) in ticks.iter().enumerate() {
             let answers = solvers.each_mut().map(|solver| {
-                let solution = solver.solve(hierarchy).unwrap();
+                let solution = solver
+                    .solve(hierarchy)
+                    .unwrap_or_else(|error| panic!("seed {seed}, tick {k}: {error}"));
                 assert_eq!(solution.status(), Status::Solved, "seed {seed}, tick {k}");
                 solution.optimum().unwrap().to_vec()
             });
@@ -360,6 +386,18 @@ fn small_hierarchies_of_all_weights_come_out_right() {
         let tally = try_sequences(seeds(100), |random| sequence(random, 1..=4, spread));
         assert_eq!(tally.wrong, 0, "{tally:?}");
         assert!(tally.is_telling(), "{tally:?}");
+    }
+}
+
+#[test]
+fn rows_that_tie_come_out_right() {
+    for spread in [0.0, 3.0] {
+        let ties = |random: &mut TestRng| {
+            sequence(random, 2..=4, spread).into_iter().map(with_ties).collect()
+        };
+        let tally = try_sequences(seeds(100), ties);
+        assert_eq!(tally.wrong, 0, "spread {spread}: {tally:?}");
+        assert!(tally.is_telling(), "spread {spread}: {tally:?}");
     }
 }
 

@@ -46,6 +46,7 @@ impl ActiveSet {
     pub(crate) fn search(&mut self, goal: &Goal) -> End {
         self.kept.clear();
         let (mut stalled, mut dropped) = (0, None);
+        let mut bounds_may_hide_light_rows = true;
         loop {
             if self.allowance.is_spent(self.iterations) {
                 return End::OutOfBudget;
@@ -78,7 +79,13 @@ impl ActiveSet {
                 return End::Unbounded;
             }
             dropped = self.row_to_drop(goal, choice);
-            let Some(id) = dropped else { return End::Optimal };
+            let Some(id) = dropped else {
+                if bounds_may_hide_light_rows && self.has_spread() && self.take_bounds_out() {
+                    bounds_may_hide_light_rows = false;
+                    continue;
+                }
+                return End::Optimal;
+            };
             self.drop_row(goal, id);
         }
     }
@@ -152,6 +159,10 @@ impl ActiveSet {
         let bounds =
             if self.activity[id] == Activity::Lower { &self.data.lower } else { &self.data.upper };
         self.value[id] - bounds[id]
+    }
+
+    fn take_bounds_out(&mut self) -> bool {
+        self.factorisation.take_bounds_out(&self.data, &self.activity)
     }
 
     /// The row whose multiplier is most wrong, or the first with a wrong one; none at the optimum.

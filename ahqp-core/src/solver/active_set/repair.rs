@@ -19,10 +19,11 @@ impl ActiveSet {
     /// is the optimum then.
     pub(crate) fn repair(&mut self, rounds: usize) -> bool {
         self.prediction_is_far = true;
+        let has_spread = self.has_spread();
         for round in 0..rounds {
             self.iterations += 1;
             let first = round == 0;
-            if !self.set_point(first) {
+            if !self.set_point(first || has_spread) {
                 return false;
             }
             let Some(changes) = self.correct(first) else { return false };

@@ -329,7 +329,8 @@ impl Factorisation {
             for (entry, ((residual, rounding), &id)) in entries.zip(terms).skip(pivot + 1) {
                 sum += entry * residual;
                 // Each entry has the rounding of its whole row.
-                sum_rounding += entry.abs() * rounding + data.entry_rounding(id) * residual.abs();
+                let of_entry = data.relative_rounding(id) * self.free_norm[id];
+                sum_rounding += entry.abs() * rounding + of_entry * residual.abs();
             }
             let own = self.rows[(start + pivot) * self.stride + coordinate];
             (residual[pivot], rounding[pivot]) = (-sum / own, sum_rounding / own.abs());

@@ -103,6 +103,7 @@ impl Factorisation {
             self.rows[at * n..at * n + k].copy_from_slice(&row[..k]);
             self.target[at] = target;
             self.stacked[at] = id;
+            self.set_free_norm(data, id, at);
         }
         self.turned = row;
         at.map(|_| ())
@@ -343,6 +344,7 @@ impl Factorisation {
                 let id = self.stacked[at];
                 let coefficient = if id < self.n { 0.0 } else { data.coefficients(id)[variable] };
                 self.target[at] += coefficient * self.x[variable];
+                self.free_norm[id] = length(self.free_norm[id], coefficient);
                 let width = self.groups[group].width(at);
                 let row = &mut self.rows[at * n..(at + 1) * n];
                 let mut carry = coefficient;
