@@ -11,12 +11,7 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use serde_json::Value;
 
-const COARSE: f64 = 0.1;
-
-fn coarse(person: &Person, side: Side) -> ErgonomicsMap {
-    let options = MapOptions { spacing: COARSE, side, ..MapOptions::default() };
-    ErgonomicsMap::build(person, &options, None).unwrap()
-}
+use crate::support::{coarse_map, coarse_map_file};
 
 fn ergo_map(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_ergo_map")).args(arguments).output().unwrap()
@@ -78,7 +73,7 @@ fn a_map_its_report_and_its_pictures_are_written() {
 
     let map = ErgonomicsMap::load(folder.join("person.ergomap")).unwrap();
     // As bytes: unreachable nodes hold NaN.
-    assert!(map.to_bytes() == coarse(&Person::average(), Side::Right).to_bytes());
+    assert!(map.to_bytes() == coarse_map().to_bytes());
     let (quadratic, fit) = map.fit(&FitOptions::default()).unwrap();
     let regret = fit.regret.unwrap();
     let json = report(folder);
@@ -159,7 +154,7 @@ fn recordings_make_a_map_and_judge_one() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let file = folder.join("recorded.csv");
-    fs::write(&file, recording(&coarse(&Person::average(), Side::Right))).unwrap();
+    fs::write(&file, recording(coarse_map())).unwrap();
     let file = file.to_str().unwrap();
     let samples = ["--preset=average", "--spacing=0.1", "--samples", file, "--validate", file];
     let shown = made(folder, &samples);
@@ -193,11 +188,8 @@ fn wrong_options_are_named_and_leave_nothing_behind() {
         (&["--preset=tall", "--segments=grip=abc"], "\"abc\" is no number"),
         (&["--preset=tall", "--segments=upper_arm=3"], "upper_arm is 3 m: it must lie in"),
         (&["--preset=tall", "--hand-at=1,2"], "give three numbers"),
-        (
-            &["--preset=tall", "--spacing=0.1", "--hand-at=3,0,1"],
-            "(3.000, 0.000, 1.000) m is outside",
-        ),
-        (&["--preset=tall", "--spacing=0.1", "--acceptable=0"], "acceptable = 0: give a score"),
+        (&["--load", coarse_map_file(), "--hand-at=3,0,1"], "(3.000, 0.000, 1.000) m is outside"),
+        (&["--load", coarse_map_file(), "--acceptable=0"], "acceptable = 0: give a score"),
         (&["--preset=tall", "--samples=/not/there.csv"], "cannot open /not/there.csv"),
         (&["--load=/not/there.ergomap"], "/not/there.ergomap"),
         (&["--load", text], "not a usable ergonomics map"),
@@ -213,12 +205,12 @@ fn wrong_options_are_named_and_leave_nothing_behind() {
 
 #[test]
 fn studies_refuse_what_makes_no_sense() {
-    let map = coarse(&Person::average(), Side::Right);
+    let map = coarse_map();
     for threshold in [0.0, -1.0, 5.0, f64::NAN, f64::INFINITY] {
         let study = MapStudy::new(map.clone(), Person::average(), threshold);
         assert!(matches!(study, Err(ErgonomicsError::Acceptable(_))));
     }
-    let outside = Assessment::new(&map, &Person::average(), &Vector3::new(9.0, 0.0, 1.0));
+    let outside = Assessment::new(map, &Person::average(), &Vector3::new(9.0, 0.0, 1.0));
     assert!(matches!(outside, Err(ErgonomicsError::OutsideMap { .. })));
 }
 
@@ -243,7 +235,7 @@ fn what_the_book_says_of_the_work_zone_holds() {
 
 #[test]
 fn the_acceptable_region_grows_with_its_threshold() {
-    let map = coarse(&Person::average(), Side::Right);
+    let map = coarse_map();
     let shares = [0.05, 0.5, 1.0, 4.25].map(|threshold| {
         MapStudy::new(map.clone(), Person::average(), threshold).unwrap().acceptable.share
     });

@@ -5,7 +5,7 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
-use crate::support::{Ran, Runs, SmallDisk, signal};
+use crate::support::{Ran, Runs, SmallDisk, coarse_map_file, signal};
 
 /// A set of problems and a table of sheets, for programs that read one.
 struct Inputs {
@@ -37,7 +37,7 @@ impl Inputs {
             Runs::new("soak").with(&["--ticks=200"]),
             Runs::new("hqp").with(&[path("set.hqp")]),
             Runs::new("reba").with(&["--input", &path("sheets.csv")]),
-            Runs::new("ergo_map").with(&["--preset=tall", "--spacing=0.1", "-o", &path("map")]),
+            Runs::new("ergo_map").with(&["--load", coarse_map_file(), "-o", &path("map")]),
         ]
     }
 
@@ -149,7 +149,7 @@ fn places_where_nothing_can_be_written_are_refused_before_the_work() {
 
 #[test]
 fn a_full_disk_leaves_no_half_file() {
-    let Some(disk) = SmallDisk::new(256) else { return };
+    let Some(disk) = SmallDisk::new(64) else { return };
     let path = |name: &str| disk.path().join(name).to_str().unwrap().to_owned();
     fs::write(path("old.jsonl"), "as it was\n").unwrap();
     let full = "No space left on device";
@@ -159,7 +159,7 @@ fn a_full_disk_leaves_no_half_file() {
         (
             Runs::new("ergo_map").with(&[
                 "--preset=tall",
-                "--spacing=0.07",
+                "--spacing=0.1",
                 "-o",
                 disk.path().to_str().unwrap(),
             ]),

@@ -9,7 +9,7 @@ mod pictures;
 mod run;
 
 pub(crate) use disk::SmallDisk;
-pub(crate) use maps::{average_map, coarse_map};
+pub(crate) use maps::{average_map, coarse_map, coarse_map_file};
 pub(crate) use networks::{resnet18, slow_only_r18};
 pub(crate) use pictures::{png_that_claims, save_picture};
 pub(crate) use run::{Ran, Runs, signal};

@@ -130,28 +130,30 @@ impl Operands {
         let bias = numbers.take(outputs);
         let mut expected: Vec<f64> = output.iter().map(|&value| f64::from(value)).collect();
         let mut rounding = vec![0.0; expected.len()];
-        let mut terms = Vec::new();
         for pixel in 0..to.pixels() {
             let at = position(pixel, to.size);
             for channel in 0..outputs {
                 let target = to.origin() + offset(at, to.strides()) + spare + channel;
-                terms.clear();
-                terms.push(f64::from(bias[channel]));
+                let (mut terms, mut sum, mut squares) = (0_u32, 0.0, 0.0);
+                let mut add = |term: f64| {
+                    terms += 1;
+                    sum += term;
+                    squares += term * term;
+                };
+                add(f64::from(bias[channel]));
                 if epilogue.add {
-                    terms.push(expected[target]);
+                    add(expected[target]);
                 }
                 for (tap, at) in taps(window, size, at) {
                     let start = from.origin() + offset(at, from.strides());
                     for value in 0..inputs {
                         let weight = kernel[(channel * inputs + value) * count + tap];
-                        terms.push(f64::from(input[start + value]) * f64::from(weight));
+                        add(f64::from(input[start + value]) * f64::from(weight));
                     }
                 }
-                let sum: f64 = terms.iter().sum();
-                let squares: f64 = terms.iter().map(|term| term * term).sum();
                 expected[target] = if epilogue.relu { sum.max(0.0) } else { sum };
                 rounding[target] =
-                    0.5 * f64::from(f32::EPSILON) * (terms.len() as f64 * squares).sqrt();
+                    0.5 * f64::from(f32::EPSILON) * (f64::from(terms) * squares).sqrt();
             }
         }
         Some(Self { input, from, to, kernel, bias, output, expected, rounding })

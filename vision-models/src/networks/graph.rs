@@ -167,7 +167,7 @@ impl Architecture {
 
     /// Holds a checkpoint against what this network takes. Gives the number of classes, which the
     /// checkpoint says.
-    pub(crate) fn check(&self, tensors: &impl TensorSource) -> Result<usize, Misfit> {
+    pub(crate) fn check(&self, tensors: &dyn TensorSource) -> Result<usize, Misfit> {
         let weight = format!("{}.weight", self.classifier);
         let classes = tensors.shape(&weight).and_then(|shape| shape.first().copied());
         let classes = classes.filter(|&classes| classes > 0).unwrap_or(1);

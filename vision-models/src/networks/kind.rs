@@ -50,7 +50,7 @@ impl NetworkKind {
 
     /// The network whose tensors these are, all of them and with their shapes, for any number of
     /// classes; `None` if they are no known one's. Nothing but names and shapes is read.
-    pub fn of(tensors: &impl TensorSource) -> Option<Self> {
+    pub fn of(tensors: &dyn TensorSource) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.architecture().check(tensors).is_ok())
     }
 

@@ -90,18 +90,19 @@ pub(crate) struct Network {
 }
 
 impl Network {
+    /// Compiled once for all sources of tensors.
     pub(crate) fn load(
         kind: NetworkKind,
-        mut tensors: impl TensorSource,
+        mut tensors: Box<dyn TensorSource + '_>,
         size: Extent,
         options: Options,
     ) -> Result<Self, Error> {
         options.validate()?;
         let isa = options.instruction_set;
         let architecture = kind.architecture();
-        let classes = architecture.check(&tensors).map_err(|misfit| {
+        let classes = architecture.check(&*tensors).map_err(|misfit| {
             let Misfit { missing, surplus, misshapen } = misfit;
-            let found = NetworkKind::of(&tensors);
+            let found = NetworkKind::of(&*tensors);
             Error::Weights { network: kind, found, missing, surplus, misshapen }
         })?;
         let Architecture { graph, classifier, .. } = &architecture;
@@ -114,10 +115,10 @@ impl Network {
             let layer = &graph.layers[layer];
             let size = sizes[output.0].unwrap_or_default();
             let algorithm = Algorithm::choose(layer, size);
-            layers.push(Packed::convolution(isa, layer, algorithm, &mut tensors)?);
+            layers.push(Packed::convolution(isa, layer, algorithm, &mut *tensors)?);
             operations += layer.operations(size);
         }
-        let classifier = Packed::linear(isa, classifier, features, classes, &mut tensors)?;
+        let classifier = Packed::linear(isa, classifier, features, classes, &mut *tensors)?;
         drop(tensors);
         let threads = Pool::new(options.threads).map_err(|error| Error::Threads {
             threads: options.threads,

@@ -44,7 +44,7 @@ impl Expected {
     }
 
     /// Holds a checkpoint against what is expected.
-    pub(crate) fn check(&self, tensors: &impl TensorSource) -> Result<(), Misfit> {
+    pub(crate) fn check(&self, tensors: &dyn TensorSource) -> Result<(), Misfit> {
         let mut missing = Vec::new();
         let mut misshapen = Vec::new();
         let mut known =
@@ -79,7 +79,7 @@ fn kernel_shape(layer: &Layer) -> Vec<usize> {
 }
 
 /// The elements of a tensor that [`Expected::check`] has seen.
-fn take(tensors: &mut impl TensorSource, name: &str) -> Result<Vec<f32>, Error> {
+fn take(tensors: &mut dyn TensorSource, name: &str) -> Result<Vec<f32>, Error> {
     tensors.take(name).map(Tensor::into_data)
 }
 
@@ -104,7 +104,7 @@ impl Packed {
         isa: InstructionSet,
         layer: &Layer,
         algorithm: Algorithm,
-        tensors: &mut impl TensorSource,
+        tensors: &mut dyn TensorSource,
     ) -> Result<Self, Error> {
         let kernel = take(tensors, &format!("{}.weight", layer.names.convolution))?;
         let mut norm = |part| take(tensors, &format!("{}.{part}", layer.names.norm));
@@ -149,7 +149,7 @@ impl Packed {
         name: &str,
         inputs: usize,
         outputs: usize,
-        tensors: &mut impl TensorSource,
+        tensors: &mut dyn TensorSource,
     ) -> Result<Self, Error> {
         let matrix = take(tensors, &format!("{name}.weight"))?;
         let mut bias = take(tensors, &format!("{name}.bias"))?;

@@ -34,7 +34,8 @@ impl ResNet {
         [height, width]: [usize; 2],
         options: Options,
     ) -> Result<Self, Error> {
-        Network::load(NetworkKind::ResNet(depth), tensors, [1, height, width], options).map(Self)
+        Network::load(NetworkKind::ResNet(depth), Box::new(tensors), [1, height, width], options)
+            .map(Self)
     }
 
     /// The scores of normalised images, N × 3 × height × width.

@@ -46,7 +46,7 @@ impl SlowFast {
         options: Options,
     ) -> Result<Self, Error> {
         let size = [FRAMES, height, width];
-        Network::load(NetworkKind::SlowFast, tensors, size, options).map(Self)
+        Network::load(NetworkKind::SlowFast, Box::new(tensors), size, options).map(Self)
     }
 
     /// The scores of normalised clips, N × 3 × 32 × height × width.

@@ -48,7 +48,7 @@ impl SlowOnly {
         size: [usize; 3],
         options: Options,
     ) -> Result<Self, Error> {
-        Network::load(NetworkKind::SlowOnly(form), tensors, size, options).map(Self)
+        Network::load(NetworkKind::SlowOnly(form), Box::new(tensors), size, options).map(Self)
     }
 
     /// The scores of normalised clips, N × 3 × frames × height × width.

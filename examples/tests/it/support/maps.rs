@@ -13,12 +13,18 @@ pub(crate) fn average_map() -> &'static ErgonomicsMap {
     &MAP
 }
 
-/// The file of a coarse map of the same person.
-pub(crate) fn coarse_map() -> &'static str {
+/// A coarse map of the same person.
+pub(crate) fn coarse_map() -> &'static ErgonomicsMap {
+    static MAP: LazyLock<ErgonomicsMap> =
+        LazyLock::new(|| build(&MapOptions { spacing: 0.1, ..MapOptions::default() }));
+    &MAP
+}
+
+/// Its file.
+pub(crate) fn coarse_map_file() -> &'static str {
     static PATH: OnceLock<String> = OnceLock::new();
     PATH.get_or_init(|| {
-        let map = build(&MapOptions { spacing: 0.1, ..MapOptions::default() });
-        keep("coarse.ergomap", |mut file| file.write_all(&map.to_bytes()).unwrap())
+        keep("coarse.ergomap", |mut file| file.write_all(&coarse_map().to_bytes()).unwrap())
     })
 }
 

@@ -8,7 +8,7 @@ use std::sync::mpsc::channel;
 use std::thread;
 use std::time::Duration;
 
-use super::coarse_map;
+use super::coarse_map_file;
 
 /// No program of a test is waited for longer.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -40,7 +40,7 @@ impl Runs {
 
     /// `follow` with a coarse map, which takes less time than building one.
     pub(crate) fn follow() -> Self {
-        Self::new("follow").with(&["--map", coarse_map()])
+        Self::new("follow").with(&["--map", coarse_map_file()])
     }
 
     /// The program of this name with at most so much memory (MiB). What it has does not count by its
