@@ -38,6 +38,7 @@ pub use nalgebra;
 pub use problem::hierarchy::Hierarchy;
 pub use problem::ids::LevelId;
 pub use problem::level::{Level, Objective};
+pub use problem::matrix::CoefficientMatrix;
 pub use problem::rows::{Rows, Values};
 pub use problem::source::{ConstraintSource, Names};
 #[cfg(feature = "reference")]

@@ -3,9 +3,8 @@
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use nalgebra::{Dim, Matrix, RawStorage};
-
 use crate::error::Error;
+use crate::problem::matrix::CoefficientMatrix;
 
 /// Weights that are not zero.
 const WEIGHTS: RangeInclusive<f64> = 1e-100..=1e100;
@@ -73,10 +72,7 @@ impl Rows {
     ///
     /// # Errors
     /// [`Error::Size`] when `b` has not as many entries as `A` has rows.
-    pub fn equalities<'a, R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
-        a: &Matrix<f64, R, C, S>,
-        b: impl Values<'a>,
-    ) -> Result<Self, Error> {
+    pub fn equalities<'a>(a: &impl CoefficientMatrix, b: impl Values<'a>) -> Result<Self, Error> {
         let mut rows = Self::free(a)?;
         rows.set_targets(b)?;
         Ok(rows)
@@ -86,8 +82,8 @@ impl Rows {
     ///
     /// # Errors
     /// [`Error::Size`] when a bound has not as many entries as `A` has rows.
-    pub fn ranges<'a, R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
-        a: &Matrix<f64, R, C, S>,
+    pub fn ranges<'a>(
+        a: &impl CoefficientMatrix,
         lower: impl Values<'a>,
         upper: impl Values<'a>,
     ) -> Result<Self, Error> {
@@ -100,10 +96,7 @@ impl Rows {
     ///
     /// # Errors
     /// [`Error::Size`] when the bound has not as many entries as `A` has rows.
-    pub fn at_most<'a, R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
-        a: &Matrix<f64, R, C, S>,
-        upper: impl Values<'a>,
-    ) -> Result<Self, Error> {
+    pub fn at_most<'a>(a: &impl CoefficientMatrix, upper: impl Values<'a>) -> Result<Self, Error> {
         let (mut rows, upper) = (Self::free(a)?, upper.into_iter());
         expect_size("the upper bound", upper.len(), rows.len())?;
         write(&mut rows.upper, upper);
@@ -114,10 +107,7 @@ impl Rows {
     ///
     /// # Errors
     /// [`Error::Size`] when the bound has not as many entries as `A` has rows.
-    pub fn at_least<'a, R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
-        a: &Matrix<f64, R, C, S>,
-        lower: impl Values<'a>,
-    ) -> Result<Self, Error> {
+    pub fn at_least<'a>(a: &impl CoefficientMatrix, lower: impl Values<'a>) -> Result<Self, Error> {
         let (mut rows, lower) = (Self::free(a)?, lower.into_iter());
         expect_size("the lower bound", lower.len(), rows.len())?;
         write(&mut rows.lower, lower);
@@ -144,9 +134,7 @@ impl Rows {
     }
 
     /// A, bounded by nothing.
-    fn free<R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
-        a: &Matrix<f64, R, C, S>,
-    ) -> Result<Self, Error> {
+    fn free(a: &impl CoefficientMatrix) -> Result<Self, Error> {
         let mut rows = Self::zeros(a.nrows(), a.ncols());
         rows.set_matrix(a)?;
         rows.set_free();
@@ -250,16 +238,13 @@ impl Rows {
     ///
     /// # Errors
     /// [`Error::Size`] when its size is not the block's.
-    pub fn set_matrix<R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
-        &mut self,
-        a: &Matrix<f64, R, C, S>,
-    ) -> Result<(), Error> {
+    pub fn set_matrix(&mut self, a: &impl CoefficientMatrix) -> Result<(), Error> {
         expect_size("the rows of A", a.nrows(), self.len())?;
         expect_size("the columns of A", a.ncols(), self.columns)?;
         if self.columns > 0 {
             for (i, row) in self.matrix.chunks_exact_mut(self.columns).enumerate() {
                 for (j, entry) in row.iter_mut().enumerate() {
-                    *entry = a[(i, j)];
+                    *entry = a.entry(i, j);
                 }
             }
         }

@@ -17,7 +17,7 @@ use std::ops::Range;
 
 use super::activity::Activity;
 use super::data::{Coefficients, ProblemData, active_bound};
-use super::tolerances::{CLEAR, FAINT, NOTHING, SHRUNK};
+use super::tolerances::{CLEAR, FAINT, LIGHT, NOTHING, SHRUNK};
 use crate::linalg::list::List;
 use crate::linalg::vector::{dot, norm};
 use orthogonal::Orthogonal;
@@ -462,6 +462,35 @@ impl Factorisation {
     /// A part of a row below this is rounding, relative to the row.
     pub(crate) fn least_part(&self) -> f64 {
         self.tolerances.nothing
+    }
+
+    /// The group of an active row; the first for a bound that left as a column.
+    pub(crate) fn group_with(&self, id: usize) -> usize {
+        let at = self.stacked.iter().position(|&row| row == id);
+        let group = at.and_then(|at| self.groups.iter().position(|group| at < group.end));
+        group.unwrap_or(0)
+    }
+
+    /// Objectives in groups before the last.
+    fn objectives_above(&self) -> impl Iterator<Item = &Group> {
+        let above = self.groups.iter().rev().skip(1);
+        above.filter(|group| group.purpose == Purpose::Minimised)
+    }
+
+    /// Coordinates that these decide.
+    pub(crate) fn rank_of_objectives_above(&self) -> usize {
+        self.objectives_above().map(|group| group.rank).sum()
+    }
+
+    /// Returns true if they decide a coordinate that they hardly see.
+    pub(crate) fn has_light_pivots_above(&self, data: &ProblemData) -> bool {
+        self.objectives_above().any(|group| {
+            let pivots = (group.start..group.start + group.rank).zip(group.first_pivot..);
+            pivots.into_iter().any(|(at, coordinate)| {
+                let pivot = self.rows[at * self.stride + coordinate].abs();
+                pivot < LIGHT * data.norm(self.stacked[at])
+            })
+        })
     }
 
     /// The norm of what row `id` of the stack has at free variables.

@@ -45,6 +45,10 @@ pub(crate) const CLEAR: f64 = 1e4;
 /// which heavy rows are pivots: a light pivot would lose the heavy row's digits.
 pub(crate) const HEAVIER: f64 = 16.0;
 
+/// An objective that sees less than this part of its row along a direction is not left to move x along it
+/// for a multiplier that is rounding.
+pub(crate) const LIGHT: f64 = 1e-3;
+
 // Sizes of numbers.
 
 /// Above this, products of the solver's numbers overflow.

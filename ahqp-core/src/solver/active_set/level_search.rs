@@ -78,15 +78,18 @@ impl ActiveSet {
             if !has_minimum {
                 return End::Unbounded;
             }
-            dropped = self.row_to_drop(goal, choice);
-            let Some(id) = dropped else {
+            let Some(id) = self.row_to_drop(goal, choice) else {
                 if bounds_may_hide_light_rows && self.has_spread() && self.take_bounds_out() {
                     bounds_may_hide_light_rows = false;
                     continue;
                 }
                 return End::Optimal;
             };
-            self.drop_row(goal, id);
+            if self.drop_row(goal, id) {
+                dropped = Some(id);
+            } else {
+                self.kept.push(id);
+            }
         }
     }
 
@@ -145,13 +148,23 @@ impl ActiveSet {
         self.factorisation.add(&self.data, &self.activity, id, group);
     }
 
-    /// Makes an active row inactive.
-    pub(super) fn drop_row(&mut self, goal: &Goal, id: usize) {
+    /// Makes an active row inactive. Returns false, and leaves it active, if an objective above hardly sees
+    /// the direction that this would free, but takes it: rounding would move x far along it.
+    pub(super) fn drop_row(&mut self, goal: &Goal, id: usize) -> bool {
         if goal.has_row(id) {
             self.residual[id] = self.violation_of_active(id);
         }
+        let (state, group) = (self.activity[id], self.factorisation.group_with(id));
+        let rank = self.factorisation.rank_of_objectives_above();
         self.activity[id] = Activity::Inactive;
         self.factorisation.take_out(&self.data, &self.activity, id);
+        let is_taken = self.factorisation.rank_of_objectives_above() > rank;
+        let is_far = is_taken && self.factorisation.has_light_pivots_above(&self.data);
+        if is_far {
+            self.activity[id] = state;
+            self.factorisation.add(&self.data, &self.activity, id, group);
+        }
+        !is_far
     }
 
     /// aᵢx − bound of an active row.

@@ -149,6 +149,7 @@ impl Factorisation {
             self.tolerances.is_there(part)?;
             place + last
         };
+        let next = self.pivots.get(place).copied().unwrap_or(self.stacked.len());
         let from = self.orthogonal.rotations.len();
         self.turn_towards(row, place..last);
         self.orthogonal.push_chain(Chain::Down(before..self.orthogonal.rotations.len()));
@@ -156,8 +157,8 @@ impl Factorisation {
         if last < decided {
             self.demote(data, last)?;
         }
-        // The dependent ones of the group have nothing along the coordinate it gains.
-        for at in start + rank..self.groups[group].end {
+        // Dependent rows up to the next pivot have nothing along the coordinate that the group gains.
+        for at in start + rank..next {
             self.rows[at * self.stride + place] = 0.0;
         }
         self.open(start + rank, group);
