@@ -18,7 +18,7 @@ use super::data::ProblemData;
 use super::factorisation::{Factorisation, Form, Group, Purpose, RankTolerances};
 use super::multipliers::{Multipliers, Residuals};
 use super::settings::Settings;
-use super::tolerances::{DOUBTFUL, ROUNDING, SPREAD};
+use super::tolerances::{DOUBTFUL, ROUNDING};
 use crate::linalg::list::List;
 use crate::linalg::vector::norm;
 use crate::problem::source::ConstraintSource;
@@ -171,10 +171,8 @@ impl ActiveSet {
         match self.violation(id).abs() {
             0.0 => 0.0,
             violation => {
-                let free = self.data.norm_beside_bounds(id, &self.activity);
-                let certain = DOUBTFUL * free * self.farthest;
-                let tolerance = self.settings.feasibility_tolerance * self.data.size(id, &self.x);
-                violation / tolerance.max(certain).max(f64::MIN_POSITIVE)
+                let certain = DOUBTFUL * self.data.norm(id) * self.farthest;
+                violation / self.tolerance(id).max(certain)
             }
         }
     }
@@ -207,40 +205,6 @@ impl ActiveSet {
     pub(crate) fn remove_soft(&mut self, rows: Range<usize>) {
         self.factorisation.pop_group();
         self.activity[rows].fill(Activity::Inactive);
-    }
-
-    /// Returns true if rows of one level pull by so different forces that the rounding of one may hide
-    /// another. Bounds then have to leave as columns: turned by rotations, a heavy row pulls by its
-    /// rounding at variables that it does not have.
-    pub(crate) fn has_spread(&self) -> bool {
-        let x_norm = norm(&self.x);
-        self.data.levels.iter().any(|level| {
-            let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-            for id in level.used_objective().filter(|&id| self.data.norm(id) > 0.0) {
-                let norm = self.data.norm(id);
-                least = least.min(norm * norm * x_norm);
-                most = most.max(norm * self.data.magnitude(id, x_norm));
-            }
-            most > SPREAD * least
-        })
-    }
-
-    /// The hard row that is most violated at x within its bounds, if that is no rounding: numbers of very
-    /// different sizes can lead a search there.
-    pub(crate) fn broken_row(&mut self) -> Option<usize> {
-        for (x, (&lower, &upper)) in
-            self.x.iter_mut().zip(self.data.lower.iter().zip(&self.data.upper))
-        {
-            *x = x.clamp(lower, upper);
-        }
-        let Self { data, x, value, .. } = self;
-        for level in &data.levels {
-            data.multiply(level.constraints.clone(), x, value);
-        }
-        let constraints = self.data.levels.iter().flat_map(|level| level.constraints.clone());
-        let excess = constraints.map(|id| (id, self.excess(id)));
-        let worst = excess.max_by(|a, b| a.1.total_cmp(&b.1));
-        worst.filter(|&(_, excess)| excess > 1.0).map(|(id, _)| id)
     }
 
     /// Returns true if all these rows hold.
@@ -342,7 +306,7 @@ impl ActiveSet {
         if !is_there {
             return Vec::new();
         }
-        let negligible = multipliers.negligible(factorisation);
+        let negligible = multipliers.negligible();
         multipliers
             .pairs(factorisation)
             .filter(|&(id, multiplier)| (multiplier * data.norm(id)).abs() > negligible)

@@ -15,11 +15,11 @@ mod update;
 
 use std::ops::Range;
 
-use super::activity::Activity;
-use super::data::{Coefficients, ProblemData, active_bound};
-use super::tolerances::{CLEAR, FAINT, LIGHT, NOTHING, SHRUNK};
+use super::activity::{Activity, active_bound};
+use super::data::{Coefficients, ProblemData};
+use super::tolerances::{CLEAR, FAINT, NOTHING, SHRUNK};
 use crate::linalg::list::List;
-use crate::linalg::vector::{dot, norm};
+use crate::linalg::vector::dot;
 use orthogonal::Orthogonal;
 
 pub(crate) use orthogonal::Form;
@@ -99,9 +99,6 @@ pub(crate) struct Factorisation {
     target: Vec<f64>,
     /// What the variables at a bound add to each row of the problem.
     known: Vec<f64>,
-    /// Of rows of the problem in the stack, the norm of what they have at free variables: their entries
-    /// have its rounding.
-    free_norm: Vec<f64>,
     /// Of stacked rows, the square of what no pivot has taken, and what it was when computed last.
     rest: Vec<f64>,
     measured: Vec<f64>,
@@ -115,8 +112,6 @@ pub(crate) struct Factorisation {
     /// How many groups have their coordinates decided, and in how many the point of a search has them.
     decided: usize,
     attained: usize,
-    /// The first group that the last step of a search moves.
-    moving: usize,
     /// Coordinates that are decided for good: rows of later groups have no entries along them.
     closed: usize,
     has_faint_rows: bool,
@@ -153,7 +148,6 @@ impl Factorisation {
             rows: vec![0.0; (count + 1) * stride],
             target: vec![0.0; count],
             known: vec![0.0; count],
-            free_norm: vec![0.0; count],
             rest: vec![0.0; count],
             measured: vec![0.0; count],
             square: vec![0.0; count],
@@ -162,7 +156,6 @@ impl Factorisation {
             moved: List::with_capacity(2 * n),
             decided: 0,
             attained: 0,
-            moving: 0,
             closed: 0,
             has_faint_rows: false,
             y: vec![0.0; stride],
@@ -285,12 +278,6 @@ impl Factorisation {
         let known = if id < self.n { 0.0 } else { self.known[id] };
         self.target[at] = active_bound(data, activity, id) - known;
         self.square[at] = data.norm(id).powi(2);
-        self.set_free_norm(data, id, at);
-    }
-
-    fn set_free_norm(&mut self, data: &ProblemData, id: usize, at: usize) {
-        let row = &self.rows[at * self.stride..at * self.stride + self.free.len()];
-        self.free_norm[id] = if self.bounded.is_empty() { data.norm(id) } else { norm(row) };
     }
 
     /// Factors the groups from this one on, with pivoting.
@@ -312,29 +299,6 @@ impl Factorisation {
             self.load_row(data, activity, at);
         }
         self.eliminate_from(0);
-    }
-
-    /// Factors all groups anew with all active bounds as columns. Returns false if they are so already.
-    pub(crate) fn take_bounds_out(&mut self, data: &ProblemData, activity: &[Activity]) -> bool {
-        let before = self.stacked.len();
-        let mut end = 0;
-        for group in &mut self.groups {
-            let start = end;
-            for at in group.start..group.end {
-                if self.stacked[at] >= self.n {
-                    self.stacked[end] = self.stacked[at];
-                    end += 1;
-                }
-            }
-            (group.start, group.end) = (start, end);
-        }
-        self.stacked.truncate(end);
-        self.bounded.clear();
-        self.bounded.extend((0..self.n).filter(|&i| activity[i].is_active()));
-        if end < before {
-            self.eliminate_again(data, activity);
-        }
-        end < before
     }
 
     /// Turns the group's rows onto coordinates of their own by reflections.
@@ -462,40 +426,6 @@ impl Factorisation {
     /// A part of a row below this is rounding, relative to the row.
     pub(crate) fn least_part(&self) -> f64 {
         self.tolerances.nothing
-    }
-
-    /// The group of an active row; the first for a bound that left as a column.
-    pub(crate) fn group_with(&self, id: usize) -> usize {
-        let at = self.stacked.iter().position(|&row| row == id);
-        let group = at.and_then(|at| self.groups.iter().position(|group| at < group.end));
-        group.unwrap_or(0)
-    }
-
-    /// Objectives in groups before the last.
-    fn objectives_above(&self) -> impl Iterator<Item = &Group> {
-        let above = self.groups.iter().rev().skip(1);
-        above.filter(|group| group.purpose == Purpose::Minimised)
-    }
-
-    /// Coordinates that these decide.
-    pub(crate) fn rank_of_objectives_above(&self) -> usize {
-        self.objectives_above().map(|group| group.rank).sum()
-    }
-
-    /// Returns true if they decide a coordinate that they hardly see.
-    pub(crate) fn has_light_pivots_above(&self, data: &ProblemData) -> bool {
-        self.objectives_above().any(|group| {
-            let pivots = (group.start..group.start + group.rank).zip(group.first_pivot..);
-            pivots.into_iter().any(|(at, coordinate)| {
-                let pivot = self.rows[at * self.stride + coordinate].abs();
-                pivot < LIGHT * data.norm(self.stacked[at])
-            })
-        })
-    }
-
-    /// The norm of what row `id` of the stack has at free variables.
-    pub(crate) fn free_norm(&self, id: usize) -> f64 {
-        self.free_norm[id]
     }
 
     /// Coordinates that the groups decide.

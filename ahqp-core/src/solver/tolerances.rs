@@ -28,9 +28,6 @@ pub(crate) const FAR_AWAY: f64 = 1e3;
 /// Of the longest x on the way, a solution shorter than this is zero: rounding of the way there and back.
 pub(crate) const VANISHING: f64 = ROUNDING;
 
-/// Forces of one level that differ by more than this are not left to rotated bounds: half of the digits.
-pub(crate) const SPREAD: f64 = 1e8;
-
 // Rank.
 
 /// Less of a row, relative to it, is rounding, even where it stands in the way.
@@ -44,10 +41,6 @@ pub(crate) const CLEAR: f64 = 1e4;
 /// A dependent row this many times heavier than a pivot of its group asks for a new factorisation, in
 /// which heavy rows are pivots: a light pivot would lose the heavy row's digits.
 pub(crate) const HEAVIER: f64 = 16.0;
-
-/// An objective that sees less than this part of its row along a direction is not left to move x along it
-/// for a multiplier that is rounding.
-pub(crate) const LIGHT: f64 = 1e-3;
 
 // Sizes of numbers.
 

@@ -224,7 +224,6 @@ proptest! {
             Err(
                 Error::TooLarge { .. }
                 | Error::Overflow
-                | Error::Inaccurate { .. }
                 | Error::Infeasible { .. }
                 | Error::Unbounded { .. }
                 | Error::AsymmetricHessian { .. }

@@ -12,8 +12,7 @@ use std::ops::Range;
 use super::ratio_test::Choice;
 use super::{ActiveSet, Residuals};
 use crate::linalg::vector::{add_scaled, norm};
-use crate::solver::activity::Activity;
-use crate::solver::data::active_bound;
+use crate::solver::activity::{Activity, active_bound};
 use crate::solver::factorisation::{FreeCoordinates, Purpose};
 use crate::solver::tolerances::SHORTEST_STEP;
 
@@ -46,7 +45,6 @@ impl ActiveSet {
     pub(crate) fn search(&mut self, goal: &Goal) -> End {
         self.kept.clear();
         let (mut stalled, mut dropped) = (0, None);
-        let mut bounds_may_hide_light_rows = true;
         loop {
             if self.allowance.is_spent(self.iterations) {
                 return End::OutOfBudget;
@@ -78,18 +76,9 @@ impl ActiveSet {
             if !has_minimum {
                 return End::Unbounded;
             }
-            let Some(id) = self.row_to_drop(goal, choice) else {
-                if bounds_may_hide_light_rows && self.has_spread() && self.take_bounds_out() {
-                    bounds_may_hide_light_rows = false;
-                    continue;
-                }
-                return End::Optimal;
-            };
-            if self.drop_row(goal, id) {
-                dropped = Some(id);
-            } else {
-                self.kept.push(id);
-            }
+            dropped = self.row_to_drop(goal, choice);
+            let Some(id) = dropped else { return End::Optimal };
+            self.drop_row(goal, id);
         }
     }
 
@@ -101,18 +90,8 @@ impl ActiveSet {
             Goal::Norm => FreeCoordinates::Zero,
         };
         let Self { data, factorisation, x, value, activity, direction, .. } = self;
-        let gap = |id: usize| {
-            let bound = active_bound(data, activity, id);
-            let gap = bound - value[id];
-            if gap.abs() > f64::EPSILON * bound.abs() { gap } else { 0.0 }
-        };
-        let has_minimum = factorisation.step_from(data, x, gap, free, direction);
-        for variable in (0..data.n).filter(|&i| activity[i].is_active()) {
-            // Exactly, so that heavy rows see no rounding of it.
-            let step = active_bound(data, activity, variable) - x[variable];
-            direction[variable] = if has_minimum { step } else { 0.0 };
-        }
-        has_minimum
+        let gap = |id| active_bound(data, activity, id) - value[id];
+        factorisation.step_from(data, x, gap, free, direction)
     }
 
     /// x ← x + length · direction.
@@ -121,12 +100,9 @@ impl ActiveSet {
             return;
         }
         add_scaled(&mut self.x, length, &self.direction);
-        self.farthest = self.farthest.max(norm(&self.x)).min(f64::MAX);
+        self.farthest = self.farthest.max(norm(&self.x));
         for rows in &self.in_play {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
-        }
-        for (id, step) in self.factorisation.steps_of_held() {
-            self.value[id] += length * step;
         }
         if let Goal::Rows(rows) = goal {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
@@ -148,23 +124,13 @@ impl ActiveSet {
         self.factorisation.add(&self.data, &self.activity, id, group);
     }
 
-    /// Makes an active row inactive. Returns false, and leaves it active, if an objective above hardly sees
-    /// the direction that this would free, but takes it: rounding would move x far along it.
-    pub(super) fn drop_row(&mut self, goal: &Goal, id: usize) -> bool {
+    /// Makes an active row inactive.
+    pub(super) fn drop_row(&mut self, goal: &Goal, id: usize) {
         if goal.has_row(id) {
             self.residual[id] = self.violation_of_active(id);
         }
-        let (state, group) = (self.activity[id], self.factorisation.group_with(id));
-        let rank = self.factorisation.rank_of_objectives_above();
         self.activity[id] = Activity::Inactive;
         self.factorisation.take_out(&self.data, &self.activity, id);
-        let is_taken = self.factorisation.rank_of_objectives_above() > rank;
-        let is_far = is_taken && self.factorisation.has_light_pivots_above(&self.data);
-        if is_far {
-            self.activity[id] = state;
-            self.factorisation.add(&self.data, &self.activity, id, group);
-        }
-        !is_far
     }
 
     /// aᵢx − bound of an active row.
@@ -172,10 +138,6 @@ impl ActiveSet {
         let bounds =
             if self.activity[id] == Activity::Lower { &self.data.lower } else { &self.data.upper };
         self.value[id] - bounds[id]
-    }
-
-    fn take_bounds_out(&mut self) -> bool {
-        self.factorisation.take_bounds_out(&self.data, &self.activity)
     }
 
     /// The row whose multiplier is most wrong, or the first with a wrong one; none at the optimum.

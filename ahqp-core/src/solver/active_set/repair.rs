@@ -9,8 +9,7 @@
 
 use super::{ActiveSet, Residuals};
 use crate::linalg::vector::norm;
-use crate::solver::activity::Activity;
-use crate::solver::data::active_bound;
+use crate::solver::activity::{Activity, active_bound};
 use crate::solver::factorisation::Purpose;
 use crate::solver::tolerances::{FAR, UPDATED};
 
@@ -19,11 +18,10 @@ impl ActiveSet {
     /// is the optimum then.
     pub(crate) fn repair(&mut self, rounds: usize) -> bool {
         self.prediction_is_far = true;
-        let has_spread = self.has_spread();
         for round in 0..rounds {
             self.iterations += 1;
             let first = round == 0;
-            if !self.set_point(first || has_spread) {
+            if !self.set_point(first) {
                 return false;
             }
             let Some(changes) = self.correct(first) else { return false };
@@ -49,13 +47,10 @@ impl ActiveSet {
     fn set_point(&mut self, anew: bool) -> bool {
         let Self { factorisation, data, activity, signs, .. } = self;
         let few = !anew && signs.changed.len() <= data.n / UPDATED;
-        let has_point = if few && factorisation.update(data, activity, &signs.changed) {
-            factorisation.set_point(data)
-        } else {
-            factorisation.factorise(data, activity)
-        };
-        factorisation.set_bounds(data, activity);
-        has_point
+        if few && factorisation.update(data, activity, &signs.changed) {
+            return factorisation.set_point(data);
+        }
+        factorisation.factorise(data, activity)
     }
 
     /// Checks the point that the active set gives, and corrects the set where it is wrong. Returns how

@@ -5,8 +5,7 @@ use std::ops::Range;
 use super::{Factorisation, Group, LANES, Purpose};
 use crate::linalg::kernels::{RowsMut, add_rows, mix_rows, multiply_rows};
 use crate::linalg::vector::{add_scaled, dot, norm, reflector};
-use crate::solver::activity::Activity;
-use crate::solver::data::{ProblemData, active_bound};
+use crate::solver::data::ProblemData;
 use crate::solver::tolerances::ROUNDING;
 
 /// What a step does with coordinates that no group decides.
@@ -46,14 +45,6 @@ impl Factorisation {
         true
     }
 
-    /// Puts x where bounds in the stack hold it, without the rounding of the way there.
-    pub(crate) fn set_bounds(&mut self, data: &ProblemData, activity: &[Activity]) {
-        let first = self.groups.first().map_or(0, |group| group.end);
-        for &id in self.stacked[..first].iter().filter(|&&id| id < self.n) {
-            self.x[id] = active_bound(data, activity, id);
-        }
-    }
-
     /// The step from `x` to the point that the groups decide, where Q is explicit. `gap` is the bound of
     /// an active row less aᵢx; groups that have not changed since x [attained](Self::attain) them need no
     /// step. Returns false if a linear term has no minimum; the step is then a direction in which it falls.
@@ -66,10 +57,16 @@ impl Factorisation {
         step: &mut [f64],
     ) -> bool {
         let (rank, k) = (self.pivots.len(), self.free.len());
-        self.moving = self.first_to_move(gap);
-        let first = self.groups.get(self.moving).map_or(rank, |group| group.first_pivot);
-        let mut groups = self.moving..self.groups.len();
-        let has_minimum = groups.all(|group| self.decide(data, group, first));
+        let changed = self.groups.get(self.attained);
+        let (at, first) = changed.map_or((0, rank), |group| (group.start, group.first_pivot));
+        let mut has_minimum = true;
+        if changed.is_some() {
+            for (target, &id) in self.target[at..].iter_mut().zip(&self.stacked[at..]) {
+                *target = gap(id);
+            }
+            let mut groups = self.attained..self.groups.len();
+            has_minimum = groups.all(|group| self.decide(data, group, first));
+        }
         let mut z = std::mem::take(&mut self.turned);
         if has_minimum {
             z[first..rank].copy_from_slice(&self.y[first..rank]);
@@ -82,7 +79,6 @@ impl Factorisation {
             let level = self.groups.last().and_then(|group| group.linear_of).unwrap_or(0);
             let linear = &self.linear[level * self.n + rank..level * self.n + k];
             z[first..rank].fill(0.0);
-            self.moving = self.groups.len();
             for (z, linear) in z[rank..].iter_mut().zip(linear) {
                 *z = -linear;
             }
@@ -100,34 +96,6 @@ impl Factorisation {
             }
         }
         has_minimum
-    }
-
-    /// The first group that has a step to make, with the targets of its rows and of those behind. Hard rows
-    /// that are where they are held have none.
-    fn first_to_move(&mut self, gap: impl Fn(usize) -> f64) -> usize {
-        let mut first = self.groups.len();
-        for index in self.attained..self.groups.len() {
-            let Group { start, end, purpose, .. } = self.groups[index];
-            let mut is_there = purpose == Purpose::Held;
-            for (target, &id) in self.target[start..end].iter_mut().zip(&self.stacked[start..end]) {
-                *target = gap(id);
-                is_there &= *target == 0.0;
-            }
-            if !is_there {
-                first = first.min(index);
-            }
-        }
-        first
-    }
-
-    /// The hard rows that the last step moves, and by how much: to where they are held.
-    pub(crate) fn steps_of_held(&self) -> impl Iterator<Item = (usize, f64)> {
-        let moving = self.groups.iter().skip(self.moving);
-        let held = moving.filter(|group| group.purpose == Purpose::Held);
-        held.flat_map(|group| {
-            let pivots = group.start..group.start + group.rank;
-            pivots.map(|at| (self.stacked[at], self.target[at]))
-        })
     }
 
     /// The point of a search has come to where the groups decide.
@@ -329,8 +297,7 @@ impl Factorisation {
             for (entry, ((residual, rounding), &id)) in entries.zip(terms).skip(pivot + 1) {
                 sum += entry * residual;
                 // Each entry has the rounding of its whole row.
-                let of_entry = data.relative_rounding(id) * self.free_norm[id];
-                sum_rounding += entry.abs() * rounding + of_entry * residual.abs();
+                sum_rounding += entry.abs() * rounding + data.entry_rounding(id) * residual.abs();
             }
             let own = self.rows[(start + pivot) * self.stride + coordinate];
             (residual[pivot], rounding[pivot]) = (-sum / own, sum_rounding / own.abs());
