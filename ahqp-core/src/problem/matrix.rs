@@ -3,7 +3,21 @@
 use nalgebra::{Dim, Matrix, RawStorage};
 
 /// A matrix of coefficients, one row a constraint or target: nalgebra's matrices of any size and storage,
-/// and with the feature `faer` those of faer.
+/// and with the feature `faer` views of faer's.
+///
+#[cfg_attr(
+    feature = "faer",
+    doc = r"
+```
+use ahqp_core::Rows;
+use faer::{col, mat};
+
+let (a, b) = (mat![[1.0, 2.0], [0.0, 1.0_f64]], col![3.0, 4.0_f64]);
+let rows = Rows::equalities(&a.as_ref(), b.iter())?;
+assert_eq!((rows.row(0), rows.upper()), (Some(&[1.0, 2.0][..]), &[3.0, 4.0][..]));
+# Ok::<(), ahqp_core::Error>(())
+```"
+)]
 pub trait CoefficientMatrix {
     /// How many rows it has.
     fn nrows(&self) -> usize;
@@ -16,30 +30,6 @@ pub trait CoefficientMatrix {
 }
 
 impl<R: Dim, C: Dim, S: RawStorage<f64, R, C>> CoefficientMatrix for Matrix<f64, R, C, S> {
-    fn nrows(&self) -> usize {
-        self.nrows()
-    }
-
-    fn ncols(&self) -> usize {
-        self.ncols()
-    }
-
-    fn entry(&self, row: usize, column: usize) -> f64 {
-        self[(row, column)]
-    }
-}
-
-/// ```
-/// use ahqp_core::Rows;
-/// use faer::{col, mat};
-///
-/// let (a, b) = (mat![[1.0, 2.0], [0.0, 1.0_f64]], col![3.0, 4.0_f64]);
-/// let rows = Rows::equalities(&a, b.iter())?;
-/// assert_eq!((rows.row(0), rows.upper()), (Some(&[1.0, 2.0][..]), &[3.0, 4.0][..]));
-/// # Ok::<(), ahqp_core::Error>(())
-/// ```
-#[cfg(feature = "faer")]
-impl CoefficientMatrix for faer::Mat<f64> {
     fn nrows(&self) -> usize {
         self.nrows()
     }
