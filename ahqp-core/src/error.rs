@@ -81,6 +81,21 @@ pub enum Error {
     #[error("the solution overflows double precision; bring rows and bounds to comparable sizes")]
     Overflow,
 
+    /// A hard constraint does not hold where the search ended: the numbers of the problem are of too
+    /// different sizes for double precision.
+    #[error(
+        "{} is violated by {violation:e} where the solve ended, as the numbers of the problem differ too much in size; bring rows, weights and bounds to comparable sizes",
+        .names.label(*.source_of_row)
+    )]
+    Inaccurate {
+        /// Where it stands.
+        source_of_row: ConstraintSource,
+        /// By how much it is violated, in its own unit.
+        violation: f64,
+        /// What they are called.
+        names: Names,
+    },
+
     /// A bound is NaN.
     #[error(
         "{}: {what} is NaN; give a number, or an infinite bound for a side that is free",
@@ -311,6 +326,7 @@ impl Error {
             | Self::TooLarge { source_of_row, names, .. }
             | Self::NanBound { source_of_row, names, .. }
             | Self::EmptyRange { source_of_row, names, .. }
+            | Self::Inaccurate { source_of_row, names, .. }
             | Self::DataChanged { source_of_row, names }
             | Self::Infeasible { worst: source_of_row, names, .. } => {
                 *names = hierarchy.names(*source_of_row);
@@ -333,6 +349,7 @@ impl Error {
             | Self::TooLarge { source_of_row, .. }
             | Self::NanBound { source_of_row, .. }
             | Self::EmptyRange { source_of_row, .. }
+            | Self::Inaccurate { source_of_row, .. }
             | Self::DataChanged { source_of_row, .. } => {
                 *source_of_row = source_of_row.renamed(rename);
             }

@@ -283,13 +283,35 @@ impl Solver {
     fn search(&mut self, levels: usize) -> Result<Status, Error> {
         let from_nothing = self.set.predicted.iter().all(|state| !state.is_active())
             && self.solution.x.iter().all(|&x| x == 0.0);
-        let status = self.search_in_passes(levels)?;
+        let mut status = self.search_in_passes(levels)?;
         if status == Status::Solved && !from_nothing && self.set.is_rank_in_doubt() {
             self.set.predicted.fill(Activity::Inactive);
             self.solution.x.fill(0.0);
-            return self.search_in_passes(levels);
+            status = self.search_in_passes(levels)?;
+        }
+        if status == Status::Solved {
+            self.polish();
+            self.expect_hard_rows()?;
         }
         Ok(status)
+    }
+
+    /// Repairs what rounding has left wrong where rows pull by very different forces.
+    fn polish(&mut self) {
+        if self.set.has_spread() {
+            self.found.copy_from(&self.set);
+            let left = self.set.allowance.left(self.set.iterations);
+            if !self.set.repair(ROUNDS.min(left)) {
+                self.found.copy_to(&mut self.set);
+            }
+        }
+    }
+
+    fn expect_hard_rows(&mut self) -> Result<(), Error> {
+        let Some(id) = self.set.broken_row() else { return Ok(()) };
+        let source_of_row = self.set.data.sources[id];
+        let violation = self.set.violation(id).abs() / self.set.data.scale(id);
+        Err(Error::Inaccurate { source_of_row, violation, names: Names::default() })
     }
 
     /// Solves level by level; again from where that ended if it came from far away, as what rounding
@@ -302,7 +324,8 @@ impl Solver {
         let mut farthest = self.set.farthest;
         for _ in 1..PASSES {
             let x_norm = norm(&self.set.x);
-            if status != Status::Solved || farthest <= FAR_AWAY * x_norm {
+            let is_near = farthest <= FAR_AWAY * x_norm && self.set.broken_row().is_none();
+            if status != Status::Solved || is_near {
                 break;
             }
             if x_norm <= VANISHING * farthest {
@@ -317,7 +340,8 @@ impl Solver {
             if status != Status::Solved {
                 // The optimum found before stands.
                 self.found.copy_to(&mut self.set);
-                return Ok(Status::Solved);
+                status = Status::Solved;
+                break;
             }
             farthest = self.set.farthest;
         }

@@ -18,7 +18,7 @@ use super::data::ProblemData;
 use super::factorisation::{Factorisation, Form, Group, Purpose, RankTolerances};
 use super::multipliers::{Multipliers, Residuals};
 use super::settings::Settings;
-use super::tolerances::{DOUBTFUL, ROUNDING};
+use super::tolerances::{DOUBTFUL, ROUNDING, SPREAD};
 use crate::linalg::list::List;
 use crate::linalg::vector::norm;
 use crate::problem::source::ConstraintSource;
@@ -62,6 +62,10 @@ pub(crate) struct ActiveSet {
     candidates: List<Candidate>,
     /// Rows that came back at once when they were let go, since x moved last.
     kept: List<usize>,
+    /// Rows of the level at hand that stay because an objective above would move x far without them.
+    kept_for_objectives: List<usize>,
+    /// Rows of an objective that the end of its search makes inactive, and what they were.
+    released: List<(usize, Activity)>,
     /// The largest ‖x‖ of this solve.
     pub(crate) farthest: f64,
     settings: Settings,
@@ -92,6 +96,8 @@ impl ActiveSet {
             slope: vec![0.0; count],
             candidates: List::with_capacity(count),
             kept: List::with_capacity(count),
+            kept_for_objectives: List::with_capacity(count),
+            released: List::with_capacity(count),
             farthest: 0.0,
             data,
             settings,
@@ -171,8 +177,10 @@ impl ActiveSet {
         match self.violation(id).abs() {
             0.0 => 0.0,
             violation => {
-                let certain = DOUBTFUL * self.data.norm(id) * self.farthest;
-                violation / self.tolerance(id).max(certain)
+                let free = self.data.norm_beside_bounds(id, &self.activity);
+                let certain = DOUBTFUL * free * self.farthest;
+                let tolerance = self.settings.feasibility_tolerance * self.data.size(id, &self.x);
+                violation / tolerance.max(certain)
             }
         }
     }
@@ -205,6 +213,43 @@ impl ActiveSet {
     pub(crate) fn remove_soft(&mut self, rows: Range<usize>) {
         self.factorisation.pop_group();
         self.activity[rows].fill(Activity::Inactive);
+    }
+
+    /// Returns true if rows of one objective pull by so different forces that the rounding of one may hide
+    /// another. Bounds then have to leave as columns: turned by rotations, a heavy row pulls by its
+    /// rounding at variables that it does not have.
+    pub(crate) fn has_spread(&self) -> bool {
+        let x_norm = norm(&self.x);
+        self.data.levels.iter().any(|level| self.have_spread(level.used_objective(), x_norm))
+    }
+
+    /// The same of these rows.
+    pub(super) fn have_spread(&self, rows: Range<usize>, x_norm: f64) -> bool {
+        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+        for id in rows.filter(|&id| self.data.norm(id) > 0.0) {
+            let norm = self.data.norm(id);
+            least = least.min(norm * norm * x_norm);
+            most = most.max(norm * self.data.magnitude(id, x_norm));
+        }
+        most > SPREAD * least
+    }
+
+    /// The hard row that is most violated at x within its bounds, if that is no rounding: numbers of very
+    /// different sizes can lead a search there.
+    pub(crate) fn broken_row(&mut self) -> Option<usize> {
+        for (x, (&lower, &upper)) in
+            self.x.iter_mut().zip(self.data.lower.iter().zip(&self.data.upper))
+        {
+            *x = x.clamp(lower, upper);
+        }
+        let Self { data, x, value, .. } = self;
+        for level in &data.levels {
+            data.multiply(level.constraints.clone(), x, value);
+        }
+        let constraints = self.data.levels.iter().flat_map(|level| level.constraints.clone());
+        let excess = constraints.map(|id| (id, self.excess(id)));
+        let worst = excess.max_by(|a, b| a.1.total_cmp(&b.1));
+        worst.filter(|&(_, excess)| excess > 1.0).map(|(id, _)| id)
     }
 
     /// Returns true if all these rows hold.
@@ -306,7 +351,7 @@ impl ActiveSet {
         if !is_there {
             return Vec::new();
         }
-        let negligible = multipliers.negligible();
+        let negligible = multipliers.negligible(data, factorisation);
         multipliers
             .pairs(factorisation)
             .filter(|&(id, multiplier)| (multiplier * data.norm(id)).abs() > negligible)

@@ -1,7 +1,5 @@
 //! What an active set says of a row.
 
-use super::data::ProblemData;
-
 /// Whether a row is active, and at which bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Activity {
@@ -28,13 +26,5 @@ impl Activity {
             Self::Lower => multiplier > rounding,
             Self::Equal | Self::Inactive => false,
         }
-    }
-}
-
-/// The bound at which an active row is held, or towards which it is pulled.
-pub(crate) fn active_bound(data: &ProblemData, activity: &[Activity], id: usize) -> f64 {
-    match activity[id] {
-        Activity::Lower => data.lower[id],
-        _ => data.upper[id],
     }
 }

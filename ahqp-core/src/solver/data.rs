@@ -12,6 +12,7 @@ use crate::problem::ids::LevelId;
 use crate::problem::level::Objective;
 use crate::problem::rows::Rows;
 use crate::problem::source::{ConstraintSource, Names};
+use crate::solver::activity::Activity;
 use crate::solver::quadratic_factor::QuadraticFactor;
 use crate::solver::tolerances::{MODERATE, NEAR_ONE, ROUNDING};
 
@@ -215,9 +216,33 @@ impl ProblemData {
         self.relative_rounding[id] * self.magnitude(id, x_norm) + self.bound_rounding[id]
     }
 
-    /// The rounding in each entry of row `id`.
-    pub(crate) fn entry_rounding(&self, id: usize) -> f64 {
-        self.relative_rounding[id] * self.norms[id]
+    /// The same where aᵢx has been summed up from `x`, and variables at their bounds are exact.
+    pub(crate) fn rounding_beside_bounds(
+        &self,
+        id: usize,
+        x: &[f64],
+        x_norm: f64,
+        activity: &[Activity],
+    ) -> f64 {
+        let magnitude = self.nearer_bound(id) + self.norm_beside_bounds(id, activity) * x_norm;
+        let of_sum = f64::EPSILON * self.size(id, x);
+        self.relative_rounding[id] * magnitude + of_sum + self.bound_rounding[id]
+    }
+
+    /// The norm of what a row has at variables that are not at a bound.
+    pub(crate) fn norm_beside_bounds(&self, id: usize, activity: &[Activity]) -> f64 {
+        match self.row(id).coefficients() {
+            Coefficients::Unit(variable) => f64::from(u8::from(!activity[variable].is_active())),
+            Coefficients::Dense(row) => {
+                let free = row.iter().zip(activity).filter(|(_, state)| !state.is_active());
+                free.map(|(a, _)| a * a).sum::<f64>().sqrt()
+            }
+        }
+    }
+
+    /// The rounding in row `id`, relative to it.
+    pub(crate) fn relative_rounding(&self, id: usize) -> f64 {
+        self.relative_rounding[id]
     }
 
     /// The size of the terms of row `id` at x. Entries of x that the row does not see, however
@@ -449,6 +474,14 @@ impl ProblemData {
         let unused = entry.used_objective().end..entry.objective.end;
         self.lower[unused.clone()].fill(f64::NEG_INFINITY);
         self.upper[unused].fill(f64::INFINITY);
+    }
+}
+
+/// The bound at which an active row is held, or towards which it is pulled.
+pub(crate) fn active_bound(data: &ProblemData, activity: &[Activity], id: usize) -> f64 {
+    match activity[id] {
+        Activity::Lower => data.lower[id],
+        _ => data.upper[id],
     }
 }
 

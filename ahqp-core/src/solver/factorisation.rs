@@ -15,11 +15,11 @@ mod update;
 
 use std::ops::Range;
 
-use super::activity::{Activity, active_bound};
-use super::data::{Coefficients, ProblemData};
+use super::activity::Activity;
+use super::data::{Coefficients, ProblemData, active_bound};
 use super::tolerances::{CLEAR, FAINT, NOTHING, SHRUNK};
 use crate::linalg::list::List;
-use crate::linalg::vector::dot;
+use crate::linalg::vector::{dot, norm};
 use orthogonal::Orthogonal;
 
 pub(crate) use orthogonal::Form;
@@ -112,6 +112,8 @@ pub(crate) struct Factorisation {
     /// How many groups have their coordinates decided, and in how many the point of a search has them.
     decided: usize,
     attained: usize,
+    /// The first group that the last step of a search moves.
+    moving: usize,
     /// Coordinates that are decided for good: rows of later groups have no entries along them.
     closed: usize,
     has_faint_rows: bool,
@@ -156,6 +158,7 @@ impl Factorisation {
             moved: List::with_capacity(2 * n),
             decided: 0,
             attained: 0,
+            moving: 0,
             closed: 0,
             has_faint_rows: false,
             y: vec![0.0; stride],
@@ -301,6 +304,29 @@ impl Factorisation {
         self.eliminate_from(0);
     }
 
+    /// Factors all groups anew with all active bounds as columns. Returns false if they are so already.
+    pub(crate) fn take_bounds_out(&mut self, data: &ProblemData, activity: &[Activity]) -> bool {
+        let before = self.stacked.len();
+        let mut end = 0;
+        for group in &mut self.groups {
+            let start = end;
+            for at in group.start..group.end {
+                if self.stacked[at] >= self.n {
+                    self.stacked[end] = self.stacked[at];
+                    end += 1;
+                }
+            }
+            (group.start, group.end) = (start, end);
+        }
+        self.stacked.truncate(end);
+        self.bounded.clear();
+        self.bounded.extend((0..self.n).filter(|&i| activity[i].is_active()));
+        if end < before {
+            self.eliminate_again(data, activity);
+        }
+        end < before
+    }
+
     /// Turns the group's rows onto coordinates of their own by reflections.
     fn eliminate(&mut self, group: usize) {
         let (n, k) = (self.stride, self.free.len());
@@ -426,6 +452,42 @@ impl Factorisation {
     /// A part of a row below this is rounding, relative to the row.
     pub(crate) fn least_part(&self) -> f64 {
         self.tolerances.nothing
+    }
+
+    /// The group of an active row; the first for a bound that left as a column.
+    pub(crate) fn group_with(&self, id: usize) -> usize {
+        let at = self.stacked.iter().position(|&row| row == id);
+        let group = at.and_then(|at| self.groups.iter().position(|group| at < group.end));
+        group.unwrap_or(0)
+    }
+
+    /// Objectives in groups before the last.
+    fn objectives_above(&self) -> impl Iterator<Item = &Group> {
+        let above = self.groups.iter().rev().skip(1);
+        above.filter(|group| group.purpose == Purpose::Minimised)
+    }
+
+    /// Coordinates that these decide.
+    pub(crate) fn rank_of_objectives_above(&self) -> usize {
+        self.objectives_above().map(|group| group.rank).sum()
+    }
+
+    /// Returns true if the last step moves their coordinates by more than `length`.
+    pub(crate) fn moves_objectives_above(&self, length: f64) -> bool {
+        let moving = self.groups.get(self.moving).map_or(self.pivots.len(), |g| g.first_pivot);
+        self.objectives_above()
+            .filter(|group| group.first_pivot >= moving)
+            .any(|group| norm(&self.y[group.first_pivot..group.first_pivot + group.rank]) > length)
+    }
+
+    /// The norm of what row `id` has at free variables.
+    pub(crate) fn free_norm(&self, data: &ProblemData, id: usize) -> f64 {
+        match data.row(id).coefficients() {
+            Coefficients::Dense(row) if !self.bounded.is_empty() => {
+                self.free.iter().map(|&variable| row[variable].powi(2)).sum::<f64>().sqrt()
+            }
+            _ => data.norm(id),
+        }
     }
 
     /// Coordinates that the groups decide.

@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-use super::activity::{Activity, active_bound};
-use super::data::ProblemData;
+use super::activity::Activity;
+use super::data::{ProblemData, active_bound};
 use super::factorisation::{Factorisation, Group};
 use super::tolerances::{CLEARLY_THERE, ROUNDING};
 use crate::linalg::vector::{add_scaled, norm};
@@ -36,7 +36,8 @@ pub(crate) struct Multipliers {
     gradient: Vec<f64>,
     /// Weights of the rows of the problem in a sum.
     weights: Vec<f64>,
-    /// The size of the forces that balance each other, and the rounding in each coordinate.
+    /// The size of the forces that balance each other, and the rounding in each coordinate that does not
+    /// come from rows.
     size: f64,
     rounding: f64,
     /// Whether small multipliers come from parts of rows that the rank tolerance may take for none.
@@ -88,8 +89,14 @@ impl Multipliers {
         let rounding = &mut self.residual_rounding[..end - start];
         let mut any = linear_of.is_some();
         for (i, &id) in factorisation.stacked[start..end].iter().enumerate().skip(first) {
-            residual[i] = value[id] - active_bound(data, activity, id);
+            let bound = active_bound(data, activity, id);
+            residual[i] = value[id] - bound;
             rounding[i] = data.rounding(id, x_norm);
+            if residual[i].abs() <= rounding[i] {
+                let x = &value[..data.n];
+                residual[i] = data.row(id).dot(x) - bound;
+                rounding[i] = data.rounding_beside_bounds(id, x, x_norm, activity);
+            }
             any |= residual[i].abs() > rounding[i];
         }
         if !any {
@@ -98,12 +105,9 @@ impl Multipliers {
         if residuals == Residuals::Balanced {
             factorisation.balance_group(data, group, residual, rounding);
         }
-        (self.size, self.rounding) = (0.0, 0.0);
-        let terms = residual.iter().zip(rounding.iter());
-        for (&id, (&residual, &rounding)) in factorisation.stacked[start..end].iter().zip(terms) {
-            self.size += data.norm(id) * residual.abs();
-            self.rounding += data.norm(id) * (rounding + ROUNDING * residual.abs());
-        }
+        let rows = factorisation.stacked[start..end].iter().zip(residual.iter());
+        self.size = rows.map(|(&id, residual)| data.norm(id) * residual.abs()).sum();
+        self.rounding = 0.0;
         let coordinates = &mut self.of_pivots[..first_pivot];
         coordinates.fill(0.0);
         factorisation.add_rows(start..end, residual, coordinates);
@@ -169,6 +173,14 @@ impl Multipliers {
         self.size += forces.sum::<f64>();
     }
 
+    /// The rounding in each coordinate of the gradient.
+    fn rounding_of_coordinates(&self, data: &ProblemData, factorisation: &Factorisation) -> f64 {
+        let rows = self.residuals(factorisation).map(|(id, residual, rounding)| {
+            factorisation.free_norm(data, id) * (rounding + ROUNDING * residual.abs())
+        });
+        self.rounding + rows.sum::<f64>()
+    }
+
     /// A force above this is certainly no rounding.
     pub(crate) fn clear_force(&self, factorisation: &Factorisation) -> f64 {
         CLEARLY_THERE.max(factorisation.tolerances.faint) * self.size
@@ -202,8 +214,9 @@ impl Multipliers {
     /// Computes the rounding in the multipliers: that of the sums they come from.
     pub(crate) fn set_rounding(&mut self, data: &ProblemData, factorisation: &mut Factorisation) {
         let end = self.pivots.end;
-        self.rounding_of_pivots[..end].fill(self.rounding);
-        let norm = |id| data.norm(id);
+        let rounding = self.rounding_of_coordinates(data, factorisation);
+        self.rounding_of_pivots[..end].fill(rounding);
+        let norm = |id| factorisation.free_norm(data, id);
         let (multipliers, rounding) = (&self.of_pivots[..end], &mut self.rounding_of_pivots[..end]);
         factorisation.balance_rounding(multipliers, norm, rounding);
         // Where rows nearly depend on each other, these bounds grow far beyond the real rounding.
@@ -265,7 +278,7 @@ impl Multipliers {
     }
 
     /// Multipliers below this, times the norms of their rows, say nothing: for certificates.
-    pub(crate) fn negligible(&self) -> f64 {
-        1e-3 * self.rounding
+    pub(crate) fn negligible(&self, data: &ProblemData, factorisation: &Factorisation) -> f64 {
+        1e-3 * self.rounding_of_coordinates(data, factorisation)
     }
 }

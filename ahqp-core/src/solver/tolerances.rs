@@ -28,6 +28,9 @@ pub(crate) const FAR_AWAY: f64 = 1e3;
 /// Of the longest x on the way, a solution shorter than this is zero: rounding of the way there and back.
 pub(crate) const VANISHING: f64 = ROUNDING;
 
+/// Forces of one level that differ by more than this are not left to rotated bounds: half of the digits.
+pub(crate) const SPREAD: f64 = 1e8;
+
 // Rank.
 
 /// Less of a row, relative to it, is rounding, even where it stands in the way.
@@ -41,6 +44,10 @@ pub(crate) const CLEAR: f64 = 1e4;
 /// A dependent row this many times heavier than a pivot of its group asks for a new factorisation, in
 /// which heavy rows are pivots: a light pivot would lose the heavy row's digits.
 pub(crate) const HEAVIER: f64 = 16.0;
+
+/// Of 1 + ‖x‖, how far objectives above may move x where a row becomes inactive on which they do not depend:
+/// they stand at their optimum already.
+pub(crate) const SETTLED: f64 = 1e-9;
 
 // Sizes of numbers.
 

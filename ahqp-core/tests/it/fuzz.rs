@@ -224,6 +224,7 @@ proptest! {
             Err(
                 Error::TooLarge { .. }
                 | Error::Overflow
+                | Error::Inaccurate { .. }
                 | Error::Infeasible { .. }
                 | Error::Unbounded { .. }
                 | Error::AsymmetricHessian { .. }

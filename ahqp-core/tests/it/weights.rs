@@ -8,7 +8,7 @@ mod judge;
 
 use std::ops::{Range, RangeInclusive};
 
-use ahqp_core::{Hierarchy, Level, Rows, Settings, Solver, Status, WarmStart};
+use ahqp_core::{Error, Hierarchy, Level, Rows, Settings, Solver, Status, WarmStart};
 use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 use proptest::prelude::*;
 use proptest::test_runner::TestRng;
@@ -288,13 +288,14 @@ fn with_ties(mut hierarchy: Hierarchy) -> Hierarchy {
     hierarchy
 }
 
-/// How many answers were right, wrong, and beyond double precision, and how many ticks extended
-/// precision left to exact arithmetic.
+/// How many answers were right, wrong, refused as inaccurate by the solver itself, and beyond double
+/// precision, and how many ticks extended precision left to exact arithmetic.
 #[derive(Debug, Default, PartialEq)]
 struct Tally {
     right: usize,
     wrong: usize,
     silently_wrong: usize,
+    refused: usize,
     sensitive: usize,
     left_to_exact: usize,
 }
@@ -302,12 +303,12 @@ struct Tally {
 impl Tally {
     /// Returns true if few answers were left out because rounded data do not determine them.
     fn is_telling(&self) -> bool {
-        100 * self.sensitive <= self.right
+        100 * (self.sensitive + self.refused) <= self.right
     }
 
     /// Returns true if 99.9 % of all answers are right and none of the others is certified.
     fn is_nearly_all_right(&self) -> bool {
-        let others = self.wrong + self.sensitive;
+        let others = self.wrong + self.refused + self.sensitive;
         1000 * others <= self.right + others && self.silently_wrong == 0
     }
 }
@@ -322,18 +323,25 @@ fn try_sequences(seeds: Range<u64>, sequence: impl Fn(&mut TestRng) -> Vec<Hiera
         let mut solvers =
             [cold, Settings::default()].map(|settings| Solver::new(&ticks[0], settings).unwrap());
         for (k, hierarchy) in ticks.iter().enumerate() {
-            let answers = solvers.each_mut().map(|solver| {
-                let solution = solver
-                    .solve(hierarchy)
-                    .unwrap_or_else(|error| panic!("seed {seed}, tick {k}: {error}"));
-                assert_eq!(solution.status(), Status::Solved, "seed {seed}, tick {k}");
-                solution.optimum().unwrap().to_vec()
+            let answers = solvers.each_mut().map(|solver| match solver.solve(hierarchy) {
+                Ok(solution) => {
+                    assert_eq!(solution.status(), Status::Solved, "seed {seed}, tick {k}");
+                    Some(solution.optimum().unwrap().to_vec())
+                }
+                Err(Error::Inaccurate { .. }) => None,
+                Err(error) => panic!("seed {seed}, tick {k}: {error}"),
             });
-            let optimum = solve_extended(hierarchy, &answers[0]).unwrap_or_else(|| {
+            let guess = answers.iter().flatten().next().cloned().unwrap_or_else(|| vec![0.0; n]);
+            let optimum = solve_extended(hierarchy, &guess).unwrap_or_else(|| {
                 tally.left_to_exact += 1;
-                exact_optimum(hierarchy, &answers[0]).unwrap()
+                exact_optimum(hierarchy, &guess).unwrap()
             });
-            for (i, x) in answers.iter().enumerate() {
+            for (i, answer) in answers.iter().enumerate() {
+                let Some(x) = answer else {
+                    eprintln!("seed {seed}, tick {k}, warm {i}, n {n}: refused");
+                    tally.refused += 1;
+                    continue;
+                };
                 match judge_against(hierarchy, x, &optimum) {
                     Verdict::Right => tally.right += 1,
                     Verdict::Wrong { sensitivity, .. } if sensitivity > 1e-7 => {
@@ -391,14 +399,30 @@ fn small_hierarchies_of_all_weights_come_out_right() {
 
 #[test]
 fn rows_that_tie_come_out_right() {
-    for spread in [0.0, 3.0] {
+    for spread in [0.0, 3.0, 4.0] {
         let ties = |random: &mut TestRng| {
             sequence(random, 2..=4, spread).into_iter().map(with_ties).collect()
         };
         let tally = try_sequences(seeds(100), ties);
-        assert_eq!(tally.wrong, 0, "spread {spread}: {tally:?}");
         assert!(tally.is_telling(), "spread {spread}: {tally:?}");
+        // At 10^±4 the forces of a level differ by more than double precision holds.
+        let most = if spread < 4.0 { 0 } else { tally.right / 1000 };
+        assert!(tally.wrong <= most, "spread {spread}: {tally:?}");
     }
+}
+
+/// The heavy row is held at its bound, the hard one and the light one tie there.
+#[test]
+fn a_light_row_is_heard_beside_bounds_that_meet_in_a_point() {
+    let mut hierarchy = Hierarchy::new(2).unwrap();
+    hierarchy.set_bounds(&dvector![-1.0, -1.0], &dvector![1.0, 1.0]).unwrap();
+    let soft = Rows::equalities(&dmatrix![0.0, 1e4; 2e-4, 1e-4], &dvector![1.5e4, -1.5e-4]);
+    let hard = Rows::ranges(&dmatrix![1.0, -1.0], &dvector![-1.5], &dvector![1.5]);
+    let level = Level::least_squares(soft.unwrap()).with_constraints(hard.unwrap());
+    hierarchy.push(level).unwrap();
+    let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+    let x = solver.solve(&hierarchy).unwrap().optimum().unwrap();
+    assert!((x[0] + 0.5).abs() < 1e-9 && (x[1] - 1.0).abs() < 1e-12, "{x:?}");
 }
 
 /// Extended precision decides nearly always, from a guess that is off by a little or by much, and then as

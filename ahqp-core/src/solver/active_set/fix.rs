@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use super::{ActiveSet, Goal};
+use crate::linalg::vector::norm;
 use crate::solver::activity::Activity;
-use crate::solver::tolerances::CERTAIN;
+use crate::solver::tolerances::{CERTAIN, SETTLED};
 
 impl ActiveSet {
     /// Fixes what a level decided, at the end of its search: active rows that it needs stay active.
@@ -25,29 +26,50 @@ impl ActiveSet {
                 self.fixed[id] |= multiplier.abs() > CERTAIN * rounding;
             }
         }
-        if let Some(Goal::Rows(rows)) = goal
-            && self.keep_violated(rows.clone())
-        {
-            self.in_play.push(rows.clone());
+        if let Some(goal @ Goal::Rows(rows)) = goal {
+            self.release_unneeded(goal, rows.clone());
+            let rows = rows.clone();
+            if rows.clone().any(|id| self.activity[id] == Activity::Inactive) {
+                self.in_play.push(rows);
+            }
         }
         let fixed = &self.fixed;
         self.factorisation.close_groups(|id| !fixed[id]);
     }
 
-    /// Makes rows of a minimised objective inactive that are not violated. Returns true if any row is
-    /// inactive then.
-    fn keep_violated(&mut self, rows: Range<usize>) -> bool {
-        let mut any_inactive = false;
-        for id in rows {
+    /// Makes rows of a minimised objective inactive that are not violated, unless x would move without them:
+    /// where rows nearly depend on each other, rounding hides by how much the objective needs them.
+    fn release_unneeded(&mut self, goal: &Goal, rows: Range<usize>) {
+        for id in rows.clone() {
             if self.activity[id].is_active() && !self.fixed[id] {
+                let state = self.activity[id];
+                self.released.push((id, state));
                 self.activity[id] = Activity::Inactive;
                 self.factorisation.take_out(&self.data, &self.activity, id);
             }
+        }
+        if !self.released.is_empty() {
+            let has_minimum = self.set_direction(goal);
+            let is_far = norm(&self.direction) > SETTLED * (1.0 + norm(&self.x));
+            if is_far || !has_minimum {
+                self.take_back_released();
+            }
+            self.released.clear();
+        }
+        for id in rows {
             if self.activity[id] == Activity::Inactive {
                 self.residual[id] = 0.0;
-                any_inactive = true;
             }
         }
-        any_inactive
+    }
+
+    fn take_back_released(&mut self) {
+        let group = self.factorisation.groups.len() - 1;
+        for index in 0..self.released.len() {
+            let (id, state) = self.released[index];
+            self.activity[id] = state;
+            self.fixed[id] = true;
+            self.factorisation.add(&self.data, &self.activity, id, group);
+        }
     }
 }

@@ -12,9 +12,10 @@ use std::ops::Range;
 use super::ratio_test::Choice;
 use super::{ActiveSet, Residuals};
 use crate::linalg::vector::{add_scaled, norm};
-use crate::solver::activity::{Activity, active_bound};
+use crate::solver::activity::Activity;
+use crate::solver::data::active_bound;
 use crate::solver::factorisation::{FreeCoordinates, Purpose};
-use crate::solver::tolerances::SHORTEST_STEP;
+use crate::solver::tolerances::{SETTLED, SHORTEST_STEP};
 
 /// What a search minimises.
 #[derive(Debug, Clone)]
@@ -40,11 +41,24 @@ pub(crate) enum End {
     OutOfBudget,
 }
 
+/// A row that has just become inactive.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Dropped {
+    id: usize,
+    /// What it was, and in which group.
+    state: Activity,
+    group: usize,
+    /// Whether it has left a direction to an objective above the one that is minimised.
+    frees_objectives_above: bool,
+}
+
 impl ActiveSet {
     /// Goes from x to the minimum of the goal.
     pub(crate) fn search(&mut self, goal: &Goal) -> End {
         self.kept.clear();
-        let (mut stalled, mut dropped) = (0, None);
+        self.kept_for_objectives.clear();
+        let (mut stalled, mut dropped): (_, Option<Dropped>) = (0, None);
+        let mut bounds_may_hide_light_rows = true;
         loop {
             if self.allowance.is_spent(self.iterations) {
                 return End::OutOfBudget;
@@ -53,6 +67,12 @@ impl ActiveSet {
             // Least index first cannot cycle, but is slow: only after a stall.
             let choice = if stalled > self.data.n { Choice::First } else { Choice::Steepest };
             let has_minimum = self.set_direction(goal);
+            if let Some(row) = dropped.take_if(|row| row.frees_objectives_above)
+                && self.factorisation.moves_objectives_above(SETTLED * (1.0 + norm(&self.x)))
+            {
+                self.take_back(goal, &row);
+                continue;
+            }
             let full = if has_minimum { 1.0 } else { f64::INFINITY };
             let (length, blocking) = self.ratio_test(goal, full, choice);
             self.advance(goal, length);
@@ -66,7 +86,7 @@ impl ActiveSet {
                 stalled += 1;
             }
             if let Some((id, bound)) = blocking {
-                if stalled > 0 && dropped == Some(id) {
+                if stalled > 0 && dropped.take().is_some_and(|row| row.id == id) {
                     self.kept.push(id);
                 }
                 dropped = None;
@@ -76,22 +96,37 @@ impl ActiveSet {
             if !has_minimum {
                 return End::Unbounded;
             }
-            dropped = self.row_to_drop(goal, choice);
-            let Some(id) = dropped else { return End::Optimal };
-            self.drop_row(goal, id);
+            let Some(id) = self.row_to_drop(goal, choice) else {
+                if bounds_may_hide_light_rows && self.take_bounds_out(goal) {
+                    bounds_may_hide_light_rows = false;
+                    continue;
+                }
+                return End::Optimal;
+            };
+            dropped = Some(self.drop_row(goal, id));
         }
     }
 
     /// The step to the minimum with the active rows held. Returns false if there is none: the direction
     /// is one in which the goal falls for ever.
-    fn set_direction(&mut self, goal: &Goal) -> bool {
+    pub(super) fn set_direction(&mut self, goal: &Goal) -> bool {
         let free = match goal {
             Goal::Rows(_) => FreeCoordinates::Kept,
             Goal::Norm => FreeCoordinates::Zero,
         };
         let Self { data, factorisation, x, value, activity, direction, .. } = self;
-        let gap = |id| active_bound(data, activity, id) - value[id];
-        factorisation.step_from(data, x, gap, free, direction)
+        let gap = |id: usize| {
+            let bound = active_bound(data, activity, id);
+            let gap = bound - value[id];
+            if gap.abs() > f64::EPSILON * bound.abs() { gap } else { 0.0 }
+        };
+        let has_minimum = factorisation.step_from(data, x, gap, free, direction);
+        for variable in (0..data.n).filter(|&i| activity[i].is_active()) {
+            // Exactly, so that heavy rows see no rounding of it.
+            let step = active_bound(data, activity, variable) - x[variable];
+            direction[variable] = if has_minimum { step } else { 0.0 };
+        }
+        has_minimum
     }
 
     /// x ← x + length · direction.
@@ -100,9 +135,12 @@ impl ActiveSet {
             return;
         }
         add_scaled(&mut self.x, length, &self.direction);
-        self.farthest = self.farthest.max(norm(&self.x));
+        self.farthest = self.farthest.max(norm(&self.x)).min(f64::MAX);
         for rows in &self.in_play {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
+        }
+        for (id, step) in self.factorisation.steps_of_held() {
+            self.value[id] += length * step;
         }
         if let Goal::Rows(rows) = goal {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
@@ -125,12 +163,27 @@ impl ActiveSet {
     }
 
     /// Makes an active row inactive.
-    pub(super) fn drop_row(&mut self, goal: &Goal, id: usize) {
+    pub(super) fn drop_row(&mut self, goal: &Goal, id: usize) -> Dropped {
         if goal.has_row(id) {
             self.residual[id] = self.violation_of_active(id);
         }
+        let (state, group) = (self.activity[id], self.factorisation.group_with(id));
+        let rank = self.factorisation.rank_of_objectives_above();
         self.activity[id] = Activity::Inactive;
         self.factorisation.take_out(&self.data, &self.activity, id);
+        let frees_objectives_above = self.factorisation.rank_of_objectives_above() > rank;
+        Dropped { id, state, group, frees_objectives_above }
+    }
+
+    /// Makes a row active again without which an objective above would move x: that objective needs the
+    /// row, by a multiplier that rounding hides. It stays to the end of the search.
+    fn take_back(&mut self, goal: &Goal, row: &Dropped) {
+        if goal.has_row(row.id) {
+            self.residual[row.id] = 0.0;
+        }
+        self.activity[row.id] = row.state;
+        self.factorisation.add(&self.data, &self.activity, row.id, row.group);
+        self.kept_for_objectives.push(row.id);
     }
 
     /// aᵢx − bound of an active row.
@@ -138,6 +191,13 @@ impl ActiveSet {
         let bounds =
             if self.activity[id] == Activity::Lower { &self.data.lower } else { &self.data.upper };
         self.value[id] - bounds[id]
+    }
+
+    /// Takes bounds out of the stack where they may hide light rows of the goal. Returns true if it did.
+    fn take_bounds_out(&mut self, goal: &Goal) -> bool {
+        let Goal::Rows(rows) = goal else { return false };
+        self.have_spread(rows.clone(), norm(&self.x))
+            && self.factorisation.take_bounds_out(&self.data, &self.activity)
     }
 
     /// The row whose multiplier is most wrong, or the first with a wrong one; none at the optimum.
@@ -192,7 +252,8 @@ impl ActiveSet {
     /// Returns true if row `id` is active but need not stay so.
     fn may_drop(&self, id: usize) -> bool {
         let is_inequality = matches!(self.activity[id], Activity::Lower | Activity::Upper);
-        is_inequality && !self.fixed[id] && !self.kept.contains(&id)
+        let is_kept = self.kept.contains(&id) || self.kept_for_objectives.contains(&id);
+        is_inequality && !self.fixed[id] && !is_kept
     }
 
     /// The row to drop, multipliers judged by their own rounding.

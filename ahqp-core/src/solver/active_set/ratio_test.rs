@@ -41,8 +41,11 @@ impl ActiveSet {
         // rows met by then the one most across the direction is taken.
         let mut reach = full;
         for candidate in &self.candidates {
-            let slack = if choice == Choice::First { 0.0 } else { self.tolerance(candidate.id) };
-            reach = reach.min((candidate.room + slack) / candidate.slope);
+            if candidate.room < reach * candidate.slope {
+                let slack =
+                    if choice == Choice::First { 0.0 } else { self.tolerance(candidate.id) };
+                reach = reach.min((candidate.room + slack) / candidate.slope);
+            }
         }
         if reach >= full {
             return (full, None);
@@ -85,7 +88,7 @@ impl ActiveSet {
 
     /// The rows whose bounds the direction meets within `full` of its length.
     fn find_candidates(&mut self, goal: &Goal, full: f64) {
-        let least = self.factorisation.least_part() * norm(&self.direction);
+        let least = self.factorisation.least_part() * norm(&self.direction).min(f64::MAX);
         self.candidates.clear();
         for block in 0..self.in_play.len() {
             self.find_candidates_among(self.in_play[block].clone(), full, least);

@@ -9,7 +9,8 @@
 
 use super::{ActiveSet, Residuals};
 use crate::linalg::vector::norm;
-use crate::solver::activity::{Activity, active_bound};
+use crate::solver::activity::Activity;
+use crate::solver::data::active_bound;
 use crate::solver::factorisation::Purpose;
 use crate::solver::tolerances::{FAR, UPDATED};
 
@@ -45,12 +46,15 @@ impl ActiveSet {
 
     /// Computes the point of the present active set. Returns false if there is none.
     fn set_point(&mut self, anew: bool) -> bool {
+        let few = !anew && self.signs.changed.len() <= self.data.n / UPDATED && !self.has_spread();
         let Self { factorisation, data, activity, signs, .. } = self;
-        let few = !anew && signs.changed.len() <= data.n / UPDATED;
-        if few && factorisation.update(data, activity, &signs.changed) {
-            return factorisation.set_point(data);
-        }
-        factorisation.factorise(data, activity)
+        let has_point = if few && factorisation.update(data, activity, &signs.changed) {
+            factorisation.set_point(data)
+        } else {
+            factorisation.factorise(data, activity)
+        };
+        factorisation.set_bounds(data, activity);
+        has_point
     }
 
     /// Checks the point that the active set gives, and corrects the set where it is wrong. Returns how

@@ -81,7 +81,7 @@ fn touched<'a>(vector: &'a mut [f64], chain: &[Rotation]) -> &'a mut [f64] {
 }
 
 /// Rotates neighbours from the last to the first.
-pub(super) fn carry_down(entries: &mut [f64], angles: impl Iterator<Item = (f64, f64)>) {
+fn carry_down(entries: &mut [f64], angles: impl Iterator<Item = (f64, f64)>) {
     let Some(&last) = entries.last() else { return };
     let mut carry = last;
     for (pair, (cosine, sine)) in pairs(entries).rev().zip(angles) {
@@ -93,7 +93,7 @@ pub(super) fn carry_down(entries: &mut [f64], angles: impl Iterator<Item = (f64,
 }
 
 /// Rotates neighbours from the first to the last.
-pub(super) fn carry_up(entries: &mut [f64], angles: impl Iterator<Item = (f64, f64)>) {
+fn carry_up(entries: &mut [f64], angles: impl Iterator<Item = (f64, f64)>) {
     let Some(&first) = entries.first() else { return };
     let mut carry = first;
     for (pair, (cosine, sine)) in pairs(entries).zip(angles) {

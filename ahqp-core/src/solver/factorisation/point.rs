@@ -5,7 +5,8 @@ use std::ops::Range;
 use super::{Factorisation, Group, LANES, Purpose};
 use crate::linalg::kernels::{RowsMut, add_rows, mix_rows, multiply_rows};
 use crate::linalg::vector::{add_scaled, dot, norm, reflector};
-use crate::solver::data::ProblemData;
+use crate::solver::activity::Activity;
+use crate::solver::data::{ProblemData, active_bound};
 use crate::solver::tolerances::ROUNDING;
 
 /// What a step does with coordinates that no group decides.
@@ -45,6 +46,14 @@ impl Factorisation {
         true
     }
 
+    /// Puts x where bounds in the stack hold it, without the rounding of the way there.
+    pub(crate) fn set_bounds(&mut self, data: &ProblemData, activity: &[Activity]) {
+        let first = self.groups.first().map_or(0, |group| group.end);
+        for &id in self.stacked[..first].iter().filter(|&&id| id < self.n) {
+            self.x[id] = active_bound(data, activity, id);
+        }
+    }
+
     /// The step from `x` to the point that the groups decide, where Q is explicit. `gap` is the bound of
     /// an active row less aᵢx; groups that have not changed since x [attained](Self::attain) them need no
     /// step. Returns false if a linear term has no minimum; the step is then a direction in which it falls.
@@ -57,16 +66,10 @@ impl Factorisation {
         step: &mut [f64],
     ) -> bool {
         let (rank, k) = (self.pivots.len(), self.free.len());
-        let changed = self.groups.get(self.attained);
-        let (at, first) = changed.map_or((0, rank), |group| (group.start, group.first_pivot));
-        let mut has_minimum = true;
-        if changed.is_some() {
-            for (target, &id) in self.target[at..].iter_mut().zip(&self.stacked[at..]) {
-                *target = gap(id);
-            }
-            let mut groups = self.attained..self.groups.len();
-            has_minimum = groups.all(|group| self.decide(data, group, first));
-        }
+        self.moving = self.first_to_move(gap);
+        let first = self.groups.get(self.moving).map_or(rank, |group| group.first_pivot);
+        let mut groups = self.moving..self.groups.len();
+        let has_minimum = groups.all(|group| self.decide(data, group, first));
         let mut z = std::mem::take(&mut self.turned);
         if has_minimum {
             z[first..rank].copy_from_slice(&self.y[first..rank]);
@@ -79,6 +82,7 @@ impl Factorisation {
             let level = self.groups.last().and_then(|group| group.linear_of).unwrap_or(0);
             let linear = &self.linear[level * self.n + rank..level * self.n + k];
             z[first..rank].fill(0.0);
+            self.moving = self.groups.len();
             for (z, linear) in z[rank..].iter_mut().zip(linear) {
                 *z = -linear;
             }
@@ -96,6 +100,34 @@ impl Factorisation {
             }
         }
         has_minimum
+    }
+
+    /// The first group that has a step to make, with the targets of its rows and of those behind. Hard rows
+    /// that are where they are held have none.
+    fn first_to_move(&mut self, gap: impl Fn(usize) -> f64) -> usize {
+        let mut first = self.groups.len();
+        for index in self.attained..self.groups.len() {
+            let Group { start, end, purpose, .. } = self.groups[index];
+            let mut is_there = purpose == Purpose::Held;
+            for (target, &id) in self.target[start..end].iter_mut().zip(&self.stacked[start..end]) {
+                *target = gap(id);
+                is_there &= *target == 0.0;
+            }
+            if !is_there {
+                first = first.min(index);
+            }
+        }
+        first
+    }
+
+    /// The hard rows that the last step moves, and by how much: to where they are held.
+    pub(crate) fn steps_of_held(&self) -> impl Iterator<Item = (usize, f64)> {
+        let moving = self.groups.iter().skip(self.moving);
+        let held = moving.filter(|group| group.purpose == Purpose::Held);
+        held.flat_map(|group| {
+            let pivots = group.start..group.start + group.rank;
+            pivots.map(|at| (self.stacked[at], self.target[at]))
+        })
     }
 
     /// The point of a search has come to where the groups decide.
@@ -117,7 +149,7 @@ impl Factorisation {
             }
         }
         if linear_of.is_some() || (purpose == Purpose::Minimised && rank < end - start) {
-            self.decide_least_squares(group, first);
+            self.decide_least_squares(data, group, first);
             return true;
         }
         for (pivot, at) in (first_pivot..).zip(start..start + rank) {
@@ -143,7 +175,7 @@ impl Factorisation {
     /// From the last column to the first, a reflection of a pivot row and all dependent ones leaves
     /// nothing in these: [L; D] = Q' [L'; 0], with L' lower triangular. The pivots are the heavier rows.
     /// Coordinates before `from` are taken as zero.
-    fn decide_least_squares(&mut self, group: usize, from: usize) {
+    fn decide_least_squares(&mut self, data: &ProblemData, group: usize, from: usize) {
         let n = self.stride;
         let Group { start, end, rank, first_pivot: first, linear_of, .. } = self.groups[group];
         if rank == 0 {
@@ -161,10 +193,14 @@ impl Factorisation {
             to[..width].copy_from_slice(&rows[from..from + width]);
             to[rank] = target[start + index] - own[index];
         };
-        let data = &mut self.dependent[..(count + 1) * stride];
-        for (index, row) in (rank..).zip(data[stride..].chunks_exact_mut(stride)) {
+        let stack = &mut self.dependent[..(count + 1) * stride];
+        for (index, row) in (rank..).zip(stack[stride..].chunks_exact_mut(stride)) {
             load(index, rank, row);
+            // What rotations leave of a heavy row would pull at light ones.
+            let nothing = ROUNDING * data.norm(self.stacked[start + index]);
+            row[..rank].iter_mut().filter(|a| a.abs() <= nothing).for_each(|a| *a = 0.0);
         }
+        let data = stack;
         let column = &mut self.column[..=count];
         for j in (0..rank).rev() {
             load(j, j + 1, &mut data[..stride]);
@@ -297,7 +333,8 @@ impl Factorisation {
             for (entry, ((residual, rounding), &id)) in entries.zip(terms).skip(pivot + 1) {
                 sum += entry * residual;
                 // Each entry has the rounding of its whole row.
-                sum_rounding += entry.abs() * rounding + data.entry_rounding(id) * residual.abs();
+                let of_entry = data.relative_rounding(id) * self.free_norm(data, id);
+                sum_rounding += entry.abs() * rounding + of_entry * residual.abs();
             }
             let own = self.rows[(start + pivot) * self.stride + coordinate];
             (residual[pivot], rounding[pivot]) = (-sum / own, sum_rounding / own.abs());

@@ -11,12 +11,12 @@
 
 use std::ops::Range;
 
-use super::chain::{Chain, angle, carry_aside, carry_down, carry_up};
+use super::chain::{Chain, angle, carry_aside};
 use super::{Factorisation, Group, Purpose, RankTolerances};
 use crate::linalg::kernels::Rotation;
 use crate::linalg::vector::{length, norm};
-use crate::solver::activity::{Activity, active_bound};
-use crate::solver::data::{Coefficients, ProblemData};
+use crate::solver::activity::Activity;
+use crate::solver::data::{Coefficients, ProblemData, active_bound};
 use crate::solver::tolerances::HEAVIER;
 
 /// A change that would leave a rank in doubt.
@@ -148,15 +148,16 @@ impl Factorisation {
             self.tolerances.is_there(part)?;
             place + last
         };
+        let next = self.pivots.get(place).copied().unwrap_or(self.stacked.len());
         let from = self.orthogonal.rotations.len();
         self.turn_towards(row, place..last);
         self.orthogonal.push_chain(Chain::Down(before..self.orthogonal.rotations.len()));
-        self.shift_pivots(data, group, place..last, from)?;
+        self.shift_pivots(data, place..last, from)?;
         if last < decided {
             self.demote(data, last)?;
         }
-        // The dependent ones of the group have nothing along the coordinate it gains.
-        for at in start + rank..self.groups[group].end {
+        // Dependent rows up to the next pivot have nothing along the coordinate that the group gains.
+        for at in start + rank..next {
             self.rows[at * self.stride + place] = 0.0;
         }
         self.open(start + rank, group);
@@ -183,37 +184,39 @@ impl Factorisation {
         }
     }
 
-    /// Turns the rows behind the pivots of `group` by the rotations from `from` on, which are in
-    /// `planes` from the last to the first; pivots there move up by a coordinate.
+    /// Turns the rows whose pivots are in `planes` and all behind them by the rotations from `from` on, which
+    /// are in these planes from the last to the first. The pivots move up by a coordinate.
     fn shift_pivots(
         &mut self,
         data: &ProblemData,
-        group: usize,
         planes: Range<usize>,
         from: usize,
     ) -> Result<(), RankInDoubt> {
-        let (n, chain) = (self.stride, &self.orthogonal.rotations[from..]);
-        for group in &self.groups[group + 1..] {
-            for at in group.start..group.end {
-                let width = group.width(at);
-                let row = &mut self.rows[at * n..(at + 1) * n];
-                let skipped = planes.end - planes.end.min(width);
-                if width <= planes.end {
-                    row[width] = 0.0;
-                    let Some(rotation) = chain.get(skipped) else { continue };
-                    let pivot = rotation.sine * row[width - 1];
-                    let is_pivot = at < group.start + group.rank;
-                    if is_pivot
-                        && !self.tolerances.is_there(pivot.abs() / data.norm(self.stacked[at]))?
-                    {
-                        return Err(RankInDoubt);
-                    }
-                }
-                let entries = &mut row[planes.start..=planes.end - skipped];
-                carry_down(entries, chain[skipped..].iter().map(angle));
+        let n = self.stride;
+        let mut behind = self.pivots.get(planes.end).copied().unwrap_or(self.stacked.len());
+        for (plane, rotation) in planes.rev().zip(from..) {
+            let at = self.pivots[plane];
+            // Up to the next pivot, rows have had no entry there.
+            self.rows[at * n..behind * n].iter_mut().skip(plane + 1).step_by(n).for_each(zero);
+            self.rotate_entries(at, self.orthogonal.rotations[rotation]);
+            let pivot = self.rows[at * n + plane + 1].abs();
+            if !self.tolerances.is_there(pivot / data.norm(self.stacked[at]))? {
+                return Err(RankInDoubt);
             }
+            behind = at;
         }
         Ok(())
+    }
+
+    /// Turns two coordinates of the stacked rows from `at` on.
+    fn rotate_entries(&mut self, at: usize, rotation: Rotation) {
+        let Rotation { first, cosine, sine, .. } = rotation;
+        let rows = &mut self.rows[at * self.stride..self.stacked.len() * self.stride];
+        for row in rows.chunks_exact_mut(self.stride) {
+            if let [a, b] = &mut row[first..first + 2] {
+                (*a, *b) = (cosine * *a + sine * *b, cosine * *b - sine * *a);
+            }
+        }
     }
 
     /// An error if a dependent row of this size is much heavier than one of the pivots beside it: a heavy
@@ -274,30 +277,23 @@ impl Factorisation {
         free: usize,
     ) -> Result<(), RankInDoubt> {
         let (n, from) = (self.stride, self.orthogonal.rotations.len());
-        let mut at = at;
-        let mut adopted = false;
+        let (mut at, mut free) = (at, free);
         for group in group..self.groups.len() {
             let Group { start, end, rank, .. } = self.groups[group];
-            while at < end {
-                let row = &mut self.rows[at * n..(at + 1) * n];
-                let chain = &self.orthogonal.rotations[from..];
-                let first = free + chain.len();
-                carry_up(&mut row[free..=first], chain.iter().map(angle));
-                if !adopted && at < start + rank {
-                    let radius = length(row[first], row[first + 1]);
-                    let (cosine, sine) = (row[first] / radius, row[first + 1] / radius);
-                    self.orthogonal.rotations.push(Rotation {
-                        first,
-                        second: first + 1,
-                        cosine,
-                        sine,
-                    });
-                    row[first] = radius;
-                }
-                at += 1;
+            for at in at..start + rank {
+                let entry = at * n + free;
+                let (a, b) = (self.rows[entry], self.rows[entry + 1]);
+                let radius = length(a, b);
+                let (first, second) = (free, free + 1);
+                let rotation = Rotation { first, second, cosine: a / radius, sine: b / radius };
+                self.rotate_entries(at, rotation);
+                self.orthogonal.rotations.push(rotation);
+                free += 1;
             }
-            let coordinate = free + self.orthogonal.rotations.len() - from;
-            adopted = adopted || self.adopt(data, group, coordinate)?;
+            if self.adopt(data, group, free)? {
+                break;
+            }
+            at = end;
         }
         self.orthogonal.push_chain(Chain::Up(from..self.orthogonal.rotations.len()));
         Ok(())
@@ -453,6 +449,10 @@ impl Factorisation {
             self.pivots.extend(group.start..group.start + group.rank);
         }
     }
+}
+
+fn zero(entry: &mut f64) {
+    *entry = 0.0;
 }
 
 impl Group {
