@@ -1,0 +1,78 @@
+//! What of a row is rounding: of its terms, of what it has at free variables, of its bounds.
+
+use super::{Coefficients, ProblemData};
+use crate::solver::activity::Activity;
+use crate::solver::tolerances::ROUNDING;
+
+impl ProblemData {
+    /// The size that numbers in row `id` have at most at x: what rounding is relative to.
+    pub(crate) fn magnitude(&self, id: usize, x_norm: f64) -> f64 {
+        self.nearer_bound(id) + self.norms[id] * x_norm
+    }
+
+    /// The rounding in a x − bound of row `id`, given ‖x‖.
+    pub(crate) fn rounding(&self, id: usize, x_norm: f64) -> f64 {
+        self.relative_rounding[id] * self.magnitude(id, x_norm) + self.bound_rounding[id]
+    }
+
+    /// The same where aᵢx has been summed up from `x`, and variables at their bounds are exact.
+    pub(crate) fn rounding_beside_bounds(
+        &self,
+        id: usize,
+        x: &[f64],
+        x_norm: f64,
+        activity: &[Activity],
+    ) -> f64 {
+        let magnitude = self.nearer_bound(id) + self.norm_beside_bounds(id, activity) * x_norm;
+        let of_sum = f64::EPSILON * self.size(id, x);
+        self.relative_rounding[id] * magnitude + of_sum + self.bound_rounding[id]
+    }
+
+    /// The norm of what a row has at variables that are not at a bound.
+    pub(crate) fn norm_beside_bounds(&self, id: usize, activity: &[Activity]) -> f64 {
+        match self.row(id).coefficients() {
+            Coefficients::Unit(variable) => f64::from(u8::from(!activity[variable].is_active())),
+            Coefficients::Dense(row) => {
+                let free = row.iter().zip(activity).filter(|(_, state)| !state.is_active());
+                free.map(|(a, _)| a * a).sum::<f64>().sqrt()
+            }
+        }
+    }
+
+    /// The rounding in row `id`, relative to it.
+    pub(crate) fn relative_rounding(&self, id: usize) -> f64 {
+        self.relative_rounding[id]
+    }
+
+    /// The size of the terms of row `id` at x. Entries of x that the row does not see, however
+    /// large, have no part in it.
+    pub(crate) fn size(&self, id: usize, x: &[f64]) -> f64 {
+        let terms = match self.row(id).coefficients() {
+            Coefficients::Unit(variable) => x[variable].abs(),
+            Coefficients::Dense(row) => row.iter().zip(x).map(|(a, x)| (a * x).abs()).sum(),
+        };
+        self.nearer_bound(id) + terms
+    }
+
+    /// A far bound counts by way of x where x is near it.
+    fn nearer_bound(&self, id: usize) -> f64 {
+        let nearer = self.lower[id].abs().min(self.upper[id].abs());
+        if nearer.is_finite() { nearer } else { 0.0 }
+    }
+
+    /// Whether a `gap` between row `id` and its bound is none: within `tolerance` of the row's
+    /// terms at x, or what is left of vectors as long as `farthest`, ‖x‖ or more, by rounding.
+    pub(crate) fn is_closed(
+        &self,
+        id: usize,
+        gap: f64,
+        x: &[f64],
+        farthest: f64,
+        tolerance: f64,
+    ) -> bool {
+        let gap = gap.abs() - ROUNDING * self.norms[id] * farthest;
+        gap <= 0.0
+            || (gap <= tolerance * self.magnitude(id, farthest)
+                && gap <= tolerance * self.size(id, x))
+    }
+}
