@@ -5,7 +5,8 @@
 //! only push the way they point: for each, the first level at which its multiplier is not zero
 //! decides (Escande, Mansard, Wieber, IJRR 33, 2014, Sec. 3).
 
-pub(crate) mod multipliers;
+mod multipliers;
+mod of_solver;
 
 use std::collections::BTreeSet;
 
@@ -94,7 +95,7 @@ impl Certificate {
         hierarchy: &Hierarchy,
         x: &[f64],
     ) -> Result<CertificateResiduals, Error> {
-        expect_equal(&self.hierarchy, hierarchy).map_err(|error| error.with_names(hierarchy))?;
+        expect_equal(&self.hierarchy, hierarchy).map_err(|error| hierarchy.named(error))?;
         crate::problem::rows::expect_size("x", x.len(), hierarchy.variables())?;
         let mut check = Check { hierarchy, x, residuals: CertificateResiduals::default() };
         check.feasibility();

@@ -1,9 +1,8 @@
 //! What can be wrong with a problem, and how to put it right.
 
-use crate::problem::hierarchy::Hierarchy;
 use crate::problem::ids::LevelId;
 use crate::problem::source::{ConstraintSource, Names};
-use crate::solver::solution::Status;
+use crate::solver::status::Status;
 
 /// Misuse of the crate, or a problem that has no solution.
 ///
@@ -319,9 +318,9 @@ pub enum Error {
 }
 
 impl Error {
-    /// The same error with the names that `hierarchy` has for what it speaks of.
-    pub(crate) fn with_names(mut self, hierarchy: &Hierarchy) -> Self {
-        match &mut self {
+    /// The row or the level that the error speaks of, and what they are called.
+    pub(crate) fn spot_mut(&mut self) -> Option<Spot<'_>> {
+        match self {
             Self::NotFinite { source_of_row, names, .. }
             | Self::TooLarge { source_of_row, names, .. }
             | Self::NanBound { source_of_row, names, .. }
@@ -329,39 +328,32 @@ impl Error {
             | Self::Inaccurate { source_of_row, names, .. }
             | Self::DataChanged { source_of_row, names }
             | Self::Infeasible { worst: source_of_row, names, .. } => {
-                *names = hierarchy.names(*source_of_row);
+                Some(Spot::Row(source_of_row, names))
             }
             Self::AsymmetricHessian { level, names, .. }
             | Self::IndefiniteHessian { level, names, .. }
             | Self::ShapeChanged { level, names }
-            | Self::Unbounded { level, names } => {
-                *names = Names::of_level(hierarchy.level(*level).ok());
-            }
-            _ => {}
+            | Self::Unbounded { level, names } => Some(Spot::Level(level, names)),
+            _ => None,
         }
-        self
     }
 
     /// The same error where levels have other ids.
     pub(crate) fn renamed(mut self, rename: impl Fn(LevelId) -> LevelId) -> Self {
-        match &mut self {
-            Self::NotFinite { source_of_row, .. }
-            | Self::TooLarge { source_of_row, .. }
-            | Self::NanBound { source_of_row, .. }
-            | Self::EmptyRange { source_of_row, .. }
-            | Self::Inaccurate { source_of_row, .. }
-            | Self::DataChanged { source_of_row, .. } => {
-                *source_of_row = source_of_row.renamed(rename);
-            }
-            Self::Infeasible { level, worst, .. } => {
-                (*level, *worst) = (rename(*level), worst.renamed(rename));
-            }
-            Self::AsymmetricHessian { level, .. }
-            | Self::IndefiniteHessian { level, .. }
-            | Self::ShapeChanged { level, .. }
-            | Self::Unbounded { level, .. } => *level = rename(*level),
-            _ => {}
+        if let Self::Infeasible { level, .. } = &mut self {
+            *level = rename(*level);
+        }
+        match self.spot_mut() {
+            Some(Spot::Row(row, _)) => *row = row.renamed(rename),
+            Some(Spot::Level(level, _)) => *level = rename(*level),
+            None => {}
         }
         self
     }
+}
+
+/// What an error speaks of.
+pub(crate) enum Spot<'a> {
+    Row(&'a mut ConstraintSource, &'a mut Names),
+    Level(&'a mut LevelId, &'a mut Names),
 }

@@ -46,7 +46,8 @@ pub use reference::solve_reference;
 pub use solver::Solver;
 pub use solver::budget::Budget;
 pub use solver::settings::{Settings, WarmStart};
-pub use solver::solution::{Solution, Status};
+pub use solver::solution::Solution;
+pub use solver::status::Status;
 pub use stack::{CertifiedPart, ContinuousStack, Part, Place};
 
 /// The example of the repository's front page.

@@ -10,12 +10,11 @@ mod prediction;
 mod quadratic_factor;
 pub(crate) mod settings;
 pub(crate) mod solution;
+pub(crate) mod status;
 pub(crate) mod tolerances;
 
 use std::ops::Range;
 
-use crate::certificate::Certificate;
-use crate::certificate::multipliers::Proof;
 use crate::error::Error;
 use crate::linalg::list::List;
 use crate::linalg::vector::norm;
@@ -28,7 +27,8 @@ use budget::{Allowance, Budget};
 use data::ProblemData;
 use prediction::Prediction;
 use settings::{Settings, WarmStart};
-use solution::{Solution, Status};
+use solution::Solution;
+use status::Status;
 use tolerances::{FAR_AWAY, FEW, JUMP, PASSES, ROUNDS, VANISHING};
 
 /// Solves hierarchies of one shape, without allocation after construction.
@@ -135,7 +135,7 @@ impl Solver {
     /// [`Error::TooLarge`], [`Error::NanBound`], [`Error::EmptyRange`],
     /// [`Error::AsymmetricHessian`], [`Error::IndefiniteHessian`].
     pub fn validate(hierarchy: &Hierarchy) -> Result<(), Error> {
-        ProblemData::new(hierarchy).load(hierarchy).map_err(|error| error.with_names(hierarchy))
+        ProblemData::new(hierarchy).load(hierarchy).map_err(|error| hierarchy.named(error))
     }
 
     /// Forgets the previous active set: the next solve starts from nothing.
@@ -150,31 +150,9 @@ impl Solver {
         &self.conflict
     }
 
-    /// The multipliers that prove the last solution optimal; [`Certificate::residuals`] checks
-    /// them. Allocates: for debugging and tests, not for the control loop.
-    ///
-    /// # Errors
-    /// Those of [`solve`](Self::solve) for data that make no problem; [`Error::NotSolved`] when
-    /// the last solve did not end at the optimum, or was [forgotten](Self::forget);
-    /// [`Error::DataChanged`] when `hierarchy` does not hold the data that were solved.
-    pub fn certificate(&mut self, hierarchy: &Hierarchy) -> Result<Certificate, Error> {
-        if self.memory != Memory::Optimum {
-            return Err(Error::NotSolved);
-        }
-        self.set.data.expect_unchanged(hierarchy).map_err(|error| error.with_names(hierarchy))?;
-        self.set.fit();
-        self.set.factorise();
-        let found = Proof::new(&mut self.set, &self.solution.x).levels()?;
-        let data = &mut self.set.data;
-        let levels = found
-            .iter()
-            .map(|multipliers| named(hierarchy, data, multipliers))
-            .collect::<Result<_, _>>()?;
-        let active = (0..data.len())
-            .filter(|&id| self.set.activity[id].is_active())
-            .map(|id| data.sources[id])
-            .collect();
-        Ok(Certificate { hierarchy: hierarchy.clone(), levels, active })
+    /// The active set and the point of the last solve, if it ended at the optimum.
+    pub(crate) fn at_optimum(&mut self) -> Option<(&mut ActiveSet, &[f64])> {
+        (self.memory == Memory::Optimum).then_some((&mut self.set, &self.solution.x))
     }
 
     /// Solves `hierarchy`, of the shape given at construction.
@@ -199,7 +177,7 @@ impl Solver {
         budget: Budget,
     ) -> Result<&Solution, Error> {
         self.set.allowance = Allowance::new(budget, self.settings.max_iterations);
-        self.find_solution(hierarchy).map_err(|error| error.with_names(hierarchy))?;
+        self.find_solution(hierarchy).map_err(|error| hierarchy.named(error))?;
         Ok(&self.solution)
     }
 
@@ -451,37 +429,4 @@ impl Solver {
 
 fn unbounded(level: usize) -> Error {
     Error::Unbounded { level: LevelId::new(level), names: Names::default() }
-}
-
-/// Multipliers with the sources of their rows; those of a quadratic's factor become those of its
-/// Hessian.
-fn named(
-    hierarchy: &Hierarchy,
-    data: &mut ProblemData,
-    found: &[(usize, f64)],
-) -> Result<Vec<(ConstraintSource, f64)>, Error> {
-    let mut all: Vec<_> = Vec::with_capacity(found.len());
-    for (level, of_hierarchy) in hierarchy.levels().iter().enumerate() {
-        let rows = data.levels[level].clone();
-        let of_level = found.iter().filter(|(id, _)| rows.objective.contains(id));
-        if rows.quadratic {
-            let mut multipliers = vec![0.0; rows.used];
-            for &(id, multiplier) in of_level {
-                multipliers[id - rows.objective.start] = multiplier;
-            }
-            if multipliers.iter().any(|&multiplier| multiplier != 0.0) {
-                let on_hessian =
-                    data.hessian_multipliers(level, of_hierarchy.objective(), &multipliers)?;
-                all.extend(on_hessian.into_iter().map(|(row, multiplier)| {
-                    (ConstraintSource::Objective { level: LevelId::new(level), row }, multiplier)
-                }));
-            }
-        } else {
-            all.extend(of_level.map(|&(id, m)| (data.sources[id], m * data.scale(id))));
-        }
-    }
-    let plain = |id: usize| !matches!(data.sources[id], ConstraintSource::Objective { .. });
-    let plain = found.iter().filter(|(id, _)| plain(*id));
-    all.extend(plain.map(|&(id, m)| (data.sources[id], m * data.scale(id))));
-    Ok(all)
 }

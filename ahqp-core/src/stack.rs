@@ -18,12 +18,13 @@ pub use part::{CertifiedPart, Part};
 use crate::error::Error;
 use crate::problem::hierarchy::Hierarchy;
 use crate::problem::ids::LevelId;
-use crate::problem::level::{Level, of_level};
+use crate::problem::level::{Level, names_of, of_level};
 use crate::problem::rows::Rows;
-use crate::problem::source::{ConstraintSource, Names};
+use crate::problem::source::ConstraintSource;
 use crate::solver::budget::Budget;
 use crate::solver::settings::Settings;
-use crate::solver::solution::{Solution, Status};
+use crate::solver::solution::Solution;
+use crate::solver::status::Status;
 use blend::Blend;
 use change::{Change, Difference, End};
 use data::{Bounds, Data};
@@ -215,7 +216,7 @@ impl ContinuousStack {
     /// A row in words, with the names that level, row and variable have.
     pub fn describe(&self, row: ConstraintSource) -> impl fmt::Display + use<> {
         let level = row.level().and_then(|id| self.data.level(id));
-        Names::of(row, level, &self.data.variable_names).label(row)
+        names_of(row, level, &self.data.variable_names).label(row)
     }
 
     /// The bounds of the variables, to rewrite in place: `(lower, upper)`.

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::error::Error;
+use crate::error::{Error, Spot};
 use crate::problem::ids::LevelId;
-use crate::problem::level::{Level, of_level};
+use crate::problem::level::{Level, names_of, of_level};
 use crate::problem::rows::{Rows, Values, collect_names, expect_size, write};
 use crate::problem::source::{ConstraintSource, Names};
 
@@ -178,7 +178,20 @@ impl Hierarchy {
 
     pub(crate) fn names(&self, row: ConstraintSource) -> Names {
         let level = row.level().and_then(|id| self.level(id).ok());
-        Names::of(row, level, &self.variable_names)
+        names_of(row, level, &self.variable_names)
+    }
+
+    /// An error with the names that this hierarchy has for what it speaks of.
+    pub(crate) fn named(&self, mut error: Error) -> Error {
+        match error.spot_mut() {
+            Some(Spot::Row(row, names)) => *names = self.names(*row),
+            Some(Spot::Level(level, names)) => {
+                let level = self.level(*level).ok();
+                names.level = level.and_then(|level| level.shared_name().cloned());
+            }
+            None => {}
+        }
+        error
     }
 
     /// The lower bounds of the variables; negative infinity where there is none.

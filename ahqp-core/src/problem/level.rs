@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::linalg::vector::dot;
 use crate::problem::ids::LevelId;
 use crate::problem::rows::{Rows, expect_size};
-use crate::problem::source::Names;
+use crate::problem::source::{ConstraintSource, Names};
 
 /// What a level minimises.
 #[derive(Debug, Clone, PartialEq)]
@@ -191,4 +191,23 @@ pub(crate) fn of_level<T>(level: LevelId, result: Result<T, Error>) -> Result<T,
         }
         other => other,
     })
+}
+
+/// The names of a row of `level`, or of the bounds of one of the `variables`.
+pub(crate) fn names_of(
+    source: ConstraintSource,
+    level: Option<&Level>,
+    variables: &[Arc<str>],
+) -> Names {
+    let row = match source {
+        ConstraintSource::Bound { variable } => variables.get(variable).cloned(),
+        ConstraintSource::Constraint { row, .. } => {
+            level.and_then(|level| level.constraints().names().get(row).cloned())
+        }
+        ConstraintSource::Objective { row, .. } => match level.map(Level::objective) {
+            Some(Objective::LeastSquares(rows)) => rows.names().get(row).cloned(),
+            _ => None,
+        },
+    };
+    Names { row, level: level.and_then(|level| level.shared_name().cloned()) }
 }

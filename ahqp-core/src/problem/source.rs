@@ -4,7 +4,6 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::problem::ids::LevelId;
-use crate::problem::level::{Level, Objective};
 
 /// Where a row of the problem comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -69,29 +68,6 @@ pub struct Names {
 }
 
 impl Names {
-    /// The names of a row of `level`, or of the bounds of one of the `variables`.
-    pub(crate) fn of(
-        source: ConstraintSource,
-        level: Option<&Level>,
-        variables: &[Arc<str>],
-    ) -> Self {
-        let row = match source {
-            ConstraintSource::Bound { variable } => variables.get(variable).cloned(),
-            ConstraintSource::Constraint { row, .. } => {
-                level.and_then(|level| level.constraints().names().get(row).cloned())
-            }
-            ConstraintSource::Objective { row, .. } => match level.map(Level::objective) {
-                Some(Objective::LeastSquares(rows)) => rows.names().get(row).cloned(),
-                _ => None,
-            },
-        };
-        Self { row, ..Self::of_level(level) }
-    }
-
-    pub(crate) fn of_level(level: Option<&Level>) -> Self {
-        Self { level: level.and_then(|level| level.shared_name().cloned()), row: None }
-    }
-
     /// "level 3", with its name behind; "the level" if its id is not known.
     pub(crate) fn label_of_level(&self, level: impl Into<Option<LevelId>>) -> LevelLabel<'_> {
         LevelLabel { level: level.into(), name: Quoted(self.level.as_deref()) }

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use crate::problem::ids::LevelId;
-use crate::solver::solution::Status;
+use crate::solver::status::Status;
 
 /// Iterations between two looks at the clock.
 const LOOK_EVERY: usize = 8;

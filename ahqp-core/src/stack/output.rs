@@ -6,13 +6,14 @@ use super::data::Data;
 use crate::error::Error;
 use crate::problem::hierarchy::Hierarchy;
 use crate::problem::ids::LevelId;
-use crate::problem::level::Level;
+use crate::problem::level::{Level, names_of};
 use crate::problem::rows::Rows;
-use crate::problem::source::{ConstraintSource, Names};
+use crate::problem::source::ConstraintSource;
 use crate::solver::Solver;
 use crate::solver::budget::Budget;
 use crate::solver::settings::Settings;
-use crate::solver::solution::{Solution, Status};
+use crate::solver::solution::Solution;
+use crate::solver::status::Status;
 
 /// min ‖x − blend‖² within the bounds of variables and output and the hard constraints.
 #[derive(Debug)]
@@ -88,7 +89,7 @@ fn in_stack<'a>(error: Error, binding: impl Iterator<Item = &'a (LevelId, Level)
         let own = row - before;
         if own < level.constraints().len() {
             let worst = ConstraintSource::Constraint { level: *id, row: own };
-            let names = Names::of(worst, Some(level), &[]);
+            let names = names_of(worst, Some(level), &[]);
             return Error::Infeasible { level: *id, worst, violation, members, names };
         }
         before += level.constraints().len();

@@ -13,7 +13,8 @@ use crate::problem::source::ConstraintSource;
 use crate::solver::Solver;
 use crate::solver::budget::Budget;
 use crate::solver::settings::Settings;
-use crate::solver::solution::{Solution, Status};
+use crate::solver::solution::Solution;
+use crate::solver::status::Status;
 
 /// A level's place in an order; one that is not active only keeps its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
