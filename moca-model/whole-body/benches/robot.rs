@@ -1,0 +1,5 @@
+//! Time of one call.
+#![allow(missing_docs)]
+fn main() {
+    divan::main();
+}

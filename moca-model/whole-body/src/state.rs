@@ -1,0 +1,6 @@
+//! What is known of the robot now: one thread's memory, and views that say what it holds.
+
+pub(crate) mod data;
+pub(crate) mod moving;
+pub(crate) mod payload;
+pub(crate) mod posed;
