@@ -40,12 +40,14 @@
 
 mod dynamics;
 mod error;
+mod inertia;
 mod kinematics;
 mod robot;
 mod spatial;
 mod state;
 mod urdf;
 
+pub use dynamics::external::ExternalWrench;
 pub use error::Error;
 pub use kinematics::jacobian::Axes;
 pub use robot::description::{AddedFrame, Base, Description};

@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3xX, Point3, Vector3};
 
 use crate::error::{Error, check_size};
-use crate::robot::bodies::Motion;
 use crate::robot::description::Base;
+use crate::spatial::Motion;
 use crate::state::posed::Posed;
 
 impl Posed<'_> {

@@ -3,9 +3,9 @@
 use nalgebra::{Matrix3, Matrix6xX, Point3, Vector3};
 
 use crate::error::{Error, check_size};
-use crate::robot::bodies::Motion;
 use crate::robot::description::Base;
 use crate::robot::frame::FrameId;
+use crate::spatial::Motion;
 use crate::spatial::Spatial;
 use crate::state::posed::Posed;
 
