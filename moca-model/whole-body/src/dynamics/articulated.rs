@@ -32,9 +32,12 @@ impl Posed<'_> {
             }
             let joint = ArticulatedJoint { force, inverse: 1.0 / pivot };
             scratch.pivots[index] = joint;
-            let rest = own.without(&joint);
-            let apart = pose.position - data.poses[mover.parent].position;
-            scratch.articulated[mover.parent].add(&rest, &apart);
+            // The world takes any force.
+            if mover.parent > 0 || model.base == Base::Floating {
+                let rest = own.without(&joint);
+                let apart = pose.position - data.poses[mover.parent].position;
+                scratch.articulated[mover.parent].add(&rest, &apart);
+            }
         }
         if model.base != Base::Floating {
             return Ok(Root(None));

@@ -65,17 +65,19 @@ impl Moving<'_> {
         for (index, mover) in model.movers.iter().enumerate() {
             let body = index + 1;
             let pose = &data.poses[body];
-            let apart = pose.position - data.poses[mover.parent].position;
-            let mut own = accelerations[mover.parent];
-            own.linear += own.angular.cross(&apart);
+            // Without acceleration all bodies have the root's, that of gravity.
+            let mut own = root;
             if let Some(acceleration) = acceleration {
+                let apart = pose.position - data.poses[mover.parent].position;
                 let along = (mover.ratio * acceleration[mover.velocity]) * pose.axis();
+                own = accelerations[mover.parent];
+                own.linear += own.angular.cross(&apart);
                 match mover.motion {
                     Motion::Turns => own.angular += along,
                     Motion::Slides => own.linear += along,
                 }
+                accelerations[body] = own;
             }
-            accelerations[body] = own;
             wrenches[body] = wrench(&data.inertias[body], pose, &data.motions[body], &own);
         }
     }

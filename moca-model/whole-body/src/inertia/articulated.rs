@@ -73,7 +73,7 @@ impl ArticulatedInertia {
         let (linear, angular) = (&joint.force.linear, &joint.force.angular);
         Self {
             mass: self.mass.plus(&Symmetric3::outer(-joint.inverse, linear)),
-            coupling: self.coupling - (joint.inverse * linear) * angular.transpose(),
+            coupling: minus_outer(&self.coupling, &(joint.inverse * linear), angular),
             inertia: self.inertia.plus(&Symmetric3::outer(-joint.inverse, angular)),
         }
     }
@@ -109,6 +109,22 @@ impl ArticulatedInertia {
 
 impl ArticulatedJoint {
     pub(crate) const ZERO: Self = Self { force: Spatial::ZERO, inverse: 0.0 };
+}
+
+/// A − a bᵀ.
+#[inline]
+fn minus_outer(m: &Matrix3<f64>, a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::new(
+        m[(0, 0)] - a.x * b.x,
+        m[(0, 1)] - a.x * b.y,
+        m[(0, 2)] - a.x * b.z,
+        m[(1, 0)] - a.y * b.x,
+        m[(1, 1)] - a.y * b.y,
+        m[(1, 2)] - a.y * b.z,
+        m[(2, 0)] - a.z * b.x,
+        m[(2, 1)] - a.z * b.y,
+        m[(2, 2)] - a.z * b.z,
+    )
 }
 
 /// [d] A.

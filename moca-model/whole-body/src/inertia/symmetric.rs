@@ -25,11 +25,13 @@ impl Symmetric3 {
     /// R I Rᵀ of a symmetric I.
     #[inline]
     pub(crate) fn turned(inertia: &Matrix3<f64>, rotation: &Matrix3<f64>) -> Self {
-        let half = rotation * inertia;
-        let entry = |i: usize, j: usize| {
-            half[(i, 0)] * rotation[(j, 0)]
-                + half[(i, 1)] * rotation[(j, 1)]
-                + half[(i, 2)] * rotation[(j, 2)]
+        let (r, i) = (rotation, inertia);
+        // Columns of R I; I is symmetric.
+        let x = r.column(0) * i[(0, 0)] + r.column(1) * i[(1, 0)] + r.column(2) * i[(2, 0)];
+        let y = r.column(0) * i[(1, 0)] + r.column(1) * i[(1, 1)] + r.column(2) * i[(2, 1)];
+        let z = r.column(0) * i[(2, 0)] + r.column(1) * i[(2, 1)] + r.column(2) * i[(2, 2)];
+        let entry = |row: usize, column: usize| {
+            x[row] * r[(column, 0)] + y[row] * r[(column, 1)] + z[row] * r[(column, 2)]
         };
         Self {
             xx: entry(0, 0),

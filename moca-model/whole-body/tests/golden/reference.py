@@ -152,8 +152,10 @@ class Robot:
         world_mass = to_own.T @ mass @ to_own
         out["mass_matrix"] = world_mass
         # The accelerations serve as torques too.
+        out["torque"] = acceleration
+        bias = to_own.T @ pin.rnea(model, data, q, v, own_acceleration(0.0 * velocity))
+        out["bias"] = bias
         if self.mimics:
-            bias = to_own.T @ pin.rnea(model, data, q, v, own_acceleration(0.0 * velocity))
             out["forward_dynamics"] = inverse_of(world_mass) @ (acceleration - bias)
         else:
             solved = pin.aba(model, data, q, v, turn @ self._expansion(joints) @ acceleration)
