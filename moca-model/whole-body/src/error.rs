@@ -364,8 +364,8 @@ pub enum Error {
 
     /// No force moves the robot in a definite way, for a joint carries no inertia.
     #[error(
-        "the mass matrix is singular at joint `{joint}`: what it moves has no inertia; give its \
-         links a mass or hold the joint"
+        "the mass matrix is not positive definite at joint `{joint}`: what it moves has no inertia, \
+         or one of no body (see `Model::warnings`); give its links a mass or hold the joint"
     )]
     NoInertia {
         /// The joint.

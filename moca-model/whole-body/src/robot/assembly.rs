@@ -1,20 +1,20 @@
 //! From the selected joints of a URDF to a model: fixed and held joints are folded into bodies.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
 use super::bodies::Mover;
+use super::checks::{check_names, check_numbers};
 use super::description::{Base, Description};
 use super::frame::{Frame, FrameId};
 use super::inertia;
 use super::joint::{Joint, JointId, JointKind, MimicJoint};
 use super::limit_rules::{self, Resolved};
-use super::limits::{JointLimits, MissingAcceleration};
-use super::model::Model;
+use super::limits::JointLimits;
+use super::model::{Model, next_tag};
 use super::selection::{Role, Selection, select};
-use crate::error::{Error, check_finite};
+use crate::error::Error;
 use crate::inertia::body::BodyInertia;
 use crate::spatial::Motion;
 use crate::spatial::Pose;
@@ -37,12 +37,6 @@ pub(super) fn assemble(document: &Document, description: &Description) -> Result
     assembly.base()?;
     assembly.joints()?;
     assembly.finish()
-}
-
-/// A number that no other model has, so that its ids are known.
-pub(super) fn next_tag() -> u64 {
-    static NEXT: AtomicU64 = AtomicU64::new(0);
-    NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 struct Assembly<'a, 'b> {
@@ -307,50 +301,4 @@ fn displacement(joint: &document::Joint, position: f64) -> Result<Isometry3<f64>
             turn(UnitQuaternion::from_axis_angle(&axis(joint)?, position))
         }
     })
-}
-
-/// Every number in the description but the limits must be finite.
-fn check_numbers(description: &Description) -> Result<(), Error> {
-    for value in &description.gravity {
-        check_finite(*value, || "a component of gravity".to_owned())?;
-    }
-    for (joint, position) in &description.held {
-        check_finite(*position, || format!("the position that holds joint `{joint}`"))?;
-    }
-    for (joint, pose) in &description.origins {
-        check_pose(pose, || format!("the description's origin of joint `{joint}`"))?;
-    }
-    for (joint, friction) in &description.friction {
-        for value in [friction.range, friction.steepness, friction.shift] {
-            check_finite(value, || format!("the friction of joint `{joint}`"))?;
-        }
-    }
-    match description.missing_acceleration {
-        MissingAcceleration::TimeToFullSpeed(time) if !(time > 0.0 && time.is_finite()) => {
-            Err(Error::NotPositive { what: "the time to full speed", value: time })
-        }
-        _ => Ok(()),
-    }
-}
-
-pub(super) fn check_pose(pose: &Isometry3<f64>, what: impl Fn() -> String) -> Result<(), Error> {
-    let values = pose.translation.vector.iter().chain(&pose.rotation.coords);
-    values.into_iter().try_for_each(|value| check_finite(*value, &what))
-}
-
-/// Every joint that the description names must exist.
-fn check_names(tree: &Tree, description: &Description) -> Result<(), Error> {
-    let is_base = |name: &str| {
-        description.base == Base::Planar && ["base_x", "base_y", "base_yaw"].contains(&name)
-    };
-    for (name, _) in &description.origins {
-        tree.joint(None, name, "the joint with another origin,")?;
-    }
-    for (name, _) in description.limits.iter().filter(|(name, _)| !is_base(name)) {
-        tree.joint(None, name, "the joint with other limits,")?;
-    }
-    for (name, _) in description.friction.iter().filter(|(name, _)| !is_base(name)) {
-        tree.joint(None, name, "the joint with friction,")?;
-    }
-    Ok(())
 }
