@@ -2,7 +2,6 @@
 
 use nalgebra::{Isometry3, UnitQuaternion};
 
-use super::bodies::Mover;
 use super::checks::check_pose;
 use super::description::AddedFrame;
 use super::frame::Frame;
@@ -53,12 +52,14 @@ impl Model {
         for (index, mover) in self.movers.iter().enumerate().rev() {
             carried[mover.parent] |= carried[index + 1];
         }
+        let mut moves_mass = vec![false; self.velocities];
+        for (mover, carried) in self.movers.iter().zip(carried.iter().skip(1)) {
+            moves_mass[mover.velocity] |= carried;
+        }
         for joint in &self.joints {
-            let own = |mover: &Mover| mover.velocity == joint.velocity_index;
-            let mut movers = (1..).zip(&self.movers).filter(|(_, mover)| own(mover));
             let moves_mass = match joint.kind {
                 JointKind::Floating => carried[0],
-                _ => movers.any(|(body, _)| carried[body]),
+                _ => moves_mass[joint.velocity_index],
             };
             if !moves_mass {
                 self.warnings.push(Warning::NothingToMove { joint: joint.name.clone() });
