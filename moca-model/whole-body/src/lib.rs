@@ -61,3 +61,8 @@ pub use state::data::Data;
 pub use state::moving::Moving;
 pub use state::payload::{Payload, PayloadId};
 pub use state::posed::Posed;
+
+/// The example of the book's page on this crate.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/src/whole-body.md")]
+struct BookPage;

@@ -26,7 +26,7 @@ impl Model {
     pub(super) fn add_frame(&mut self, frame: Frame) -> Result<(), Error> {
         let name = frame.name.clone();
         if self.frame_names.insert(name.clone(), self.frames.len()).is_some() {
-            return Err(Error::DuplicateName { line: 0, element: "frame", name });
+            return Err(Error::DuplicateName { line: None, element: "frame", name });
         }
         self.frames.push(frame);
         Ok(())

@@ -16,8 +16,7 @@ use super::model::{Model, next_tag};
 use super::selection::{Role, Selection, select};
 use crate::error::Error;
 use crate::inertia::body::BodyInertia;
-use crate::spatial::Motion;
-use crate::spatial::Pose;
+use crate::spatial::{Motion, Pose};
 use crate::urdf::document::{self, Document, Kind, Origin};
 use crate::urdf::tree::Tree;
 
@@ -96,16 +95,14 @@ impl<'a, 'b> Assembly<'a, 'b> {
         match self.description.base {
             Base::Fixed => {}
             Base::Planar => {
-                let z = Vector3::z_axis();
-                for (index, (name, axis)) in
-                    [("base_x", Vector3::x_axis()), ("base_y", Vector3::y_axis()), ("base_yaw", z)]
-                        .into_iter()
-                        .enumerate()
-                {
-                    let kind =
-                        if index == 2 { JointKind::Continuous } else { JointKind::Prismatic };
+                let joints = [
+                    ("base_x", Vector3::x_axis(), JointKind::Prismatic),
+                    ("base_y", Vector3::y_axis(), JointKind::Prismatic),
+                    ("base_yaw", Vector3::z_axis(), JointKind::Continuous),
+                ];
+                for (index, (name, axis, kind)) in joints.into_iter().enumerate() {
                     let limits = limit_rules::of_base(name, self.description)?;
-                    self.add_joint(name, kind, child, (index, index), 0, limits)?;
+                    self.add_joint(name, kind, child, (index, index), None, limits)?;
                     // Each stands in the world's axes where it is at zero.
                     let before = self.placed[root];
                     self.placed[root] =
@@ -115,7 +112,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
             Base::Floating => {
                 let limits =
                     Resolved { limits: JointLimits::UNLIMITED, default_acceleration: false };
-                self.add_joint("floating_base", JointKind::Floating, child, (0, 0), 0, limits)?;
+                self.add_joint("floating_base", JointKind::Floating, child, (0, 0), None, limits)?;
             }
         }
         self.add_link(root)
@@ -140,7 +137,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
                     let entries = self.entries[free];
                     let resolved =
                         limit_rules::of_joint(joint, self.description, &mut self.model.warnings)?;
-                    self.add_joint(&joint.name, kind, frame, entries, joint.line, resolved)?;
+                    self.add_joint(&joint.name, kind, frame, entries, Some(joint.line), resolved)?;
                     self.add_mover(&carrier, &origin, &axis(joint)?, kind, entries.0, entries.1)
                 }
                 Role::Follows { free, multiplier, offset } => {
@@ -183,7 +180,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
         kind: JointKind,
         child: FrameId,
         (position_index, velocity_index): (usize, usize),
-        line: usize,
+        line: Option<usize>,
         Resolved { limits, default_acceleration }: Resolved,
     ) -> Result<(), Error> {
         let model = &mut self.model;
