@@ -1,12 +1,12 @@
 //! The robot at a configuration and a velocity.
 
+use nalgebra::Vector3;
+
 use super::data::BodyMotion;
 use super::posed::Posed;
 use crate::error::Error;
 use crate::robot::description::Base;
-use crate::spatial::Motion;
-use crate::spatial::Spatial;
-use nalgebra::Vector3;
+use crate::spatial::{Motion, Spatial};
 
 /// The robot at a configuration q, moving at q̇: twists, J̇q̇, dynamics.
 ///

@@ -5,8 +5,7 @@ use crate::error::Error;
 use crate::robot::configuration::orientation;
 use crate::robot::description::Base;
 use crate::robot::model::Model;
-use crate::spatial::Motion;
-use crate::spatial::Pose;
+use crate::spatial::{Motion, Pose};
 
 /// The robot at a configuration q: poses, Jacobians, and forces at rest.
 ///
