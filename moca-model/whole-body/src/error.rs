@@ -1,0 +1,399 @@
+//! What can be wrong with what this crate is given.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// What was wrong, where, and what would be right.
+///
+/// Lines count from 1.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file cannot be read.
+    #[error("{}: the file cannot be read: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+
+    /// What a file says is wrong.
+    #[error("{}: {source}", path.display())]
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: Box<Error>,
+    },
+
+    /// The text is no well-formed XML.
+    #[error("line {line}: the XML is broken: {reason}")]
+    Xml {
+        /// Where.
+        line: usize,
+        /// What the reader said.
+        reason: String,
+    },
+
+    /// The text ends before the robot does.
+    #[error("line {line}: the text ends within <{element}>; the file may have been cut")]
+    Truncated {
+        /// The last line.
+        line: usize,
+        /// The element that is not closed.
+        element: String,
+    },
+
+    /// The document has no robot, or something beside it.
+    #[error("line {line}: {found}; a URDF is one <robot> element")]
+    NotAUrdf {
+        /// Where.
+        line: usize,
+        /// What stands there.
+        found: String,
+    },
+
+    /// An element or attribute that is needed is not there.
+    #[error("line {line}: {owner} has no {missing}")]
+    Missing {
+        /// Where the owner begins.
+        line: usize,
+        /// The element that should have it.
+        owner: String,
+        /// What it should have.
+        missing: &'static str,
+    },
+
+    /// An attribute is not what it must be.
+    #[error("line {line}: {what} is \"{value}\"; it must be {expected}")]
+    Attribute {
+        /// Where.
+        line: usize,
+        /// Which one, of which element.
+        what: String,
+        /// What it is.
+        value: String,
+        /// What it must be.
+        expected: &'static str,
+    },
+
+    /// Two links, two joints or two frames have one name.
+    #[error("{}there is more than one {element} named `{name}`; names must be unique", at_line(*line))]
+    DuplicateName {
+        /// Where the second one begins, if the URDF has it.
+        line: Option<usize>,
+        /// `link` or `joint`.
+        element: &'static str,
+        /// The name.
+        name: String,
+    },
+
+    /// A link is the child of two joints.
+    #[error(
+        "line {line}: link `{link}` is the child of joints `{first}` and `{second}`; a link hangs \
+         on one joint"
+    )]
+    TwoParents {
+        /// Where the second joint begins.
+        line: usize,
+        /// The link.
+        link: String,
+        /// A joint that carries it.
+        first: String,
+        /// Another one.
+        second: String,
+    },
+
+    /// The joints go round in a circle.
+    #[error(
+        "line {line}: the joints above link `{link}` form a loop, joint `{joint}` among them; a \
+         robot is a tree"
+    )]
+    Loop {
+        /// Where the joint begins.
+        line: usize,
+        /// A link from which going up does not end.
+        link: String,
+        /// The joint that carries it.
+        joint: String,
+    },
+
+    /// The URDF has no link.
+    #[error("robot `{robot}` has no link")]
+    NoLinks {
+        /// The robot's name.
+        robot: String,
+    },
+
+    /// Two links hang on no joint.
+    #[error(
+        "links `{first}` (line {first_line}) and `{second}` (line {second_line}) both hang on no \
+         joint; join them, or name the one to start from as the description's `root`"
+    )]
+    TwoRoots {
+        /// A link without a parent.
+        first: String,
+        /// Where it begins.
+        first_line: usize,
+        /// Another one.
+        second: String,
+        /// Where it begins.
+        second_line: usize,
+    },
+
+    /// A link, frame or joint is asked for that the robot does not have.
+    #[error(
+        "{}{role} `{name}` is no {element} of robot `{robot}`; its {element}s are {known}",
+        at_line(*line)
+    )]
+    UnknownName {
+        /// Where the joint of the URDF begins that gives the name, if it is one.
+        line: Option<usize>,
+        /// `link`, `frame` or `joint`.
+        element: &'static str,
+        /// The name asked for.
+        name: String,
+        /// What it was to be.
+        role: &'static str,
+        /// The robot's name in the URDF.
+        robot: String,
+        /// The names that there are, the most similar first.
+        known: String,
+    },
+
+    /// Going from a tip towards the root does not reach the root.
+    #[error(
+        "no path from root `{root}` to tip `{tip}`: going up from the tip ends at `{reached}`; \
+         add the missing joint or name another root"
+    )]
+    NoPath {
+        /// The root link.
+        root: String,
+        /// The tip link.
+        tip: String,
+        /// Where the way up from the tip ended.
+        reached: String,
+    },
+
+    /// A joint's type is none that this crate can move.
+    #[error(
+        "line {line}: joint `{joint}` is {kind}; use fixed, prismatic, revolute and continuous \
+         joints, hold the joint at a position, or start from the link that it carries with a \
+         planar or floating base"
+    )]
+    UnsupportedJoint {
+        /// Where the joint begins.
+        line: usize,
+        /// The joint.
+        joint: String,
+        /// Its type in the URDF.
+        kind: String,
+    },
+
+    /// A joint mimics one that, in the end, mimics it.
+    #[error("line {line}: joint `{joint}` mimics itself; a mimic joint follows a joint that moves")]
+    MimicLoop {
+        /// Where the joint begins.
+        line: usize,
+        /// The joint.
+        joint: String,
+    },
+
+    /// The listed joints are not those that move.
+    #[error(
+        "the joints that move are {expected}, but the description lists {given}; list these in \
+         this order, or hold the others at a position"
+    )]
+    JointOrder {
+        /// The joints that move, in the order of q.
+        expected: String,
+        /// What the description lists.
+        given: String,
+    },
+
+    /// A joint is both listed as moving and held.
+    #[error("joint `{joint}` is listed among the moving joints and held at a position; do either")]
+    HeldAndMoving {
+        /// The joint.
+        joint: String,
+    },
+
+    /// Nothing moves.
+    #[error(
+        "no joint of robot `{robot}` moves below root `{root}`; a robot on a fixed base needs one"
+    )]
+    NoJoints {
+        /// The robot's name in the URDF.
+        robot: String,
+        /// The root link.
+        root: String,
+    },
+
+    /// A joint's axis has no direction.
+    #[error(
+        "line {line}: the axis of joint `{joint}` is zero; give it a direction, such as \
+         xyz=\"0 0 1\""
+    )]
+    ZeroAxis {
+        /// Where the joint begins.
+        line: usize,
+        /// The joint.
+        joint: String,
+    },
+
+    /// A number is NaN, infinite, or so large that results would be.
+    #[error("{what} is {value}; it must be a finite number of magnitude 1e12 at most")]
+    NotFinite {
+        /// Which number.
+        what: String,
+        /// Its value.
+        value: f64,
+    },
+
+    /// A mass is negative.
+    #[error("{what} is {mass} kg; a mass is zero or positive")]
+    NegativeMass {
+        /// Whose mass.
+        what: String,
+        /// Its value \[kg\].
+        mass: f64,
+    },
+
+    /// A joint has no limits, neither in the URDF nor in the description.
+    #[error(
+        "line {line}: joint `{joint}` has no {missing}; add <limit lower=… upper=… velocity=… \
+         effort=…/> to the URDF, give the limit in the description, or read the URDF with \
+         `UnusableLimits::Ignore`"
+    )]
+    LimitsMissing {
+        /// Where the joint begins.
+        line: usize,
+        /// The joint.
+        joint: String,
+        /// Which limit.
+        missing: &'static str,
+    },
+
+    /// A joint's range of positions is empty.
+    #[error(
+        "{}joint `{joint}` may move from {lower} to {upper}; the lower limit must be \
+         below the upper one (a joint that does not move is fixed or held; \
+         `UnusableLimits::Ignore` takes it for unlimited)",
+        at_line(*line)
+    )]
+    PositionLimits {
+        /// Where the joint begins, if the URDF has it.
+        line: Option<usize>,
+        /// The joint.
+        joint: String,
+        /// Lower limit \[rad or m\].
+        lower: f64,
+        /// Upper limit \[rad or m\].
+        upper: f64,
+    },
+
+    /// A limit that must be positive is not.
+    #[error(
+        "{}the {limit} limit of joint `{joint}` is {value}; it must be positive \
+         (`UnusableLimits::Ignore` takes it for unlimited)",
+        at_line(*line)
+    )]
+    LimitNotPositive {
+        /// Where the joint begins, if the URDF has it.
+        line: Option<usize>,
+        /// The joint.
+        joint: String,
+        /// Which limit.
+        limit: &'static str,
+        /// Its value.
+        value: f64,
+    },
+
+    /// A parameter that must be positive is not.
+    #[error("{what} is {value}; it must be positive")]
+    NotPositive {
+        /// Which one.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+
+    /// The quaternion of a floating base is none of a rotation.
+    #[error(
+        "the quaternion of the floating base has norm {norm}; it must be 1: integrate with \
+         `Model::integrate`, or normalise q[3..7]"
+    )]
+    Quaternion {
+        /// Its norm.
+        norm: f64,
+    },
+
+    /// A vector or matrix has the wrong size.
+    #[error("{what} has {got} elements; the robot needs {expected}")]
+    WrongSize {
+        /// Which one.
+        what: &'static str,
+        /// How many it must have.
+        expected: usize,
+        /// How many it has.
+        got: usize,
+    },
+
+    /// Data and model are not of the same robot.
+    #[error("the data was made for another model than `{robot}`; use Data::new(&model)")]
+    ForeignData {
+        /// The model's robot.
+        robot: String,
+    },
+
+    /// An id comes from another model.
+    #[error("the id of a {element} is of another model than `{robot}`; ask this model for it")]
+    ForeignId {
+        /// `frame`, `joint` or `payload`.
+        element: &'static str,
+        /// The model's robot.
+        robot: String,
+    },
+
+    /// There is no room for one more payload.
+    #[error("{limit} payloads are attached already; detach one first")]
+    TooManyPayloads {
+        /// How many there may be.
+        limit: usize,
+    },
+
+    /// No force moves the robot in a definite way, for a joint carries no inertia.
+    #[error(
+        "the mass matrix is not positive definite at joint `{joint}`: what it moves has no inertia, \
+         or one of no body (see `Model::warnings`); give its links a mass or hold the joint"
+    )]
+    NoInertia {
+        /// The joint.
+        joint: String,
+    },
+
+    /// What the solver refused.
+    #[error(transparent)]
+    Hierarchy(#[from] ahqp_core::Error),
+}
+
+fn at_line(line: Option<usize>) -> String {
+    line.map_or_else(String::new, |line| format!("line {line}: "))
+}
+
+/// Numbers above this are refused: squares and products of them stay finite.
+const LARGEST: f64 = 1e12;
+
+/// An error unless `value` is a number of sensible size; `what` is asked for only then.
+#[inline]
+pub(crate) fn check_finite(value: f64, what: impl FnOnce() -> String) -> Result<(), Error> {
+    if value.abs() <= LARGEST { Ok(()) } else { Err(Error::NotFinite { what: what(), value }) }
+}
+
+/// An error unless there are `expected` elements.
+#[inline]
+pub(crate) fn check_size(what: &'static str, got: usize, expected: usize) -> Result<(), Error> {
+    if got == expected { Ok(()) } else { Err(Error::WrongSize { what, expected, got }) }
+}

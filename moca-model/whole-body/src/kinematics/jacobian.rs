@@ -1,0 +1,116 @@
+//! Geometric Jacobians.
+
+use nalgebra::{Matrix3, Matrix6xX, Point3, Vector3};
+
+use crate::error::{Error, check_size};
+use crate::robot::description::Base;
+use crate::robot::frame::FrameId;
+use crate::spatial::{Motion, Spatial};
+use crate::state::posed::Posed;
+
+/// In which axes twists, Jacobians and accelerations of a frame are; always of its origin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Axes {
+    /// Parallel to the world's.
+    #[default]
+    World,
+    /// The frame's own. Rates are then those of the components in axes that turn along.
+    Local,
+}
+
+impl Posed<'_> {
+    /// The Jacobian of a frame, 6 × the size of q̇: its twist for q̇, linear rows \[m/s\] then
+    /// angular ones \[rad/s\]. Columns that do not move the frame are zero.
+    ///
+    /// Column i is [zᵢ × (p − pᵢ); zᵢ] for a turning joint and [zᵢ; 0] for a sliding one, zᵢ being
+    /// its axis, pᵢ its origin and p the frame's (Siciliano, Sciavicco, Villani, Oriolo, *Robotics:
+    /// Modelling, Planning and Control*, 2009, eq. 3.30). A mimic joint adds to the column of the
+    /// joint that it follows.
+    ///
+    /// # Errors
+    /// [`Error::ForeignId`]; [`Error::WrongSize`] unless `out` has as many columns as q̇ entries.
+    pub fn jacobian_into(
+        &self,
+        frame: FrameId,
+        axes: Axes,
+        out: &mut Matrix6xX<f64>,
+    ) -> Result<(), Error> {
+        let found = self.model.frame(frame)?;
+        check_size("the Jacobian's list of columns", out.ncols(), self.model.velocities)?;
+        let carrier = &self.data.poses[found.body];
+        let position = carrier.position + carrier.rotation * found.pose.position;
+        out.as_mut_slice().fill(0.0);
+        self.add_columns(found.body, &position, 1.0, out);
+        if axes == Axes::Local {
+            turn_columns(&(carrier.rotation * found.pose.rotation), out);
+        }
+        Ok(())
+    }
+
+    /// The Jacobian of the point that is at `point` in the world now and moves with `frame`, 6 × the
+    /// size of q̇, in world axes: of the nearest point of a link to an obstacle, for example.
+    ///
+    /// # Errors
+    /// [`Error::ForeignId`]; [`Error::WrongSize`] unless `out` has as many columns as q̇ entries.
+    pub fn point_jacobian_into(
+        &self,
+        frame: FrameId,
+        point: &Point3<f64>,
+        out: &mut Matrix6xX<f64>,
+    ) -> Result<(), Error> {
+        let found = self.model.frame(frame)?;
+        check_size("the Jacobian's list of columns", out.ncols(), self.model.velocities)?;
+        out.as_mut_slice().fill(0.0);
+        self.add_columns(found.body, &point.coords, 1.0, out);
+        Ok(())
+    }
+
+    /// Adds what each joint moves of a point on a body, times `factor`.
+    pub(super) fn add_columns(
+        &self,
+        body: usize,
+        point: &Vector3<f64>,
+        factor: f64,
+        out: &mut Matrix6xX<f64>,
+    ) {
+        let columns = out.as_mut_slice().as_chunks_mut::<6>().0;
+        let mut below = body;
+        while let Some(index) = below.checked_sub(1) {
+            let (mover, pose) = (&self.model.movers[index], &self.data.poses[below]);
+            let axis = (factor * mover.ratio) * pose.axis();
+            let moved = match mover.motion {
+                Motion::Turns => {
+                    Spatial { linear: axis.cross(&(point - pose.position)), angular: axis }
+                }
+                Motion::Slides => Spatial { linear: axis, angular: Vector3::zeros() },
+            };
+            add(&mut columns[mover.velocity], &moved);
+            below = mover.parent;
+        }
+        if let (Base::Floating, [x, y, z, wx, wy, wz, ..]) = (self.model.base, columns) {
+            let apart = factor * (point - self.data.poses[0].position);
+            for (column, entry) in [(x, 0), (y, 1), (z, 2)] {
+                column[entry] += factor;
+            }
+            for (column, axis) in [(wx, Vector3::x()), (wy, Vector3::y()), (wz, Vector3::z())] {
+                add(column, &Spatial { linear: axis.cross(&apart), angular: factor * axis });
+            }
+        }
+    }
+}
+
+#[inline]
+fn add(column: &mut [f64; 6], by: &Spatial) {
+    let [a, b, c, d, e, f] = column;
+    (*a, *b, *c) = (*a + by.linear.x, *b + by.linear.y, *c + by.linear.z);
+    (*d, *e, *f) = (*d + by.angular.x, *e + by.angular.y, *f + by.angular.z);
+}
+
+/// Takes columns from world axes to those of a frame that stands at `rotation`.
+pub(super) fn turn_columns(rotation: &Matrix3<f64>, out: &mut Matrix6xX<f64>) {
+    for column in out.as_mut_slice().as_chunks_mut::<6>().0 {
+        let [a, b, c, d, e, f] = *column;
+        let world = Spatial { linear: Vector3::new(a, b, c), angular: Vector3::new(d, e, f) };
+        *column = world.in_axes_of(rotation).to_vector().into();
+    }
+}

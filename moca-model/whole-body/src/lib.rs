@@ -1,0 +1,68 @@
+//! Any robot by its URDF: kinematics and dynamics of trees.
+//!
+//! A [`Model`] is read from a URDF and does not change; a [`Data`] is one thread's memory. Giving
+//! the data a configuration returns a [`Posed`], which knows poses, Jacobians, gravity and
+//! inertia; giving that a velocity returns a [`Moving`], which knows twists, J̇q̇ and dynamics. What
+//! has not been computed cannot be read.
+//!
+//! SI units, radians. Twists and accelerations are linear then angular, forces are forces then
+//! moments, all of a frame's origin in axes parallel to the world's unless [`Axes::Local`] is asked
+//! for. The size of q is [`Model::position_count`], that of q̇ [`Model::velocity_count`]; they
+//! differ for a floating base alone.
+//!
+//! ```
+//! use nalgebra::Matrix6xX;
+//! use whole_body::{Axes, Base, Data, Description, Model};
+//!
+//! let urdf = r#"<robot name="arm">
+//!   <link name="base"/> <link name="upper"/> <link name="lower"/>
+//!   <joint name="shoulder" type="continuous">
+//!     <parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+//!   </joint>
+//!   <joint name="elbow" type="continuous">
+//!     <origin xyz="0.5 0 0"/><parent link="upper"/><child link="lower"/><axis xyz="0 0 1"/>
+//!   </joint>
+//! </robot>"#;
+//! let description = Description { base: Base::Planar, ..Description::default() };
+//! let model = Model::from_urdf(urdf, &description)?;
+//! let lower = model.frame_id("lower")?;
+//!
+//! let mut data = Data::new(&model);
+//! let mut jacobian = Matrix6xX::zeros(model.velocity_count());
+//! let posed = data.pose(&model, &[1.0, 2.0, 0.0, 0.3, -0.3])?; // x, y, yaw, shoulder, elbow
+//! posed.jacobian_into(lower, Axes::World, &mut jacobian)?;
+//! assert!((posed.world_from(lower)?.translation.x - 1.0 - 0.5 * 0.3_f64.cos()).abs() < 1e-12);
+//!
+//! let moving = posed.moving(&[0.1, 0.0, 0.0, 0.0, 1.0])?;
+//! assert!((moving.twist(lower, Axes::World)?[0] - 0.1).abs() < 1e-12); // m/s
+//! # Ok::<(), whole_body::Error>(())
+//! ```
+
+mod dynamics;
+mod error;
+mod inertia;
+mod kinematics;
+mod robot;
+mod spatial;
+mod state;
+mod urdf;
+
+pub use dynamics::external::ExternalWrench;
+pub use error::Error;
+pub use kinematics::jacobian::Axes;
+pub use robot::description::{AddedFrame, Base, Description};
+pub use robot::frame::FrameId;
+pub use robot::friction::JointFriction;
+pub use robot::joint::{Joint, JointId, JointKind, MimicJoint};
+pub use robot::limits::{JointLimits, LimitOverride, MissingAcceleration, UnusableLimits};
+pub use robot::model::Model;
+pub use robot::warning::{InertiaFault, Warning};
+pub use state::data::Data;
+pub use state::moving::Moving;
+pub use state::payload::{Payload, PayloadId};
+pub use state::posed::Posed;
+
+/// The example of the book's page on this crate.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/src/whole-body.md")]
+struct BookPage;

@@ -1,0 +1,155 @@
+//! Which joints of a URDF move, which follow another one, and which stay where they are.
+
+use super::description::Description;
+use crate::error::Error;
+use crate::urdf::document::{Joint, Kind};
+use crate::urdf::names::list;
+use crate::urdf::tree::Tree;
+
+/// The joints below the root and what each does.
+pub(super) struct Selection {
+    /// The link to start from.
+    pub(super) root: usize,
+    /// Joints below the root, parents first, depth first.
+    pub(super) order: Vec<usize>,
+    /// By joint.
+    pub(super) roles: Vec<Role>,
+    /// The joints that move by themselves, in the order of q.
+    pub(super) free: Vec<usize>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Role {
+    /// Stays at a position \[rad or m\].
+    Held(f64),
+    /// Moves as the free joint of this number.
+    Free(usize),
+    /// Follows the free joint of this number.
+    Follows { free: usize, multiplier: f64, offset: f64 },
+}
+
+pub(super) fn select(tree: &Tree, description: &Description) -> Result<Selection, Error> {
+    let root = tree.root(description.root.as_deref())?;
+    let order = below(tree, root);
+    let joints = &tree.document.joints;
+    let mut moves = vec![description.tips.is_empty(); joints.len()];
+    for tip in &description.tips {
+        for joint in tree.path(root, tree.link(tip, "the tip")?)? {
+            moves[joint] = true;
+        }
+    }
+    let held = held(tree, description)?;
+    let mut roles = vec![None; joints.len()];
+    let mut free = Vec::new();
+    for &index in &order {
+        let joint = &joints[index];
+        roles[index] = match (held[index], &joint.kind) {
+            (Some(position), _) => Some(Role::Held(position)),
+            (None, Kind::Fixed) => Some(Role::Held(0.0)),
+            (None, Kind::Other(kind)) => {
+                return Err(Error::UnsupportedJoint {
+                    line: joint.line,
+                    joint: joint.name.clone(),
+                    kind: kind.clone(),
+                });
+            }
+            _ if joint.mimic.is_some() => None,
+            _ if moves[index] => {
+                free.push(index);
+                Some(Role::Free(free.len() - 1))
+            }
+            _ => Some(Role::Held(0.0)),
+        };
+    }
+    let roles = Followers { tree, roles }.resolve(&order)?;
+    check_order(tree, description, &free)?;
+    Ok(Selection { root, order, roles, free })
+}
+
+/// The joints below a link, parents first, depth first, in the document's order.
+fn below(tree: &Tree, root: usize) -> Vec<usize> {
+    let mut order = Vec::new();
+    let mut to_visit: Vec<usize> = tree.joints_on(root).iter().rev().copied().collect();
+    while let Some(joint) = to_visit.pop() {
+        order.push(joint);
+        to_visit.extend(tree.joints_on(tree.child(joint)).iter().rev());
+    }
+    order
+}
+
+/// By joint: where the description holds it.
+fn held(tree: &Tree, description: &Description) -> Result<Vec<Option<f64>>, Error> {
+    let mut held = vec![None; tree.document.joints.len()];
+    for (name, position) in &description.held {
+        held[tree.joint(None, name, "the held joint")?] = Some(*position);
+    }
+    for name in &description.joints {
+        if held[tree.joint(None, name, "the moving joint")?].is_some() {
+            return Err(Error::HeldAndMoving { joint: name.clone() });
+        }
+    }
+    Ok(held)
+}
+
+/// Finds for each mimic joint the joint that it follows in the end.
+struct Followers<'a, 'b> {
+    tree: &'a Tree<'b>,
+    /// `None` for what is not known yet, or does not hang below the root.
+    roles: Vec<Option<Role>>,
+}
+
+impl Followers<'_, '_> {
+    fn resolve(mut self, order: &[usize]) -> Result<Vec<Role>, Error> {
+        for &joint in order {
+            self.resolve_one(joint)?;
+        }
+        Ok(self.roles.into_iter().map(|role| role.unwrap_or(Role::Held(0.0))).collect())
+    }
+
+    /// Goes from follower to followed until a role is known, then back.
+    fn resolve_one(&mut self, joint: usize) -> Result<(), Error> {
+        let mut followers = Vec::new();
+        let mut reached = joint;
+        let mut role = loop {
+            if let Some(role) = self.roles[reached] {
+                break role;
+            }
+            let Joint { name, line, mimic, .. } = &self.tree.document.joints[reached];
+            let Some(mimic) = mimic else {
+                break Role::Held(0.0);
+            };
+            if followers.len() > self.roles.len() {
+                return Err(Error::MimicLoop { line: *line, joint: name.clone() });
+            }
+            followers.push((reached, mimic));
+            reached =
+                self.tree.joint(Some(*line), &mimic.joint, "the joint that a joint mimics,")?;
+        };
+        for (joint, mimic) in followers.into_iter().rev() {
+            role = match role {
+                Role::Held(position) => Role::Held(mimic.multiplier * position + mimic.offset),
+                Role::Free(free) => {
+                    Role::Follows { free, multiplier: mimic.multiplier, offset: mimic.offset }
+                }
+                Role::Follows { free, multiplier, offset } => Role::Follows {
+                    free,
+                    multiplier: mimic.multiplier * multiplier,
+                    offset: mimic.multiplier * offset + mimic.offset,
+                },
+            };
+            self.roles[joint] = Some(role);
+        }
+        Ok(())
+    }
+}
+
+fn check_order(tree: &Tree, description: &Description, free: &[usize]) -> Result<(), Error> {
+    let expected = free.iter().map(|&joint| tree.document.joints[joint].name.as_str());
+    if description.joints.is_empty() || expected.clone().eq(&description.joints) {
+        return Ok(());
+    }
+    Err(Error::JointOrder {
+        expected: list(expected),
+        given: list(description.joints.iter().map(String::as_str)),
+    })
+}

@@ -1,0 +1,75 @@
+//! What is odd in a URDF without making it unusable.
+
+use std::fmt;
+
+/// Something in a URDF that is worth a look; see [`Model::warnings`](crate::Model::warnings).
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// No rigid body has this inertia.
+    NotAnInertia {
+        /// The link.
+        link: String,
+        /// Where its `<inertial>` begins.
+        line: usize,
+        /// What is wrong with it.
+        fault: InertiaFault,
+    },
+    /// What a joint moves has no inertia: forward dynamics are not defined.
+    NothingToMove {
+        /// The joint.
+        joint: String,
+    },
+    /// A limit that cannot be meant counts as unlimited
+    /// ([`UnusableLimits::Ignore`](crate::UnusableLimits::Ignore)).
+    LimitIgnored {
+        /// The joint.
+        joint: String,
+        /// Where it begins.
+        line: usize,
+        /// Which limit.
+        limit: &'static str,
+    },
+}
+
+/// Why no rigid body has an inertia.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum InertiaFault {
+    /// A principal moment is negative \[kg m²\].
+    NegativeMoment(f64),
+    /// One principal moment is larger than the sum of the others \[kg m²\].
+    Triangle([f64; 3]),
+    /// Moments without a mass.
+    NoMass,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotAnInertia { link, line, fault } => {
+                write!(f, "line {line}: the inertia of link `{link}` is that of no body: ")?;
+                match fault {
+                    InertiaFault::NegativeMoment(moment) => {
+                        write!(f, "a principal moment is {moment:e} kg m²")
+                    }
+                    InertiaFault::Triangle([a, b, c]) => write!(
+                        f,
+                        "of its principal moments {a:e}, {b:e}, {c:e} kg m² one is larger than the \
+                         others together"
+                    ),
+                    InertiaFault::NoMass => write!(f, "it has moments and no mass"),
+                }
+            }
+            Self::NothingToMove { joint } => write!(
+                f,
+                "what joint `{joint}` moves has no inertia, so that forces have no definite effect"
+            ),
+            Self::LimitIgnored { joint, line, limit } => {
+                write!(
+                    f,
+                    "line {line}: joint `{joint}` has no usable {limit} and counts as unlimited"
+                )
+            }
+        }
+    }
+}

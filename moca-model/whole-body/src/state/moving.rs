@@ -1,0 +1,105 @@
+//! The robot at a configuration and a velocity.
+
+use nalgebra::Vector3;
+
+use super::data::BodyMotion;
+use super::posed::Posed;
+use crate::error::Error;
+use crate::robot::description::Base;
+use crate::spatial::{Motion, Spatial};
+
+/// The robot at a configuration q, moving at q̇: twists, J̇q̇, dynamics.
+///
+/// It is made by [`Posed::moving`], and all that a [`Posed`] knows is in [`posed`](Self::posed).
+#[derive(Debug)]
+pub struct Moving<'a> {
+    pub(crate) posed: Posed<'a>,
+}
+
+impl<'a> Posed<'a> {
+    /// The robot moving at `v` = q̇: twists, J̇q̇, dynamics.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`] and [`Error::NotFinite`] on v.
+    pub fn moving(self, v: &[f64]) -> Result<Moving<'a>, Error> {
+        Moving::new(self, v)
+    }
+}
+
+impl<'a> Moving<'a> {
+    /// Velocities go out from the root, and with them the accelerations that there are where q̈ is
+    /// zero: Featherstone, *Rigid Body Dynamics Algorithms*, 2008, Sec. 5.3, here of the bodies'
+    /// origins in world axes.
+    fn new(posed: Posed<'a>, v: &[f64]) -> Result<Self, Error> {
+        let (model, data) = (posed.model, &mut *posed.data);
+        model.check_velocity("q̇", v)?;
+        data.v.copy_from_slice(v);
+        let root = match (model.base, v) {
+            (Base::Floating, [vx, vy, vz, wx, wy, wz, ..]) => Spatial {
+                linear: Vector3::new(*vx, *vy, *vz),
+                angular: Vector3::new(*wx, *wy, *wz),
+            },
+            _ => Spatial::ZERO,
+        };
+        if let Some(first) = data.motions.first_mut() {
+            *first = BodyMotion { velocity: root, bias: Spatial::ZERO };
+        }
+        for (index, mover) in model.movers.iter().enumerate() {
+            let (parent, pose) = (&data.motions[mover.parent], &data.poses[index + 1]);
+            let rate = mover.ratio * v[mover.velocity];
+            let apart = pose.position - data.poses[mover.parent].position;
+            let along = rate * pose.axis();
+            let motion = carried(parent, &apart);
+            data.motions[index + 1] = match mover.motion {
+                Motion::Turns => turned(motion, &along),
+                Motion::Slides => slid(motion, &along),
+            };
+        }
+        Ok(Self { posed })
+    }
+
+    /// The robot at rest in the same configuration.
+    pub fn posed(&self) -> &Posed<'a> {
+        &self.posed
+    }
+
+    /// The same, for what needs room to compute.
+    pub fn posed_mut(&mut self) -> &mut Posed<'a> {
+        &mut self.posed
+    }
+
+    /// q̇, as it was given.
+    pub fn velocity(&self) -> &[f64] {
+        &self.posed.data.v
+    }
+}
+
+/// The motion of a point of the body that is `apart` from its origin.
+#[inline]
+pub(crate) fn carried(body: &BodyMotion, apart: &Vector3<f64>) -> BodyMotion {
+    let (velocity, bias) = (&body.velocity, &body.bias);
+    let around = velocity.angular.cross(apart);
+    BodyMotion {
+        velocity: Spatial { linear: velocity.linear + around, angular: velocity.angular },
+        bias: Spatial {
+            linear: bias.linear + bias.angular.cross(apart) + velocity.angular.cross(&around),
+            angular: bias.angular,
+        },
+    }
+}
+
+/// A joint at the point turns at `along` \[rad/s\] about an axis that the body carries.
+#[inline]
+fn turned(mut motion: BodyMotion, along: &Vector3<f64>) -> BodyMotion {
+    motion.bias.angular += motion.velocity.angular.cross(along);
+    motion.velocity.angular += along;
+    motion
+}
+
+/// A joint slides at `along` \[m/s\] on an axis that the body carries: Coriolis' acceleration.
+#[inline]
+fn slid(mut motion: BodyMotion, along: &Vector3<f64>) -> BodyMotion {
+    motion.bias.linear += 2.0 * motion.velocity.angular.cross(along);
+    motion.velocity.linear += along;
+    motion
+}
