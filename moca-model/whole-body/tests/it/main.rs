@@ -8,4 +8,5 @@ mod description;
 mod dynamics;
 mod golden;
 mod kinematics;
+mod parsed;
 mod support;
