@@ -4,15 +4,17 @@ mod admm;
 mod boxed;
 mod fit;
 mod report;
+mod scored_point;
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Error, Result, within};
 use crate::person_frame::PersonFrame;
+pub use fit::FitOptions;
 pub(crate) use fit::{FitInput, fit_weighted};
-pub use fit::{FitOptions, ScoredPoint};
 pub use report::{FitReport, Regret};
 pub(crate) use report::{correlation, ranks};
+pub use scored_point::ScoredPoint;
 
 /// e(x) = ½ xᵀ H x + gᵀ x + c with H symmetric and positive semidefinite; x is a hand position \[m\]
 /// in the person's frame or, once [`placed`](ErgonomicsQuadratic::placed), in the world.

@@ -1,6 +1,6 @@
 //! What can go wrong in a control loop, and what each fault asks of the robot.
 
-use crate::supervisor::SafetyState;
+use crate::safety_state::SafetyState;
 
 /// Why the time of a tick cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]

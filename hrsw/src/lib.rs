@@ -35,6 +35,7 @@ mod moving;
 mod path;
 mod reorientation;
 mod rows;
+mod safety_state;
 mod separation;
 mod shape;
 mod softening;
@@ -55,12 +56,13 @@ pub use motion::{FollowerSettings, FrameFollower};
 pub use moving::{Attachment, MovingSettings, MovingWorkspace};
 pub use path::Path;
 pub use rows::PoseRow;
+pub use safety_state::SafetyState;
 pub use separation::SeparationSettings;
 pub use shape::{
     Bounds, Capsule, Cone, HalfSpace, Mesh, OrientationShape, OrientedBox, Polytope, PositionShape,
 };
 pub use softening::{Slack, SoftWorkspace, Softening};
 pub use speed_cap::SpeedCap;
-pub use supervisor::{Cause, Observation, SafetyState, Supervisor, SupervisorSettings};
+pub use supervisor::{Cause, Observation, Supervisor, SupervisorSettings};
 pub use surroundings::{ForbiddenRegion, Intersection, Reach, Surroundings};
 pub use workspace::Workspace;

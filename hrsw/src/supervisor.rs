@@ -5,18 +5,7 @@ use crate::approach::Nearest;
 use crate::error::{Error, not_negative, positive};
 use crate::fault::Fault;
 use crate::motion::is_period;
-
-/// How much the robot may do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub enum SafetyState {
-    /// Full speed.
-    #[default]
-    Normal,
-    /// Reduced speed.
-    Reduced,
-    /// At rest, still under control.
-    ProtectiveStop,
-}
+use crate::safety_state::SafetyState;
 
 /// What brought the robot to its state.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
 use super::ErgonomicsQuadratic;
-use super::fit::ScoredPoint;
+use super::scored_point::ScoredPoint;
 use crate::error::{Error, Result};
 
 /// Coefficients of a quadratic in three variables.

@@ -1,24 +1,14 @@
 //! From scored points to a quadratic.
 
-use nalgebra::Vector3;
-
 use super::ErgonomicsQuadratic;
 use super::admm::convex_fit;
 use super::report::FitReport;
+use super::scored_point::ScoredPoint;
 use crate::error::{Error, Result, within};
 use crate::region::Region;
 
 /// Fewest points for a fit: twice the number of coefficients.
 const FEWEST: usize = 20;
-
-/// A hand position \[m\] with the score there.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ScoredPoint {
-    /// Hand position.
-    pub position: Vector3<f64>,
-    /// The score, usually `e_s`.
-    pub score: f64,
-}
 
 /// How a quadratic is fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]

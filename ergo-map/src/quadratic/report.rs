@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::ErgonomicsQuadratic;
-use super::fit::ScoredPoint;
+use super::scored_point::ScoredPoint;
 use crate::region::Region;
 
 /// How far the quadratic's choice is from the best the map offers, in units of the score.

@@ -4,7 +4,8 @@ use nalgebra::{Unit, UnitQuaternion, Vector3};
 
 use crate::error::{Error, check_all};
 
-use super::orientation::ANGLE_MARGIN;
+/// Rotation vectors are continuous below half a turn; bounds keep this distance from it \[rad\].
+pub(crate) const ANGLE_MARGIN: f64 = 0.1;
 
 /// The orientations that turn `axis` of the tool to within `half_angle` of `direction`; the
 /// roll about the axis is free.

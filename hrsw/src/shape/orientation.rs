@@ -4,12 +4,9 @@ use ahqp_core::{left_jacobian_inverse, rotation_log};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::bounds::Bounds;
-use super::cone::Cone;
+use super::cone::{ANGLE_MARGIN, Cone};
 use super::mesh::Mesh;
 use crate::error::Error;
-
-/// Rotation vectors are continuous below half a turn; bounds keep this distance from it \[rad\].
-pub(crate) const ANGLE_MARGIN: f64 = 0.1;
 
 /// A set of orientations about a reference.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,0 +1,13 @@
+//! How much the robot may do.
+
+/// How much the robot may do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum SafetyState {
+    /// Full speed.
+    #[default]
+    Normal,
+    /// Reduced speed.
+    Reduced,
+    /// At rest, still under control.
+    ProtectiveStop,
+}
