@@ -129,7 +129,7 @@ impl Limits {
         self
     }
 
-    /// Whether `state` obeys the limits, up to rounding, and can go on obeying them.
+    /// Returns true if `state` obeys the limits, up to rounding, and can go on obeying them.
     pub fn admits(&self, state: MotionState) -> bool {
         let MotionState { position, velocity } = state;
         let stop = velocity * velocity / (2.0 * self.acceleration) * (1.0 - ROUNDING);

@@ -243,7 +243,7 @@ impl ContinuousStack {
         self.blend.activation(id).ok_or(Error::NoSuchLevel { level: id })
     }
 
-    /// Whether a change is under way.
+    /// Returns true if a change is under way.
     pub fn is_changing(&self) -> bool {
         self.blend.changes.iter().any(|change| !change.share.is_over())
     }
@@ -453,7 +453,7 @@ impl ContinuousStack {
         self.blend.settle(|removed| self.data.levels.retain(|(id, _)| *id != removed));
     }
 
-    /// Whether level `id` is there: it comes with its insertion, and its removal is not over.
+    /// Returns true if level `id` is there: it comes with its insertion, and its removal is not over.
     fn has(&self, id: LevelId) -> bool {
         let is_over = |change: &Change| change.removes(id) && change.outcome() == Some(false);
         self.data.level(id).is_some() && !self.blend.changes.iter().any(is_over)

@@ -206,7 +206,7 @@ impl JointRanges {
         Ok(())
     }
 
-    /// Whether the angles lie within the ranges.
+    /// Returns true if the angles lie within the ranges.
     pub fn contains(&self, angles: &JointAngles) -> bool {
         let bounds = self.min.to_array().into_iter().zip(self.max.to_array());
         angles.to_array().into_iter().zip(bounds).all(|(q, (min, max))| (min..=max).contains(&q))

@@ -99,7 +99,7 @@ impl ErgonomicsMap {
         self.scores.iter().filter(|score| !score.is_nan()).count()
     }
 
-    /// Whether the hand can reach no node.
+    /// Returns true if the hand can reach no node.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -114,7 +114,7 @@ impl ErgonomicsMap {
         })
     }
 
-    /// Whether the map knows the score at this hand position.
+    /// Returns true if the map knows the score at this hand position.
     pub fn contains(&self, hand: &Vector3<f64>) -> bool {
         self.sample(hand).is_ok()
     }

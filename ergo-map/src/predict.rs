@@ -249,7 +249,7 @@ fn mirrored(target: &HandTarget) -> HandTarget {
     }
 }
 
-/// Whether a point lies within the trunk, a capsule from hip to neck.
+/// Returns true if a point lies within the trunk, a capsule from hip to neck.
 fn inside_trunk(pose: &Pose, point: &Vector3<f64>) -> bool {
     [(pose.hip, pose.lumbar), (pose.lumbar, pose.neck)].into_iter().any(|(a, b)| {
         let along = b - a;

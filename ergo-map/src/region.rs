@@ -51,7 +51,7 @@ impl Region {
         self.max - self.min
     }
 
-    /// Whether the point lies in the box or on its faces.
+    /// Returns true if the point lies in the box or on its faces.
     pub fn contains(&self, point: &Vector3<f64>) -> bool {
         (0..3).all(|i| point[i] >= self.min[i] && point[i] <= self.max[i])
     }

@@ -308,7 +308,7 @@ impl ApproachRows {
         check_all("a joint velocity", motion.velocity.iter().chain(braking))
     }
 
-    /// Whether a pair has more headroom than all that are kept, by a bound on its distance that
+    /// Returns true if a pair has more headroom than all that are kept, by a bound on its distance that
     /// takes no search for the nearest points; `robot_speed` bounds the approach, and `human`
     /// the measured human speed.
     fn is_out_of_sight(

@@ -125,7 +125,7 @@ impl Fault {
         }
     }
 
-    /// Whether its stop waits for an acknowledgement. Else the robot recovers when it has not come
+    /// Returns true if its stop waits for an acknowledgement. Else the robot recovers when it has not come
     /// again for the dwell time: what the loop itself sees to be over needs nobody to look.
     pub fn waits(self) -> bool {
         match self {

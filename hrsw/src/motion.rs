@@ -174,7 +174,7 @@ impl FrameFollower {
     }
 }
 
-/// Whether time passes.
+/// Returns true if time passes.
 pub(crate) fn is_period(period: f64) -> bool {
     period > 0.0 && period.is_finite()
 }

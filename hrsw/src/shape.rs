@@ -106,7 +106,7 @@ impl PositionShape {
         }
     }
 
-    /// Whether the point lies within.
+    /// Returns true if the point lies within.
     pub fn contains(&self, point: &Vector3<f64>) -> bool {
         match self {
             Self::Box(bounds) => bounds.contains(point),

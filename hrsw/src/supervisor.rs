@@ -35,7 +35,7 @@ impl Cause {
         }
     }
 
-    /// Whether the robot is to stop as fast as it can, and not along a ramp.
+    /// Returns true if the robot is to stop as fast as it can, and not along a ramp.
     fn is_urgent(&self) -> bool {
         matches!(self, Self::Fault(_) | Self::TooClose(_))
     }
@@ -190,13 +190,13 @@ impl Supervisor {
         self.scale
     }
 
-    /// Whether the present stop is for somebody too close or a fault: the robot then stops as fast
+    /// Returns true if the present stop is for somebody too close or a fault: the robot then stops as fast
     /// as it can, whatever [`speed_scale`](Self::speed_scale) is on its ramp.
     pub fn stops_at_once(&self) -> bool {
         self.urgent
     }
 
-    /// Whether the present stop waits for [`acknowledge`](Self::acknowledge).
+    /// Returns true if the present stop waits for [`acknowledge`](Self::acknowledge).
     pub fn waits_for_acknowledgement(&self) -> bool {
         self.waits
     }

@@ -194,7 +194,7 @@ impl Workspace {
         self.orientation.advance(period);
     }
 
-    /// Whether a change of shape is under way.
+    /// Returns true if a change of shape is under way.
     pub fn is_changing(&self) -> bool {
         !(self.position.is_still() && self.orientation.is_still())
     }
@@ -258,7 +258,7 @@ impl Workspace {
         stack(&linear, &angular)
     }
 
-    /// Whether the pose lies within.
+    /// Returns true if the pose lies within.
     pub fn contains(&self, pose: &Isometry3<f64>) -> bool {
         self.violation(pose) == Vector6::zeros()
     }

@@ -87,13 +87,13 @@ impl<'a> Proof<'a> {
         Ok(multipliers)
     }
 
-    /// Whether an inequality that has not pushed yet may push with this sign.
+    /// Returns true if an inequality that has not pushed yet may push with this sign.
     fn may_push(&self, id: usize, multiplier: f64) -> bool {
         let state = self.set.activity[id];
         self.settled[id] || !state.has_wrong_sign(multiplier, 0.0)
     }
 
-    /// Whether multipliers have the right signs, balance their level, and are no larger than
+    /// Returns true if multipliers have the right signs, balance their level, and are no larger than
     /// `largest` times its gradient.
     fn is_sound(&self, level: Option<usize>, multipliers: &Multipliers, largest: f64) -> bool {
         let Balance { gradient, size, rest } = self.balance(level, multipliers);

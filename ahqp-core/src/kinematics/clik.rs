@@ -52,7 +52,7 @@ impl AugmentedState {
         self.joints + self.task + self.slack
     }
 
-    /// Whether there are no variables.
+    /// Returns true if there are no variables.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

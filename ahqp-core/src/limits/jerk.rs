@@ -89,7 +89,7 @@ impl JerkLimits {
         Self { limits: self.limits.slowed(scale), ..self }
     }
 
-    /// Whether `state` obeys the limits, up to rounding, and can go on obeying them.
+    /// Returns true if `state` obeys the limits, up to rounding, and can go on obeying them.
     pub fn admits(&self, state: AcceleratedState) -> bool {
         let AcceleratedState { position, velocity, acceleration } = state;
         let Limits { lower, upper, velocity: fastest, acceleration: strongest } = self.limits;

@@ -163,7 +163,7 @@ impl Rows {
         self.lower.len()
     }
 
-    /// Whether there are none.
+    /// Returns true if there are none.
     pub fn is_empty(&self) -> bool {
         self.lower.is_empty()
     }

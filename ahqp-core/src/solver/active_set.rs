@@ -161,12 +161,12 @@ impl ActiveSet {
         self.settings.feasibility_tolerance * self.data.size(id, &self.x) + rounding
     }
 
-    /// Whether row `id` holds.
+    /// Returns true if row `id` holds.
     pub(crate) fn holds(&self, id: usize) -> bool {
         self.is_closed(id, self.violation(id))
     }
 
-    /// Whether a gap between row `id` and its bound is none.
+    /// Returns true if a gap between row `id` and its bound is none.
     fn is_closed(&self, id: usize, gap: f64) -> bool {
         let tolerance = self.settings.feasibility_tolerance;
         self.data.is_closed(id, gap, &self.x, self.farthest, tolerance)

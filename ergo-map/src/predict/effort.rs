@@ -140,7 +140,7 @@ impl Effort {
         normal
     }
 
-    /// Whether balance is at stake: the centre of mass is close to heel or toe.
+    /// Returns true if balance is at stake: the centre of mass is close to heel or toe.
     pub(super) fn on_edge(&self, pose: &Pose) -> bool {
         let [_, _, (edge, _)] = self.balance(pose, GUARD_STIFFNESS);
         edge.abs() > 0.0
@@ -175,7 +175,7 @@ fn sight(pose: &Pose, target: &Vector3<f64>) -> (Vector3<f64>, f64) {
     (line / distance, distance)
 }
 
-/// Whether joint `a` moves joint `b` (or is it): neck and arm are separate branches.
+/// Returns true if joint `a` moves joint `b` (or is it): neck and arm are separate branches.
 fn moves(a: usize, b: usize) -> bool {
     a <= b && (a <= 5 || (a <= 7) == (b <= 7))
 }

@@ -90,7 +90,7 @@ impl Camera {
         Self { settings, draw, jumps, vanishings, missed: 0 }
     }
 
-    /// Whether this frame never arrives.
+    /// Returns true if this frame never arrives.
     pub(super) fn loses_frame(&mut self) -> bool {
         self.draw.random_bool(self.settings.drop / 10.0)
     }

@@ -107,12 +107,12 @@ impl Wanderer {
         &self.person
     }
 
-    /// Whether they jumped in the last step.
+    /// Returns true if they jumped in the last step.
     pub fn jumped(&self) -> bool {
         self.jumped
     }
 
-    /// Whether the camera sees them.
+    /// Returns true if the camera sees them.
     pub fn is_in_view(&self) -> bool {
         self.in_view.0
     }

@@ -28,7 +28,7 @@ const PARTS: [(Body25, Body25, f64, f64, bool); 12] = [
 /// How many capsules a body has.
 pub(super) const PART_COUNT: usize = PARTS.len();
 
-/// Whether a part is of an arm, which works on what the robot holds.
+/// Returns true if a part is of an arm, which works on what the robot holds.
 pub(super) fn is_arm(part: usize) -> bool {
     PARTS[part].4
 }

@@ -183,7 +183,7 @@ impl Episode {
         })
     }
 
-    /// Whether the robot moves.
+    /// Returns true if the robot moves.
     pub(super) fn moves(&self) -> bool {
         self.controller.command().joint_velocity.iter().any(|velocity| velocity.abs() > 1e-3)
     }

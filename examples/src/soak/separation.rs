@@ -104,7 +104,7 @@ fn protective_distance(settings: &SeparationSettings, person: f64, robot: f64) -
         + robot_uncertainty
 }
 
-/// Whether a pair is in breach, for a body and a period \[s\].
+/// Returns true if a pair is in breach, for a body and a period \[s\].
 fn in_breach(
     settings: &SeparationSettings,
     robot: &Robot,
@@ -170,7 +170,7 @@ pub(super) fn judge(
     verdict
 }
 
-/// Whether a pair comes no nearer than in an emergency stop.
+/// Returns true if a pair comes no nearer than in an emergency stop.
 fn stops(robot: &Robot, body: &Body, (link, part): (usize, usize)) -> bool {
     let person = &body.now[part];
     let least = robot.stopping.towards(link, person);

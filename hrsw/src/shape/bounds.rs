@@ -62,7 +62,7 @@ impl Bounds {
         v.sup(&self.min).inf(&self.max)
     }
 
-    /// Whether `v` lies within.
+    /// Returns true if `v` lies within.
     pub fn contains(&self, v: &Vector3<f64>) -> bool {
         self.nearest(v) == *v
     }

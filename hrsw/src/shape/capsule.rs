@@ -94,7 +94,7 @@ impl Capsule {
         self.reach
     }
 
-    /// Whether the spheres around the two are farther apart than `distance` \[m\].
+    /// Returns true if the spheres around the two are farther apart than `distance` \[m\].
     pub(crate) fn is_beyond(&self, other: &Self, distance: f64) -> bool {
         let twice_apart = self.start + self.end - other.start - other.end;
         let within = (distance + self.reach + other.reach).max(0.0);

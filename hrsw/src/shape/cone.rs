@@ -82,7 +82,7 @@ impl Cone {
         self.direction.cross(&turned).norm().atan2(self.direction.dot(&turned))
     }
 
-    /// Whether the orientation lies within.
+    /// Returns true if the orientation lies within.
     pub fn contains(&self, rotation: &UnitQuaternion<f64>) -> bool {
         self.angle(rotation) <= self.half_angle
     }

@@ -59,7 +59,7 @@ impl OrientationShape {
         }
     }
 
-    /// Whether the orientation, in the axes of the reference, lies within.
+    /// Returns true if the orientation, in the axes of the reference, lies within.
     pub fn contains(&self, rotation: &UnitQuaternion<f64>) -> bool {
         match self {
             Self::Box(bounds) => bounds.contains(&rotation_log(rotation)),

@@ -56,7 +56,7 @@ impl Signs {
         }
     }
 
-    /// Whether the sign of row `id` has yet to be seen.
+    /// Returns true if the sign of row `id` has yet to be seen.
     pub(super) fn is_open(&self, id: usize) -> bool {
         !self.settled[id]
     }

@@ -60,7 +60,7 @@ impl ProblemData {
         if nearer.is_finite() { nearer } else { 0.0 }
     }
 
-    /// Whether a `gap` between row `id` and its bound is none: within `tolerance` of the row's
+    /// Returns true if a `gap` between row `id` and its bound is none: within `tolerance` of the row's
     /// terms at x, or what is left of vectors as long as `farthest`, ‖x‖ or more, by rounding.
     pub(crate) fn is_closed(
         &self,

@@ -225,7 +225,7 @@ impl Orthogonal {
         }
     }
 
-    /// Whether the product has become so long that making it anew is cheaper.
+    /// Returns true if the product has become so long that making it anew is cheaper.
     pub(super) fn is_long(&self) -> bool {
         // A change adds at most three chains of as many rotations as there are variables.
         self.form == Form::Product
