@@ -6,6 +6,7 @@ mod error;
 mod input;
 mod pickle;
 mod safetensors;
+mod shape;
 mod source;
 mod state_dict;
 mod tensor_info;

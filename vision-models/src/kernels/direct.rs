@@ -19,7 +19,7 @@ const CHUNK: usize = 512;
 pub(crate) struct Epilogue {
     /// Adds what the output holds (the residual connection).
     pub(crate) add: bool,
-    /// Makes negative results zero.
+    /// Makes negative results zero, and NaN of those that are not finite.
     pub(crate) relu: bool,
 }
 

@@ -228,10 +228,9 @@ unsafe fn tile<V: Vector, const ROWS: usize, const VECTORS: usize>(
                 ahead = ahead.wrapping_add(step.ahead.step);
             }
         }
-        let zero = V::splat(0.0);
         for (sums, output) in sums.into_iter().zip(output) {
             for (v, sum) in sums.into_iter().enumerate() {
-                let sum = if step.relu { sum.max(zero) } else { sum };
+                let sum = if step.relu { sum.relu() } else { sum };
                 sum.store(output.add(v * V::LANES));
             }
         }

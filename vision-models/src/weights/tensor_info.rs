@@ -2,7 +2,7 @@
 
 use std::io::{Read, Seek, SeekFrom};
 
-use super::{CheckpointError, ElementType, input::reading};
+use super::{CheckpointError, ElementType, input::reading, shape::elements};
 use crate::Error;
 
 /// Bytes that are read at a time: they stay in the cache until they are decoded.
@@ -42,7 +42,7 @@ impl TensorInfo {
         offset: usize,
         region: Region,
     ) -> Option<Self> {
-        let size = shape.iter().try_fold(1_usize, |size, &axis| size.checked_mul(axis))?;
+        let size = elements(&shape)?;
         let last = shape.iter().zip(&strides).try_fold(0_usize, |last, (&axis, &stride)| {
             last.checked_add(axis.saturating_sub(1).checked_mul(stride)?)
         })?;
@@ -65,11 +65,12 @@ impl TensorInfo {
         shape: Vec<usize>,
         position: u64,
     ) -> Option<Self> {
-        let mut size = 1_usize;
+        let size = elements(&shape)?;
         let mut strides = vec![0; shape.len()];
+        let mut step = 1;
         for (stride, &axis) in strides.iter_mut().zip(&shape).rev() {
-            *stride = size;
-            size = size.checked_mul(axis)?;
+            *stride = step;
+            step *= axis.max(1);
         }
         let region = Region { position, elements: size, checksum: None };
         Self::new(element, shape, strides, 0, region)
@@ -87,7 +88,8 @@ impl TensorInfo {
 
     /// The number of elements.
     pub fn elements(&self) -> usize {
-        self.shape.iter().product()
+        // `new` has seen that the shape has a number of elements.
+        elements(&self.shape).unwrap_or(0)
     }
 
     /// Hands the elements' bytes out in C order, piece by piece, each a whole number of elements.
@@ -130,13 +132,13 @@ impl TensorInfo {
     /// Whether the elements lie in C order without gaps.
     fn is_contiguous(&self) -> bool {
         let mut size = 1;
-        self.elements() == self.span
-            && self.shape.iter().zip(&self.strides).rev().all(|(&axis, &stride)| {
-                let in_order = axis == 1 || stride == size;
-                size *= axis;
-                in_order
-            })
-            || self.span == 0
+        self.span == 0
+            || self.elements() == self.span
+                && self.shape.iter().zip(&self.strides).rev().all(|(&axis, &stride)| {
+                    let in_order = axis == 1 || stride == size;
+                    size *= axis;
+                    in_order
+                })
     }
 
     /// Walks a tensor that is a view with other strides.

@@ -153,7 +153,7 @@ impl OutputTransform<'_> {
         unsafe {
             let value = value.add(bias);
             let value = if self.epilogue.add { value.add(V::load(to)) } else { value };
-            let value = if self.epilogue.relu { value.max(V::splat(0.0)) } else { value };
+            let value = if self.epilogue.relu { value.relu() } else { value };
             value.store(to);
         }
     }
