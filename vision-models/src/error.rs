@@ -110,6 +110,14 @@ pub enum Error {
         /// The image or clip of the batch.
         input: usize,
     },
+    /// A layer that does not fit the activations which it reads and writes.
+    #[error("layer {layer} cannot be planned: {problem}")]
+    Layer {
+        /// What the checkpoint calls it, or what it is.
+        layer: String,
+        /// What does not fit.
+        problem: String,
+    },
     /// Images or clips of the wrong shape.
     #[error(
         "an input of shape {shape:?}: give images of N x 3 x height x width or clips of \

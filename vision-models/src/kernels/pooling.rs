@@ -22,7 +22,12 @@ pub(crate) struct MaxPool {
 
 impl MaxPool {
     /// Plans the pooling of `from` into the first channels of `to`.
+    ///
+    /// # Panics
+    /// If `to` has another size than the window gives, or too few channels.
     pub(crate) fn new(isa: InstructionSet, window: Window, from: Layout, to: Layout) -> Self {
+        assert_eq!(window.output(from.size), Some(to.size), "{window:?} over {from:?}");
+        assert!(to.channels >= from.channels);
         Self { isa, window, from, to }
     }
 
@@ -34,7 +39,6 @@ impl MaxPool {
         let Self { isa, from, to, .. } = *self;
         let rows = to.size[0] * to.size[1];
         assert!(input.len() >= from.length() && output.len() >= to.length());
-        assert!(to.channels >= from.channels);
         let output = SharedSlice::new(output);
         let tasks = rows.min(8 * pool.lanes());
         pool.run(tasks, &|_, task| {

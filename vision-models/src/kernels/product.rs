@@ -65,6 +65,11 @@ pub(super) struct Product<'a> {
 impl Task for Product<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
+        assert!(self.width <= MAX_PANEL && self.channels <= self.width);
+        assert!(
+            [1, 2, 4].contains(&(self.width / V::LANES)) && self.width.is_multiple_of(V::LANES)
+        );
+        assert_eq!(self.rows.len(), self.output_rows.len());
         // SAFETY: passed on to the caller.
         unsafe {
             match self.width / V::LANES {
