@@ -1,5 +1,6 @@
 //! Checkpoints: what they hold, and how it is read.
 
+mod budget;
 mod checkpoint;
 mod element;
 mod error;

@@ -1,5 +1,8 @@
 //! How many elements a shape has.
 
+/// More axes than any tensor of a network has.
+pub(super) const MAX_AXES: usize = 8;
+
 /// The number of elements of a tensor of this shape; `None` if an axis, or all that are not empty
 /// together, are longer than memory can be. No such tensor can be made, even an empty one.
 pub(super) fn elements(shape: &[usize]) -> Option<usize> {
