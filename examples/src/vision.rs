@@ -8,5 +8,6 @@ pub mod errors;
 pub mod folders;
 pub mod npy;
 pub mod results;
+pub mod tensor_name;
 pub mod top_k;
 pub mod training;

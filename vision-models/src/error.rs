@@ -78,6 +78,46 @@ pub enum Error {
         /// Names of tensors of the wrong shape, with both shapes.
         misshapen: Vec<String>,
     },
+    /// A weight that no network was trained to.
+    #[error(
+        "tensor \"{}\": element {index:?} is {value}: give {expected}", Excerpt(.name)
+    )]
+    Weight {
+        /// The tensor's name.
+        name: String,
+        /// The element's index along each axis.
+        index: Vec<usize>,
+        /// Its value.
+        value: f32,
+        /// The values that are right.
+        expected: &'static str,
+    },
+    /// A convolution whose weights are finite, but not after its batch norm was folded in.
+    #[error(
+        "layer \"{}\": with its batch norm folded in, a weight is too large for f32: the \
+         checkpoint is damaged, or its training diverged", Excerpt(.layer)
+    )]
+    FoldedWeights {
+        /// The convolution's name in the checkpoint.
+        layer: String,
+    },
+    /// Activations that are too large for f32.
+    #[error(
+        "input {input}: the network's activations overflow f32, so that it has no scores: \
+         normalise the input, and check that the weights are those of this network"
+    )]
+    Overflow {
+        /// The image or clip of the batch.
+        input: usize,
+    },
+    /// A layer that does not fit the activations which it reads and writes.
+    #[error("layer {layer} cannot be planned: {problem}")]
+    Layer {
+        /// What the checkpoint calls it, or what it is.
+        layer: String,
+        /// What does not fit.
+        problem: String,
+    },
     /// Images or clips of the wrong shape.
     #[error(
         "an input of shape {shape:?}: give images of N x 3 x height x width or clips of \

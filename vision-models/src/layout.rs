@@ -54,6 +54,11 @@ impl Layout {
         self.before != [0; 3] || self.after != [0; 3]
     }
 
+    /// Whether the border is at least this large.
+    pub(crate) fn has_border_of(&self, before: Extent, after: Extent) -> bool {
+        (0..3).all(|axis| self.before[axis] >= before[axis] && self.after[axis] >= after[axis])
+    }
+
     /// Makes the border zero.
     pub(crate) fn clear_border(&self, memory: &mut [f32]) {
         let strides = self.strides();

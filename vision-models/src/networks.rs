@@ -17,6 +17,8 @@ mod shapes;
 mod slow_fast;
 mod slow_only;
 mod stream;
+#[cfg(test)]
+mod tests;
 
 pub use backbone::ResNetDepth;
 pub use kind::NetworkKind;

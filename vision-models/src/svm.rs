@@ -6,12 +6,14 @@ mod dual;
 mod file;
 mod settings;
 
+use std::collections::BTreeMap;
+
 use ndarray::{Array1, Array2, ArrayView1, ArrayView2, Axis};
 
 pub use dual::Training;
 pub use settings::{Bias, Loss, SvmSettings};
 
-use crate::Error;
+use crate::{Error, error::Excerpt};
 
 /// A linear classifier: for two classes one plane, whose positive side is the second class; for
 /// more, one plane a class against the rest, and the class whose plane is farthest behind wins.
@@ -48,7 +50,7 @@ impl LinearSvm {
     ///
     /// # Errors
     /// [`Error::Samples`] if there are none or too many, labels are missing or out of range, a
-    /// class has no sample, or there are fewer than two classes; [`Error::Feature`] for one that
+    /// class has no sample, no name or another's, or there are fewer than two classes; [`Error::Feature`] for one that
     /// is not finite; [`Error::Setting`].
     pub fn train(
         samples: ArrayView2<'_, f32>,
@@ -80,7 +82,8 @@ impl LinearSvm {
     /// A machine of given planes, one row of `weights` each.
     ///
     /// # Errors
-    /// [`Error::Samples`] if the numbers of classes, planes and biases do not fit;
+    /// [`Error::Samples`] if the numbers of classes, planes and biases do not fit, or a class has no name
+    /// or another's;
     /// [`Error::Feature`] for a weight or bias that is not finite.
     pub fn new(
         classes: Vec<String>,
@@ -189,10 +192,22 @@ fn check_classes(classes: &[String]) -> Result<(), Error> {
     if classes.len() < 2 {
         return refuse(format!("{} classes: give at least two", classes.len()));
     }
-    match classes.iter().find(|name| name.trim() != name.as_str() || name.contains(['\n', '\r'])) {
-        Some(name) => refuse(format!("the class name {name:?} has spaces around it or two lines")),
-        None => Ok(()),
+    let mut seen = BTreeMap::new();
+    for (class, name) in classes.iter().enumerate() {
+        let shown = Excerpt(name);
+        if name.is_empty() {
+            return refuse(format!("class {class} has no name: give each class one"));
+        }
+        if name.trim() != name || name.contains(['\n', '\r']) {
+            return refuse(format!("the class name \"{shown}\" has spaces around it or two lines"));
+        }
+        if let Some(other) = seen.insert(name, class) {
+            return refuse(format!(
+                "classes {other} and {class} are both named \"{shown}\": give each its own name"
+            ));
+        }
     }
+    Ok(())
 }
 
 fn check_finite(samples: &ArrayView2<'_, f32>) -> Result<(), Error> {

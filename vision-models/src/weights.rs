@@ -1,11 +1,13 @@
 //! Checkpoints: what they hold, and how it is read.
 
+mod budget;
 mod checkpoint;
 mod element;
 mod error;
 mod input;
 mod pickle;
 mod safetensors;
+mod shape;
 mod source;
 mod state_dict;
 mod tensor_info;

@@ -9,7 +9,10 @@ use std::{
 use anyhow::{Result, ensure};
 use clap::Parser;
 use examples::program::{self, Ending, Interrupt, Json, OutputFile, Program, Quiet, Session};
-use examples::vision::errors::{in_file, open_checkpoint};
+use examples::vision::{
+    errors::{in_file, open_checkpoint},
+    tensor_name::printable,
+};
 use serde::Serialize;
 use vision_models::{Checkpoint, NetworkKind};
 
@@ -119,10 +122,13 @@ impl Contents {
             writeln!(out, "a {network}")?;
         }
         if !checkpoint.others().is_empty() {
-            writeln!(out, "not read: {}", checkpoint.others().join(", "))?;
+            let others: Vec<_> = checkpoint.others().iter().map(|name| printable(name)).collect();
+            writeln!(out, "not read: {}", others.join(", "))?;
         }
-        let width = checkpoint.tensors().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+        let length = |(name, _): (&str, _)| printable(name).chars().count();
+        let width = checkpoint.tensors().map(length).max().unwrap_or(0);
         for (name, info) in checkpoint.tensors() {
+            let name = printable(name);
             writeln!(out, "{name:width$}  {:4}  {:?}", info.element(), info.shape())?;
         }
         writeln!(out, "{} tensors, {} elements", self.tensors, self.elements)?;

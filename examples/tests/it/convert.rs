@@ -52,6 +52,25 @@ fn refuses_what_is_no_checkpoint() {
     convert(&[&data("checkpoints.py")]).failed(1, "checkpoints.py: not a checkpoint");
 }
 
+/// A name is data from outside: it starts no line of its own and sends no codes to the terminal.
+#[test]
+fn names_are_shown_escaped() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("in.safetensors");
+    let mut tensors = Tensors::new();
+    let long = "n".repeat(5000);
+    for name in ["fc\n3 tensors, 54 elements", "\u{1b}]0;title\u{7}", "\u{202e}abc", &long] {
+        tensors.insert(name, Tensor::new(vec![1], vec![0.5]).unwrap()).unwrap();
+    }
+    tensors.write_safetensors(fs::File::create(&path).unwrap()).unwrap();
+    let output = convert(&[path.to_str().unwrap()]).done().output;
+    assert_eq!(output.lines().count(), 6, "{output}");
+    assert!(output.lines().all(|line| line.chars().count() < 150), "{output}");
+    assert!(!output.contains(['\u{1b}', '\u{7}', '\u{202e}']), "{output}");
+    assert!(output.contains("\\u{1b}]0;title\\u{7}"));
+    assert!(output.contains("fc\\n3 tensors"), "{output}");
+}
+
 #[test]
 fn outputs_are_checked_before_the_work() {
     let says = "cannot write /nope/out: there is no folder /nope";

@@ -19,7 +19,7 @@ const CHUNK: usize = 512;
 pub(crate) struct Epilogue {
     /// Adds what the output holds (the residual connection).
     pub(crate) add: bool,
-    /// Makes negative results zero.
+    /// Makes negative results zero, and NaN of those that are not finite.
     pub(crate) relu: bool,
 }
 
@@ -67,6 +67,10 @@ pub(crate) struct Direct {
 impl Direct {
     /// Plans the convolution of the first `inputs` channels of `input`, whose border is at least
     /// the padding, into the channels of `output` from `first_channel` on.
+    ///
+    /// # Panics
+    /// If the border is smaller, the output has another size than the window gives, or either
+    /// layout has too few channels.
     pub(crate) fn new(
         isa: InstructionSet,
         panels: Panels,
@@ -74,9 +78,12 @@ impl Direct {
         (input, inputs): (Layout, usize),
         (output, first_channel): (Layout, usize),
     ) -> Self {
+        assert!(input.has_border_of(window.padding, window.padding));
+        assert_eq!(window.output(input.size), Some(output.size), "{window:?} over {input:?}");
+        assert!(inputs > 0 && inputs <= input.channels);
+        assert!(first_channel + panels.channels <= output.channels);
         let strides = input.strides();
-        let before: Extent =
-            std::array::from_fn(|axis| input.before[axis].saturating_sub(window.padding[axis]));
+        let before: Extent = std::array::from_fn(|axis| input.before[axis] - window.padding[axis]);
         let [frames, rows, columns] = window.kernel;
         // Neighbouring pixels are one segment, unless there are channels between to leave out.
         let (pieces, length) =
@@ -120,8 +127,7 @@ impl Direct {
     ) {
         let panels = self.panels;
         assert!(weights.len() >= panels.padded() * self.depth && bias.len() >= panels.padded());
-        assert!(output.len() >= self.output.length());
-        assert!(self.first_channel + panels.channels <= self.output.channels);
+        assert!(input.len() >= self.input.length() && output.len() >= self.output.length());
         let output = SharedSlice::new(output);
         let (blocks, groups) = self.split(pool.lanes());
         let pixels = self.output.pixels();

@@ -11,7 +11,7 @@ use super::threads::Pool;
 use super::vector::Vector;
 
 /// The largest value of each window, behind a ReLU: the part of a window outside the input counts
-/// as zeros, and nothing is smaller.
+/// as zeros, and nothing is smaller. A window with NaN gives NaN.
 #[derive(Clone, Debug)]
 pub(crate) struct MaxPool {
     isa: InstructionSet,
@@ -22,7 +22,12 @@ pub(crate) struct MaxPool {
 
 impl MaxPool {
     /// Plans the pooling of `from` into the first channels of `to`.
+    ///
+    /// # Panics
+    /// If `to` has another size than the window gives, or too few channels.
     pub(crate) fn new(isa: InstructionSet, window: Window, from: Layout, to: Layout) -> Self {
+        assert_eq!(window.output(from.size), Some(to.size), "{window:?} over {from:?}");
+        assert!(to.channels >= from.channels);
         Self { isa, window, from, to }
     }
 
@@ -34,7 +39,6 @@ impl MaxPool {
         let Self { isa, from, to, .. } = *self;
         let rows = to.size[0] * to.size[1];
         assert!(input.len() >= from.length() && output.len() >= to.length());
-        assert!(to.channels >= from.channels);
         let output = SharedSlice::new(output);
         let tasks = rows.min(8 * pool.lanes());
         pool.run(tasks, &|_, task| {
@@ -95,15 +99,22 @@ impl Task for Maximum {
         // SAFETY: the caller vouches for all taps and channels.
         unsafe {
             for channel in (0..whole).step_by(V::LANES) {
-                let mut largest = V::splat(0.0);
+                let zero = V::splat(0.0);
+                let (mut largest, mut overflow) = (zero, zero);
                 for tap in taps() {
-                    largest = largest.max(V::load(self.input.add(tap + channel)));
+                    let value = V::load(self.input.add(tap + channel));
+                    largest = largest.max(value);
+                    // Zero, until a value is NaN.
+                    overflow = value.mul_add(zero, overflow);
                 }
-                largest.store(self.output.add(channel));
+                largest.add(overflow).store(self.output.add(channel));
             }
             for channel in whole..self.channels {
                 let values = taps().map(|tap| *self.input.add(tap + channel));
-                *self.output.add(channel) = values.fold(0.0, f32::max);
+                let (largest, overflow) = values.fold((0.0_f32, 0.0), |(most, sum), value| {
+                    (most.max(value), sum + 0.0 * value)
+                });
+                *self.output.add(channel) = largest + overflow;
             }
         }
     }

@@ -65,6 +65,11 @@ pub(super) struct Product<'a> {
 impl Task for Product<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
+        assert!(self.width <= MAX_PANEL && self.channels <= self.width);
+        assert!(
+            [1, 2, 4].contains(&(self.width / V::LANES)) && self.width.is_multiple_of(V::LANES)
+        );
+        assert_eq!(self.rows.len(), self.output_rows.len());
         // SAFETY: passed on to the caller.
         unsafe {
             match self.width / V::LANES {
@@ -228,10 +233,9 @@ unsafe fn tile<V: Vector, const ROWS: usize, const VECTORS: usize>(
                 ahead = ahead.wrapping_add(step.ahead.step);
             }
         }
-        let zero = V::splat(0.0);
         for (sums, output) in sums.into_iter().zip(output) {
             for (v, sum) in sums.into_iter().enumerate() {
-                let sum = if step.relu { sum.max(zero) } else { sum };
+                let sum = if step.relu { sum.relu() } else { sum };
                 sum.store(output.add(v * V::LANES));
             }
         }

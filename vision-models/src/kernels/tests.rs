@@ -62,15 +62,15 @@ fn direct_cases() -> impl Strategy<Value = Case> {
 
 fn winograd_cases() -> impl Strategy<Value = (Tiling, Case)> {
     let tiling = prop_oneof![Just(Tiling::Two), Just(Tiling::Four), Just(Tiling::FourFrames)];
-    let channels = (1..4_usize, 1..10_usize);
+    let channels = (1..4_usize, 1..10_usize, 0..20_usize);
     let size = [1..10_usize, 1..14, 1..14];
     (tiling, channels, size, epilogue(), 1..4_usize, any::<u64>()).prop_map(
-        |(tiling, (inputs, outputs), size, epilogue, lanes, seed)| {
+        |(tiling, (inputs, outputs, spare), size, epilogue, lanes, seed)| {
             let kernel = tiling.kernel();
             let padding = kernel.map(|taps| taps / 2);
             let window = Window { kernel, stride: [1; 3], padding };
             let (inputs, outputs) = (16 * inputs, 16 * outputs);
-            (tiling, Case { window, size, inputs, outputs, spare: 0, epilogue, lanes, seed })
+            (tiling, Case { window, size, inputs, outputs, spare, epilogue, lanes, seed })
         },
     )
 }
@@ -225,8 +225,8 @@ proptest! {
                     *value = f64::from(operands.kernel[index]);
                 }
             });
-            let from = (operands.from, case.inputs);
-            let plan = Winograd::new(isa, panels, tiling, from, operands.to, case.lanes);
+            let (from, to) = ((operands.from, case.inputs), (operands.to, case.spare));
+            let plan = Winograd::new(isa, panels, tiling, from, to, case.lanes);
             let mut scratch = vec![f32::NAN; plan.scratch(case.lanes)];
             let mut output = operands.output.clone();
             let bias = operands.bias(panels);

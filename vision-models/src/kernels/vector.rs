@@ -22,8 +22,19 @@ pub(super) unsafe trait Vector: Copy {
     unsafe fn add(self, other: Self) -> Self;
     /// self − other.
     unsafe fn sub(self, other: Self) -> Self;
-    /// The larger of each lane.
+    /// The larger of each lane; `other`, if one is NaN.
     unsafe fn max(self, other: Self) -> Self;
+
+    /// Zero for negative lanes; NaN for lanes that are NaN or infinite. An overflow thus stays
+    /// visible, where a plain maximum would make zero of it.
+    #[inline(always)]
+    unsafe fn relu(self) -> Self {
+        // SAFETY: passed on to the caller.
+        unsafe {
+            let zero = Self::splat(0.0);
+            self.max(self.mul_add(zero, zero))
+        }
+    }
 }
 
 /// Asks for a cache line that will be read soon; the address need not be anybody's.
@@ -81,7 +92,9 @@ unsafe impl Vector for Portable {
 
     #[inline(always)]
     unsafe fn max(self, other: Self) -> Self {
-        Self(std::array::from_fn(|lane| self.0[lane].max(other.0[lane])))
+        Self(std::array::from_fn(|lane| {
+            if self.0[lane] > other.0[lane] { self.0[lane] } else { other.0[lane] }
+        }))
     }
 }
 

@@ -68,6 +68,31 @@ impl Step {
         }
     }
 
+    /// The channels that the step reads, and those that it writes: how many from the first, and up to
+    /// which.
+    pub(crate) fn channels(&self, graph: &Graph) -> [usize; 2] {
+        match *self {
+            Self::Convolution { layer, first_channel, .. } => {
+                let Layer { inputs, outputs, .. } = graph.layers[layer];
+                [inputs, first_channel + outputs]
+            }
+            Self::MaxPool { input, .. } => [graph.channels[input.0]; 2],
+        }
+    }
+
+    /// Whether the step adds to what its output holds.
+    pub(crate) fn adds(&self) -> bool {
+        matches!(self, Self::Convolution { add: true, .. })
+    }
+
+    /// What errors call the step.
+    pub(crate) fn name(&self, layers: &[Layer]) -> String {
+        match *self {
+            Self::Convolution { layer, .. } => layers[layer].names.convolution.clone(),
+            Self::MaxPool { .. } => "max pool".into(),
+        }
+    }
+
     /// How the step looks at its input.
     pub(crate) fn window(&self, layers: &[Layer]) -> Window {
         match *self {

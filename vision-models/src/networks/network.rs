@@ -76,6 +76,19 @@ impl<'a> Clips<'a> {
     }
 }
 
+/// Whether an input's features and scores are numbers. The kernels make NaN of what overflows, and
+/// whatever depends on it is NaN or infinite.
+///
+/// # Errors
+/// [`Error::Overflow`].
+pub(crate) fn check_finite(input: usize, features: &[f32], logits: &[f32]) -> Result<(), Error> {
+    if features.iter().chain(logits).all(|value| value.is_finite()) {
+        Ok(())
+    } else {
+        Err(Error::Overflow { input })
+    }
+}
+
 #[derive(Debug)]
 pub(crate) struct Network {
     pub(crate) architecture: Architecture,
@@ -184,6 +197,7 @@ impl Network {
                 copy_clip(&clip, index, session.plan.input(input))?;
             }
             session.run(&mut self.threads, &self.weights, features, logits);
+            check_finite(index, features, logits)?;
         }
         let view = |width, data| ArrayView2::from_shape((count, width), data).map_err(|_| shape());
         Ok(Scores {

@@ -1,7 +1,7 @@
 //! From a checkpoint's tensors to packed weights.
 
 use crate::kernels::{Buffer, InstructionSet, Panels, Winograd, pack};
-use crate::{Error, Tensor, TensorSource};
+use crate::{Error, TensorSource};
 
 use super::graph::Layer;
 use super::shapes::Algorithm;
@@ -78,9 +78,40 @@ fn kernel_shape(layer: &Layer) -> Vec<usize> {
     [layer.outputs, layer.inputs].iter().chain(kernel).copied().collect()
 }
 
-/// The elements of a tensor that [`Expected::check`] has seen.
+/// The elements of a tensor that [`Expected::check`] has seen, all of them finite.
 fn take(tensors: &mut dyn TensorSource, name: &str) -> Result<Vec<f32>, Error> {
-    tensors.take(name).map(Tensor::into_data)
+    take_where(tensors, name, f32::is_finite, "a finite number")
+}
+
+/// The elements of a tensor, if `is_right` says so of each.
+fn take_where(
+    tensors: &mut dyn TensorSource,
+    name: &str,
+    is_right: impl Fn(f32) -> bool,
+    expected: &'static str,
+) -> Result<Vec<f32>, Error> {
+    let promised = tensors.shape(name).map(<[usize]>::to_vec).unwrap_or_default();
+    let tensor = tensors.take(name)?;
+    if tensor.shape() != promised {
+        return Err(Error::TensorSize { shape: promised, elements: tensor.data().len() });
+    }
+    // Nearly always all are right, and a fold over all is faster than a search.
+    let all = tensor.data().iter().fold(true, |all, &value| all & is_right(value));
+    if !all && let Some(at) = tensor.data().iter().position(|&value| !is_right(value)) {
+        let (name, value) = (name.to_owned(), tensor.data()[at]);
+        return Err(Error::Weight { name, index: index_of(at, &promised), value, expected });
+    }
+    Ok(tensor.into_data())
+}
+
+/// The index along each axis of the `at`-th element in C order.
+fn index_of(mut at: usize, shape: &[usize]) -> Vec<usize> {
+    let mut index = vec![0; shape.len()];
+    for (place, &axis) in index.iter_mut().zip(shape).rev() {
+        *place = at % axis;
+        at /= axis;
+    }
+    index
 }
 
 /// A layer ready to run.
@@ -100,6 +131,9 @@ fn narrow(value: f64) -> f32 {
 
 impl Packed {
     /// Takes a layer's tensors out of the checkpoint, folds the batch norm (in f64) and packs.
+    ///
+    /// # Errors
+    /// [`Error::Weight`], [`Error::FoldedWeights`], and what the source gives.
     pub(crate) fn convolution(
         isa: InstructionSet,
         layer: &Layer,
@@ -108,8 +142,13 @@ impl Packed {
     ) -> Result<Self, Error> {
         let kernel = take(tensors, &format!("{}.weight", layer.names.convolution))?;
         let mut norm = |part| take(tensors, &format!("{}.{part}", layer.names.norm));
-        let (gain, shift) = (norm("weight")?, norm("bias")?);
-        let (mean, variance) = (norm("running_mean")?, norm("running_var")?);
+        let (gain, shift, mean) = (norm("weight")?, norm("bias")?, norm("running_mean")?);
+        let variance = take_where(
+            tensors,
+            &format!("{}.running_var", layer.names.norm),
+            |value| value.is_finite() && value >= 0.0,
+            "a finite number, zero or more: a variance",
+        )?;
         let scale: Vec<f64> = gain
             .iter()
             .zip(&variance)
@@ -140,6 +179,10 @@ impl Packed {
                 })
             }
         };
+        let is_finite = |values: &[f32]| values.iter().fold(true, |all, v| all & v.is_finite());
+        if !is_finite(&weights) || !is_finite(&bias) {
+            return Err(Error::FoldedWeights { layer: layer.names.convolution.clone() });
+        }
         Ok(Self { algorithm, panels, weights, bias })
     }
 

@@ -52,7 +52,8 @@ impl Plan {
     /// Plans the steps from `inputs` to `outputs`.
     ///
     /// # Errors
-    /// [`Error::InputTooSmall`] if a kernel does not fit.
+    /// [`Error::InputTooSmall`] if a kernel does not fit, [`Error::Layer`] for a step that does not fit
+    /// the others.
     pub(crate) fn new(
         isa: InstructionSet,
         lanes: usize,
@@ -73,10 +74,8 @@ impl Plan {
             planned.extend(
                 clear.iter().filter(|(step, _)| *step == at).map(|&(_, at)| Planned::Clear { at }),
             );
-            let (Some(input), Some(output)) = (places[step.input().0], places[step.output().0])
-            else {
-                continue;
-            };
+            let input = placed(&places, step.input(), &step.name(&graph.layers))?;
+            let output = placed(&places, step.output(), &step.name(&graph.layers))?;
             let window = step.window(&graph.layers);
             planned.push(match *step {
                 Step::MaxPool { .. } => Planned::MaxPool {
@@ -96,7 +95,14 @@ impl Plan {
                             Planned::Direct { plan, layer, input, output, epilogue }
                         }
                         Algorithm::Winograd(tiling) => {
-                            let plan = Winograd::new(isa, panels, tiling, from, to, lanes);
+                            let plan = Winograd::new(
+                                isa,
+                                panels,
+                                tiling,
+                                from,
+                                (to, first_channel),
+                                lanes,
+                            );
                             scratch = scratch.max(plan.scratch(lanes));
                             Planned::Winograd { plan, layer, input, output, epilogue }
                         }
@@ -104,10 +110,12 @@ impl Plan {
                 }
             });
         }
-        let ends = |values: &[Value]| values.iter().filter_map(|value| places[value.0]).collect();
+        let ends = |values: &[Value], name| {
+            values.iter().map(|&value| placed(&places, value, name)).collect::<Result<_, _>>()
+        };
         Ok(Self {
-            inputs: ends(&inputs),
-            outputs: ends(outputs),
+            inputs: ends(&inputs, "input")?,
+            outputs: ends(outputs, "output")?,
             steps: planned,
             buffers: lengths.into_iter().map(Buffer::zeroed).collect(),
             scratch: Buffer::zeroed(scratch),
@@ -127,28 +135,47 @@ impl Plan {
 
     /// Runs all steps.
     pub(crate) fn run(&mut self, pool: &mut Pool, packed: &[Packed]) {
-        for step in &self.steps {
+        let Self { steps, buffers, scratch, .. } = self;
+        for step in steps {
             match step {
-                Planned::Clear { at } => at.layout.clear_border(&mut self.buffers[at.buffer]),
+                Planned::Clear { at } => at.layout.clear_border(&mut buffers[at.buffer]),
                 Planned::Direct { plan, layer, input, output, epilogue } => {
                     let Packed { weights, bias, .. } = &packed[*layer];
-                    if let Ok([input, output]) = self.buffers.get_disjoint_mut([*input, *output]) {
-                        plan.run(pool, input, weights, bias, output, *epilogue);
-                    }
+                    let (input, output) = both(buffers, *input, *output);
+                    plan.run(pool, input, weights, bias, output, *epilogue);
                 }
                 Planned::Winograd { plan, layer, input, output, epilogue } => {
                     let Packed { weights, bias, .. } = &packed[*layer];
-                    let scratch = &mut self.scratch;
-                    if let Ok([input, output]) = self.buffers.get_disjoint_mut([*input, *output]) {
-                        plan.run(pool, input, weights, bias, output, scratch, *epilogue);
-                    }
+                    let (input, output) = both(buffers, *input, *output);
+                    plan.run(pool, input, weights, bias, output, scratch, *epilogue);
                 }
                 Planned::MaxPool { plan, input, output } => {
-                    if let Ok([input, output]) = self.buffers.get_disjoint_mut([*input, *output]) {
-                        plan.run(pool, input, output);
-                    }
+                    let (input, output) = both(buffers, *input, *output);
+                    plan.run(pool, input, output);
                 }
             }
         }
+    }
+}
+
+/// A value's place.
+fn placed(places: &[Option<Place>], Value(value): Value, layer: &str) -> Result<Place, Error> {
+    let place = places.get(value).copied().flatten();
+    place.ok_or_else(|| Error::Layer {
+        layer: layer.into(),
+        problem: "no step reads or writes its activation".into(),
+    })
+}
+
+/// A step's input and output, which [`sizes`] has found to be two values; one is alive while the
+/// other is written, so that they have two buffers.
+fn both(buffers: &mut [Buffer], input: usize, output: usize) -> (&[f32], &mut [f32]) {
+    assert_ne!(input, output, "a step reads and writes one buffer");
+    if input < output {
+        let (before, from) = buffers.split_at_mut(output);
+        (&before[input], &mut from[0])
+    } else {
+        let (before, from) = buffers.split_at_mut(input);
+        (&from[0], &mut before[output])
     }
 }

@@ -25,7 +25,8 @@ impl ResNet {
     /// `height` × `width` (other sizes run too, less fast).
     ///
     /// # Errors
-    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen;
+    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Weight`]
+    /// for one that is not finite and for negative variances, [`Error::FoldedWeights`];
     /// [`Error::InputTooSmall`] if the images are too small; [`Error::Threads`] for a number of
     /// threads that cannot be started.
     pub fn load(
@@ -43,7 +44,7 @@ impl ResNet {
     /// # Errors
     /// [`Error::InputShape`] if there are not three channels or no images,
     /// [`Error::InputTooSmall`] if a kernel does not fit, [`Error::NotFinite`] if a value is NaN
-    /// or infinite.
+    /// or infinite, [`Error::Overflow`] if activations are.
     pub fn infer(&mut self, images: ArrayView4<'_, f32>) -> Result<Scores<'_>, Error> {
         self.0.infer(&Clips::from_images(images))
     }

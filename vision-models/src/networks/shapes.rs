@@ -34,24 +34,50 @@ impl Algorithm {
 }
 
 /// The size of every value that the steps read or write, for the sizes of their inputs.
+///
+/// # Errors
+/// [`Error::InputTooSmall`] if a kernel does not fit, [`Error::Layer`] for a step that reads what is
+/// not there or writes where there is no room.
 pub(crate) fn sizes(
     graph: &Graph,
     steps: &[Step],
     inputs: &[(Value, Extent)],
 ) -> Result<Vec<Option<Extent>>, Error> {
     let mut sizes = vec![None; graph.channels.len()];
-    let mut size = Extent::default();
-    for &(value, given) in inputs {
-        sizes[value.0] = Some(given);
-        size = given;
+    let mut given = Extent::default();
+    for &(value, size) in inputs {
+        sizes[value.0] = Some(size);
+        given = size;
     }
     for step in steps {
-        let window = step.window(&graph.layers);
-        let output = sizes[step.input().0].and_then(|size| window.output(size));
-        if output.is_none_or(|output| output.contains(&0)) {
-            return Err(Error::InputTooSmall { size });
+        let refuse =
+            |problem: String| Err(Error::Layer { layer: step.name(&graph.layers), problem });
+        let (Value(input), Value(output)) = (step.input(), step.output());
+        let Some(size) = sizes[input] else {
+            return refuse("nothing has written its input".into());
+        };
+        if input == output {
+            return refuse("it would overwrite its input".into());
         }
-        sizes[step.output().0] = output;
+        for (needed, value) in step.channels(graph).into_iter().zip([input, output]) {
+            let channels = graph.channels[value];
+            if needed > channels {
+                return refuse(format!(
+                    "it takes {needed} channels of an activation of {channels}"
+                ));
+            }
+        }
+        let made = step.window(&graph.layers).output(size);
+        let Some(made) = made.filter(|made| !made.contains(&0)) else {
+            return Err(Error::InputTooSmall { size: given });
+        };
+        match sizes[output] {
+            Some(there) if there != made => {
+                return refuse(format!("its output of size {made:?} joins one of size {there:?}"));
+            }
+            None if step.adds() => return refuse("nothing is there that it could add to".into()),
+            _ => sizes[output] = Some(made),
+        }
     }
     Ok(sizes)
 }

@@ -37,7 +37,8 @@ impl SlowFast {
     /// of the frames, spread evenly from the first to the last.
     ///
     /// # Errors
-    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen;
+    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Weight`]
+    /// for one that is not finite and for negative variances, [`Error::FoldedWeights`];
     /// [`Error::InputTooSmall`] if the frames are too small; [`Error::Threads`] for a number of
     /// threads that cannot be started.
     pub fn load(
@@ -55,7 +56,7 @@ impl SlowFast {
     /// [`Error::InputShape`] if there are not three channels or no clips; [`Error::FrameCount`] if
     /// the frames are not 32; [`Error::InputTooSmall`] if a kernel does not fit,
     /// [`Error::PoolTooSmall`] if the head's windows do not; [`Error::NotFinite`] if a value is
-    /// NaN or infinite.
+    /// NaN or infinite, [`Error::Overflow`] if activations are.
     pub fn infer(&mut self, clips: ArrayView5<'_, f32>) -> Result<Scores<'_>, Error> {
         let frames = clips.dim().2;
         if frames != FRAMES {

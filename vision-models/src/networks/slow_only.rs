@@ -39,7 +39,8 @@ impl SlowOnly {
     /// (other sizes run too, less fast). The checkpoint says how many classes there are.
     ///
     /// # Errors
-    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen;
+    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Weight`]
+    /// for one that is not finite and for negative variances, [`Error::FoldedWeights`];
     /// [`Error::InputTooSmall`] if the frames are too small; [`Error::Threads`] for a number of
     /// threads that cannot be started.
     pub fn load(
@@ -56,7 +57,8 @@ impl SlowOnly {
     /// # Errors
     /// [`Error::InputShape`] if there are not three channels or no clips;
     /// [`Error::InputTooSmall`] if a kernel does not fit, [`Error::PoolTooSmall`] if the head's
-    /// windows do not; [`Error::NotFinite`] if a value is NaN or infinite.
+    /// windows do not; [`Error::NotFinite`] if a value is NaN or infinite, [`Error::Overflow`] if
+    /// activations are.
     pub fn infer(&mut self, clips: ArrayView5<'_, f32>) -> Result<Scores<'_>, Error> {
         self.0.infer(&Clips::new(clips))
     }

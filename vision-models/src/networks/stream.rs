@@ -5,7 +5,7 @@ use ndarray::{ArrayView2, ArrayView3};
 use crate::Error;
 use crate::layout::{Layout, offset};
 
-use super::network::{Network, Options, Scores};
+use super::network::{Network, Options, Scores, check_finite};
 use super::plan::Plan;
 use super::session::{Session, copy_frame};
 use super::slow_only::SlowOnly;
@@ -63,7 +63,8 @@ impl SlowOnlyStream {
     ///
     /// # Errors
     /// [`Error::FrameShape`] if the frame has not the stream's size, [`Error::NotFinite`] if a
-    /// value is NaN or infinite. The window stays as it was.
+    /// value is NaN or infinite; the window stays as it was. [`Error::Overflow`] as long as a frame is in
+    /// the window whose activations overflow.
     pub fn push(&mut self, frame: ArrayView3<'_, f32>) -> Result<Option<Scores<'_>>, Error> {
         let (layout, memory) = self.frame.input(0);
         let [_, rows, columns] = layout.size;
@@ -84,6 +85,7 @@ impl SlowOnlyStream {
         }
         let Network { threads, weights, .. } = &mut self.network;
         self.window.run(threads, weights, &mut self.features, &mut self.logits);
+        check_finite(0, &self.features, &self.logits)?;
         let view = |data| {
             ArrayView2::from_shape((1, <[f32]>::len(data)), data)
                 .map_err(|_| Error::InputShape { shape: expected.to_vec() })

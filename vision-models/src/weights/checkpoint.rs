@@ -8,7 +8,9 @@ use std::{
     path::Path,
 };
 
-use super::{CheckpointError, TensorInfo, TensorSource, input::reading, safetensors, torch};
+use super::{
+    CheckpointError, TensorInfo, TensorSource, budget::Budget, input::reading, safetensors, torch,
+};
 use crate::{Error, Tensor, Tensors};
 
 /// The format of a checkpoint file.
@@ -44,8 +46,9 @@ pub(super) struct Contents {
 /// A checkpoint whose tensors are read from the file as they are asked for.
 ///
 /// The file may be a `.pth`, `.pt` or `.pyth` of `torch.save`, in the zip format or the older one,
-/// or a `.safetensors`; its first bytes tell. Nothing in it is executed, and opening and reading it
-/// take a bounded multiple of its size in memory, whatever it holds. A state dict may be wrapped in
+/// or a `.safetensors`; its first bytes tell. Nothing in it is executed. Opening it and reading all
+/// of it take at most four times its size and 16 MiB of memory, whatever it holds: what would take
+/// more is refused when it is opened. A state dict may be wrapped in
 /// a dict under `state_dict`, `model_state`, `model_state_dict` or `model`; a `module.` before
 /// every name is left out.
 ///
@@ -96,12 +99,13 @@ impl<R: Read + Seek> Checkpoint<R> {
         source.seek(SeekFrom::Start(0)).map_err(|error| reading(&error))?;
         let mut start = Vec::new();
         (&mut source).take(16).read_to_end(&mut start).map_err(|error| reading(&error))?;
+        let mut budget = Budget::of_file(length);
         let contents = if start.starts_with(b"PK\x03\x04") {
-            torch::read_archive(&mut source, length)?
+            torch::read_archive(&mut source, length, &mut budget)?
         } else if torch::is_stream(&start) {
-            torch::read_stream(&mut source, length)?
+            torch::read_stream(&mut source, length, &mut budget)?
         } else if safetensors::is_safetensors(&start) {
-            safetensors::read(&mut source, length)?
+            safetensors::read(&mut source, length, &mut budget)?
         } else {
             return Err(CheckpointError::UnknownFormat { start }.into());
         };
@@ -113,6 +117,11 @@ impl<R: Read + Seek> Checkpoint<R> {
         if elements > length {
             return Err(CheckpointError::Inflated { elements, bytes: length }.into());
         }
+        // What [`Self::read`] would take.
+        for (name, info) in &contents.tensors {
+            budget.take_tensor(name, info.shape())?;
+        }
+        budget.take(contents.tensors.values().map(TensorInfo::scratch).max().unwrap_or(0))?;
         Ok(Self { source, contents, path: String::new() })
     }
 

@@ -5,6 +5,9 @@ use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use super::CheckpointError;
 use crate::Error;
 
+/// More bytes than the name of any module or class has.
+const LONGEST_LINE: usize = 4096;
+
 /// A part of a file that is read from front to back.
 pub(super) struct Input<R> {
     reader: R,
@@ -80,13 +83,18 @@ impl<R: BufRead> Input<R> {
         Ok(())
     }
 
-    /// Bytes up to a line feed, which is read and not given.
+    /// Bytes up to a line feed, which is read and not given; at most [`LONGEST_LINE`].
     pub(super) fn line(&mut self, what: &'static str) -> Result<Vec<u8>, Error> {
         let mut line = Vec::new();
         loop {
             match self.byte(what)? {
                 b'\n' => return Ok(line),
-                byte => line.push(byte),
+                byte if line.len() < LONGEST_LINE => line.push(byte),
+                _ => {
+                    let limit = LONGEST_LINE as u64;
+                    let what = "bytes of a name in the pickle";
+                    return Err(CheckpointError::Limit { what, value: limit + 1, limit }.into());
+                }
             }
         }
     }

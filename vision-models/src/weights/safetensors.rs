@@ -9,19 +9,23 @@ use std::{
 
 use serde::{
     Deserialize, Serialize,
-    de::{Deserializer, MapAccess, Visitor},
+    de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor},
     ser::SerializeMap,
 };
 
 use super::{
     CheckpointError, ElementType, Format, TensorInfo,
+    budget::Budget,
     checkpoint::Contents,
     input::{Input, reading},
+    shape::{MAX_AXES, elements},
 };
 use crate::{Error, Tensors, error::Excerpt};
 
 /// The largest header that is accepted (bytes); the format allows 100 MB.
 const MAX_HEADER: u64 = 16 << 20;
+/// How many keys of the metadata are told, and how many characters of each.
+const OTHERS: usize = 64;
 /// The key for what is no tensor.
 const METADATA: &str = "__metadata__";
 
@@ -35,19 +39,30 @@ pub(super) fn is_safetensors(start: &[u8]) -> bool {
 #[serde(deny_unknown_fields)]
 struct Record {
     dtype: String,
+    #[serde(deserialize_with = "read_shape")]
     shape: Vec<usize>,
     data_offsets: [u64; 2],
 }
 
 /// Reads the header of a file of `length` bytes.
-pub(super) fn read<R: Read + Seek>(source: &mut R, length: u64) -> Result<Contents, Error> {
+pub(super) fn read<R: Read + Seek>(
+    source: &mut R,
+    length: u64,
+    budget: &mut Budget,
+) -> Result<Contents, Error> {
     let size = u64::from_le_bytes(Input::open(source, 0, length.min(8), length)?.array("header")?);
     if size > MAX_HEADER {
         let what = "bytes of the safetensors header";
         return Err(CheckpointError::Limit { what, value: size, limit: MAX_HEADER }.into());
     }
-    let bytes = Input::open(source, 8, size, length)?.bytes(size, "header")?;
-    let header: Header = serde_json::from_slice(&bytes)
+    let mut input = Input::open(source, 8, size, length)?;
+    // The header, and the text that is being read in it.
+    budget.take(usize::try_from(size).unwrap_or(usize::MAX).saturating_mul(2))?;
+    let bytes = input.bytes(size, "header")?;
+    let mut json = serde_json::Deserializer::from_slice(&bytes);
+    let header = HeaderReader(budget)
+        .deserialize(&mut json)
+        .and_then(|header| json.end().map(|()| header))
         .map_err(|error| problem(Excerpt(&error.to_string()).to_string()))?;
 
     let start = 8 + size;
@@ -112,7 +127,8 @@ pub(super) fn write(writer: &mut impl Write, tensors: &Tensors) -> Result<(), Er
     writer.flush().map_err(|error| reading(&error))
 }
 
-/// Writes the header of tensors that will follow in this order.
+/// Writes the header of tensors that will follow in this order. Nothing is written that [`read`]
+/// would refuse.
 pub(super) fn write_header<'a>(
     writer: &mut impl Write,
     tensors: impl Iterator<Item = (&'a str, ElementType, &'a [usize])>,
@@ -120,16 +136,36 @@ pub(super) fn write_header<'a>(
     let mut next = 0;
     let records = tensors
         .map(|(name, element, shape)| {
+            if name == METADATA {
+                return Err(problem(format!("a tensor cannot be named \"{METADATA}\"")));
+            }
+            if shape.len() > MAX_AXES {
+                let (shown, axes) = (Excerpt(name), shape.len());
+                return Err(problem(format!(
+                    "tensor \"{shown}\" has {axes} axes: give at most {MAX_AXES}"
+                )));
+            }
             let begin = next;
-            next += shape.iter().product::<usize>() as u64 * element.size() as u64;
+            next += elements(shape).unwrap_or(0) as u64 * element.size() as u64;
             let dtype = element.name().to_owned();
-            (name, Record { dtype, shape: shape.to_vec(), data_offsets: [begin, next] })
+            Ok((name, Record { dtype, shape: shape.to_vec(), data_offsets: [begin, next] }))
         })
-        .collect();
-    let mut header =
-        serde_json::to_vec(&HeaderToWrite(records)).map_err(|error| problem(error.to_string()))?;
+        .collect::<Result<_, Error>>()?;
+    let records = HeaderToWrite(records);
+    let mut header = serde_json::to_vec(&records).map_err(|error| problem(error.to_string()))?;
     // The format asks for spaces up to a multiple of eight.
     header.resize(header.len().next_multiple_of(8), b' ');
+    if header.len() as u64 > MAX_HEADER {
+        let (what, value) = ("bytes of the safetensors header", header.len() as u64);
+        return Err(CheckpointError::Limit { what, value, limit: MAX_HEADER }.into());
+    }
+    let mut budget = Budget::of_file(8 + header.len() as u64 + next);
+    budget.take(2 * header.len())?;
+    for (name, record) in &records.0 {
+        take_record(&mut budget, name)?;
+        budget.take(2 * record.dtype.len())?;
+        budget.take_tensor(name, &record.shape)?;
+    }
     writer
         .write_all(&(header.len() as u64).to_le_bytes())
         .and_then(|()| writer.write_all(&header))
@@ -159,15 +195,25 @@ struct Header {
     metadata: Vec<String>,
 }
 
-impl<'de> Deserialize<'de> for Header {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(HeaderVisitor)
+/// Takes off what a tensor takes in the header, as a record and then with its place.
+fn take_record(budget: &mut Budget, name: &str) -> Result<(), Error> {
+    let shapes = 3 * MAX_AXES * size_of::<usize>();
+    budget.take_entry::<String, Record>(2 * name.len() + shapes)?;
+    budget.take_entry::<String, TensorInfo>(size_of::<(u64, u64)>())
+}
+
+/// Reads a header within the memory that its file may take.
+struct HeaderReader<'a>(&'a mut Budget);
+
+impl<'de> DeserializeSeed<'de> for HeaderReader<'_> {
+    type Value = Header;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Header, D::Error> {
+        deserializer.deserialize_map(self)
     }
 }
 
-struct HeaderVisitor;
-
-impl<'de> Visitor<'de> for HeaderVisitor {
+impl<'de> Visitor<'de> for HeaderReader<'_> {
     type Value = Header;
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -175,17 +221,18 @@ impl<'de> Visitor<'de> for HeaderVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Header, A::Error> {
-        use serde::de::Error as _;
         let mut header = Header { records: BTreeMap::new(), metadata: Vec::new() };
         while let Some(name) = map.next_key::<String>()? {
             if name == METADATA {
-                let metadata: BTreeMap<String, String> = map.next_value()?;
-                header.metadata = metadata.into_keys().take(64).collect();
+                header.metadata = map.next_value::<Metadata>()?.0;
                 continue;
             }
+            take_record(self.0, &name).map_err(A::Error::custom)?;
             match header.records.entry(name) {
                 Entry::Vacant(place) => {
-                    place.insert(map.next_value()?);
+                    let record: Record = map.next_value()?;
+                    self.0.take(2 * record.dtype.len()).map_err(A::Error::custom)?;
+                    place.insert(record);
                 }
                 Entry::Occupied(place) => {
                     let name = Excerpt(place.key());
@@ -194,5 +241,60 @@ impl<'de> Visitor<'de> for HeaderVisitor {
             }
         }
         Ok(header)
+    }
+}
+
+/// The first keys of the metadata, whose values are texts that nothing is done with.
+struct Metadata(Vec<String>);
+
+impl<'de> Deserialize<'de> for Metadata {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(MetadataVisitor)
+    }
+}
+
+struct MetadataVisitor;
+
+impl<'de> Visitor<'de> for MetadataVisitor {
+    type Value = Metadata;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an object of texts")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Metadata, A::Error> {
+        let mut keys = Vec::new();
+        while let Some((key, _)) = map.next_entry::<String, String>()? {
+            if keys.len() < OTHERS {
+                keys.push(key.chars().take(OTHERS).collect());
+            }
+        }
+        Ok(Metadata(keys))
+    }
+}
+
+/// A list of at most [`MAX_AXES`] lengths.
+fn read_shape<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<usize>, D::Error> {
+    deserializer.deserialize_seq(ShapeVisitor)
+}
+
+struct ShapeVisitor;
+
+impl<'de> Visitor<'de> for ShapeVisitor {
+    type Value = Vec<usize>;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "a list of at most {MAX_AXES} lengths")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<usize>, A::Error> {
+        let mut shape = Vec::with_capacity(MAX_AXES);
+        while let Some(axis) = list.next_element()? {
+            if shape.len() == MAX_AXES {
+                return Err(A::Error::invalid_length(MAX_AXES + 1, &self));
+            }
+            shape.push(axis);
+        }
+        Ok(shape)
     }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{
     CheckpointError,
+    budget::Budget,
     pickle::{Pickle, Value, View},
 };
 use crate::Error;
@@ -27,7 +28,7 @@ pub(super) struct StateDict {
 
 impl StateDict {
     /// Looks for the state dict in what a pickle made.
-    pub(super) fn find(pickle: &Pickle) -> Result<Self, Error> {
+    pub(super) fn find(pickle: &Pickle, budget: &mut Budget) -> Result<Self, Error> {
         let mut found = Self::default();
         let mut dict = pickle.root();
         // A wrapper within itself would lead on for ever.
@@ -42,7 +43,7 @@ impl StateDict {
             dict = entry;
         }
         found.note_others(pickle, dict, |_, value| !matches!(value, Value::Tensor(_)));
-        found.collect(pickle, dict)?;
+        found.collect(pickle, dict, budget)?;
         if found.tensors.is_empty() {
             return Err(CheckpointError::NoStateDict {
                 found: describe(dict, &found.others),
@@ -54,7 +55,7 @@ impl StateDict {
         Ok(found)
     }
 
-    fn collect(&mut self, pickle: &Pickle, dict: &Value) -> Result<(), Error> {
+    fn collect(&mut self, pickle: &Pickle, dict: &Value, budget: &mut Budget) -> Result<(), Error> {
         let Value::Dict(entries) = dict else { return Ok(()) };
         for &(key, value) in entries {
             let (Value::Text(name), Value::Tensor(view)) = (pickle.value(key), pickle.value(value))
@@ -64,6 +65,10 @@ impl StateDict {
             if self.tensors.contains_key(&**name) {
                 return Err(CheckpointError::DuplicateName { name: name.to_string() }.into());
             }
+            // Twice: all names are made anew where a prefix is taken off.
+            let heap = 2 * name.len() + size_of_val(&*view.shape) + size_of_val(&*view.strides);
+            budget.take_entry::<String, View>(heap)?;
+            budget.take_entry::<String, View>(2 * name.len())?;
             self.tensors.insert(name.to_string(), View::clone(view));
         }
         Ok(())

@@ -2,7 +2,7 @@
 
 use std::io::{Read, Seek, SeekFrom};
 
-use super::{CheckpointError, ElementType, input::reading};
+use super::{CheckpointError, ElementType, input::reading, shape::elements};
 use crate::Error;
 
 /// Bytes that are read at a time: they stay in the cache until they are decoded.
@@ -42,7 +42,7 @@ impl TensorInfo {
         offset: usize,
         region: Region,
     ) -> Option<Self> {
-        let size = shape.iter().try_fold(1_usize, |size, &axis| size.checked_mul(axis))?;
+        let size = elements(&shape)?;
         let last = shape.iter().zip(&strides).try_fold(0_usize, |last, (&axis, &stride)| {
             last.checked_add(axis.saturating_sub(1).checked_mul(stride)?)
         })?;
@@ -65,11 +65,12 @@ impl TensorInfo {
         shape: Vec<usize>,
         position: u64,
     ) -> Option<Self> {
-        let mut size = 1_usize;
+        let size = elements(&shape)?;
         let mut strides = vec![0; shape.len()];
+        let mut step = 1;
         for (stride, &axis) in strides.iter_mut().zip(&shape).rev() {
-            *stride = size;
-            size = size.checked_mul(axis)?;
+            *stride = step;
+            step *= axis.max(1);
         }
         let region = Region { position, elements: size, checksum: None };
         Self::new(element, shape, strides, 0, region)
@@ -87,7 +88,8 @@ impl TensorInfo {
 
     /// The number of elements.
     pub fn elements(&self) -> usize {
-        self.shape.iter().product()
+        // `new` has seen that the shape has a number of elements.
+        elements(&self.shape).unwrap_or(0)
     }
 
     /// Hands the elements' bytes out in C order, piece by piece, each a whole number of elements.
@@ -100,13 +102,11 @@ impl TensorInfo {
         source: &mut R,
         mut sink: impl FnMut(&[u8]) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        if !self.is_contiguous() {
+            return self.read_strided(source, sink);
+        }
         source.seek(SeekFrom::Start(self.position)).map_err(|error| reading(&error))?;
         let bytes = self.span * self.element.size();
-        if !self.is_contiguous() {
-            let mut storage = vec![0; bytes];
-            source.read_exact(&mut storage).map_err(|error| reading(&error))?;
-            return self.gather(&storage, sink);
-        }
         let mut chunk = vec![0; bytes.min(CHUNK)];
         let mut checksum = self.checksum.map(|expected| (crc32fast::Hasher::new(), expected));
         let mut left = bytes;
@@ -130,35 +130,69 @@ impl TensorInfo {
     /// Whether the elements lie in C order without gaps.
     fn is_contiguous(&self) -> bool {
         let mut size = 1;
-        self.elements() == self.span
-            && self.shape.iter().zip(&self.strides).rev().all(|(&axis, &stride)| {
-                let in_order = axis == 1 || stride == size;
-                size *= axis;
-                in_order
-            })
-            || self.span == 0
+        self.span == 0
+            || self.elements() == self.span
+                && self.shape.iter().zip(&self.strides).rev().all(|(&axis, &stride)| {
+                    let in_order = axis == 1 || stride == size;
+                    size *= axis;
+                    in_order
+                })
     }
 
-    /// Walks a tensor that is a view with other strides.
-    fn gather(
+    /// The most memory that [`Self::read`] takes beside its chunks (bytes).
+    pub(super) fn scratch(&self) -> usize {
+        if self.is_contiguous() || !self.is_dense() { 0 } else { self.span * self.element.size() }
+    }
+
+    /// Whether a view has so many of the elements between its first and last that reading all of
+    /// them costs less than one read for each piece.
+    fn is_dense(&self) -> bool {
+        self.span / 4 <= self.elements()
+    }
+
+    /// Reads a view with other strides: all that it spans at once where it is dense, and else only
+    /// its own elements, so that many views of one large storage read no more than they hold.
+    fn read_strided<R: Read + Seek>(
         &self,
-        storage: &[u8],
+        source: &mut R,
         mut sink: impl FnMut(&[u8]) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let size = self.element.size();
-        let mut index = vec![0_usize; self.shape.len()];
+        let mut storage = vec![0; self.scratch()];
+        source.seek(SeekFrom::Start(self.position)).map_err(|error| reading(&error))?;
+        source.read_exact(&mut storage).map_err(|error| reading(&error))?;
+        // Pieces without gaps: rows, or single elements.
+        let (axes, piece) = match (self.shape.split_last(), self.strides.split_last()) {
+            (Some((&last, axes)), Some((&1, _))) => (axes, last),
+            _ => (self.shape.as_slice(), 1),
+        };
+        let strides = self.strides.get(..axes.len()).unwrap_or_default();
+        let mut index = vec![0_usize; axes.len()];
         let mut offset = 0_usize;
-        let mut row = Vec::new();
-        for _ in 0..self.elements() {
-            row.extend(storage.get(offset * size..(offset + 1) * size).unwrap_or_default());
-            if row.len() >= CHUNK {
-                sink(&row)?;
-                row.clear();
+        let mut chunk = Vec::with_capacity(CHUNK);
+        for _ in 0..self.elements() / piece.max(1) {
+            let (mut start, end) = (offset * size, (offset + piece) * size);
+            while start < end {
+                let part = (end - start).min(CHUNK - chunk.len());
+                if self.is_dense() {
+                    chunk.extend(storage.get(start..start + part).unwrap_or_default());
+                } else {
+                    let place = SeekFrom::Start(self.position + start as u64);
+                    source.seek(place).map_err(|error| reading(&error))?;
+                    source
+                        .by_ref()
+                        .take(part as u64)
+                        .read_to_end(&mut chunk)
+                        .map_err(|error| reading(&error))?;
+                }
+                start += part;
+                if chunk.len() == CHUNK {
+                    sink(&chunk)?;
+                    chunk.clear();
+                }
             }
             // The next place in C order: the last axis fastest.
-            for ((place, &axis), &stride) in
-                index.iter_mut().zip(&self.shape).zip(&self.strides).rev()
-            {
+            for ((place, &axis), &stride) in index.iter_mut().zip(axes).zip(strides).rev() {
                 *place += 1;
                 offset += stride;
                 if *place < axis {
@@ -168,6 +202,6 @@ impl TensorInfo {
                 *place = 0;
             }
         }
-        sink(&row)
+        sink(&chunk)
     }
 }

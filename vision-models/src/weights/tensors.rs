@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::shape::elements;
 use crate::Error;
 
 /// An f32 tensor in row-major (C) order. A scalar has the empty shape.
@@ -15,10 +16,10 @@ impl Tensor {
     /// Takes the elements of a tensor of this shape, the last axis running fastest.
     ///
     /// # Errors
-    /// [`Error::TensorSize`] if `data` has not as many elements as the shape says.
+    /// [`Error::TensorSize`] if `data` has not as many elements as the shape says, or an axis of an
+    /// empty tensor is longer than memory can be.
     pub fn new(shape: Vec<usize>, data: Vec<f32>) -> Result<Self, Error> {
-        let size = shape.iter().try_fold(1_usize, |size, &axis| size.checked_mul(axis));
-        if size == Some(data.len()) {
+        if elements(&shape) == Some(data.len()) {
             Ok(Self { shape, data })
         } else {
             Err(Error::TensorSize { shape, elements: data.len() })

@@ -7,6 +7,7 @@ use std::{
 
 use super::{
     CheckpointError, Format, TensorInfo,
+    budget::Budget,
     checkpoint::Contents,
     input::{Input, reading},
     pickle::{self, Pickle, Storage, Value, View},
@@ -29,8 +30,12 @@ pub(super) fn is_stream(start: &[u8]) -> bool {
 }
 
 /// The zip format: `NAME/data.pkl` has the pickle, `NAME/data/KEY` each storage.
-pub(super) fn read_archive<R: Read + Seek>(source: &mut R, length: u64) -> Result<Contents, Error> {
-    let archive = Archive::read(source, length)?;
+pub(super) fn read_archive<R: Read + Seek>(
+    source: &mut R,
+    length: u64,
+    budget: &mut Budget,
+) -> Result<Contents, Error> {
+    let archive = Archive::read(source, length, budget)?;
     let root = archive
         .names()
         .find_map(|name| name.strip_suffix("data.pkl").filter(|root| is_folder(root)))
@@ -46,11 +51,11 @@ pub(super) fn read_archive<R: Read + Seek>(source: &mut R, length: u64) -> Resul
         }
     }
     let state_dict = match archive.open(&format!("{root}data.pkl"), MAX_PICKLE, source)? {
-        Some(mut input) => StateDict::find(&pickle::run(&mut input)?)?,
+        Some(mut input) => StateDict::find(&pickle::run(&mut input, budget)?, budget)?,
         None => StateDict::default(),
     };
 
-    contents(Format::TorchZip, state_dict, |storage| {
+    contents(Format::TorchZip, state_dict, budget, |storage| {
         let name = format!("{root}data/{}", storage.key);
         let entry =
             archive.get(&name).ok_or_else(|| of_storage(storage, "the archive lacks it".into()))?;
@@ -71,33 +76,39 @@ fn is_folder(root: &str) -> bool {
 
 /// The older format, one stream: the magic number, the version, a dict about the machine, the
 /// object, the keys of the storages, each a pickle; then each storage, its number of elements first.
-pub(super) fn read_stream<R: Read + Seek>(source: &mut R, length: u64) -> Result<Contents, Error> {
+pub(super) fn read_stream<R: Read + Seek>(
+    source: &mut R,
+    length: u64,
+    budget: &mut Budget,
+) -> Result<Contents, Error> {
     source.seek(SeekFrom::Start(0)).map_err(|error| reading(&error))?;
     let mut input = Input::new(BufReader::new(&mut *source), 0, length.min(MAX_PICKLE));
     input.skip(MAGIC.len() as u64, "magic number")?;
-    if !matches!(pickle::run(&mut input)?.root(), &Value::Int(STREAM_VERSION)) {
+    if !matches!(pickle::run(&mut input, budget)?.root(), &Value::Int(STREAM_VERSION)) {
         return Err(malformed("the version 1001", &input));
     }
-    let machine = pickle::run(&mut input)?;
+    let machine = pickle::run(&mut input, budget)?;
     match machine.entry(machine.root(), "little_endian") {
         Some(Value::Bool(true)) => {}
         Some(Value::Bool(false)) => return Err(CheckpointError::BigEndian.into()),
         _ => return Err(malformed("a dict that has \"little_endian\"", &input)),
     }
-    let object = pickle::run(&mut input)?;
-    let key_list = pickle::run(&mut input)?;
+    let object = pickle::run(&mut input, budget)?;
+    let key_list = pickle::run(&mut input, budget)?;
     let keys = texts(&key_list).ok_or_else(|| malformed("a list of storage keys", &input))?;
     let mut position = input.position();
 
-    let state_dict = StateDict::find(&object)?;
+    let state_dict = StateDict::find(&object, budget)?;
     let mut storages = BTreeMap::<&str, &Storage>::new();
     for storage in object.storages() {
+        budget.take_entry::<&str, &Storage>(0)?;
         if storages.insert(&storage.key, storage).is_some_and(|other| other != storage) {
             return Err(of_storage(storage, "it is there with two sizes".into()));
         }
     }
     let mut regions = BTreeMap::new();
     for key in keys {
+        budget.take_entry::<&str, Region>(3 * size_of::<&str>())?;
         let storage = storages.get(key).ok_or_else(|| CheckpointError::Storage {
             key: key.into(),
             problem: "no tensor of a known element type has it, so that its size is unknown".into(),
@@ -117,7 +128,7 @@ pub(super) fn read_stream<R: Read + Seek>(source: &mut R, length: u64) -> Result
         regions.insert(key, Region { position, elements: storage.elements, checksum: None });
         position += needed;
     }
-    contents(Format::TorchStream, state_dict, |storage| {
+    contents(Format::TorchStream, state_dict, budget, |storage| {
         regions
             .get(&*storage.key)
             .copied()
@@ -129,10 +140,13 @@ pub(super) fn read_stream<R: Read + Seek>(source: &mut R, length: u64) -> Result
 fn contents(
     format: Format,
     state_dict: StateDict,
+    budget: &mut Budget,
     mut region: impl FnMut(&Storage) -> Result<Region, Error>,
 ) -> Result<Contents, Error> {
     let mut tensors = BTreeMap::new();
     for (name, view) in state_dict.tensors {
+        let heap = size_of_val(&*view.shape) + size_of_val(&*view.strides);
+        budget.take_entry::<String, TensorInfo>(heap)?;
         let place = region(&view.storage)?;
         let View { storage, offset, shape, strides } = view;
         let info = TensorInfo::new(storage.element, shape.clone(), strides.clone(), offset, place);

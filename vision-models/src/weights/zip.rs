@@ -8,7 +8,7 @@ use std::{
     io::{BufRead, BufReader, Read, Seek},
 };
 
-use super::{CheckpointError, input::Input};
+use super::{CheckpointError, budget::Budget, input::Input};
 use crate::Error;
 
 /// The size of the directory's end, without its comment, and of the longest comment.
@@ -35,7 +35,11 @@ pub(super) struct Archive {
 
 impl Archive {
     /// Reads the directory of a file of `length` bytes.
-    pub(super) fn read<R: Read + Seek>(source: &mut R, length: u64) -> Result<Self, Error> {
+    pub(super) fn read<R: Read + Seek>(
+        source: &mut R,
+        length: u64,
+        budget: &mut Budget,
+    ) -> Result<Self, Error> {
         let (start, size, count) = locate_directory(source, length)?;
         if size > MAX_DIRECTORY {
             let what = "bytes of the zip directory";
@@ -45,6 +49,7 @@ impl Archive {
         let mut entries = BTreeMap::new();
         for _ in 0..count {
             let (name, entry) = read_entry(&mut input)?;
+            budget.take_entry::<String, Entry>(2 * name.len())?;
             if entries.contains_key(&name) {
                 return Err(problem(&name, "it is there twice"));
             }

@@ -9,6 +9,7 @@
 
 mod actions;
 mod allocation;
+mod broken_weights;
 mod checkpoint_memory;
 mod checkpoints;
 mod labels;

@@ -4,7 +4,7 @@
 use std::{fs, io::Cursor};
 
 use proptest::prelude::*;
-use vision_models::{Checkpoint, CheckpointError, Error, PickleProblem, Tensors};
+use vision_models::{Checkpoint, CheckpointError, Error, PickleProblem, Tensor, Tensors};
 
 fn read(file: Vec<u8>) -> Result<Tensors, Error> {
     Checkpoint::from_reader(Cursor::new(file)).and_then(Checkpoint::read)
@@ -96,12 +96,32 @@ fn views_beyond_their_storage() {
         (i64::MAX, &[2], &[i64::MAX]),
         (0, &[i64::MAX, i64::MAX], &[0, 0]),
         (0, &[i64::MAX, 4, 2], &[0, 0, 0]),
+        // Empty, and yet beyond all memory.
+        (0, &[0, 1 << 62, 8], &[1, 1, 1]),
+        (0, &[1 << 62, 8, 0], &[1, 1, 1]),
     ] {
         let error = refusal(stream(&dict(&[("t", view(offset, shape, strides))])));
         let CheckpointError::OutsideStorage { name, storage, .. } = error else {
             panic!("{error} for {offset} {shape:?} {strides:?}");
         };
         assert_eq!((name.as_str(), storage), ("t", 4));
+    }
+}
+
+/// A view with gaps is read piece by piece, whatever its axes.
+#[test]
+fn views_with_gaps() {
+    for (offset, shape, strides, expected) in [
+        (0, &[2][..], &[3][..], &[0.0, 3.0][..]),
+        (0, &[2, 2], &[2, 1], &[0.0, 1.0, 2.0, 3.0]),
+        (0, &[2, 2], &[1, 2], &[0.0, 2.0, 1.0, 3.0]),
+        (1, &[1, 2], &[7, 1], &[1.0, 2.0]),
+        (1, &[3], &[0], &[1.0, 1.0, 1.0]),
+        (0, &[2, 0], &[1, 1], &[]),
+        (3, &[], &[], &[3.0]),
+    ] {
+        let tensors = read(stream(&dict(&[("t", view(offset, shape, strides))]))).unwrap();
+        assert_eq!(tensors.get("t").unwrap().data(), expected, "{shape:?} {strides:?}");
     }
 }
 
@@ -202,9 +222,10 @@ fn a_billion_laughs_stay_one() {
 #[test]
 fn deep_nesting_ends() {
     let pickle = b"(".repeat(1 << 20);
-    let lists = [b"]".repeat(1 << 20), b"a".repeat((1 << 20) - 1)].concat();
+    let lists = |depth: usize| [b"]".repeat(depth), b"a".repeat(depth - 1)].concat();
     assert_eq!(pickle_problem(pickle), PickleProblem::EmptyStack);
-    assert!(matches!(refusal(stream(&lists)), CheckpointError::NoStateDict { .. }));
+    assert!(matches!(refusal(stream(&lists(1 << 16))), CheckpointError::NoStateDict { .. }));
+    assert!(matches!(refusal(stream(&lists(1 << 20))), CheckpointError::Limit { .. }));
 }
 
 #[test]
@@ -264,6 +285,8 @@ fn safetensors_headers() {
         format!("{{{}}}", record("t", "F32", "[-2]", 0, 8)),
         format!("{{{}}}", record("t", "F32", "[4294967296,4294967296]", 0, 0)),
         format!("{{{}}}", record("t", "F32", "[0,18446744073709551615,3]", 0, 0)),
+        format!("{{{whole},{}}}", record("u", "F32", "[0,4611686018427387904,8]", 8, 8)),
+        format!("{{{}}}", record("t", "F32", "[1,1,1,1,1,1,1,1,2]", 0, 8)),
         format!("{{{whole},{}}}", record("u", "F32", "[2]", 0, 8)),
         format!("{{{whole},{}}}", record("u", "F32", "[1]", u64::MAX - 3, u64::MAX)),
         format!("{{\"__metadata__\":{{\"a\":1}},{whole}}}"),
@@ -277,7 +300,46 @@ fn safetensors_headers() {
     assert!(matches!(refusal(long), CheckpointError::Limit { .. }));
 }
 
+/// What is written is what this crate reads; what it would refuse is refused before the first byte.
+#[test]
+fn nothing_is_written_that_would_not_be_read() {
+    let refused = |name: &str, shape: Vec<usize>| {
+        let mut tensors = Tensors::new();
+        let elements = vec![0.0; shape.iter().product()];
+        tensors.insert(name, Tensor::new(shape, elements).unwrap()).unwrap();
+        let mut file = Vec::new();
+        let error = tensors.write_safetensors(&mut file).unwrap_err();
+        assert!(file.is_empty());
+        error.to_string()
+    };
+    assert!(refused("__metadata__", vec![1]).contains("cannot be named"));
+    assert!(refused("t", vec![1; 9]).contains("9 axes: give at most 8"));
+    assert!(refused(&"n".repeat(17 << 20), vec![1]).contains("bytes of the safetensors header"));
+    assert!(Tensor::new(vec![0, 1 << 62, 8], Vec::new()).is_err());
+
+    let mut many = Tensors::new();
+    for index in 0..120_000 {
+        many.insert(index.to_string(), Tensor::new(vec![0], Vec::new()).unwrap()).unwrap();
+    }
+    let mut file = Vec::new();
+    assert!(many.write_safetensors(&mut file).is_err() && file.is_empty());
+}
+
 proptest! {
+    #[test]
+    fn what_is_written_is_read(
+        named in prop::collection::btree_map(".{0,20}", prop::collection::vec(0..4_usize, 0..6), 0..6),
+    ) {
+        let mut tensors = Tensors::new();
+        for (name, shape) in named {
+            let elements = vec![0.5; shape.iter().product()];
+            tensors.insert(name, Tensor::new(shape, elements).unwrap()).unwrap();
+        }
+        let mut file = Vec::new();
+        tensors.write_safetensors(&mut file).unwrap();
+        prop_assert_eq!(read(file).unwrap(), tensors);
+    }
+
     /// Whatever a file holds, reading it ends, with tensors or a typed error.
     #[test]
     fn changed_files_never_panic(

@@ -184,6 +184,33 @@ fn samples() -> impl Strategy<Value = (Array2<f32>, Vec<usize>)> {
     })
 }
 
+#[test]
+fn classes_without_a_name_of_their_own_are_refused() {
+    let planes = || (array![[1.0, 2.0]], array![0.5]);
+    for (classes, said) in [
+        (["smooth", "smooth"], "classes 0 and 1 are both named \"smooth\""),
+        (["", "drilled"], "class 0 has no name"),
+        (["smooth", ""], "class 1 has no name"),
+    ] {
+        let file = format!(
+            "linear-svm 1\nclasses 2\n{}\n{}\nplanes 1 features 2\n0.5 1 2\n",
+            classes[0], classes[1]
+        );
+        let (weights, biases) = planes();
+        let names = || classes.map(str::to_owned).to_vec();
+        let samples = array![[0.0_f32, 1.0], [1.0, 0.0]];
+        for refused in [
+            file.parse::<LinearSvm>(),
+            LinearSvm::new(names(), weights, biases),
+            LinearSvm::train(samples.view(), &[0, 1], names(), &SvmSettings::default())
+                .map(|(svm, _)| svm),
+        ] {
+            let Err(Error::Samples { problem }) = refused else { panic!("{refused:?}") };
+            assert!(problem.starts_with(said), "{problem}");
+        }
+    }
+}
+
 proptest! {
     /// The primal and dual objectives meet, whatever the samples; and no other plane is better.
     #[test]

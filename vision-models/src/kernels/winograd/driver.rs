@@ -33,6 +33,8 @@ pub(crate) struct Winograd {
     /// Channels of the input that are used.
     inputs: usize,
     output: Layout,
+    /// First channel of the output that is written.
+    first_channel: usize,
     origin: usize,
     /// The products' only chunk: a tile's channels.
     chunks: Vec<Vec<Segment>>,
@@ -44,20 +46,28 @@ pub(crate) struct Winograd {
 }
 
 impl Winograd {
-    /// Plans the convolution of the first `inputs` channels of `input` with padding that keeps the size. The input's border is
-    /// at least half the kernel before, and [`Tiling::after`] after. Both have a multiple of 16
-    /// channels.
+    /// Plans the convolution of the first `inputs` channels of `input`, with padding that keeps the
+    /// size, into the channels of `output` from `first_channel` on.
+    ///
+    /// # Panics
+    /// If the sizes differ, the input's border is less than half the kernel before or
+    /// [`Tiling::after`] after, the channels read or written are no multiple of 16, or either
+    /// layout has too few channels.
     pub(crate) fn new(
         isa: InstructionSet,
         panels: Panels,
         tiling: Tiling,
         (input, inputs): (Layout, usize),
-        output: Layout,
+        (output, first_channel): (Layout, usize),
         lanes: usize,
     ) -> Self {
-        let before: Extent = std::array::from_fn(|axis| {
-            input.before[axis].saturating_sub(tiling.kernel()[axis] / 2)
-        });
+        assert_eq!(input.size, output.size, "the padding keeps the size");
+        assert!(inputs > 0 && inputs.is_multiple_of(16) && inputs <= input.channels);
+        assert!(panels.channels > 0 && panels.padded() == panels.channels, "whole panels");
+        assert!(first_channel + panels.channels <= output.channels);
+        let padding = tiling.kernel().map(|taps| taps / 2);
+        assert!(input.has_border_of(padding, tiling.after(output.size)));
+        let before: Extent = std::array::from_fn(|axis| input.before[axis] - padding[axis]);
         let tiles: usize = tiling.tiles(output.size).iter().product();
         let tile_points = tiling.points() * inputs;
         // A thread has blocks of its own where the weights are small beside the activations.
@@ -76,6 +86,7 @@ impl Winograd {
             input,
             inputs,
             output,
+            first_channel,
             origin: offset(before, input.strides()),
             chunks: vec![vec![Segment { offset: 0, length: inputs }]],
             blocks,
@@ -258,7 +269,9 @@ impl Layer<'_> {
             sum_rows[index] = index * width;
             let at = self.tile(tile);
             targets[index] = Target {
-                start: plan.output.origin() + offset(at, plan.output.strides()),
+                start: plan.output.origin()
+                    + offset(at, plan.output.strides())
+                    + plan.first_channel,
                 valid: std::array::from_fn(|axis| {
                     outputs[axis].min(plan.output.size[axis] - at[axis])
                 }),

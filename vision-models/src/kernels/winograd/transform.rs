@@ -30,6 +30,7 @@ pub(super) struct InputTransform<'a> {
 impl Task for InputTransform<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
+        assert!(self.channels.is_multiple_of(V::LANES));
         let [frame, row, column] = self.strides;
         // SAFETY: passed on to the caller.
         unsafe {
@@ -135,6 +136,7 @@ pub(super) struct OutputTransform<'a> {
 impl Task for OutputTransform<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
+        assert!(self.width.is_multiple_of(V::LANES) && self.bias.len() >= self.width);
         // SAFETY: passed on to the caller.
         unsafe {
             match self.tiling {
@@ -153,7 +155,7 @@ impl OutputTransform<'_> {
         unsafe {
             let value = value.add(bias);
             let value = if self.epilogue.add { value.add(V::load(to)) } else { value };
-            let value = if self.epilogue.relu { value.max(V::splat(0.0)) } else { value };
+            let value = if self.epilogue.relu { value.relu() } else { value };
             value.store(to);
         }
     }

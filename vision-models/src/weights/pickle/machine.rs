@@ -7,10 +7,10 @@ use std::{collections::HashMap, io::BufRead};
 use super::{Global, Id, Pickle, Value};
 use crate::{
     Error,
-    weights::{CheckpointError, PickleProblem, input::Input},
+    weights::{CheckpointError, PickleProblem, budget::Budget, input::Input},
 };
 
-/// More values than any checkpoint has: enough for 100,000 tensors, and 64 MiB of memory.
+/// More values than any checkpoint has: enough for 100,000 tensors.
 const MAX_VALUES: usize = 1 << 21;
 
 /// Runs one pickle, up to its `STOP`. The values it makes are the ones of [`Value`]; what it asks to
@@ -18,10 +18,14 @@ const MAX_VALUES: usize = 1 << 21;
 ///
 /// # Errors
 /// [`CheckpointError::Pickle`], [`CheckpointError::Truncated`] or [`CheckpointError::Limit`].
-pub(in crate::weights) fn run<R: BufRead>(input: &mut Input<R>) -> Result<Pickle, Error> {
+pub(in crate::weights) fn run<R: BufRead>(
+    input: &mut Input<R>,
+    budget: &mut Budget,
+) -> Result<Pickle, Error> {
     let mut machine = Machine {
         start: input.position(),
         input,
+        budget,
         values: Vec::new(),
         stack: Vec::new(),
         marks: Vec::new(),
@@ -37,6 +41,7 @@ pub(in crate::weights) fn run<R: BufRead>(input: &mut Input<R>) -> Result<Pickle
 
 pub(super) struct Machine<'a, R> {
     input: &'a mut Input<R>,
+    budget: &'a mut Budget,
     start: u64,
     pub(super) values: Vec<Value>,
     stack: Vec<Id>,
@@ -169,6 +174,7 @@ impl<R: BufRead> Machine<'_, R> {
     /// An integer of any length, two's complement, little-endian.
     fn long<const SIZE: usize>(&mut self) -> Result<(), Error> {
         let length = self.unsigned::<SIZE>()?;
+        self.take_bytes(length)?;
         let bytes = self.input.bytes(length, "integer")?;
         if bytes.len() > 8 {
             return self.push(Value::Inert);
@@ -183,6 +189,7 @@ impl<R: BufRead> Machine<'_, R> {
 
     fn text<const SIZE: usize>(&mut self) -> Result<(), Error> {
         let length = self.unsigned::<SIZE>()?;
+        self.take_bytes(length)?;
         let text = String::from_utf8(self.input.bytes(length, "text")?)
             .map_err(|_| self.problem(PickleProblem::Text))?;
         self.push(Value::Text(text.into()))
@@ -190,6 +197,7 @@ impl<R: BufRead> Machine<'_, R> {
 
     fn text_or_bytes<const SIZE: usize>(&mut self) -> Result<(), Error> {
         let length = self.unsigned::<SIZE>()?;
+        self.take_bytes(length)?;
         let text = String::from_utf8(self.input.bytes(length, "text")?);
         self.push(text.map_or(Value::Inert, |text| Value::Text(text.into())))
     }
@@ -197,6 +205,13 @@ impl<R: BufRead> Machine<'_, R> {
     fn bytes<const SIZE: usize>(&mut self) -> Result<(), Error> {
         let length = self.unsigned::<SIZE>()?;
         self.inert(length)
+    }
+
+    /// Takes the memory of bytes off the budget that are read, and then kept as a text. More than
+    /// there are will not be read.
+    fn take_bytes(&mut self, length: u64) -> Result<(), Error> {
+        let length = usize::try_from(length.min(self.input.remaining())).unwrap_or(usize::MAX);
+        self.budget.take(length.saturating_mul(2).saturating_add(2 * size_of::<usize>()))
     }
 
     /// A value whose bytes are of no interest.
@@ -212,13 +227,14 @@ impl<R: BufRead> Machine<'_, R> {
 
     fn tuple(&mut self, size: usize) -> Result<(), Error> {
         let start = self.floor_for(size)?;
-        let items = self.stack.split_off(start);
+        let items = self.cut_off(start)?;
         self.push(Value::Tuple(items))
     }
 
     /// Appends to the list on top of the stack.
     fn extend(&mut self, items: Vec<Id>) -> Result<(), Error> {
         let top = self.top()?;
+        self.budget.take(size_of::<Id>() * (4 + 3 * items.len()))?;
         match self.values.get_mut(top.0) {
             Some(Value::List(list)) => list.extend(items),
             Some(Value::Inert) => {}
@@ -230,6 +246,7 @@ impl<R: BufRead> Machine<'_, R> {
     /// Adds keys and values, in turn, to the dict on top of the stack.
     fn set_items(&mut self, items: &[Id]) -> Result<(), Error> {
         let top = self.top()?;
+        self.budget.take(size_of::<Id>() * (8 + 3 * items.len()))?;
         let (pairs, rest) = items.as_chunks();
         match self.values.get_mut(top.0) {
             Some(Value::Dict(dict)) if rest.is_empty() => {
@@ -257,6 +274,8 @@ impl<R: BufRead> Machine<'_, R> {
     fn store(&mut self, index: u64) -> Result<(), Error> {
         let top = self.top()?;
         Self::within_limit(self.memo.len())?;
+        // A table that is from 7/16 to 7/8 full, and there twice while it grows.
+        self.budget.take(4 * size_of::<(u64, Id)>())?;
         self.memo.insert(index, top);
         Ok(())
     }
@@ -304,7 +323,7 @@ impl<R: BufRead> Machine<'_, R> {
 
     pub(super) fn add(&mut self, value: Value) -> Result<Id, Error> {
         Self::within_limit(self.values.len())?;
-        self.values.push(value);
+        self.budget.push(&mut self.values, value)?;
         Ok(Id(self.values.len() - 1))
     }
 
@@ -320,8 +339,14 @@ impl<R: BufRead> Machine<'_, R> {
     /// Counts what is copied from one value to another: a pickle can ask for the same copy again
     /// and again in a few bytes.
     pub(super) fn charge(&mut self, copied: usize) -> Result<(), Error> {
+        self.budget.take(3 * size_of::<(Id, Id)>() * copied)?;
         self.copied = self.copied.saturating_add(copied);
         Self::within_limit(self.copied)
+    }
+
+    /// Takes memory off the budget for what a value points to.
+    pub(super) fn charge_bytes(&mut self, bytes: usize) -> Result<(), Error> {
+        self.budget.take(bytes)
     }
 
     fn within_limit(count: usize) -> Result<(), Error> {

@@ -3,19 +3,21 @@
 use std::{io::BufRead, rc::Rc};
 
 use super::{Global, Id, Storage, Value, View, machine::Machine};
-use crate::{Error, weights::PickleProblem};
+use crate::{
+    Error,
+    weights::{PickleProblem, shape::MAX_AXES},
+};
 
-/// More axes than any tensor of a network has.
-const MAX_AXES: usize = 8;
 /// More bytes than the key of any storage has.
 const MAX_KEY: usize = 64;
 
 impl<R: BufRead> Machine<'_, R> {
     /// A storage from what a checkpoint calls it: `("storage", class, key, device, elements)`, in
     /// files of before PyTorch 0.4 with a sixth item for a storage that is a part of another.
-    pub(super) fn storage(&self, id: Id) -> Result<Value, Error> {
+    pub(super) fn storage(&mut self, id: Id) -> Result<Value, Error> {
         const FORM: PickleProblem =
             PickleProblem::Expected("(\"storage\", class, key, device, elements)");
+        self.charge_bytes(2 * size_of::<Storage>() + 2 * MAX_KEY)?;
         let Value::Tuple(items) = self.value(id) else {
             return Err(self.problem(FORM));
         };
@@ -92,7 +94,8 @@ impl<R: BufRead> Machine<'_, R> {
         self.add(Value::Dict(entries))
     }
 
-    fn tensor(&self, storage: Id, offset: Id, shape: Id, strides: Id) -> Result<Value, Error> {
+    fn tensor(&mut self, storage: Id, offset: Id, shape: Id, strides: Id) -> Result<Value, Error> {
+        self.charge_bytes(size_of::<View>() + 2 * MAX_AXES * size_of::<usize>())?;
         let storage = match self.value(storage) {
             Value::Storage(storage) => Rc::clone(storage),
             Value::Inert => return Ok(Value::Inert),

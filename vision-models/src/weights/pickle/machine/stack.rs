@@ -14,13 +14,19 @@ use crate::{
 impl<R: BufRead> Machine<'_, R> {
     pub(super) fn mark(&mut self) -> Result<(), Error> {
         Self::within_limit(self.marks.len())?;
-        self.marks.push(self.stack.len());
-        Ok(())
+        self.budget.push(&mut self.marks, self.stack.len())
     }
 
     pub(super) fn pop_to_mark(&mut self) -> Result<Vec<Id>, Error> {
         let mark = self.marks.pop().ok_or_else(|| self.problem(PickleProblem::NoMark))?;
-        Ok(self.stack.split_off(mark))
+        self.cut_off(mark)
+    }
+
+    /// Takes all values from `start` on off the stack.
+    pub(super) fn cut_off(&mut self, start: usize) -> Result<Vec<Id>, Error> {
+        let count = self.stack.len().saturating_sub(start);
+        self.budget.take(size_of::<Id>() * count)?;
+        Ok(self.stack.drain(start.min(self.stack.len())..).collect())
     }
 
     pub(super) fn discard_to_mark(&mut self) -> Result<(), Error> {
@@ -63,7 +69,6 @@ impl<R: BufRead> Machine<'_, R> {
 
     pub(super) fn push_id(&mut self, id: Id) -> Result<(), Error> {
         Self::within_limit(self.stack.len())?;
-        self.stack.push(id);
-        Ok(())
+        self.budget.push(&mut self.stack, id)
     }
 }
