@@ -2,7 +2,9 @@
 
 pub(crate) mod builder;
 mod changes;
+pub(crate) mod commanded;
 pub(crate) mod differential;
+pub(crate) mod leash;
 pub(crate) mod settings;
 mod singularity;
 pub(crate) mod step;
