@@ -1,6 +1,16 @@
 //! Forces and inertias.
+//!
+//! All sums are in world axes, so that nothing is turned from body to body, and about the origins of
+//! the bodies, so that they hold no distances larger than a link.
 
+mod articulated;
 mod carried;
 mod centre_of_mass;
+mod effective_mass;
+mod energy;
+pub(crate) mod external;
+mod forward;
 mod friction;
 mod gravity;
+mod inverse;
+mod mass_matrix;

@@ -41,6 +41,7 @@
 mod dynamics;
 mod error;
 mod ik;
+mod inertia;
 mod kinematics;
 mod limits;
 mod robot;
@@ -50,6 +51,7 @@ mod tasks;
 mod urdf;
 
 pub use ahqp_core::{Budget, LevelId, Place, PoseAxes, Status, VelocityInterval};
+pub use dynamics::external::ExternalWrench;
 pub use error::Error;
 pub use ik::builder::{IkBuilder, Variables};
 pub use ik::commanded::{Command, Commanded};

@@ -1,4 +1,4 @@
-//! Poses, pairs of a linear and an angular vector, and the inertia of rigid bodies.
+//! Poses, and pairs of a linear and an angular vector.
 
 use nalgebra::{Isometry3, IsometryMatrix3, Matrix3, Rotation3, Translation3, UnitQuaternion};
 use nalgebra::{Vector3, Vector6};
@@ -61,12 +61,32 @@ impl Pose {
     }
 }
 
+/// How a joint moves with respect to its axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Motion {
+    /// About it \[rad\].
+    Turns,
+    /// Along it \[m\].
+    Slides,
+}
+
 /// A linear and an angular vector in world axes: a twist, an acceleration, or a force with its
 /// moment.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Spatial {
     pub(crate) linear: Vector3<f64>,
     pub(crate) angular: Vector3<f64>,
+}
+
+impl Motion {
+    /// The part of a force and moment at the axis that a motor must give.
+    #[inline]
+    pub(crate) fn part(self, axis: &Vector3<f64>, force: &Spatial) -> f64 {
+        match self {
+            Self::Turns => axis.dot(&force.angular),
+            Self::Slides => axis.dot(&force.linear),
+        }
+    }
 }
 
 impl Spatial {
@@ -79,57 +99,21 @@ impl Spatial {
         Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
     }
 
+    pub(crate) fn from_vector(vector: &Vector6<f64>) -> Self {
+        Self {
+            linear: Vector3::new(vector[0], vector[1], vector[2]),
+            angular: Vector3::new(vector[3], vector[4], vector[5]),
+        }
+    }
+
+    /// The product of a motion and a force at one point: power, or a torque along an axis.
+    #[inline]
+    pub(crate) fn dot(&self, other: &Self) -> f64 {
+        self.linear.dot(&other.linear) + self.angular.dot(&other.angular)
+    }
+
     /// Both parts in the axes of a frame that stands at `rotation` in the present ones.
     pub(crate) fn in_axes_of(&self, rotation: &Matrix3<f64>) -> Self {
         Self { linear: rotation.tr_mul(&self.linear), angular: rotation.tr_mul(&self.angular) }
     }
-}
-
-/// Mass, centre of mass and inertia of a rigid body in the body's frame.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct BodyInertia {
-    /// \[kg\]
-    pub(crate) mass: f64,
-    /// \[m\]
-    pub(crate) centre: Vector3<f64>,
-    /// About the centre of mass \[kg m²\].
-    pub(crate) inertia: Matrix3<f64>,
-}
-
-impl BodyInertia {
-    pub(crate) fn zero() -> Self {
-        Self { mass: 0.0, centre: Vector3::zeros(), inertia: Matrix3::zeros() }
-    }
-
-    /// The same in the frame where the body's own stands at `pose`.
-    pub(crate) fn placed(&self, pose: &Pose) -> Self {
-        Self {
-            mass: self.mass,
-            centre: pose.position + pose.rotation * self.centre,
-            inertia: pose.rotation * self.inertia * pose.rotation.transpose(),
-        }
-    }
-
-    /// Both bodies as one.
-    pub(crate) fn joined(&self, other: &Self) -> Self {
-        let mass = self.mass + other.mass;
-        let inertia = self.inertia + other.inertia;
-        if mass <= 0.0 {
-            return Self { mass, centre: self.centre, inertia };
-        }
-        let centre = self.centre * (self.mass / mass) + other.centre * (other.mass / mass);
-        // The parallel axis theorem for two points of the reduced mass.
-        let reduced = self.mass * (other.mass / mass);
-        let apart = other.centre - self.centre;
-        Self { mass, centre, inertia: inertia + about_distance(reduced, &apart) }
-    }
-}
-
-/// m (|r|² 1 − r rᵀ): the inertia of a point mass at r.
-#[inline]
-pub(crate) fn about_distance(mass: f64, r: &Vector3<f64>) -> Matrix3<f64> {
-    let scaled = mass * r;
-    let (xx, yy, zz) = (scaled.x * r.x, scaled.y * r.y, scaled.z * r.z);
-    let (xy, xz, yz) = (scaled.x * r.y, scaled.x * r.z, scaled.y * r.z);
-    Matrix3::new(yy + zz, -xy, -xz, -xy, xx + zz, -yz, -xz, -yz, xx + yy)
 }

@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3xX, Point3, Vector3};
 
 use crate::error::{Error, check_size};
-use crate::robot::bodies::Motion;
 use crate::robot::description::Base;
+use crate::spatial::Motion;
 use crate::state::posed::Posed;
 
 impl Posed<'_> {
@@ -25,7 +25,7 @@ impl Posed<'_> {
     pub fn centre_of_mass_jacobian_into(&mut self, out: &mut Matrix3xX<f64>) -> Result<(), Error> {
         check_size("the Jacobian's list of columns", out.ncols(), self.model.velocities)?;
         self.sum_up_carried();
-        out.fill(0.0);
+        out.as_mut_slice().fill(0.0);
         let carried = &self.data.scratch.carried;
         let Some(root) = carried.first().filter(|root| root.mass > 0.0) else {
             return Ok(());

@@ -1,8 +1,8 @@
 //! What gravity asks of the joints.
 
 use crate::error::{Error, check_size};
-use crate::robot::bodies::Motion;
 use crate::robot::description::Base;
+use crate::spatial::Motion;
 use crate::state::posed::Posed;
 
 impl Posed<'_> {

@@ -3,9 +3,9 @@
 use nalgebra::{Matrix3, Matrix6xX, Point3, Vector3};
 
 use crate::error::{Error, check_size};
-use crate::robot::bodies::Motion;
 use crate::robot::description::Base;
 use crate::robot::frame::FrameId;
+use crate::spatial::Motion;
 use crate::spatial::Spatial;
 use crate::state::posed::Posed;
 
@@ -40,7 +40,7 @@ impl Posed<'_> {
         check_size("the Jacobian's list of columns", out.ncols(), self.model.velocities)?;
         let carrier = &self.data.poses[found.body];
         let position = carrier.position + carrier.rotation * found.pose.position;
-        out.fill(0.0);
+        out.as_mut_slice().fill(0.0);
         self.add_columns(found.body, &position, 1.0, out);
         if axes == Axes::Local {
             turn_columns(&(carrier.rotation * found.pose.rotation), out);
@@ -61,7 +61,7 @@ impl Posed<'_> {
     ) -> Result<(), Error> {
         let found = self.model.frame(frame)?;
         check_size("the Jacobian's list of columns", out.ncols(), self.model.velocities)?;
-        out.fill(0.0);
+        out.as_mut_slice().fill(0.0);
         self.add_columns(found.body, &point.coords, 1.0, out);
         Ok(())
     }
@@ -79,34 +79,25 @@ impl Posed<'_> {
         while let Some(index) = below.checked_sub(1) {
             let (mover, pose) = (&self.model.movers[index], &self.data.poses[below]);
             let axis = (factor * mover.ratio) * pose.axis();
-            add(
-                &mut columns[mover.velocity],
-                &match mover.motion {
-                    Motion::Turns => {
-                        Spatial { linear: axis.cross(&(point - pose.position)), angular: axis }
-                    }
-                    Motion::Slides => Spatial { linear: axis, angular: Vector3::zeros() },
-                },
-            );
+            let moved = match mover.motion {
+                Motion::Turns => {
+                    Spatial { linear: axis.cross(&(point - pose.position)), angular: axis }
+                }
+                Motion::Slides => Spatial { linear: axis, angular: Vector3::zeros() },
+            };
+            add(&mut columns[mover.velocity], &moved);
             below = mover.parent;
         }
-        if let (Base::Floating, [linear, angular]) = (self.model.base, base_columns(columns)) {
-            let apart = point - self.data.poses[0].position;
-            for (index, (linear, angular)) in linear.iter_mut().zip(angular).enumerate() {
-                let mut axis = Vector3::zeros();
-                axis[index] = factor;
-                add(linear, &Spatial { linear: axis, angular: Vector3::zeros() });
-                add(angular, &Spatial { linear: axis.cross(&apart), angular: axis });
+        if let (Base::Floating, [x, y, z, wx, wy, wz, ..]) = (self.model.base, columns) {
+            let apart = factor * (point - self.data.poses[0].position);
+            for (column, entry) in [(x, 0), (y, 1), (z, 2)] {
+                column[entry] += factor;
+            }
+            for (column, axis) in [(wx, Vector3::x()), (wy, Vector3::y()), (wz, Vector3::z())] {
+                add(column, &Spatial { linear: axis.cross(&apart), angular: factor * axis });
             }
         }
     }
-}
-
-/// The columns of the base's velocity and angular velocity.
-fn base_columns(columns: &mut [[f64; 6]]) -> [&mut [[f64; 6]]; 2] {
-    let (linear, rest) = columns.split_at_mut(columns.len().min(3));
-    let count = rest.len().min(3);
-    [linear, &mut rest[..count]]
 }
 
 #[inline]

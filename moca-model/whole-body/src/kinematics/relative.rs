@@ -46,7 +46,7 @@ impl Posed<'_> {
         let [reference, frame] = [self.model.frame(reference)?, self.model.frame(frame)?];
         check_size("the Jacobian's list of columns", out.ncols(), self.model.velocities)?;
         let point = self.pose_of(frame).position;
-        out.fill(0.0);
+        out.as_mut_slice().fill(0.0);
         self.add_columns(frame.body, &point, 1.0, out);
         self.add_columns(reference.body, &point, -1.0, out);
         turn_columns(&self.pose_of(reference).rotation, out);

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
-use super::bodies::{Motion, Mover};
+use super::bodies::Mover;
 use super::description::{Base, Description};
 use super::frame::{Frame, FrameId};
 use super::inertia;
@@ -15,7 +15,9 @@ use super::limits::{JointLimits, MissingAcceleration};
 use super::model::Model;
 use super::selection::{Role, Selection, select};
 use crate::error::{Error, check_finite};
-use crate::spatial::{BodyInertia, Pose};
+use crate::inertia::body::BodyInertia;
+use crate::spatial::Motion;
+use crate::spatial::Pose;
 use crate::urdf::document::{self, Document, Kind, Origin};
 use crate::urdf::tree::Tree;
 
@@ -84,7 +86,6 @@ impl<'a, 'b> Assembly<'a, 'b> {
                 default_accelerations: Vec::new(),
                 movers: Vec::new(),
                 inertias: vec![BodyInertia::zero()],
-                reference: 0,
                 frames: Vec::new(),
                 frame_names: HashMap::new(),
                 joint_names: HashMap::new(),
@@ -262,11 +263,6 @@ impl<'a, 'b> Assembly<'a, 'b> {
     fn finish(mut self) -> Result<Model, Error> {
         for frame in &self.description.frames {
             self.model.place_frame(frame)?;
-        }
-        let turns = |mover: &Mover| mover.motion == Motion::Turns;
-        if self.model.base != Base::Floating {
-            let first = self.model.movers.iter().position(turns);
-            self.model.reference = first.map_or(0, |mover| mover + 1);
         }
         self.model.warn_of_massless();
         Ok(self.model)

@@ -1,6 +1,6 @@
 //! The tree that the algorithms walk.
 
-use crate::spatial::Pose;
+use crate::spatial::{Motion, Pose};
 
 /// What moves body k + 1 against its parent, if this is mover k. Body 0 is the root: the world, or
 /// the floating base.
@@ -21,10 +21,4 @@ pub(crate) struct Mover {
     /// Its position is ratio · q + offset; 1 and 0 but for a mimic joint.
     pub(crate) ratio: f64,
     pub(crate) offset: f64,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Motion {
-    Turns,
-    Slides,
 }

@@ -4,7 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::warning::{InertiaFault, Warning};
 use crate::error::Error;
-use crate::spatial::{BodyInertia, Pose};
+use crate::inertia::body::BodyInertia;
+use crate::spatial::Pose;
 use crate::urdf::document::{Inertial, Link};
 
 /// How far rounding in a URDF may take an inertia from that of a body, of its largest moment.

@@ -14,7 +14,8 @@ use super::joint::{Joint, JointId, JointKind, MimicJoint};
 use super::limits::JointLimits;
 use super::warning::Warning;
 use crate::error::Error;
-use crate::spatial::{BodyInertia, Pose};
+use crate::inertia::body::BodyInertia;
+use crate::spatial::Pose;
 use crate::urdf::document;
 use crate::urdf::names::nearest;
 
@@ -72,9 +73,6 @@ pub struct Model {
     pub(crate) movers: Vec<Mover>,
     /// By body.
     pub(crate) inertias: Vec<BodyInertia>,
-    /// The body at whose origin world-axis inertias are taken: sums then hold no large distances,
-    /// wherever the robot stands.
-    pub(crate) reference: usize,
     pub(crate) frames: Vec<Frame>,
     pub(crate) frame_names: HashMap<String, usize>,
     pub(crate) joint_names: HashMap<String, usize>,

@@ -50,11 +50,11 @@ impl fmt::Display for Warning {
                 write!(f, "line {line}: the inertia of link `{link}` is that of no body: ")?;
                 match fault {
                     InertiaFault::NegativeMoment(moment) => {
-                        write!(f, "a principal moment is {moment} kg m²")
+                        write!(f, "a principal moment is {moment:e} kg m²")
                     }
                     InertiaFault::Triangle([a, b, c]) => write!(
                         f,
-                        "of its principal moments {a}, {b}, {c} kg m² one is larger than the \
+                        "of its principal moments {a:e}, {b:e}, {c:e} kg m² one is larger than the \
                          others together"
                     ),
                     InertiaFault::NoMass => write!(f, "it has moments and no mass"),

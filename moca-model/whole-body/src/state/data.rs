@@ -4,8 +4,11 @@ use nalgebra::Vector3;
 
 use super::payload::Payloads;
 use crate::error::Error;
+use crate::inertia::articulated::{ArticulatedInertia, ArticulatedJoint};
+use crate::inertia::body::BodyInertia;
+use crate::inertia::world::WorldInertia;
 use crate::robot::model::Model;
-use crate::spatial::{BodyInertia, Pose, Spatial};
+use crate::spatial::{Pose, Spatial};
 
 /// Room for everything that is computed of a robot's state.
 ///
@@ -43,6 +46,21 @@ pub(crate) struct BodyMotion {
 pub(crate) struct Scratch {
     /// By body: mass and first moment of all that it carries.
     pub(crate) carried: Vec<Carried>,
+    /// By body: accelerations by joints alone.
+    pub(crate) accelerations: Vec<Spatial>,
+    /// By body: forces and moments.
+    pub(crate) wrenches: Vec<Spatial>,
+    /// By body.
+    pub(crate) composites: Vec<WorldInertia>,
+    /// By body.
+    pub(crate) articulated: Vec<ArticulatedInertia>,
+    /// By mover.
+    pub(crate) pivots: Vec<ArticulatedJoint>,
+    /// Empty where there are no mimic joints.
+    pub(crate) mass_matrix: Vec<f64>,
+    /// Of the size of q̇, both.
+    pub(crate) row: Vec<f64>,
+    pub(crate) solved: Vec<f64>,
 }
 
 /// Mass \[kg\] and Σ m (c − p) \[kg m\] of a body at p and all that it carries.
@@ -67,6 +85,17 @@ impl Data {
             motions: vec![still; bodies],
             scratch: Scratch {
                 carried: vec![Carried { mass: 0.0, moment: Vector3::zeros() }; bodies],
+                accelerations: vec![Spatial::ZERO; bodies],
+                wrenches: vec![Spatial::ZERO; bodies],
+                composites: vec![WorldInertia::ZERO; bodies],
+                articulated: vec![ArticulatedInertia::ZERO; bodies],
+                pivots: vec![ArticulatedJoint::ZERO; model.movers.len()],
+                mass_matrix: vec![
+                    0.0;
+                    if model.mimics.is_empty() { 0 } else { model.velocities.pow(2) }
+                ],
+                row: vec![0.0; model.velocities],
+                solved: vec![0.0; model.velocities],
             },
         }
     }

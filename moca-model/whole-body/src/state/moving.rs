@@ -3,8 +3,8 @@
 use super::data::BodyMotion;
 use super::posed::Posed;
 use crate::error::Error;
-use crate::robot::bodies::Motion;
 use crate::robot::description::Base;
+use crate::spatial::Motion;
 use crate::spatial::Spatial;
 use nalgebra::Vector3;
 

@@ -4,9 +4,9 @@ use nalgebra::{Matrix3, Point3};
 
 use super::data::Data;
 use crate::error::{Error, check_finite};
+use crate::inertia::body::BodyInertia;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
-use crate::spatial::BodyInertia;
 
 /// How many payloads there can be at a time.
 const ROOM: usize = 8;

@@ -3,10 +3,10 @@
 use super::data::Data;
 use super::moving::Moving;
 use crate::error::Error;
-use crate::robot::bodies::Motion;
 use crate::robot::configuration::orientation;
 use crate::robot::description::Base;
 use crate::robot::model::Model;
+use crate::spatial::Motion;
 use crate::spatial::Pose;
 
 /// The robot at a configuration q: poses, Jacobians, and forces at rest.

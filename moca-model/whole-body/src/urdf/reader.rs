@@ -37,7 +37,12 @@ impl<'a> Reader<'a> {
             match self.event()? {
                 Event::Start(start) => break self.element(start),
                 Event::Text(text) if text.trim_ascii().is_empty() => {}
-                Event::Text(_) => return Err(self.no_urdf("text before the first element".into())),
+                Event::Text(text) => {
+                    let rest = text.trim_ascii_start().len() as u64;
+                    let line = self.line_at(self.xml.buffer_position().saturating_sub(rest));
+                    let found = "text before the first element".to_owned();
+                    return Err(Error::NotAUrdf { line, found });
+                }
                 Event::Eof => return Err(self.no_urdf("no element".into())),
                 _ => {}
             }

@@ -45,7 +45,6 @@ pub(crate) struct Robot {
 pub(crate) struct State {
     pub(crate) q: Vec<f64>,
     pub(crate) v: Vec<f64>,
-    #[expect(dead_code, reason = "for dynamics")]
     pub(crate) a: Vec<f64>,
 }
 

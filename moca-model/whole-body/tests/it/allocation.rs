@@ -1,0 +1,70 @@
+//! Nothing on the control path allocates after construction.
+
+use allocation_counter::measure;
+use nalgebra::{DMatrix, IsometryMatrix3, Matrix3, Matrix3xX, Matrix6xX, Point3, Vector3, Vector6};
+use whole_body::{Axes, Base, Data, Description, ExternalWrench, Model, Payload};
+
+#[test]
+fn the_counter_counts() {
+    assert!(measure(|| drop(std::hint::black_box(vec![1_u8]))).count_total > 0);
+}
+
+/// How often everything that a loop may call allocates.
+fn allocations(urdf: &str, base: Base, frame: &str) -> u64 {
+    let model = Model::from_urdf(urdf, &Description { base, ..Description::default() }).unwrap();
+    let n = model.velocity_count();
+    let frame = model.frame_id(frame).unwrap();
+    let root = model.frames().next().unwrap().0;
+    let mut data = Data::new(&model);
+    let (mut q, neutral) = (model.neutral(), model.neutral());
+    let (v, mut out) = (vec![0.1; n], vec![0.0; n]);
+    let mut jacobian = Matrix6xX::zeros(n);
+    let mut centre = Matrix3xX::zeros(n);
+    let mut mass = DMatrix::zeros(n, n);
+    let mut placements = vec![IsometryMatrix3::identity(); model.frame_count()];
+    let wrench = [ExternalWrench { frame, wrench: Vector6::repeat(1.0) }];
+    let centre_of_payload = Point3::new(0.0, 0.0, 0.1);
+    let payload =
+        Payload { frame, mass: 1.0, centre: centre_of_payload, inertia: Matrix3::identity() };
+    measure(|| {
+        for _ in 0..3 {
+            let held = data.attach(&model, &payload).unwrap();
+            model.integrate(&mut q, &v).unwrap();
+            model.difference(&neutral, &q, &mut out).unwrap();
+            let mut posed = data.pose(&model, &q).unwrap();
+            posed.world_from(frame).unwrap();
+            posed.placements_into(&mut placements).unwrap();
+            posed.relative_pose(root, frame).unwrap();
+            posed.jacobian_into(frame, Axes::Local, &mut jacobian).unwrap();
+            posed.point_jacobian_into(frame, &Point3::origin(), &mut jacobian).unwrap();
+            posed.relative_jacobian_into(root, frame, &mut jacobian).unwrap();
+            posed.gravity_into(&mut out).unwrap();
+            posed.centre_of_mass();
+            posed.centre_of_mass_jacobian_into(&mut centre).unwrap();
+            posed.mass_matrix_into(&mut mass).unwrap();
+            posed.effective_mass(frame, &Vector3::x_axis()).unwrap();
+            posed.solve_mass_matrix(&mut out).unwrap();
+            let mut moving = posed.moving(&v).unwrap();
+            moving.twist(frame, Axes::World).unwrap();
+            moving.jacobian_rate_times_velocity(frame, Axes::Local).unwrap();
+            moving.relative_twist(root, frame).unwrap();
+            moving.relative_jacobian_rate_times_velocity(root, frame).unwrap();
+            moving.inverse_dynamics_into(&v, &wrench, &mut out).unwrap();
+            moving.bias_forces_into(&mut out).unwrap();
+            moving.forward_dynamics_into(&v, &wrench, &mut out).unwrap();
+            moving.friction_into(&mut out).unwrap();
+            std::hint::black_box((moving.kinetic_energy(), moving.momentum()));
+            data.detach(&model, held).unwrap();
+        }
+    })
+    .count_total
+}
+
+#[test]
+fn kinematics_and_dynamics_allocate_nothing() {
+    let humanoid = include_str!("../golden/humanoid.urdf");
+    assert_eq!(allocations(humanoid, Base::Floating, "left_palm"), 0);
+    // Mimic joints take the way of Cholesky.
+    let two_arms = include_str!("../golden/two_arms.urdf");
+    assert_eq!(allocations(two_arms, Base::Planar, "left_finger2_link"), 0);
+}
