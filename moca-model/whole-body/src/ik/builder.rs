@@ -69,7 +69,8 @@ impl IkBuilder {
     }
 
     /// Adds a hard limit beside those of the joints: it holds before all tasks. Where joints cannot
-    /// brake so fast it is widened by what is missing, so that limits never contradict each other.
+    /// brake as fast as it asks, because of their acceleration and jerk limits, it is widened by what
+    /// is missing, so that limits never contradict each other.
     pub fn limit<T: Limit>(&mut self, name: impl Into<Arc<str>>, limit: T) -> TaskId<T> {
         self.limits.push(name, limit)
     }

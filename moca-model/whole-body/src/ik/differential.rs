@@ -12,6 +12,7 @@ use super::singularity::SingularityDamping;
 use super::step::Step;
 use super::task_level::{StackedLevel, TaskId};
 use crate::error::{Error, check_size};
+use crate::limits::anticipation::anticipate;
 use crate::limits::common_point::widen;
 use crate::limits::joint_intervals::JointIntervals;
 use crate::robot::frame::FrameId;
@@ -194,6 +195,8 @@ impl Ik {
         if let Some(StackedLevel { id, tasks }) = &mut self.limits {
             let rows = self.stack.constraints_mut(*id)?;
             tasks.write(&mut input, rows)?;
+            let (velocity, acceleration) = (&self.velocity, &self.acceleration);
+            anticipate(rows, velocity, acceleration, &self.intervals, period);
             widen(rows, &self.intervals.now, &mut self.admitted);
         }
         self.singularity.begin();

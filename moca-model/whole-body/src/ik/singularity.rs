@@ -8,11 +8,17 @@ use ahqp_core::Rows;
 ///
 /// Level by level, highest priority first, the rows are scaled to norm one and freed of what the
 /// rows above determine; G = P Pᵀ then has the squared singular values σ² of what is left to the
-/// level. Where all are above the threshold σ₀ nothing changes. Below, with the eigenvectors of G,
-/// the part of the target along each is multiplied by σ²/(σ² + μ²), μ² = (σ₀/2)² (1 − (σ/σ₀)²):
+/// level, and p² = det G / e is a lower bound of the least. Where p is above the threshold σ₀
+/// nothing changes. Below, with the eigenvectors of W^½ G W^½, W being the weights of the
+/// scaled rows over the largest,
+/// the part of the target along each is multiplied by σ²/(σ² + μ²),
+///
+/// > μ² = (σ₀/2)² (1 − p²/σ₀²) (1 − σ²/σ₀²), or zero where σ > σ₀:
+///
 /// damped least squares, direction by direction (Nakamura and Hanafusa, Journal of Dynamic
 /// Systems, Measurement and Control 108, 1986; Maciejewski and Klein, Journal of Robotic Systems
-/// 5(6), 1988). What is damped is the difference from what the levels above do by themselves.
+/// 5(6), 1988), continuous in the rows. What is damped is the difference from what the levels above
+/// do by themselves. Rows that contradict each other keep their weighted compromise.
 ///
 /// The levels stay rows with other targets: priorities and limits are not touched.
 #[derive(Debug)]
@@ -26,6 +32,8 @@ pub(super) struct SingularityDamping {
     point: Vec<f64>,
     projected: Vec<f64>,
     norms: Vec<f64>,
+    /// √(weight · norm² over the largest).
+    scales: Vec<f64>,
     residual: Vec<f64>,
     gram: Vec<f64>,
     factor: Vec<f64>,
@@ -35,6 +43,8 @@ pub(super) struct SingularityDamping {
 
 /// A direction that is left to a level by less than this belongs to the levels below.
 const NOTHING: f64 = 1e-8;
+/// Of the largest weight, what the others count as at least here.
+const LIGHTEST: f64 = 1e-12;
 /// Sweeps of Jacobi's method; six suffice for the sizes of tasks.
 const SWEEPS: usize = 12;
 
@@ -49,6 +59,7 @@ impl SingularityDamping {
             point: vec![0.0; columns],
             projected: vec![0.0; rows * columns],
             norms: vec![0.0; rows],
+            scales: vec![1.0; rows],
             residual: vec![0.0; rows],
             gram: vec![0.0; rows * rows],
             factor: vec![0.0; rows * rows],
@@ -72,10 +83,12 @@ impl SingularityDamping {
             return;
         }
         self.load(rows);
-        if self.factorise(m) >= self.threshold * self.threshold * E {
+        let closeness = self.factorise(m) / (E * self.threshold * self.threshold);
+        if closeness >= 1.0 {
             self.take_all(m);
         } else {
-            self.take_by_direction(m, rows);
+            self.weigh(m, rows);
+            self.take_by_direction(m, closeness, rows);
         }
     }
 
@@ -150,8 +163,28 @@ impl SingularityDamping {
         }
     }
 
+    /// Weighs rows, G and what is missing.
+    fn weigh(&mut self, m: usize, rows: &Rows) {
+        let heaviness = |norms: &[f64], row: usize| rows.weight(row) * norms[row] * norms[row];
+        let largest = (0..m).map(|row| heaviness(&self.norms, row)).fold(0.0, f64::max);
+        for row in 0..m {
+            let part = if largest > 0.0 { heaviness(&self.norms, row) / largest } else { 1.0 };
+            self.scales[row] = part.max(LIGHTEST).sqrt();
+        }
+        for i in 0..m {
+            self.residual[i] *= self.scales[i];
+            for j in 0..m {
+                self.gram[i * m + j] *= self.scales[i] * self.scales[j];
+            }
+            let own = &mut self.projected[i * self.columns..(i + 1) * self.columns];
+            for entry in own {
+                *entry *= self.scales[i];
+            }
+        }
+    }
+
     /// Takes each direction as far as it is well-conditioned, and the rest from the targets.
-    fn take_by_direction(&mut self, m: usize, rows: &mut Rows) {
+    fn take_by_direction(&mut self, m: usize, closeness: f64, rows: &mut Rows) {
         let n = self.columns;
         eigenvectors(&mut self.gram[..m * m], &mut self.vectors[..m * m], m);
         for k in 0..m {
@@ -159,10 +192,11 @@ impl SingularityDamping {
             // Row k of the matrix of vectors.
             let vector = &self.vectors[k * m..(k + 1) * m];
             let missing = dot(vector, &self.residual[..m]);
-            let factor = self.factor_of(sigma);
+            let factor = self.factor_of(sigma, closeness);
             if factor < 1.0 {
-                for (i, (part, norm)) in vector.iter().zip(&self.norms).enumerate() {
-                    let change = part * (factor - 1.0) * missing * norm;
+                let sizes = self.norms.iter().zip(&self.scales);
+                for (i, (part, (norm, scale))) in vector.iter().zip(sizes).enumerate() {
+                    let change = part * (factor - 1.0) * missing * norm / scale;
                     let target = rows.lower()[i] + change;
                     rows.lower_mut()[i] = target;
                     rows.upper_mut()[i] = target;
@@ -182,13 +216,12 @@ impl SingularityDamping {
     }
 
     /// σ²/(σ² + μ²).
-    fn factor_of(&self, sigma: f64) -> f64 {
-        let part = sigma / self.threshold;
-        if part >= 1.0 {
+    fn factor_of(&self, sigma: f64, closeness: f64) -> f64 {
+        let square = (sigma / self.threshold).powi(2);
+        if square >= 1.0 {
             return 1.0;
         }
-        let damping = 0.25 * (1.0 - part * part);
-        part * part / (part * part + damping)
+        square / (square + 0.25 * (1.0 - closeness) * (1.0 - square))
     }
 }
 
@@ -265,17 +298,18 @@ mod tests {
             a.set_row(2, &near);
             prop_assume!(a.row_iter().all(|row| row.norm() > 0.1));
             let (rows, damping) = damped(&a, &b);
-            // By the singular value decomposition.
+            // By the singular value decomposition of the rows as they weigh, for w = 1.
             let scale = DVector::from_iterator(3, a.row_iter().map(|row| row.norm()));
             let unit = DMatrix::from_fn(3, 6, |i, j| a[(i, j)] / scale[i]);
-            let svd = unit.svd(true, false);
+            let determinant = (&unit * unit.transpose()).determinant().max(0.0);
+            let closeness = determinant / (std::f64::consts::E * 0.01);
+            let svd = (&a / scale.max()).svd(true, false);
             let u = svd.u.unwrap();
-            let right = DVector::from_iterator(3, b.iter().zip(&scale).map(|(b, s)| b / s));
-            let mut parts = u.transpose() * right;
+            let mut parts = u.transpose() * DVector::from_column_slice(&b);
             for (part, sigma) in parts.iter_mut().zip(&svd.singular_values) {
-                *part *= damping.factor_of(*sigma);
+                *part *= if closeness < 1.0 { damping.factor_of(*sigma, closeness) } else { 1.0 };
             }
-            let expected = (u * parts).component_mul(&scale);
+            let expected = u * parts;
             let found = DVector::from_column_slice(rows.lower());
             prop_assert!((found - expected).norm() < 1e-7);
         }
@@ -304,6 +338,22 @@ mod tests {
             // x₀ = 0.5; what x₁ must add is damped.
             let needed = (below.lower()[0] - 0.5) / gap.max(1e-12);
             prop_assert!(needed.abs() <= 1.5 / 0.1 + 1e-9);
+        }
+
+        #[test]
+        fn rows_that_contradict_each_other_keep_their_compromise(
+            weight in 0.01..100.0_f64, one in -1.0..1.0_f64, other in -1.0..1.0_f64,
+        ) {
+            let a = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 2.0, 0.0]);
+            let mut rows = Rows::equalities(&a, &[one, 2.0 * other]).unwrap();
+            rows.set_weights(&[weight, 0.25]).unwrap();
+            let mut damping = SingularityDamping::new(0.1, 2, 2);
+            damping.begin();
+            damping.damp(&mut rows);
+            // With rows of norm one the second weighs 0.25 · 4.
+            let found = (weight * rows.lower()[0] + rows.lower()[1] * 0.5) / (weight + 1.0);
+            let expected = (weight * one + other) / (weight + 1.0);
+            prop_assert!((found - expected).abs() < 1e-9, "{found} for {expected}");
         }
     }
 }

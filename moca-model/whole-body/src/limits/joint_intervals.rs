@@ -105,6 +105,12 @@ impl JointIntervals {
         }
     }
 
+    /// The jerk limit of an entry of q̇; infinite for none.
+    pub(crate) fn jerk(&self, entry: usize) -> f64 {
+        let joint = self.joints.get(entry);
+        joint.and_then(|joint| joint.limits).map_or(f64::INFINITY, |limits| limits.jerk())
+    }
+
     /// Which limit ends the interval of an entry there, if one does.
     pub(crate) fn kind(&self, entry: usize, end: End, last: Last, period: f64) -> LimitKind {
         let Some(limits) = self.joints[entry].limits else { return LimitKind::Caller };

@@ -12,6 +12,10 @@ use crate::tasks::task::{Limit, Task};
 /// Limits how fast each wheel of a planar base turns: |c · (v_x, v_y, ω)| ≤ speed, the velocity
 /// being in the base's own axes.
 ///
+/// It holds exactly where the base's joints have acceleration limits and no jerk limits. Jerk
+/// limits along the world's axes keep a base that turns from taking its velocity along at once; the
+/// wheels then exceed their speed by what is missing.
+///
 /// ```
 /// use whole_body::WheelLimit;
 ///

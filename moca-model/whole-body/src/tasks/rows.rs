@@ -73,6 +73,12 @@ impl<'a> TaskRows<'a> {
         }
     }
 
+    /// The bounds of a row as written so far, `(lower, upper)`.
+    pub fn range(&self, row: usize) -> Option<(f64, f64)> {
+        let index = if row < self.count { self.first + row } else { usize::MAX };
+        Some((*self.rows.lower().get(index)?, *self.rows.upper().get(index)?))
+    }
+
     /// What a row weighs against the other rows of its level; from 1e-100 to 1e100, or zero to
     /// leave it out.
     pub fn set_weight(&mut self, row: usize, weight: f64) {

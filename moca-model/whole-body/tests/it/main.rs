@@ -3,9 +3,16 @@
 
 mod allocation;
 mod bad_input;
+mod bad_tasks;
 mod bad_urdf;
+mod commanded;
 mod description;
 mod dynamics;
 mod golden;
+mod ik;
+mod ik_changes;
+mod ik_figures;
+mod ik_limits;
 mod kinematics;
 mod support;
+mod tasks;
