@@ -147,7 +147,8 @@ fn humanoid() -> Loop {
     }
     let mut obstacles = VelocityTask::new(48);
     for row in 0..48_u32 {
-        let coefficients: Vec<f64> = (0..model.velocity_count() as u32)
+        let coefficients: Vec<f64> = (0_u32..)
+            .take(model.velocity_count())
             .map(|entry| (f64::from(row * 37 + entry * 11)).sin())
             .collect();
         obstacles.set_row(row as usize, &coefficients, f64::NEG_INFINITY, 3.0).unwrap();

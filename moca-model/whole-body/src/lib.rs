@@ -49,6 +49,7 @@ mod spatial;
 mod state;
 mod tasks;
 mod urdf;
+mod vector;
 
 pub use ahqp_core::{Budget, LevelId, Place, PoseAxes, Status, VelocityInterval};
 pub use dynamics::external::ExternalWrench;

@@ -12,7 +12,7 @@ use super::singularity::SingularityDamping;
 use super::step::Step;
 use super::task_level::{StackedLevel, TaskId};
 use crate::error::{Error, check_size};
-use crate::limits::anticipation::anticipate;
+use crate::limits::anticipation::Anticipation;
 use crate::limits::common_point::widen;
 use crate::limits::joint_intervals::JointIntervals;
 use crate::robot::frame::FrameId;
@@ -87,6 +87,7 @@ pub struct Ik {
     pub(super) displacement: Vec<f64>,
     pub(super) period: f64,
     pub(super) singularity: SingularityDamping,
+    anticipation: Anticipation,
     jacobian: JacobianMemory,
     /// A velocity that all limits admit.
     admitted: Vec<f64>,
@@ -115,8 +116,9 @@ impl Ik {
             last_acceleration: rest.clone(),
             displacement: rest.clone(),
             period: 1e-3,
+            anticipation: Anticipation::new(rest.len()),
             jacobian: JacobianMemory::new(rest.len()),
-            singularity: SingularityDamping::new(0.0, 0, names.len()),
+            singularity: SingularityDamping::new(0.0, &[], names.len()),
             admitted: rest,
             model,
             settings,
@@ -131,10 +133,11 @@ impl Ik {
 
     /// Sizes the damping for the levels that there are.
     pub(super) fn make_room(&mut self) {
-        let damped = self.levels.iter().filter(|level| level.tasks.is_damped);
-        let rows = damped.map(|level| level.tasks.row_count()).max().unwrap_or(0);
+        let last = self.levels.iter().rposition(|level| level.tasks.is_damped);
+        let levels = self.levels.iter().take(last.map_or(0, |last| last + 1));
+        let rows: Vec<usize> = levels.map(|level| level.tasks.row_count()).collect();
         let threshold = self.settings.singularity_threshold;
-        self.singularity = SingularityDamping::new(threshold, rows, self.names.len());
+        self.singularity = SingularityDamping::new(threshold, &rows, self.names.len());
     }
 
     /// The velocities for the next `period` \[s\], with the robot at the configuration `q` and the
@@ -196,7 +199,8 @@ impl Ik {
             let rows = self.stack.constraints_mut(*id)?;
             tasks.write(&mut input, rows)?;
             let (velocity, acceleration) = (&self.velocity, &self.acceleration);
-            anticipate(rows, velocity, acceleration, &self.intervals, period);
+            let (joints, anticipation) = (&self.intervals, &mut self.anticipation);
+            anticipation.narrow(rows, velocity, acceleration, joints, period);
             widen(rows, &self.intervals.now, &mut self.admitted);
         }
         self.singularity.begin();

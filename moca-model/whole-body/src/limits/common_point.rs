@@ -3,6 +3,7 @@
 use ahqp_core::{Rows, VelocityInterval};
 
 use super::joint_intervals::nearest_to_rest;
+use crate::vector::dot;
 
 /// Rounds of going back within the rows. Where they do not suffice the rows are widened by more
 /// than they must.
@@ -24,10 +25,13 @@ pub(crate) fn widen(rows: &mut Rows, intervals: &[VelocityInterval], point: &mut
     for _ in 0..ROUNDS {
         let mut holds = true;
         for (row, lower, upper) in rows.iter() {
-            let value: f64 = row.iter().zip(&*point).map(|(a, b)| a * b).sum();
+            let value = dot(row, point);
             let excess = value - value.clamp(lower, upper);
+            if excess.abs() <= ROUNDING * value.abs() {
+                continue;
+            }
             let square: f64 = row.iter().map(|a| a * a).sum();
-            if excess.abs() <= ROUNDING * value.abs() || square == 0.0 {
+            if square == 0.0 {
                 continue;
             }
             holds = false;
@@ -44,7 +48,7 @@ pub(crate) fn widen(rows: &mut Rows, intervals: &[VelocityInterval], point: &mut
     let mut widened = false;
     for index in 0..rows.len() {
         let row = rows.row(index).unwrap_or_default();
-        let value: f64 = row.iter().zip(&*point).map(|(a, b)| a * b).sum();
+        let value = dot(row, point);
         // What the sum rounds to in another order is admitted too.
         let size: f64 = row.iter().zip(&*point).map(|(a, b)| (a * b).abs()).sum();
         let room = ROUNDING * size;
