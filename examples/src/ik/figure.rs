@@ -19,7 +19,7 @@ const ROBOT: RGBColor = RGBColor(150, 160, 180);
 const TARGET: RGBColor = RGBColor(200, 55, 45);
 const ACTUAL: RGBColor = RGBColor(35, 95, 215);
 /// Points that a curve has at most.
-const POINTS: usize = 1500;
+const POINTS: usize = 400;
 
 /// Draws the picture, as SVG.
 ///

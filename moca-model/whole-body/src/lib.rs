@@ -1,9 +1,12 @@
-//! Any robot by its URDF: kinematics and dynamics of trees.
+//! Any robot by its URDF: kinematics and dynamics of trees, and tasks with strict priorities.
 //!
 //! A [`Model`] is read from a URDF and does not change; a [`Data`] is one thread's memory. Giving
 //! the data a configuration returns a [`Posed`], which knows poses, Jacobians, gravity and
 //! inertia; giving that a velocity returns a [`Moving`], which knows twists, J̇q̇ and dynamics. What
 //! has not been computed cannot be read.
+//!
+//! An [`Ik`] turns levels of [`Task`]s into velocities within all limits; a [`Commanded`] turns
+//! those into commands for a robot that may be held.
 //!
 //! SI units, radians. Twists and accelerations are linear then angular, forces are forces then
 //! moments, all of a frame's origin in axes parallel to the world's unless [`Axes::Local`] is asked
@@ -92,3 +95,13 @@ pub use tasks::relative_frame::RelativeFrameTask;
 pub use tasks::rows::TaskRows;
 pub use tasks::task::{Limit, Task};
 pub use tasks::velocity::VelocityTask;
+
+/// The example of the crate's front page.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct FrontPage;
+
+/// The examples of the book's page on this crate.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/src/whole-body.md")]
+struct BookPage;
