@@ -80,10 +80,10 @@ pub enum Error {
     },
 
     /// Two links, two joints or two frames have one name.
-    #[error("line {line}: there is more than one {element} named `{name}`; names must be unique")]
+    #[error("{}there is more than one {element} named `{name}`; names must be unique", at_line(*line))]
     DuplicateName {
-        /// Where the second one begins.
-        line: usize,
+        /// Where the second one begins, if the URDF has it.
+        line: Option<usize>,
         /// `link` or `joint`.
         element: &'static str,
         /// The name.
@@ -278,13 +278,14 @@ pub enum Error {
 
     /// A joint's range of positions is empty.
     #[error(
-        "line {line}: joint `{joint}` may move from {lower} to {upper}; the lower limit must be \
+        "{}joint `{joint}` may move from {lower} to {upper}; the lower limit must be \
          below the upper one (a joint that does not move is fixed or held; \
-         `UnusableLimits::Ignore` takes it for unlimited)"
+         `UnusableLimits::Ignore` takes it for unlimited)",
+        at_line(*line)
     )]
     PositionLimits {
-        /// Where the joint begins.
-        line: usize,
+        /// Where the joint begins, if the URDF has it.
+        line: Option<usize>,
         /// The joint.
         joint: String,
         /// Lower limit \[rad or m\].
@@ -295,12 +296,13 @@ pub enum Error {
 
     /// A limit that must be positive is not.
     #[error(
-        "line {line}: the {limit} limit of joint `{joint}` is {value}; it must be positive \
-         (`UnusableLimits::Ignore` takes it for unlimited)"
+        "{}the {limit} limit of joint `{joint}` is {value}; it must be positive \
+         (`UnusableLimits::Ignore` takes it for unlimited)",
+        at_line(*line)
     )]
     LimitNotPositive {
-        /// Where the joint begins.
-        line: usize,
+        /// Where the joint begins, if the URDF has it.
+        line: Option<usize>,
         /// The joint.
         joint: String,
         /// Which limit.
@@ -364,8 +366,8 @@ pub enum Error {
 
     /// No force moves the robot in a definite way, for a joint carries no inertia.
     #[error(
-        "the mass matrix is singular at joint `{joint}`: what it moves has no inertia; give its \
-         links a mass or hold the joint"
+        "the mass matrix is not positive definite at joint `{joint}`: what it moves has no inertia, \
+         or one of no body (see `Model::warnings`); give its links a mass or hold the joint"
     )]
     NoInertia {
         /// The joint.

@@ -101,7 +101,12 @@ pub use tasks::velocity::VelocityTask;
 #[doc = include_str!("../README.md")]
 struct FrontPage;
 
-/// The examples of the book's page on this crate.
+/// The example of the book's page on this crate.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/src/whole-body.md")]
 struct BookPage;
+
+/// The examples of the book's page on tasks and limits.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/src/whole-body-tasks.md")]
+struct TasksPage;

@@ -1,15 +1,18 @@
 //! The robot: what does not change while it moves.
 
-pub(crate) mod assembly;
+mod additions;
+mod assembly;
 pub(crate) mod bodies;
+mod checks;
 pub(crate) mod configuration;
 pub(crate) mod description;
 pub(crate) mod frame;
 pub(crate) mod friction;
-pub(crate) mod inertia;
+mod inertia;
 pub(crate) mod joint;
 mod limit_rules;
 pub(crate) mod limits;
 pub(crate) mod model;
+mod reading;
 mod selection;
 pub(crate) mod warning;

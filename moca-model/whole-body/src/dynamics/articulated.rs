@@ -1,6 +1,6 @@
-//! Articulated bodies: the mass matrix inverted, joint by joint.
+//! Articulated bodies: the mass matrix divided by, joint by joint.
 
-use nalgebra::{Cholesky, Const, Vector6};
+use nalgebra::Vector6;
 
 use crate::error::Error;
 use crate::inertia::articulated::{ArticulatedInertia, ArticulatedJoint};
@@ -9,21 +9,28 @@ use crate::robot::description::Base;
 use crate::spatial::{Motion, Spatial};
 use crate::state::posed::Posed;
 
-/// The floating base's articulated inertia, factorised; `None` for other bases.
-pub(super) struct Root(Option<Cholesky<f64, Const<6>>>);
-
 impl Posed<'_> {
-    /// Factorises the mass matrix: articulated-body inertias from the tips to the root (Featherstone
-    /// 2008, Sec. 7.2), in world axes. Not for models with mimic joints.
-    pub(super) fn factorise(&mut self) -> Result<Root, Error> {
+    /// Solves M x = b in place: articulated-body inertias and what is left of b go from the tips to
+    /// the root, accelerations come back (Featherstone 2008, Sec. 7.3 without velocities), in world
+    /// axes. Not for models with mimic joints.
+    pub(super) fn solve_by_articulated_bodies(&mut self, b: &mut [f64]) -> Result<(), Error> {
+        self.eliminate(b)?;
+        self.accelerate_base(b)?;
+        self.accelerate_joints(b);
+        Ok(())
+    }
+
+    /// Takes out one joint after the other, the last first.
+    fn eliminate(&mut self, b: &mut [f64]) -> Result<(), Error> {
         let (model, data) = (self.model, &mut *self.data);
-        let scratch = &mut data.scratch;
-        let bodies = data.inertias.iter().zip(&data.poses);
-        for (articulated, (inertia, pose)) in scratch.articulated.iter_mut().zip(bodies) {
-            *articulated = ArticulatedInertia::rigid(&WorldInertia::of_body(inertia, pose));
+        let (scratch, poses) = (&mut data.scratch, &data.poses);
+        for (body, (inertia, pose)) in data.inertias.iter().zip(poses).enumerate() {
+            scratch.articulated[body] =
+                ArticulatedInertia::rigid(&WorldInertia::of_body(inertia, pose));
+            scratch.wrenches[body] = Spatial::ZERO;
         }
         for (index, mover) in model.movers.iter().enumerate().rev() {
-            let pose = &data.poses[index + 1];
+            let pose = &poses[index + 1];
             let own = &scratch.articulated[index + 1];
             let (force, pivot) = own.along(mover.motion, &pose.axis());
             // No more than the rounding of the pivot's own sum.
@@ -32,50 +39,45 @@ impl Posed<'_> {
             }
             let joint = ArticulatedJoint { force, inverse: 1.0 / pivot };
             scratch.pivots[index] = joint;
-            // The world takes any force.
-            if mover.parent > 0 || model.base == Base::Floating {
-                let rest = own.without(&joint);
-                let apart = pose.position - data.poses[mover.parent].position;
-                scratch.articulated[mover.parent].add(&rest, &apart);
+            let mut left = scratch.wrenches[index + 1];
+            let rest = b[mover.velocity] - mover.motion.part(&pose.axis(), &left);
+            b[mover.velocity] = rest;
+            if mover.parent == 0 && model.base != Base::Floating {
+                continue; // The world takes any force.
             }
+            let given = own.without(&joint);
+            let share = rest * joint.inverse;
+            left.linear += share * force.linear;
+            left.angular += share * force.angular;
+            let apart = pose.position - poses[mover.parent].position;
+            scratch.articulated[mover.parent].add(&given, &apart);
+            let parent = &mut scratch.wrenches[mover.parent];
+            parent.linear += left.linear;
+            parent.angular += left.angular + apart.cross(&left.linear);
         }
-        if model.base != Base::Floating {
-            return Ok(Root(None));
-        }
-        let root = scratch.articulated[0].to_matrix().cholesky();
-        Ok(Root(Some(root.ok_or_else(|| self.no_inertia(0))?)))
+        Ok(())
     }
 
-    /// Solves M x = b in place, after [`factorise`](Self::factorise).
-    pub(super) fn solve(&mut self, root: &Root, b: &mut [f64]) {
-        let (model, data) = (self.model, &mut *self.data);
-        let (scratch, poses) = (&mut data.scratch, &data.poses);
-        let (forces, accelerations) = (&mut scratch.wrenches, &mut scratch.accelerations);
-        forces.fill(Spatial::ZERO);
-        for (index, mover) in model.movers.iter().enumerate().rev() {
-            let (pose, joint) = (&poses[index + 1], &scratch.pivots[index]);
-            let mut own = forces[index + 1];
-            let rest = b[mover.velocity] - mover.motion.part(&pose.axis(), &own);
-            b[mover.velocity] = rest;
-            let share = rest * joint.inverse;
-            own.linear += share * joint.force.linear;
-            own.angular += share * joint.force.angular;
-            let apart = pose.position - poses[mover.parent].position;
-            let parent = &mut forces[mover.parent];
-            parent.linear += own.linear;
-            parent.angular += own.angular + apart.cross(&own.linear);
-        }
-        accelerations[0] = Spatial::ZERO;
-        if let (Some(factor), [x, y, z, wx, wy, wz, ..]) = (&root.0, &mut *b) {
-            let given = Vector6::new(*x, *y, *z, *wx, *wy, *wz);
-            let solved = factor.solve(&(given - forces[0].to_vector()));
-            accelerations[0] = Spatial::from_vector(&solved);
-            [*x, *y, *z, *wx, *wy, *wz] = solved.into();
-        }
-        for (index, mover) in model.movers.iter().enumerate() {
+    fn accelerate_base(&mut self, b: &mut [f64]) -> Result<(), Error> {
+        let scratch = &mut self.data.scratch;
+        scratch.accelerations[0] = Spatial::ZERO;
+        let (Base::Floating, [x, y, z, wx, wy, wz, ..]) = (self.model.base, b) else {
+            return Ok(());
+        };
+        let given = Vector6::new(*x, *y, *z, *wx, *wy, *wz) - scratch.wrenches[0].to_vector();
+        let factor = scratch.articulated[0].to_matrix().cholesky();
+        let solved = factor.ok_or_else(|| self.no_inertia(0))?.solve(&given);
+        self.data.scratch.accelerations[0] = Spatial::from_vector(&solved);
+        [*x, *y, *z, *wx, *wy, *wz] = solved.into();
+        Ok(())
+    }
+
+    fn accelerate_joints(&mut self, b: &mut [f64]) {
+        let (scratch, poses) = (&mut self.data.scratch, &self.data.poses);
+        for (index, mover) in self.model.movers.iter().enumerate() {
             let (pose, joint) = (&poses[index + 1], &scratch.pivots[index]);
             let apart = pose.position - poses[mover.parent].position;
-            let mut motion = accelerations[mover.parent];
+            let mut motion = scratch.accelerations[mover.parent];
             motion.linear += motion.angular.cross(&apart);
             let own = (b[mover.velocity] - joint.force.dot(&motion)) * joint.inverse;
             b[mover.velocity] = own;
@@ -83,7 +85,7 @@ impl Posed<'_> {
                 Motion::Turns => motion.angular += own * pose.axis(),
                 Motion::Slides => motion.linear += own * pose.axis(),
             }
-            accelerations[index + 1] = motion;
+            scratch.accelerations[index + 1] = motion;
         }
     }
 

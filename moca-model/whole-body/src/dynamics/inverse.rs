@@ -1,11 +1,12 @@
 //! Inverse dynamics: the forces that a motion asks for.
 
+use nalgebra::Vector3;
+
 use super::external::ExternalWrench;
 use crate::error::{Error, check_size};
 use crate::inertia::body::BodyInertia;
 use crate::robot::description::Base;
-use crate::spatial::Motion;
-use crate::spatial::{Pose, Spatial};
+use crate::spatial::{Motion, Pose, Spatial};
 use crate::state::data::BodyMotion;
 use crate::state::moving::Moving;
 
@@ -52,10 +53,10 @@ impl Moving<'_> {
         let (model, data) = (self.posed.model, &mut *self.posed.data);
         let (accelerations, wrenches) =
             (&mut data.scratch.accelerations, &mut data.scratch.wrenches);
-        let mut root = Spatial { linear: -model.gravity, angular: nalgebra::Vector3::zeros() };
+        let mut root = Spatial { linear: -model.gravity, angular: Vector3::zeros() };
         if let (Base::Floating, Some([x, y, z, wx, wy, wz, ..])) = (model.base, acceleration) {
-            root.linear += nalgebra::Vector3::new(*x, *y, *z);
-            root.angular = nalgebra::Vector3::new(*wx, *wy, *wz);
+            root.linear += Vector3::new(*x, *y, *z);
+            root.angular = Vector3::new(*wx, *wy, *wz);
         }
         accelerations[0] = root;
         wrenches[0] = match model.base {

@@ -4,8 +4,7 @@ use nalgebra::{Matrix3, Matrix6, Vector3};
 
 use super::symmetric::Symmetric3;
 use super::world::WorldInertia;
-use crate::spatial::Motion;
-use crate::spatial::Spatial;
+use crate::spatial::{Motion, Spatial};
 
 /// The inertia that a body shows with all that it carries free to move: the force and moment
 /// [F; N] = [M C; Cᵀ I] [v; ω] at its origin.

@@ -4,8 +4,7 @@ use nalgebra::Vector3;
 
 use super::body::BodyInertia;
 use super::symmetric::Symmetric3;
-use crate::spatial::Motion;
-use crate::spatial::{Pose, Spatial};
+use crate::spatial::{Motion, Pose, Spatial};
 
 /// The inertia of bodies in world axes about a point.
 #[derive(Debug, Clone, Copy)]

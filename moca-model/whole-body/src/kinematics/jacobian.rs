@@ -5,8 +5,7 @@ use nalgebra::{Matrix3, Matrix6xX, Point3, Vector3};
 use crate::error::{Error, check_size};
 use crate::robot::description::Base;
 use crate::robot::frame::FrameId;
-use crate::spatial::Motion;
-use crate::spatial::Spatial;
+use crate::spatial::{Motion, Spatial};
 use crate::state::posed::Posed;
 
 /// In which axes twists, Jacobians and accelerations of a frame are; always of its origin.

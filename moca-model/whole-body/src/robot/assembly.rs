@@ -1,23 +1,22 @@
 //! From the selected joints of a URDF to a model: fixed and held joints are folded into bodies.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
 use super::bodies::Mover;
+use super::checks::{check_names, check_numbers};
 use super::description::{Base, Description};
 use super::frame::{Frame, FrameId};
 use super::inertia;
 use super::joint::{Joint, JointId, JointKind, MimicJoint};
 use super::limit_rules::{self, Resolved};
-use super::limits::{JointLimits, MissingAcceleration};
-use super::model::Model;
+use super::limits::JointLimits;
+use super::model::{Model, next_tag};
 use super::selection::{Role, Selection, select};
-use crate::error::{Error, check_finite};
+use crate::error::Error;
 use crate::inertia::body::BodyInertia;
-use crate::spatial::Motion;
-use crate::spatial::Pose;
+use crate::spatial::{Motion, Pose};
 use crate::urdf::document::{self, Document, Kind, Origin};
 use crate::urdf::tree::Tree;
 
@@ -37,12 +36,6 @@ pub(super) fn assemble(document: &Document, description: &Description) -> Result
     assembly.base()?;
     assembly.joints()?;
     assembly.finish()
-}
-
-/// A number that no other model has, so that its ids are known.
-pub(super) fn next_tag() -> u64 {
-    static NEXT: AtomicU64 = AtomicU64::new(0);
-    NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 struct Assembly<'a, 'b> {
@@ -102,16 +95,14 @@ impl<'a, 'b> Assembly<'a, 'b> {
         match self.description.base {
             Base::Fixed => {}
             Base::Planar => {
-                let z = Vector3::z_axis();
-                for (index, (name, axis)) in
-                    [("base_x", Vector3::x_axis()), ("base_y", Vector3::y_axis()), ("base_yaw", z)]
-                        .into_iter()
-                        .enumerate()
-                {
-                    let kind =
-                        if index == 2 { JointKind::Continuous } else { JointKind::Prismatic };
+                let joints = [
+                    ("base_x", Vector3::x_axis(), JointKind::Prismatic),
+                    ("base_y", Vector3::y_axis(), JointKind::Prismatic),
+                    ("base_yaw", Vector3::z_axis(), JointKind::Continuous),
+                ];
+                for (index, (name, axis, kind)) in joints.into_iter().enumerate() {
                     let limits = limit_rules::of_base(name, self.description)?;
-                    self.add_joint(name, kind, child, (index, index), 0, limits)?;
+                    self.add_joint(name, kind, child, (index, index), None, limits)?;
                     // Each stands in the world's axes where it is at zero.
                     let before = self.placed[root];
                     self.placed[root] =
@@ -121,7 +112,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
             Base::Floating => {
                 let limits =
                     Resolved { limits: JointLimits::UNLIMITED, default_acceleration: false };
-                self.add_joint("floating_base", JointKind::Floating, child, (0, 0), 0, limits)?;
+                self.add_joint("floating_base", JointKind::Floating, child, (0, 0), None, limits)?;
             }
         }
         self.add_link(root)
@@ -146,7 +137,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
                     let entries = self.entries[free];
                     let resolved =
                         limit_rules::of_joint(joint, self.description, &mut self.model.warnings)?;
-                    self.add_joint(&joint.name, kind, frame, entries, joint.line, resolved)?;
+                    self.add_joint(&joint.name, kind, frame, entries, Some(joint.line), resolved)?;
                     self.add_mover(&carrier, &origin, &axis(joint)?, kind, entries.0, entries.1)
                 }
                 Role::Follows { free, multiplier, offset } => {
@@ -189,7 +180,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
         kind: JointKind,
         child: FrameId,
         (position_index, velocity_index): (usize, usize),
-        line: usize,
+        line: Option<usize>,
         Resolved { limits, default_acceleration }: Resolved,
     ) -> Result<(), Error> {
         let model = &mut self.model;
@@ -307,50 +298,4 @@ fn displacement(joint: &document::Joint, position: f64) -> Result<Isometry3<f64>
             turn(UnitQuaternion::from_axis_angle(&axis(joint)?, position))
         }
     })
-}
-
-/// Every number in the description but the limits must be finite.
-fn check_numbers(description: &Description) -> Result<(), Error> {
-    for value in &description.gravity {
-        check_finite(*value, || "a component of gravity".to_owned())?;
-    }
-    for (joint, position) in &description.held {
-        check_finite(*position, || format!("the position that holds joint `{joint}`"))?;
-    }
-    for (joint, pose) in &description.origins {
-        check_pose(pose, || format!("the description's origin of joint `{joint}`"))?;
-    }
-    for (joint, friction) in &description.friction {
-        for value in [friction.range, friction.steepness, friction.shift] {
-            check_finite(value, || format!("the friction of joint `{joint}`"))?;
-        }
-    }
-    match description.missing_acceleration {
-        MissingAcceleration::TimeToFullSpeed(time) if !(time > 0.0 && time.is_finite()) => {
-            Err(Error::NotPositive { what: "the time to full speed", value: time })
-        }
-        _ => Ok(()),
-    }
-}
-
-pub(super) fn check_pose(pose: &Isometry3<f64>, what: impl Fn() -> String) -> Result<(), Error> {
-    let values = pose.translation.vector.iter().chain(&pose.rotation.coords);
-    values.into_iter().try_for_each(|value| check_finite(*value, &what))
-}
-
-/// Every joint that the description names must exist.
-fn check_names(tree: &Tree, description: &Description) -> Result<(), Error> {
-    let is_base = |name: &str| {
-        description.base == Base::Planar && ["base_x", "base_y", "base_yaw"].contains(&name)
-    };
-    for (name, _) in &description.origins {
-        tree.joint(None, name, "the joint with another origin,")?;
-    }
-    for (name, _) in description.limits.iter().filter(|(name, _)| !is_base(name)) {
-        tree.joint(None, name, "the joint with other limits,")?;
-    }
-    for (name, _) in description.friction.iter().filter(|(name, _)| !is_base(name)) {
-        tree.joint(None, name, "the joint with friction,")?;
-    }
-    Ok(())
 }

@@ -11,6 +11,10 @@ use crate::urdf::document::{Inertial, Link};
 /// How far rounding in a URDF may take an inertia from that of a body, of its largest moment.
 const ROUNDING: f64 = 1e-5;
 
+/// Below the square of this radius of gyration, 30 µm, a mass is a point \[m²\]: what is written
+/// there is rounding.
+const POINT: f64 = 1e-9;
+
 /// Mass, centre and inertia of a link in the link's frame; of no mass if it states none.
 pub(super) fn of_link(
     link: &Link,
@@ -44,7 +48,7 @@ pub(super) fn fault(mass: f64, inertia: &Matrix3<f64>) -> Option<InertiaFault> {
     moments.sort_by(f64::total_cmp);
     let [small, middle, large] = moments;
     let size = large.abs().max(small.abs());
-    if size == 0.0 {
+    if size <= POINT * mass {
         return None;
     }
     if mass == 0.0 {

@@ -34,7 +34,7 @@ pub(super) fn of_joint(
         acceleration: known.acceleration.or(stated.acceleration).unwrap_or(f64::INFINITY),
         jerk: known.jerk.or(stated.jerk).unwrap_or(f64::INFINITY),
     };
-    complete(limits, &joint.name, joint.line, description)
+    complete(limits, &joint.name, Some(joint.line), description)
 }
 
 /// The limits of a joint of the base: the description's alone.
@@ -49,7 +49,7 @@ pub(super) fn of_base(name: &str, description: &Description) -> Result<Resolved,
         acceleration: known.acceleration.unwrap_or(f64::INFINITY),
         jerk: known.jerk.unwrap_or(f64::INFINITY),
     };
-    complete(limits, name, 0, description)
+    complete(limits, name, None, description)
 }
 
 fn known(name: &str, description: &Description) -> LimitOverride {
@@ -60,7 +60,7 @@ fn known(name: &str, description: &Description) -> LimitOverride {
 fn complete(
     mut limits: JointLimits,
     joint: &str,
-    line: usize,
+    line: Option<usize>,
     description: &Description,
 ) -> Result<Resolved, Error> {
     let stated =
@@ -93,7 +93,7 @@ impl Rule<'_> {
             if lower < upper {
                 return Ok((lower, upper));
             }
-            Error::PositionLimits { line, joint: name, lower, upper }
+            Error::PositionLimits { line: Some(line), joint: name, lower, upper }
         };
         self.ignore("range of positions", fault)?;
         Ok((f64::NEG_INFINITY, f64::INFINITY))
@@ -111,7 +111,7 @@ impl Rule<'_> {
         let (line, joint) = (self.joint.line, self.joint.name.clone());
         let fault = match stated {
             Some(value) if value > 0.0 => return Ok(value),
-            Some(value) => Error::LimitNotPositive { line, joint, limit, value },
+            Some(value) => Error::LimitNotPositive { line: Some(line), joint, limit, value },
             None if self.joint.kind == Kind::Continuous && self.joint.limit.is_none() => {
                 return Ok(f64::INFINITY);
             }

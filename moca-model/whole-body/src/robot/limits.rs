@@ -34,7 +34,7 @@ impl JointLimits {
 
     /// An error unless the range is not empty, velocity, acceleration and jerk are positive, and
     /// the effort is not negative.
-    pub(crate) fn validate(&self, joint: &str, line: usize) -> Result<(), Error> {
+    pub(crate) fn validate(&self, joint: &str, line: Option<usize>) -> Result<(), Error> {
         if self.lower.is_nan() || self.upper.is_nan() || self.lower >= self.upper {
             return Err(Error::PositionLimits {
                 line,

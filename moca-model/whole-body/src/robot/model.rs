@@ -1,13 +1,12 @@
 //! The model: a tree of joints and bodies.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Vector3;
 
-use super::assembly;
 use super::bodies::Mover;
-use super::description::{AddedFrame, Base, Description};
+use super::description::Base;
 use super::frame::{Frame, FrameId};
 use super::friction::JointFriction;
 use super::joint::{Joint, JointId, JointKind, MimicJoint};
@@ -15,8 +14,6 @@ use super::limits::JointLimits;
 use super::warning::Warning;
 use crate::error::Error;
 use crate::inertia::body::BodyInertia;
-use crate::spatial::Pose;
-use crate::urdf::document;
 use crate::urdf::names::nearest;
 
 /// A robot: a tree of joints, the bodies that they move, and frames on these.
@@ -81,42 +78,6 @@ pub struct Model {
 }
 
 impl Model {
-    /// Reads the robot that `description` sees in the text of a URDF.
-    ///
-    /// Acceleration, deceleration and jerk of `<limit>` count in every version of URDF.
-    ///
-    /// # Errors
-    /// Each of [`Error`]'s variants about a URDF or a description.
-    pub fn from_urdf(text: &str, description: &Description) -> Result<Self, Error> {
-        assembly::assemble(&document::read(text)?, description)
-    }
-
-    /// The same from a file; bytes that are not UTF-8 count as unknown characters.
-    ///
-    /// # Errors
-    /// [`Error::File`]; [`Error::InFile`] with what is wrong in it.
-    pub fn from_urdf_file(
-        path: impl AsRef<Path>,
-        description: &Description,
-    ) -> Result<Self, Error> {
-        let path = path.as_ref();
-        let bytes =
-            std::fs::read(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
-        Self::from_urdf(&String::from_utf8_lossy(&bytes), description)
-            .map_err(|source| Error::InFile { path: path.to_owned(), source: Box::new(source) })
-    }
-
-    /// The same robot with one frame more. Ids and data of the old model are not of the new one.
-    ///
-    /// # Errors
-    /// [`Error::DuplicateName`], [`Error::UnknownName`], [`Error::NotFinite`].
-    pub fn with_frame(&self, frame: &AddedFrame) -> Result<Self, Error> {
-        let mut model = self.clone();
-        model.retag(assembly::next_tag());
-        model.place_frame(frame)?;
-        Ok(model)
-    }
-
     /// The robot's name in the URDF.
     pub fn name(&self) -> &str {
         &self.name
@@ -265,49 +226,7 @@ impl Model {
         Error::ForeignId { element, robot: self.name.clone() }
     }
 
-    pub(super) fn add_frame(&mut self, frame: Frame) -> Result<(), Error> {
-        let name = frame.name.clone();
-        if self.frame_names.insert(name.clone(), self.frames.len()).is_some() {
-            return Err(Error::DuplicateName { line: 0, element: "frame", name });
-        }
-        self.frames.push(frame);
-        Ok(())
-    }
-
-    pub(super) fn place_frame(&mut self, added: &AddedFrame) -> Result<(), Error> {
-        assembly::check_pose(&added.pose, || format!("the pose of frame `{}`", added.name))?;
-        let on = self.frame_as(&added.on, "the frame that carries another")?;
-        let carrier = self.frame(on)?;
-        let pose = Pose::from_isometry(&Isometry3::from_parts(
-            added.pose.translation,
-            nalgebra::UnitQuaternion::new_normalize(added.pose.rotation.into_inner()),
-        ));
-        let frame =
-            Frame { name: added.name.clone(), body: carrier.body, pose: carrier.pose.then(&pose) };
-        self.add_frame(frame)
-    }
-
-    /// Warns of joints of which what they move has neither mass nor inertia.
-    pub(super) fn warn_of_massless(&mut self) {
-        let mut carried: Vec<bool> =
-            self.inertias.iter().map(|own| own.mass > 0.0 || own.inertia.norm() > 0.0).collect();
-        for (index, mover) in self.movers.iter().enumerate().rev() {
-            carried[mover.parent] |= carried[index + 1];
-        }
-        for joint in &self.joints {
-            let own = |mover: &Mover| mover.velocity == joint.velocity_index;
-            let mut movers = (1..).zip(&self.movers).filter(|(_, mover)| own(mover));
-            let moves_mass = match joint.kind {
-                JointKind::Floating => carried[0],
-                _ => movers.any(|(body, _)| carried[body]),
-            };
-            if !moves_mass {
-                self.warnings.push(Warning::NothingToMove { joint: joint.name.clone() });
-            }
-        }
-    }
-
-    fn frame_as(&self, name: &str, role: &'static str) -> Result<FrameId, Error> {
+    pub(super) fn frame_as(&self, name: &str, role: &'static str) -> Result<FrameId, Error> {
         let index = self.frame_names.get(name).copied().ok_or_else(|| {
             let known = self.frames.iter().map(|frame| frame.name.as_str());
             self.unknown("frame", role, name, nearest(name, known))
@@ -325,14 +244,10 @@ impl Model {
         let (name, robot) = (name.to_owned(), self.name.clone());
         Error::UnknownName { line: None, element, name, role, robot, known }
     }
+}
 
-    /// Makes all ids in the model those of `tag`.
-    fn retag(&mut self, tag: u64) {
-        self.tag = tag;
-        self.joints.iter_mut().for_each(|joint| joint.child.model = tag);
-        self.default_accelerations.iter_mut().for_each(|joint| joint.model = tag);
-        for mimic in &mut self.mimics {
-            (mimic.child.model, mimic.follows.model) = (tag, tag);
-        }
-    }
+/// A number that no other model has, so that its ids are known.
+pub(super) fn next_tag() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
 }

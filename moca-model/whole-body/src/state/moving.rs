@@ -1,12 +1,12 @@
 //! The robot at a configuration and a velocity.
 
+use nalgebra::Vector3;
+
 use super::data::BodyMotion;
 use super::posed::Posed;
 use crate::error::Error;
 use crate::robot::description::Base;
-use crate::spatial::Motion;
-use crate::spatial::Spatial;
-use nalgebra::Vector3;
+use crate::spatial::{Motion, Spatial};
 
 /// The robot at a configuration q, moving at q̇: twists, J̇q̇, dynamics.
 ///
@@ -16,11 +16,21 @@ pub struct Moving<'a> {
     pub(crate) posed: Posed<'a>,
 }
 
+impl<'a> Posed<'a> {
+    /// The robot moving at `v` = q̇: twists, J̇q̇, dynamics.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`] and [`Error::NotFinite`] on v.
+    pub fn moving(self, v: &[f64]) -> Result<Moving<'a>, Error> {
+        Moving::new(self, v)
+    }
+}
+
 impl<'a> Moving<'a> {
     /// Velocities go out from the root, and with them the accelerations that there are where q̈ is
     /// zero: Featherstone, *Rigid Body Dynamics Algorithms*, 2008, Sec. 5.3, here of the bodies'
     /// origins in world axes.
-    pub(super) fn new(posed: Posed<'a>, v: &[f64]) -> Result<Self, Error> {
+    fn new(posed: Posed<'a>, v: &[f64]) -> Result<Self, Error> {
         let (model, data) = (posed.model, &mut *posed.data);
         model.check_velocity("q̇", v)?;
         data.v.copy_from_slice(v);

@@ -2,7 +2,6 @@
 
 use nalgebra::{Matrix3, Point3};
 
-use super::data::Data;
 use crate::error::{Error, check_finite};
 use crate::inertia::body::BodyInertia;
 use crate::robot::frame::FrameId;
@@ -24,7 +23,7 @@ pub struct Payload {
     pub inertia: Matrix3<f64>,
 }
 
-/// A payload that is attached; see [`Data::attach`].
+/// A payload that is attached; see [`Data::attach`](crate::Data::attach).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct PayloadId {
     model: u64,
@@ -46,17 +45,13 @@ struct Attached {
     inertia: BodyInertia,
 }
 
-impl Data {
-    /// Adds a payload to what all dynamics see, until [`detach`](Self::detach) takes it away.
-    ///
-    /// The model stays as it is and can be shared by threads whose robots carry different things.
-    /// Picking something up allocates nothing.
-    ///
-    /// # Errors
-    /// [`Error::ForeignData`]; [`Error::ForeignId`] for a frame of another model;
-    /// [`Error::NegativeMass`]; [`Error::NotFinite`]; [`Error::TooManyPayloads`] above eight.
-    pub fn attach(&mut self, model: &Model, payload: &Payload) -> Result<PayloadId, Error> {
-        self.check(model)?;
+impl Payloads {
+    /// Adds a payload and says on which body.
+    pub(super) fn add(
+        &mut self,
+        model: &Model,
+        payload: &Payload,
+    ) -> Result<(PayloadId, usize), Error> {
         let frame = model.frame(payload.frame)?;
         let numbers = payload.centre.iter().chain(&payload.inertia).chain([&payload.mass]);
         for value in numbers {
@@ -66,47 +61,33 @@ impl Data {
             let what = "the mass of the payload".to_owned();
             return Err(Error::NegativeMass { what, mass: payload.mass });
         }
-        let symmetric = (payload.inertia + payload.inertia.transpose()) * 0.5;
-        let own =
-            BodyInertia { mass: payload.mass, centre: payload.centre.coords, inertia: symmetric };
-        let free = self.payloads.attached.iter_mut().find(|place| place.is_none());
+        let free = self.attached.iter_mut().find(|place| place.is_none());
         let place = free.ok_or(Error::TooManyPayloads { limit: ROOM })?;
-        let number = self.payloads.count;
-        let inertia = own.placed(&frame.pose);
-        *place = Some(Attached { number, body: frame.body, inertia });
-        self.payloads.count += 1;
-        self.weigh(model, frame.body);
-        Ok(PayloadId { model: model.tag, number })
+        let own = BodyInertia {
+            mass: payload.mass,
+            centre: payload.centre.coords,
+            inertia: (payload.inertia + payload.inertia.transpose()) * 0.5,
+        };
+        let number = self.count;
+        *place = Some(Attached { number, body: frame.body, inertia: own.placed(&frame.pose) });
+        self.count += 1;
+        Ok((PayloadId { model: model.tag, number }, frame.body))
     }
 
-    /// Takes a payload away.
-    ///
-    /// # Errors
-    /// [`Error::ForeignData`]; [`Error::ForeignId`] if it is not attached.
-    pub fn detach(&mut self, model: &Model, payload: PayloadId) -> Result<(), Error> {
-        self.check(model)?;
+    /// Takes a payload away and says from which body.
+    pub(super) fn remove(&mut self, model: &Model, payload: PayloadId) -> Result<usize, Error> {
         let own = |place: &&mut Option<Attached>| {
-            place.is_some_and(|attached| attached.number == payload.number)
+            payload.model == model.tag
+                && place.is_some_and(|attached| attached.number == payload.number)
         };
-        let place = self.payloads.attached.iter_mut().find(own);
-        let attached = place.filter(|_| payload.model == model.tag).and_then(Option::take);
-        let attached = attached.ok_or_else(|| model.foreign("payload"))?;
-        self.weigh(model, attached.body);
-        Ok(())
+        let place = self.attached.iter_mut().find(own);
+        let attached = place.and_then(Option::take).ok_or_else(|| model.foreign("payload"))?;
+        Ok(attached.body)
     }
 
-    /// Sums up a body and what is attached to it; nothing is ever subtracted.
-    fn weigh(&mut self, model: &Model, body: usize) {
-        // What is attached to the world has no part in motion.
-        let moves = body > 0 || model.base == crate::robot::description::Base::Floating;
-        let (Some(total), Some(own)) = (self.inertias.get_mut(body), model.inertias.get(body))
-        else {
-            return;
-        };
-        *total = *own;
-        let attached = self.payloads.attached.iter().flatten();
-        for payload in attached.filter(|payload| payload.body == body && moves) {
-            *total = total.joined(&payload.inertia);
-        }
+    /// The inertia of a body with all that is attached to it.
+    pub(super) fn on(&self, body: usize, own: &BodyInertia) -> BodyInertia {
+        let attached = self.attached.iter().flatten().filter(|payload| payload.body == body);
+        attached.fold(*own, |sum, payload| sum.joined(&payload.inertia))
     }
 }

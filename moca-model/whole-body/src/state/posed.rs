@@ -1,13 +1,11 @@
 //! The robot at a configuration.
 
 use super::data::Data;
-use super::moving::Moving;
 use crate::error::Error;
 use crate::robot::configuration::orientation;
 use crate::robot::description::Base;
 use crate::robot::model::Model;
-use crate::spatial::Motion;
-use crate::spatial::Pose;
+use crate::spatial::{Motion, Pose};
 
 /// The robot at a configuration q: poses, Jacobians, and forces at rest.
 ///
@@ -82,13 +80,5 @@ impl<'a> Posed<'a> {
     /// q, as it was given.
     pub fn configuration(&self) -> &[f64] {
         &self.data.q
-    }
-
-    /// The robot moving at `v` = q̇: twists, J̇q̇, dynamics.
-    ///
-    /// # Errors
-    /// [`Error::WrongSize`] and [`Error::NotFinite`] on v.
-    pub fn moving(self, v: &[f64]) -> Result<Moving<'a>, Error> {
-        Moving::new(self, v)
     }
 }

@@ -181,7 +181,7 @@ fn unique<'a>(
     let mut places = HashMap::new();
     for (place, (name, line)) in named.enumerate() {
         if places.insert(name, place).is_some() {
-            return Err(Error::DuplicateName { line, element, name: name.to_owned() });
+            return Err(Error::DuplicateName { line: Some(line), element, name: name.to_owned() });
         }
     }
     Ok(places)

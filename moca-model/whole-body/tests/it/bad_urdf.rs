@@ -219,6 +219,21 @@ fn trees_that_are_none() {
     // The finger carries the world, which carries the finger.
     let (text, _) = changed("<child link=\"panda_leftfinger\"/>", "<child link=\"world\"/>");
     assert_error!(error_of(&text), Error::Loop { .. }, "loop", "tree", "line");
+    // What hangs on a loop is not named for it.
+    let tail = |parent: &str, child: &str| {
+        format!(
+            "<link name=\"{child}\"/>\n<joint name=\"{parent}_{child}\" type=\"fixed\"><parent \
+             link=\"{parent}\"/><child link=\"{child}\"/></joint>"
+        )
+    };
+    let text = format!(
+        "<robot><link name=\"top\"/>{}{}{}</robot>",
+        tail("b", "c"),
+        tail("a", "b"),
+        tail("b", "a")
+    );
+    let message = error_of(&text).to_string();
+    assert!(!message.contains("`c`") && message.contains("line"), "{message}");
     let (text, line) =
         changed("<link name=\"panda_tcp\"/>", "<link name=\"panda_tcp\"/><link name=\"alone\"/>");
     let line = line.trim_end_matches(':').to_owned();

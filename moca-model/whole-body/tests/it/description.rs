@@ -280,6 +280,38 @@ fn friction_is_that_of_the_joints_which_have_it() {
     assert_abs_diff_eq!(out[3], 0.213_075_758_660_284, epsilon = 1e-12);
 }
 
+#[test]
+fn a_mimic_of_a_mimic_follows_the_first() {
+    let joint = |name: &str, parent: &str, child: &str, mimic: &str| {
+        format!(
+            "<link name=\"{child}\"/><joint name=\"{name}\" type=\"continuous\"><parent \
+             link=\"{parent}\"/><child link=\"{child}\"/><axis xyz=\"0 0 1\"/>{mimic}</joint>"
+        )
+    };
+    // The last follows the middle one, which stands behind it in the text.
+    let urdf = [
+        "<robot name=\"r\"><link name=\"world\"/>".to_owned(),
+        joint("last", "world", "c", "<mimic joint=\"middle\" multiplier=\"-0.5\" offset=\"0.3\"/>"),
+        joint("middle", "world", "b", "<mimic joint=\"first\" multiplier=\"2\" offset=\"0.1\"/>"),
+        joint("first", "world", "a", ""),
+        "</robot>".to_owned(),
+    ]
+    .concat();
+    let free = read(&urdf, &Description::default());
+    assert_eq!(names(&free), ["first"]);
+    let last = &free.mimic_joints()[0];
+    assert_eq!((last.name.as_str(), last.multiplier), ("last", -1.0));
+    assert_abs_diff_eq!(last.offset, 0.25, epsilon = 1e-15);
+    let held = vec![("first".to_owned(), 0.4)];
+    let held = read(&urdf, &Description { base: Base::Planar, held, ..Description::default() });
+    for (model, q) in [(free, vec![0.4]), (held, vec![0.0; 3])] {
+        for (link, angle) in [("b", 0.9), ("c", -0.15)] {
+            let pose = pose(&model, &q, model.frame_id(link).unwrap());
+            assert_abs_diff_eq!(pose.rotation.euler_angles().2, angle, epsilon = 1e-12);
+        }
+    }
+}
+
 fn with_mimics() -> impl Strategy<Value = Robot> {
     robots_of(&[Kind::Prismatic, Kind::Revolute, Kind::Mimic, Kind::Mimic])
 }

@@ -112,3 +112,11 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_model_is_shared_and_data_goes_to_its_thread() {
+    fn shared<T: Send + Sync>() {}
+    fn sent<T: Send>() {}
+    shared::<whole_body::Model>();
+    sent::<Data>();
+}

@@ -129,6 +129,10 @@ pub(crate) fn robots_with_states() -> impl Strategy<Value = (Robot, State)> {
 }
 
 impl Robot {
+    pub(crate) fn on(self, base: Base) -> Self {
+        Self { base, ..self }
+    }
+
     pub(crate) fn model(&self) -> Model {
         Model::from_urdf(&self.urdf(), &self.description()).unwrap()
     }
