@@ -12,12 +12,18 @@ use crate::vector::{dot, subtract};
 /// rows above determine; G = P Pᵀ then has the squared singular values σ² of what is left to the
 /// level, and p² = 1/tr G⁻¹ is a lower bound of the least. Where p is above the threshold σ₀ nothing
 /// changes. Below, with W the weights of the scaled rows over the largest, the part (μ² (W^½ G W^½ +
-/// μ²)⁻¹)³ of what is missing to the targets is given up, μ² = (σ₀/2)² (1 − p²/σ₀²): damped least
+/// μ²)⁻¹)³ of what is missing to the targets is given up: damped least
 /// squares (Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement and Control 108, 1986),
 /// iterated twice so that well-conditioned directions keep all but (μ/σ)⁶ of their targets (King and
-/// Chillingworth, Numerical Functional Analysis and Optimization 1(5), 1979). Velocities stay below
-/// what is missing over μ, and are continuous in the rows. Rows that contradict each other keep
-/// their weighted compromise.
+/// Chillingworth, Numerical Functional Analysis and Optimization 1(5), 1979), and
+///
+/// > μ² = ((σ₀/12)² + ((‖r‖/2v)² + ‖r‖/κ) max(0, 1 − v²/s²)) (1 − p²/σ₀²),
+///
+/// r being what is missing to the scaled targets, s = ‖L⁻¹r‖ the speed that they take and v = 1
+/// rad/s: near a singular configuration a fast target is given up to where joints need not go
+/// faster than about v, and κ = 5 1/s bounds how fast their velocities change with the configuration,
+/// so that they can stop there. All is continuous in the rows. Rows that
+/// contradict each other keep their weighted compromise.
 ///
 /// The levels stay rows with other targets: priorities and limits are not touched.
 ///
@@ -59,6 +65,13 @@ pub(super) struct SingularityDamping {
 const NOTHING: f64 = 1e-12;
 /// Of the largest weight, what the others count as at least here.
 const LIGHTEST: f64 = 1e-12;
+/// Norm of velocities above which a singular level is damped more than it must be at least
+/// \[rad/s, m/s\].
+const SPEED: f64 = 1.0;
+/// How fast a singular direction may come and go \[1/s\]; with an order of 3, three times as fast.
+const RATE: f64 = 5.0;
+/// Of the threshold, the least damping of a singular level.
+const LEAST: f64 = 1.0 / 12.0;
 /// How often the damping is applied.
 const ORDER: usize = 3;
 
@@ -190,10 +203,22 @@ impl SingularityDamping {
         trace
     }
 
+    /// μ² of a level that is singular.
+    fn damping(&self, m: usize) -> f64 {
+        let residual = &self.residual[..m];
+        let speeds = self.inverse[..m * m].chunks_exact(m).map(|row| dot(row, residual).powi(2));
+        // (s/v)², s being the norm of the velocities that the targets take.
+        let excess = speeds.sum::<f64>() / (SPEED * SPEED);
+        let square = dot(residual, residual);
+        let bound = 0.25 * square / (SPEED * SPEED) + square.sqrt() / RATE;
+        let least = LEAST * self.threshold;
+        least * least + bound * (1.0 - 1.0 / excess.max(1.0))
+    }
+
     /// Gives up what takes large velocities.
     fn give_up(&mut self, m: usize, closeness: f64, rows: &mut Rows) {
         self.weigh(m, rows);
-        let square = 0.25 * self.threshold * self.threshold * (1.0 - closeness);
+        let square = self.damping(m) * (1.0 - closeness);
         let (system, missing) = (&mut self.gram[..m * m], &mut self.given_up[..m]);
         system.iter_mut().step_by(m + 1).for_each(|entry| *entry += square);
         factorise(system, m);
@@ -298,11 +323,16 @@ mod tests {
             let unit = DMatrix::from_fn(3, 6, |i, j| a[(i, j)] / scale[i]);
             let inverses = unit.singular_values().map(|sigma| 1.0 / (sigma * sigma));
             let closeness = 1.0 / (inverses.sum() * 0.01);
+            let right = DVector::from_iterator(3, b.iter().zip(&scale).map(|(b, scale)| b / scale));
+            let speed = (unit.clone().pseudo_inverse(1e-12).unwrap() * &right).norm_squared();
+            let mu = (0.1_f64 / 12.0).powi(2)
+                + (0.25 * right.norm_squared() + right.norm() / 5.0)
+                    * (1.0 - 1.0 / speed.max(1.0));
             let svd = (&a / scale.max()).svd(true, false);
             let u = svd.u.unwrap();
             let mut parts = u.transpose() * DVector::from_column_slice(&b);
             for (part, sigma) in parts.iter_mut().zip(&svd.singular_values) {
-                let square = 0.0025 * (1.0 - closeness).max(0.0);
+                let square = mu * (1.0 - closeness).max(0.0);
                 *part *= 1.0 - (square / (square + sigma * sigma)).powi(3);
             }
             let expected = u * parts;
@@ -333,7 +363,7 @@ mod tests {
             prop_assert_eq!(above.lower()[0], 0.5);
             // x₀ = 0.5; what x₁ must add is damped.
             let needed = (below.lower()[0] - 0.5) / gap.max(1e-12);
-            prop_assert!(needed.abs() <= 1.5 / 0.05);
+            prop_assert!(needed.abs() <= 3.0);
         }
 
         #[test]

@@ -160,6 +160,37 @@ fn joints_outside_come_back_and_rest_there() {
     assert!(ik.velocity().iter().all(|v| v.abs() < 1e-6));
 }
 
+/// The stretched arm is singular, and what is left of the error cannot be taken away.
+#[test]
+fn a_target_out_of_reach_is_approached_and_waited_at() {
+    let model = panda();
+    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    for far in [Vector3::new(1.5, 0.3, 0.5), Vector3::new(0.2, -1.6, 0.9)] {
+        let mut builder = Ik::builder(&model);
+        let tasks = tasks(&mut builder, &model);
+        let mut ik = builder.build().unwrap();
+        let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
+        let start = pose(&model, &q, hand);
+        ik.task_mut(tasks.position).unwrap().set_target(Point3::from(far)).unwrap();
+        ik.task_mut(tasks.orientation).unwrap().set_target(start.rotation).unwrap();
+        ik.task_mut(tasks.posture).unwrap().set_target(&q.clone()).unwrap();
+        let mut monitor = Monitor::new(&model, &q);
+        let mut places = Vec::new();
+        for tick in 0..8000 {
+            ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
+            monitor.check(&q);
+            if tick > 7000 {
+                places.push(pose(&model, &q, hand).translation.vector);
+            }
+        }
+        // The arm itself may tremble where directions pass from one level to the next.
+        let moved = places.iter().map(|place| (place - places[0]).norm()).fold(0.0, f64::max);
+        assert!(moved < 1e-3, "the hand still moves by {moved} m");
+        let reached = pose(&model, &q, hand).translation.vector;
+        assert!((far - reached).norm() < far.norm() - 0.6, "{reached}");
+    }
+}
+
 #[test]
 fn periods_may_vary() {
     let model = panda();
