@@ -5,6 +5,7 @@ mod excerpt;
 pub mod follow;
 pub mod hqp_file;
 pub mod hqp_solving;
+pub mod ik;
 pub mod limits;
 pub mod program;
 mod random;

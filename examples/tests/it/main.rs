@@ -12,6 +12,7 @@ mod convert;
 mod ergo_map;
 mod follow;
 mod hqp;
+mod ik;
 mod infer;
 mod limits;
 mod programs;

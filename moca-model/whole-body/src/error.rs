@@ -374,6 +374,160 @@ pub enum Error {
         joint: String,
     },
 
+    /// A task, or a limit, cannot do what it is asked.
+    #[error("task `{task}` of level `{level}`: {source}")]
+    InTask {
+        /// The task.
+        task: String,
+        /// Its level; `limits` for a hard limit.
+        level: String,
+        /// What is wrong.
+        source: Box<Error>,
+    },
+
+    /// A task does not know where to go.
+    #[error("its target was never set; set it through the id that `push` returned")]
+    TargetMissing,
+
+    /// A task is about a frame that no joint moves.
+    #[error(
+        "no joint moves frame `{frame}`; name one beyond a joint that moves, or let the joints on \
+         the way to it move"
+    )]
+    FrameStandsStill {
+        /// The frame.
+        frame: String,
+    },
+
+    /// A task is about two frames that cannot move against each other.
+    #[error(
+        "no joint stands between frames `{reference}` and `{frame}`; name frames of two links that \
+         move against each other"
+    )]
+    FramesMoveTogether {
+        /// The frame that the other is seen from.
+        reference: String,
+        /// The other.
+        frame: String,
+    },
+
+    /// A joint of one degree of freedom is needed.
+    #[error("joint `{joint}` has six degrees of freedom; name joints that turn or slide")]
+    FloatingJoint {
+        /// The joint.
+        joint: String,
+    },
+
+    /// A mimic joint moves a frame at several places.
+    #[error(
+        "mimic joint `{joint}` moves frame `{frame}` together with the joint that it follows; the \
+         manipulability of such frames is not supported"
+    )]
+    MimicOnTheWay {
+        /// The mimic joint.
+        joint: String,
+        /// The frame.
+        frame: String,
+    },
+
+    /// The robot has no mass, and so no centre of mass.
+    #[error("no link of robot `{robot}` that moves has a mass; add <inertial> to its URDF")]
+    NoMass {
+        /// The robot's name in the URDF.
+        robot: String,
+    },
+
+    /// The robot's base does not move on a plane.
+    #[error("robot `{robot}` has no planar base; read it with `Base::Planar`")]
+    NoPlanarBase {
+        /// The robot's name in the URDF.
+        robot: String,
+    },
+
+    /// A parameter is out of its range.
+    #[error("{what} is {value}; it must be {expected}")]
+    Parameter {
+        /// Which one.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range it must lie in.
+        expected: &'static str,
+    },
+
+    /// A gain is too high for the control period.
+    #[error(
+        "a gain of {gain} 1/s overshoots with a period of {period} s; it must be at most \
+         1/period = {} 1/s", 1.0 / period
+    )]
+    GainTooHigh {
+        /// The gain \[1/s\].
+        gain: f64,
+        /// The period \[s\].
+        period: f64,
+    },
+
+    /// A row of velocities has bounds that leave nothing between them.
+    #[error(
+        "row {row} must lie from {lower} to {upper}; order the bounds, and use an infinite one for \
+         a side that is free"
+    )]
+    RowRange {
+        /// The row.
+        row: usize,
+        /// Its lower bound.
+        lower: f64,
+        /// Its upper bound.
+        upper: f64,
+    },
+
+    /// A task has no rows.
+    #[error("it controls nothing; choose at least one axis, joint or row")]
+    NoRows,
+
+    /// There is nothing to do.
+    #[error("there is no level; push at least one task before `build`")]
+    NoLevels,
+
+    /// A level has no tasks.
+    #[error("level `{level}` has no tasks; push at least one")]
+    EmptyLevel {
+        /// The level.
+        level: String,
+    },
+
+    /// Two levels, or two tasks of one level, have one name.
+    #[error("there is a {element} named `{name}` already; names must be unique")]
+    NameTaken {
+        /// `level`, `task` or `limit`.
+        element: &'static str,
+        /// The name.
+        name: String,
+    },
+
+    /// There is no such level.
+    #[error("there is no level `{name}`; the levels are {known}")]
+    UnknownLevel {
+        /// The name asked for.
+        name: String,
+        /// The names that there are, the most similar first.
+        known: String,
+    },
+
+    /// There is no such task.
+    #[error(
+        "the id of a task is of another stack, or its level was removed; take the one that `push` \
+         returned"
+    )]
+    UnknownTask,
+
+    /// The measured state cannot be used; the robot brakes.
+    #[error("the robot brakes: {source}")]
+    Braking {
+        /// What is wrong.
+        source: Box<Error>,
+    },
+
     /// What the solver refused.
     #[error(transparent)]
     Hierarchy(#[from] ahqp_core::Error),

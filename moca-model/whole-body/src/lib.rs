@@ -1,9 +1,12 @@
-//! Any robot by its URDF: kinematics and dynamics of trees.
+//! Any robot by its URDF: kinematics and dynamics of trees, and tasks with strict priorities.
 //!
 //! A [`Model`] is read from a URDF and does not change; a [`Data`] is one thread's memory. Giving
 //! the data a configuration returns a [`Posed`], which knows poses, Jacobians, gravity and
 //! inertia; giving that a velocity returns a [`Moving`], which knows twists, J̇q̇ and dynamics. What
 //! has not been computed cannot be read.
+//!
+//! An [`Ik`] turns levels of [`Task`]s into velocities within all limits; a [`Commanded`] turns
+//! those into commands for a robot that may be held.
 //!
 //! SI units, radians. Twists and accelerations are linear then angular, forces are forces then
 //! moments, all of a frame's origin in axes parallel to the world's unless [`Axes::Local`] is asked
@@ -40,16 +43,31 @@
 
 mod dynamics;
 mod error;
+mod ik;
 mod inertia;
 mod kinematics;
+mod limits;
 mod robot;
 mod spatial;
 mod state;
+mod tasks;
 mod urdf;
+mod vector;
 
+pub use ahqp_core::{Budget, LevelId, Place, PoseAxes, Status, VelocityInterval};
 pub use dynamics::external::ExternalWrench;
 pub use error::Error;
+pub use ik::builder::{IkBuilder, Variables};
+pub use ik::commanded::{Command, Commanded};
+pub use ik::differential::Ik;
+pub use ik::leash::Leash;
+pub use ik::settings::IkSettings;
+pub use ik::step::{ActiveLimit, ActiveRow, LevelReport, Step};
+pub use ik::task_level::{TaskId, TaskLevel};
 pub use kinematics::jacobian::Axes;
+pub use limits::frame_velocity::FrameVelocityLimit;
+pub use limits::joint_intervals::{End, LimitKind};
+pub use limits::wheels::WheelLimit;
 pub use robot::description::{AddedFrame, Base, Description};
 pub use robot::frame::FrameId;
 pub use robot::friction::JointFriction;
@@ -61,8 +79,34 @@ pub use state::data::Data;
 pub use state::moving::Moving;
 pub use state::payload::{Payload, PayloadId};
 pub use state::posed::Posed;
+pub use tasks::axis::AxisTask;
+pub use tasks::centre_of_mass::CentreOfMassTask;
+pub use tasks::damping::DampingTask;
+pub use tasks::feedback::Feedback;
+pub use tasks::frame_pose::FrameTask;
+pub use tasks::input::TaskInput;
+pub use tasks::joint_coupling::JointCouplingTask;
+pub use tasks::manipulability::ManipulabilityTask;
+pub use tasks::mask::Axis;
+pub use tasks::orientation::OrientationTask;
+pub use tasks::position::PositionTask;
+pub use tasks::posture::PostureTask;
+pub use tasks::relative_frame::RelativeFrameTask;
+pub use tasks::rows::TaskRows;
+pub use tasks::task::{Limit, Task};
+pub use tasks::velocity::VelocityTask;
+
+/// The example of the crate's front page.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct FrontPage;
 
 /// The example of the book's page on this crate.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/src/whole-body.md")]
 struct BookPage;
+
+/// The examples of the book's page on tasks and limits.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/src/whole-body-tasks.md")]
+struct TasksPage;

@@ -2,7 +2,13 @@
 
 use allocation_counter::measure;
 use nalgebra::{DMatrix, IsometryMatrix3, Matrix3, Matrix3xX, Matrix6xX, Point3, Vector3, Vector6};
-use whole_body::{Axes, Base, Data, Description, ExternalWrench, Model, Payload};
+use whole_body::{
+    Axes, AxisTask, Base, CentreOfMassTask, Commanded, DampingTask, Data, Description,
+    ExternalWrench, FrameTask, FrameVelocityLimit, Ik, Leash, ManipulabilityTask, Model, Payload,
+    PostureTask,
+};
+
+use crate::support::stacks;
 
 #[test]
 fn the_counter_counts() {
@@ -67,4 +73,57 @@ fn kinematics_and_dynamics_allocate_nothing() {
     // Mimic joints take the way of Cholesky.
     let two_arms = include_str!("../golden/two_arms.urdf");
     assert_eq!(allocations(two_arms, Base::Planar, "left_finger2_link"), 0);
+}
+
+/// How often `steps` of a stack allocate, once all has been set up.
+fn allocations_of_steps(model: &Model, changing: bool) -> u64 {
+    let tip = model.frames().last().unwrap().0;
+    let mut builder = Ik::builder(model);
+    builder.limit("slow", FrameVelocityLimit::new(tip, Vector3::repeat(0.1), Vector3::repeat(0.1)));
+    builder.push("above", ManipulabilityTask::new(tip, 0.1));
+    let frame = builder.push("frame", FrameTask::new(tip));
+    let axis = builder.push("axis", AxisTask::new(tip, Vector3::z_axis()));
+    let centre = builder.push("centre", CentreOfMassTask::new(model));
+    let posture = builder.push("posture", PostureTask::new());
+    builder.push("rest", DampingTask::new());
+    let mut ik = builder.build().unwrap();
+    let mut q = model.neutral();
+    ik.task_mut(posture).unwrap().set_target(&q).unwrap();
+    ik.task_mut(axis).unwrap().set_target(Vector3::y_axis()).unwrap();
+    ik.task_mut(centre).unwrap().set_target(Point3::new(0.1, 0.0, 0.3)).unwrap();
+    if changing {
+        let (one, other) = (ik.level_id("frame").unwrap(), ik.level_id("axis").unwrap());
+        ik.swap(one, other, 0.05).unwrap();
+    }
+    let start = ik.pose(&q, tip).unwrap();
+    let measured = q.clone();
+    let mut counts = measure(|| {
+        for tick in 0..100 {
+            let mut target = start;
+            target.translation.vector += Vector3::new(0.0, 0.01 * f64::from(tick), 0.1);
+            ik.task_mut(frame).unwrap().set_target(target).unwrap();
+            let step = ik.step(&q, 1e-3).unwrap();
+            step.integrate(&mut q).unwrap();
+            let reports = step.levels().count() + step.active_limits().count();
+            std::hint::black_box((reports, step.active_rows().count(), step.slack(frame).unwrap()));
+        }
+        ik.brake(1e-3).unwrap();
+    })
+    .count_total;
+    let mut robot = Commanded::new(ik, &measured, Leash::default()).unwrap();
+    counts += measure(|| {
+        for _ in 0..100 {
+            assert!(robot.step(&measured, 1e-3).fault.is_none());
+        }
+    })
+    .count_total;
+    counts
+}
+
+#[test]
+fn steps_allocate_nothing() {
+    for changing in [false, true] {
+        assert_eq!(allocations_of_steps(&stacks::panda(), changing), 0);
+        assert_eq!(allocations_of_steps(&stacks::humanoid(), changing), 0);
+    }
 }

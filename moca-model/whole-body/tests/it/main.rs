@@ -3,10 +3,17 @@
 
 mod allocation;
 mod bad_input;
+mod bad_tasks;
 mod bad_urdf;
+mod commanded;
 mod description;
 mod dynamics;
 mod golden;
+mod ik;
+mod ik_changes;
+mod ik_figures;
+mod ik_limits;
 mod kinematics;
 mod parsed;
 mod support;
+mod tasks;

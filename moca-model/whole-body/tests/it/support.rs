@@ -1,5 +1,7 @@
 //! Random trees, written as URDF, with states.
 
+pub(crate) mod stacks;
+
 use std::fmt::Write as _;
 use std::ops::Range;
 

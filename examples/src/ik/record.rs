@@ -1,0 +1,99 @@
+//! What is recorded of a run.
+
+use std::fmt;
+
+use nalgebra::Vector3;
+use serde::Serialize;
+
+/// Everything of a run that its table and its picture show.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// Names of the entries of q̇ that are no floating base's.
+    pub joints: Vec<String>,
+    /// Their limits of position.
+    pub ranges: Vec<(f64, f64)>,
+    /// One a tick.
+    pub ticks: Vec<Tick>,
+    /// Places of the joints on the way to the frame, from the root, at some times.
+    pub poses: Vec<Vec<Vector3<f64>>>,
+}
+
+/// One tick.
+#[derive(Clone, Debug)]
+pub struct Tick {
+    /// (s)
+    pub time: f64,
+    /// Of the joints that have ranges.
+    pub positions: Vec<f64>,
+    /// Where the frame was to be (m).
+    pub target: Vector3<f64>,
+    /// Where it was (m).
+    pub actual: Vector3<f64>,
+    /// (m)
+    pub position_error: f64,
+    /// (rad)
+    pub orientation_error: f64,
+    /// How many joints a limit stopped.
+    pub limited: usize,
+    /// How long the step took (µs).
+    pub duration: f64,
+}
+
+/// How it went.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Summary {
+    /// Control periods.
+    pub ticks: usize,
+    /// Limits of position, velocity, acceleration and jerk that a joint exceeded in a tick.
+    pub limit_violations: usize,
+    /// Ticks without a solution.
+    pub infeasible: usize,
+    /// (mm)
+    pub position_rms_mm: f64,
+    /// (rad)
+    pub orientation_rms_rad: f64,
+    /// Half the steps took no longer (µs).
+    pub tick_us_p50: f64,
+    /// 999 of 1000 steps took no longer (µs).
+    pub tick_us_p999: f64,
+}
+
+impl Record {
+    /// Sums a run up.
+    pub fn summary(&self, limit_violations: usize, infeasible: usize) -> Summary {
+        let count = self.ticks.len().max(1) as f64;
+        let rms = |error: fn(&Tick) -> f64| {
+            (self.ticks.iter().map(|tick| error(tick).powi(2)).sum::<f64>() / count).sqrt()
+        };
+        let mut durations: Vec<f64> = self.ticks.iter().map(|tick| tick.duration).collect();
+        durations.sort_by(f64::total_cmp);
+        let quantile = |thousandths: usize| {
+            let rank = durations.len() * thousandths / 1000;
+            durations.get(rank.min(durations.len().saturating_sub(1))).copied().unwrap_or(0.0)
+        };
+        Summary {
+            ticks: self.ticks.len(),
+            limit_violations,
+            infeasible,
+            position_rms_mm: 1e3 * rms(|tick| tick.position_error),
+            orientation_rms_rad: rms(|tick| tick.orientation_error),
+            tick_us_p50: quantile(500),
+            tick_us_p999: quantile(999),
+        }
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "ticks              {}", self.ticks)?;
+        writeln!(f, "limit violations   {}", self.limit_violations)?;
+        writeln!(f, "infeasible         {}", self.infeasible)?;
+        writeln!(f, "position error     {:.4} mm rms", self.position_rms_mm)?;
+        writeln!(f, "orientation error  {:.2e} rad rms", self.orientation_rms_rad)?;
+        write!(
+            f,
+            "a step             {:.1} µs, 99.9 %: {:.1} µs",
+            self.tick_us_p50, self.tick_us_p999
+        )
+    }
+}

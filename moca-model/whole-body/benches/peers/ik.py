@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""Time of one step of inverse kinematics of a Panda: Pink and mink, beside `Ik::step` in one run.
+
+    python3 -m venv venv && venv/bin/pip install pin-pink mink quadprog daqp
+    venv/bin/python moca-model/whole-body/benches/peers/ik.py
+
+All three have position and velocity limits; whole-body has acceleration and jerk limits too, and
+strict priorities where Pink and mink weigh. Medians of 3000 steps in the middle of a motion.
+"""
+
+import pathlib
+import statistics
+import subprocess
+import time
+
+import numpy as np
+
+HERE = pathlib.Path(__file__).resolve().parent
+URDF = HERE.parents[1] / "examples" / "urdf" / "panda.urdf"
+HOME = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
+PERIOD, STEPS = 1e-3, 3000
+
+
+def circle(step):
+    angle = 1.5e-3 * step
+    return np.array([0.0, 0.05 * np.sin(angle), 0.05 * np.cos(angle) - 0.05])
+
+
+def pink_times():
+    import pink
+    import pinocchio as pin
+    from pink.tasks import FrameTask, PostureTask
+
+    model = pin.buildModelFromUrdf(str(URDF))
+    robot = pink.Configuration(model, model.createData(), HOME)
+    start = robot.get_transform_frame_to_world("panda_hand_tcp").copy()
+    hand = FrameTask("panda_hand_tcp", position_cost=1.0, orientation_cost=0.1, gain=0.02)
+    posture = PostureTask(cost=1e-3)
+    posture.set_target(HOME)
+    times = []
+    for step in range(STEPS):
+        target = start.copy()
+        target.translation = start.translation + circle(step)
+        hand.set_target(target)
+        begin = time.perf_counter()
+        velocity = pink.solve_ik(robot, [hand, posture], PERIOD, solver="quadprog", safety_break=False)
+        robot.integrate_inplace(velocity, PERIOD)
+        times.append(time.perf_counter() - begin)
+    return times
+
+
+def mink_times():
+    import mink
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_string(
+        URDF.read_text().replace(
+            '<robot name="panda">',
+            '<robot name="panda"><mujoco><compiler fusestatic="false" balanceinertia="true"/></mujoco>',
+        )
+    )
+    robot = mink.Configuration(model)
+    robot.update(HOME)
+    frame = ("panda_hand_tcp", "body")
+    start = robot.get_transform_frame_to_world(*frame)
+    hand = mink.FrameTask(*frame, position_cost=1.0, orientation_cost=0.1, gain=0.02)
+    posture = mink.PostureTask(model, cost=1e-3)
+    posture.set_target(HOME)
+    names = [model.joint(i).name for i in range(model.njnt)]
+    limits = [
+        mink.ConfigurationLimit(model),
+        mink.VelocityLimit(model, {name: 2.175 for name in names}),
+    ]
+    times = []
+    for step in range(STEPS):
+        place = start.translation() + circle(step)
+        hand.set_target(mink.SE3.from_rotation_and_translation(start.rotation(), place))
+        begin = time.perf_counter()
+        velocity = mink.solve_ik(robot, [hand, posture], PERIOD, solver="daqp", limits=limits)
+        robot.integrate_inplace(velocity, PERIOD)
+        times.append(time.perf_counter() - begin)
+    return times
+
+
+def own_median():
+    command = ["cargo", "bench", "-q", "-p", "whole-body", "--bench", "ik", "--", "panda"]
+    text = subprocess.run(command, cwd=HERE, check=True, capture_output=True, text=True).stdout
+    row = next(line for line in text.splitlines() if "panda_3_levels" in line)
+    return row.split("│")[2].strip()
+
+
+if __name__ == "__main__":
+    for name, times in (("Pink", pink_times), ("mink", mink_times)):
+        try:
+            print(f"{name:12} {1e6 * statistics.median(times()[500:]):8.1f} µs")
+        except ImportError as error:
+            print(f"{name:12} is not installed: {error}")
+    print(f"{'whole-body':12} {own_median():>11}")

@@ -1,0 +1,355 @@
+//! Differential inverse kinematics with strict priorities.
+
+use std::sync::Arc;
+
+use ahqp_core::{Budget, ContinuousStack, LevelId, VelocityInterval};
+
+use nalgebra::Isometry3;
+
+use super::builder::{IkBuilder, Variables};
+use super::settings::IkSettings;
+use super::singularity::SingularityDamping;
+use super::step::Step;
+use super::task_level::{StackedLevel, TaskId};
+use crate::error::{Error, check_size};
+use crate::limits::anticipation::Anticipation;
+use crate::limits::common_point::widen;
+use crate::limits::joint_intervals::JointIntervals;
+use crate::robot::frame::FrameId;
+use crate::robot::model::Model;
+use crate::state::data::Data;
+use crate::tasks::input::{JacobianMemory, TaskInput};
+use crate::tasks::task::Task;
+
+/// Differential inverse kinematics of one robot: velocities that do what levels of tasks ask, each
+/// level as well as those above it allow, within the limits of all joints.
+///
+/// Lexicographically minimise, highest priority first, ½ Σ wᵢ dᵢ² of each level, dᵢ being the
+/// distance of aᵢ q̇ to the range that a task asks for; subject to the position, velocity,
+/// acceleration and jerk limits of the model and to further [limits](IkBuilder::limit). What no
+/// level determines takes the least norm. Limits never contradict each other, from any start, and
+/// after construction a step allocates nothing.
+///
+/// ```
+/// use nalgebra::Point3;
+/// use whole_body::{Description, Ik, Model, PositionTask, PostureTask};
+///
+/// let urdf = r#"<robot name="arm">
+///   <link name="base"/> <link name="upper"/> <link name="lower"/> <link name="hand"/>
+///   <joint name="shoulder" type="revolute">
+///     <parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+///     <limit lower="-2" upper="2" velocity="2" effort="9"/>
+///   </joint>
+///   <joint name="elbow" type="revolute">
+///     <origin xyz="0.5 0 0"/><parent link="upper"/><child link="lower"/><axis xyz="0 0 1"/>
+///     <limit lower="-2" upper="2" velocity="2" effort="9"/>
+///   </joint>
+///   <joint name="wrist" type="fixed">
+///     <origin xyz="0.5 0 0"/><parent link="lower"/><child link="hand"/>
+///   </joint>
+/// </robot>"#;
+/// let model = Model::from_urdf(urdf, &Description::default())?;
+/// let hand = model.frame_id("hand")?;
+///
+/// let mut builder = Ik::builder(&model);
+/// let reach = builder.push("reach", PositionTask::new(hand));
+/// let posture = builder.push("posture", PostureTask::new());
+/// let mut ik = builder.build()?;
+///
+/// let mut q = vec![0.3, 0.3];
+/// ik.task_mut(posture)?.set_target(&q)?;
+/// ik.task_mut(reach)?.set_target(Point3::new(0.4, 0.6, 0.0))?;
+/// for _ in 0..2000 {
+///     ik.step(&q, 1e-3)?.integrate(&mut q)?;
+/// }
+/// let step = ik.step(&q, 1e-3)?;
+/// assert!(step.slack(reach)? < 1e-6 && step.slack(posture)? > 0.1);
+/// assert_eq!(step.active_limits().count(), 0);
+/// # Ok::<(), whole_body::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Ik {
+    pub(super) model: Model,
+    data: Data,
+    pub(super) settings: IkSettings,
+    pub(super) stack: ContinuousStack,
+    /// By priority; those that are being removed come last.
+    pub(super) levels: Vec<StackedLevel>,
+    /// At most one.
+    pub(super) limits: Option<StackedLevel>,
+    pub(super) intervals: JointIntervals,
+    /// Of all variables.
+    pub(super) names: Vec<Arc<str>>,
+    pub(super) velocity: Vec<f64>,
+    pub(super) acceleration: Vec<f64>,
+    /// Of the step before.
+    pub(super) last_acceleration: Vec<f64>,
+    pub(super) displacement: Vec<f64>,
+    pub(super) period: f64,
+    pub(super) singularity: SingularityDamping,
+    anticipation: Anticipation,
+    jacobian: JacobianMemory,
+    /// A velocity that all limits admit.
+    admitted: Vec<f64>,
+}
+
+impl Ik {
+    /// Collects levels of tasks for a robot.
+    pub fn builder(model: &Model) -> IkBuilder {
+        IkBuilder::new(model)
+    }
+
+    pub(super) fn new(
+        model: Model,
+        settings: IkSettings,
+        stack: ContinuousStack,
+        levels: Vec<StackedLevel>,
+        limits: Option<StackedLevel>,
+        names: Vec<Arc<str>>,
+    ) -> Result<Self, Error> {
+        let rest = vec![0.0; model.velocity_count()];
+        let mut ik = Self {
+            data: Data::new(&model),
+            intervals: JointIntervals::new(&model)?,
+            velocity: rest.clone(),
+            acceleration: rest.clone(),
+            last_acceleration: rest.clone(),
+            displacement: rest.clone(),
+            period: 1e-3,
+            anticipation: Anticipation::new(rest.len()),
+            jacobian: JacobianMemory::new(rest.len()),
+            singularity: SingularityDamping::new(0.0, &[], names.len()),
+            admitted: rest,
+            model,
+            settings,
+            stack,
+            levels,
+            limits,
+            names,
+        };
+        ik.make_room();
+        Ok(ik)
+    }
+
+    /// Sizes the damping for the levels that there are.
+    pub(super) fn make_room(&mut self) {
+        let last = self.levels.iter().rposition(|level| level.tasks.is_damped);
+        let levels = self.levels.iter().take(last.map_or(0, |last| last + 1));
+        let rows: Vec<usize> = levels.map(|level| level.tasks.row_count()).collect();
+        let threshold = self.settings.singularity_threshold;
+        self.singularity = SingularityDamping::new(threshold, &rows, self.names.len());
+    }
+
+    /// The velocities for the next `period` \[s\], with the robot at the configuration `q` and the
+    /// velocity of the last step. Allocates nothing, unless it returns an error.
+    ///
+    /// A robot that is not at rest at the first step begins with [`reset`](Self::reset).
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`] for a period that is not positive; those of [`Data::pose`] on q;
+    /// [`Error::InTask`], with the names of task and level, such as a target that was never set.
+    /// The state is then as before; [`brake`](Self::brake) gives velocities that stop the robot.
+    pub fn step(&mut self, q: &[f64], period: f64) -> Result<Step<'_>, Error> {
+        self.step_within(q, period, &[])
+    }
+
+    /// The same with velocities that also lie within `intervals`, one an entry of q̇ or none: of a
+    /// leash, of a speed limit that a safety layer sets. Where an interval has nothing in common
+    /// with the joint's limits, the limits win.
+    ///
+    /// # Errors
+    /// Those of [`step`](Self::step); [`Error::WrongSize`] and [`Error::NotFinite`] for intervals.
+    pub fn step_within(
+        &mut self,
+        q: &[f64],
+        period: f64,
+        intervals: &[VelocityInterval],
+    ) -> Result<Step<'_>, Error> {
+        check_period(period)?;
+        if !intervals.is_empty() {
+            check_size("the list of intervals", intervals.len(), self.velocity.len())?;
+            let nan =
+                |interval: &&VelocityInterval| interval.lower.is_nan() || interval.upper.is_nan();
+            if intervals.iter().any(|interval| nan(&interval)) {
+                let what = "an end of an interval of velocities".to_owned();
+                return Err(Error::NotFinite { what, value: f64::NAN });
+            }
+        }
+        self.write(q, period, intervals)?;
+        self.stack.solve_within(period, self.settings.budget)?;
+        self.read(period);
+        Ok(Step { ik: self })
+    }
+
+    /// Bounds of the variables, limits, tasks, damping.
+    fn write(
+        &mut self,
+        q: &[f64],
+        period: f64,
+        narrower: &[VelocityInterval],
+    ) -> Result<(), Error> {
+        let mut posed = self.data.pose(&self.model, q)?;
+        self.intervals.update(q, &self.velocity, &self.acceleration, period);
+        self.intervals.narrow(narrower);
+        write_bounds(self.stack.bounds_mut(), &self.intervals.cruising);
+        write_bounds(self.stack.output_bounds_mut(), &self.intervals.now);
+        self.jacobian.forget();
+        let mut input = TaskInput::new(&mut posed, &self.velocity, period, &mut self.jacobian);
+        if let Some(StackedLevel { id, tasks }) = &mut self.limits {
+            let rows = self.stack.constraints_mut(*id)?;
+            tasks.write(&mut input, rows)?;
+            let (velocity, acceleration) = (&self.velocity, &self.acceleration);
+            let (joints, anticipation) = (&self.intervals, &mut self.anticipation);
+            anticipation.narrow(rows, velocity, acceleration, joints, period);
+            widen(rows, &self.intervals.now, &mut self.admitted);
+        }
+        self.singularity.begin();
+        let last_damped = self.levels.iter().rposition(|level| level.tasks.is_damped);
+        for (index, StackedLevel { id, tasks }) in self.levels.iter_mut().enumerate() {
+            let changing = self.stack.is_changing();
+            match self.stack.activation(*id) {
+                Ok(activation) if activation > 0.0 || changing => {}
+                _ => continue,
+            }
+            let rows = self.stack.rows_mut(*id)?;
+            tasks.write(&mut input, rows)?;
+            if last_damped.is_some_and(|last| index <= last) {
+                self.singularity.damp(rows);
+            }
+        }
+        Ok(())
+    }
+
+    fn read(&mut self, period: f64) {
+        let x = self.stack.solution().map_or(&[][..], ahqp_core::Solution::best);
+        std::mem::swap(&mut self.acceleration, &mut self.last_acceleration);
+        let entries = self.velocity.iter_mut().zip(&mut self.acceleration);
+        let entries = entries.zip(&mut self.displacement).zip(x).zip(&self.intervals.now);
+        for ((((velocity, acceleration), displacement), x), interval) in entries {
+            let next = x.max(interval.lower).min(interval.upper);
+            *acceleration = (next - *velocity) / period;
+            *velocity = next;
+            *displacement = next * period;
+        }
+        self.period = period;
+    }
+
+    /// Brakes every joint for a period, at the limits of acceleration and jerk: where
+    /// [`step`](Self::step) fails. A joint without such limits stops at once.
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`] for a period that is not positive.
+    pub fn brake(&mut self, period: f64) -> Result<&[f64], Error> {
+        check_period(period)?;
+        self.intervals.brake(&self.velocity, &self.acceleration, period, &mut self.admitted);
+        std::mem::swap(&mut self.acceleration, &mut self.last_acceleration);
+        let entries = self.velocity.iter_mut().zip(&mut self.acceleration);
+        let entries = entries.zip(&mut self.displacement).zip(&self.admitted);
+        for (((velocity, acceleration), displacement), next) in entries {
+            *acceleration = (next - *velocity) / period;
+            *velocity = *next;
+            *displacement = next * period;
+        }
+        self.period = period;
+        Ok(&self.velocity)
+    }
+
+    /// Says that the robot moves at `velocity` now, not accelerating.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`], [`Error::NotFinite`]; nothing has changed then.
+    pub fn reset(&mut self, velocity: &[f64]) -> Result<(), Error> {
+        self.model.check_velocity("q̇", velocity)?;
+        self.velocity.copy_from_slice(velocity);
+        self.acceleration.fill(0.0);
+        Ok(())
+    }
+
+    /// A task or limit, to set its target.
+    ///
+    /// # Errors
+    /// [`Error::UnknownTask`] for the id of another stack, or of a level that was removed.
+    pub fn task_mut<T: Task>(&mut self, id: TaskId<T>) -> Result<&mut T, Error> {
+        let mut levels = self.levels.iter_mut().chain(&mut self.limits);
+        levels.find_map(|level| level.tasks.task_mut(id)).ok_or(Error::UnknownTask)
+    }
+
+    /// Where a frame is in the world at a configuration: for a target to start from.
+    ///
+    /// # Errors
+    /// Those of [`Data::pose`] on q; [`Error::ForeignId`].
+    pub fn pose(&mut self, q: &[f64], frame: FrameId) -> Result<Isometry3<f64>, Error> {
+        self.data.pose(&self.model, q)?.world_from(frame)
+    }
+
+    /// The robot.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// q̇ of the last step; zero before the first.
+    pub fn velocity(&self) -> &[f64] {
+        &self.velocity
+    }
+
+    /// The acceleration of the last step.
+    pub fn acceleration(&self) -> &[f64] {
+        &self.acceleration
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &IkSettings {
+        &self.settings
+    }
+
+    /// Changes what one step may cost.
+    pub fn set_budget(&mut self, budget: Budget) {
+        self.settings.budget = budget;
+    }
+
+    /// Bounds of further variables; infinite at first.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`]; [`Error::UnknownTask`] for variables of another stack.
+    pub fn set_variable_bounds(
+        &mut self,
+        variables: &Variables,
+        lower: &[f64],
+        upper: &[f64],
+    ) -> Result<(), Error> {
+        let range = variables.range();
+        check_size("the list of lower bounds", lower.len(), range.len())?;
+        check_size("the list of upper bounds", upper.len(), range.len())?;
+        let (all_lower, all_upper) = self.stack.bounds_mut();
+        for (all, own) in [(all_lower, lower), (all_upper, upper)] {
+            let Some(all) = all.get_mut(range.clone()) else { return Err(Error::UnknownTask) };
+            all.copy_from_slice(own);
+        }
+        Ok(())
+    }
+
+    /// The ids of the levels with their names, highest priority first, without those that are being
+    /// removed.
+    pub fn levels(&self) -> impl Iterator<Item = (LevelId, &str)> {
+        let named = |id| {
+            let level = self.levels.iter().find(|level| level.id == id)?;
+            Some((id, &*level.tasks.name))
+        };
+        self.stack.ids().filter_map(named)
+    }
+}
+
+fn write_bounds((lower, upper): (&mut [f64], &mut [f64]), intervals: &[VelocityInterval]) {
+    for ((lower, upper), interval) in lower.iter_mut().zip(upper).zip(intervals) {
+        (*lower, *upper) = (interval.lower, interval.upper);
+    }
+}
+
+/// An error unless the period is a positive number.
+pub(super) fn check_period(period: f64) -> Result<(), Error> {
+    if period > 0.0 && period.is_finite() {
+        Ok(())
+    } else {
+        Err(Error::NotPositive { what: "the control period [s]", value: period })
+    }
+}

@@ -1,0 +1,385 @@
+//! Damping of targets near singular configurations.
+
+use std::ops::Range;
+
+use ahqp_core::Rows;
+
+use crate::vector::{dot, subtract};
+
+/// Takes from the targets of levels what their rows reach only by very large velocities.
+///
+/// Level by level, highest priority first, the rows are scaled to norm one and freed of what the
+/// rows above determine; G = P Pᵀ then has the squared singular values σ² of what is left to the
+/// level, and p² = 1/tr G⁻¹ is a lower bound of the least. Where p is above the threshold σ₀ nothing
+/// changes. Below, with W the weights of the scaled rows over the largest, the part (μ² (W^½ G W^½ +
+/// μ²)⁻¹)³ of what is missing to the targets is given up: damped least
+/// squares (Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement and Control 108, 1986),
+/// iterated twice so that well-conditioned directions keep all but (μ/σ)⁶ of their targets (King and
+/// Chillingworth, Numerical Functional Analysis and Optimization 1(5), 1979), and
+///
+/// > μ² = ((σ₀/12)² + ((‖r‖/2v)² + ‖r‖/κ) max(0, 1 − v²/s²)) (1 − p²/σ₀²),
+///
+/// r being what is missing to the scaled targets, s = ‖L⁻¹r‖ the speed that they take and v = 1
+/// rad/s: near a singular configuration a fast target is given up to where joints need not go
+/// faster than about v, and κ = 5 1/s bounds how fast their velocities change with the configuration,
+/// so that they can stop there. All is continuous in the rows. Rows that
+/// contradict each other keep their weighted compromise.
+///
+/// The levels stay rows with other targets: priorities and limits are not touched.
+///
+/// With qₖ the orthonormal directions that the levels take, only the coordinates of the rows along
+/// them are computed: of row r along a direction of level k, Tₖ (R rᵀ − L lᵀ), R being the rows of
+/// that level, L and l the coordinates along the directions above, and Tₖ the inverse of the Cholesky
+/// factor of its G.
+#[derive(Debug)]
+pub(super) struct SingularityDamping {
+    threshold: f64,
+    /// How many rows all levels have.
+    total: usize,
+    /// How many rows a level has at most.
+    most: usize,
+    /// Where the rows of the levels above stand. Each level has a direction a row; those of rows that
+    /// depend on others are zero.
+    done: Vec<Range<usize>>,
+    /// By variable: its coefficients in the rows of all levels, scaled to norm one.
+    rows: Vec<f64>,
+    /// Of one row with all before it.
+    products: Vec<f64>,
+    /// By row: coordinates along the directions of the levels above.
+    coordinates: Vec<f64>,
+    /// By direction: what it is made of, in the rows of its level.
+    transforms: Vec<f64>,
+    /// Along the directions: what the levels above do by themselves.
+    point: Vec<f64>,
+    norms: Vec<f64>,
+    /// √(weight · norm² over the largest).
+    scales: Vec<f64>,
+    residual: Vec<f64>,
+    gram: Vec<f64>,
+    factor: Vec<f64>,
+    inverse: Vec<f64>,
+    given_up: Vec<f64>,
+}
+
+/// A row of which less than the root of this is left belongs to the levels below.
+const NOTHING: f64 = 1e-12;
+/// Of the largest weight, what the others count as at least here.
+const LIGHTEST: f64 = 1e-12;
+/// Norm of velocities above which a singular level is damped more than it must be at least
+/// \[rad/s, m/s\].
+const SPEED: f64 = 1.0;
+/// How fast a singular direction may come and go \[1/s\]; with an order of 3, three times as fast.
+const RATE: f64 = 5.0;
+/// Of the threshold, the least damping of a singular level.
+const LEAST: f64 = 1.0 / 12.0;
+/// How often the damping is applied.
+const ORDER: usize = 3;
+
+impl SingularityDamping {
+    /// For levels of so many rows each, over so many variables.
+    pub(super) fn new(threshold: f64, levels: &[usize], columns: usize) -> Self {
+        let (total, most) = (levels.iter().sum(), levels.iter().copied().max().unwrap_or(0));
+        Self {
+            threshold,
+            total,
+            most,
+            done: Vec::with_capacity(levels.len()),
+            rows: vec![0.0; total * columns],
+            products: vec![0.0; total],
+            coordinates: vec![0.0; total * total],
+            transforms: vec![0.0; total * most],
+            point: vec![0.0; total],
+            norms: vec![0.0; most],
+            scales: vec![1.0; most],
+            residual: vec![0.0; most],
+            gram: vec![0.0; most * most],
+            factor: vec![0.0; most * most],
+            inverse: vec![0.0; most * most],
+            given_up: vec![0.0; most],
+        }
+    }
+
+    /// Begins with the highest level.
+    pub(super) fn begin(&mut self) {
+        self.done.clear();
+    }
+
+    /// Damps the targets of the next level. A level with ranges, or for which there is no room, is
+    /// left as it is.
+    pub(super) fn damp(&mut self, rows: &mut Rows) {
+        let first = self.done.last().map_or(0, |above| above.end);
+        let m = rows.len();
+        let fits =
+            m <= self.most && first + m <= self.total && self.done.len() < self.done.capacity();
+        let equalities = rows.lower().iter().eq(rows.upper());
+        if self.threshold == 0.0 || !fits || !equalities {
+            return;
+        }
+        let span = first..first + m;
+        self.load(rows, &span);
+        let closeness = 1.0 / (self.invert_factor(m) * self.threshold * self.threshold);
+        if closeness < 1.0 {
+            self.give_up(m, closeness, rows);
+        }
+        self.take(&span);
+        self.done.push(span);
+    }
+
+    /// Scales the rows, and computes their coordinates, G and what is missing to the targets.
+    fn load(&mut self, rows: &Rows, span: &Range<usize>) {
+        let (total, most) = (self.total, self.most);
+        for (i, (row, target, _)) in rows.iter().enumerate() {
+            let index = span.start + i;
+            let norm = dot(row, row).sqrt();
+            let norm = if norm > 0.0 { norm } else { 1.0 };
+            self.norms[i] = norm;
+            let products = &mut self.products[..=index];
+            products.fill(0.0);
+            for (entry, others) in row.iter().zip(self.rows.chunks_exact_mut(total)) {
+                let entry = entry / norm;
+                others[index] = entry;
+                // A joint moves few frames.
+                if entry != 0.0 {
+                    subtract(products, -entry, &others[..=index]);
+                }
+            }
+            let (known, rest) = self.coordinates.split_at_mut(index * total);
+            let coordinates = &mut rest[..total];
+            for above in &self.done {
+                // Of R rᵀ − L lᵀ.
+                for (j, other) in above.clone().enumerate() {
+                    let taken = &known[other * total..other * total + above.start];
+                    self.residual[j] = products[other] - dot(taken, &coordinates[..above.start]);
+                }
+                for (k, direction) in above.clone().enumerate() {
+                    let transform = &self.transforms[direction * most..][..=k];
+                    coordinates[direction] = dot(transform, &self.residual[..=k]);
+                }
+            }
+            let coordinates = &coordinates[..span.start];
+            for j in 0..=i {
+                let other = span.start + j;
+                let taken = if j == i {
+                    coordinates
+                } else {
+                    &known[other * total..other * total + span.start]
+                };
+                let product = products[other] - dot(taken, coordinates);
+                let m = span.len();
+                self.gram[i * m + j] = product;
+                self.gram[j * m + i] = product;
+            }
+            // Not yet needed for other rows of this level.
+            self.given_up[i] = target / norm - dot(coordinates, &self.point[..span.start]);
+        }
+        self.residual[..span.len()].copy_from_slice(&self.given_up[..span.len()]);
+    }
+
+    /// Writes the inverse of the Cholesky factor of G, zero in rows that depend on others, and
+    /// returns the trace of G⁻¹; infinite where there are such rows.
+    fn invert_factor(&mut self, m: usize) -> f64 {
+        let (factor, inverse) = (&mut self.factor[..m * m], &mut self.inverse[..m * m]);
+        factor.copy_from_slice(&self.gram[..m * m]);
+        inverse.fill(0.0);
+        let mut trace = 0.0;
+        for i in 0..m {
+            let (done, rest) = factor.split_at_mut(i * m);
+            let row = &mut rest[..m];
+            for (j, other) in done.chunks_exact(m).enumerate() {
+                // The diagonal of L⁻¹ is that of L turned over.
+                row[j] = (row[j] - dot(&row[..j], &other[..j])) * inverse[j * m + j];
+            }
+            let pivot = row[i] - dot(&row[..i], &row[..i]);
+            let depends = pivot.is_nan() || pivot <= NOTHING;
+            let reciprocal = if depends { 0.0 } else { 1.0 / pivot.sqrt() };
+            let (above, own) = inverse.split_at_mut(i * m);
+            let own = &mut own[..m];
+            own[i] = reciprocal;
+            for (j, other) in above.chunks_exact(m).enumerate() {
+                subtract(&mut own[..=j], row[j] * reciprocal, &other[..=j]);
+            }
+            trace += if depends { f64::INFINITY } else { dot(&own[..=i], &own[..=i]) };
+        }
+        trace
+    }
+
+    /// μ² of a level that is singular.
+    fn damping(&self, m: usize) -> f64 {
+        let residual = &self.residual[..m];
+        let speeds = self.inverse[..m * m].chunks_exact(m).map(|row| dot(row, residual).powi(2));
+        // (s/v)², s being the norm of the velocities that the targets take.
+        let excess = speeds.sum::<f64>() / (SPEED * SPEED);
+        let square = dot(residual, residual);
+        let bound = 0.25 * square / (SPEED * SPEED) + square.sqrt() / RATE;
+        let least = LEAST * self.threshold;
+        least * least + bound * (1.0 - 1.0 / excess.max(1.0))
+    }
+
+    /// Gives up what takes large velocities.
+    fn give_up(&mut self, m: usize, closeness: f64, rows: &mut Rows) {
+        self.weigh(m, rows);
+        let square = self.damping(m) * (1.0 - closeness);
+        let (system, missing) = (&mut self.gram[..m * m], &mut self.given_up[..m]);
+        system.iter_mut().step_by(m + 1).for_each(|entry| *entry += square);
+        factorise(system, m);
+        for (missing, (residual, scale)) in
+            missing.iter_mut().zip(self.residual.iter().zip(&self.scales))
+        {
+            *missing = residual * scale;
+        }
+        for _ in 0..ORDER {
+            solve(system, missing);
+            for part in missing.iter_mut() {
+                *part *= square;
+            }
+        }
+        for i in 0..m {
+            let part = self.given_up[i] / self.scales[i];
+            self.residual[i] -= part;
+            self.given_up[i] = part * self.norms[i];
+        }
+        subtract(rows.lower_mut(), 1.0, &self.given_up);
+        subtract(rows.upper_mut(), 1.0, &self.given_up);
+    }
+
+    /// Weighs G.
+    fn weigh(&mut self, m: usize, rows: &Rows) {
+        let heaviness = |norms: &[f64], row: usize| rows.weight(row) * norms[row] * norms[row];
+        let largest = (0..m).map(|row| heaviness(&self.norms, row)).fold(0.0, f64::max);
+        for row in 0..m {
+            let part = if largest > 0.0 { heaviness(&self.norms, row) / largest } else { 1.0 };
+            self.scales[row] = part.max(LIGHTEST).sqrt();
+        }
+        for i in 0..m {
+            for j in 0..m {
+                self.gram[i * m + j] *= self.scales[i] * self.scales[j];
+            }
+        }
+    }
+
+    /// Takes the directions of the rows, and what the level does along them.
+    fn take(&mut self, span: &Range<usize>) {
+        let m = span.len();
+        for (k, transform) in self.inverse[..m * m].chunks_exact(m).enumerate() {
+            let direction = span.start + k;
+            self.transforms[direction * self.most..][..m].copy_from_slice(transform);
+            self.point[direction] = dot(transform, &self.residual[..m]);
+        }
+    }
+}
+
+/// The Cholesky factor of a positive matrix, in its lower half.
+fn factorise(matrix: &mut [f64], m: usize) {
+    for i in 0..m {
+        let (done, rest) = matrix.split_at_mut(i * m);
+        let row = &mut rest[..m];
+        for (j, other) in done.chunks_exact(m).enumerate() {
+            row[j] = (row[j] - dot(&row[..j], &other[..j])) / other[j];
+        }
+        row[i] = (row[i] - dot(&row[..i], &row[..i])).max(f64::MIN_POSITIVE).sqrt();
+    }
+}
+
+/// Solves L Lᵀ x = b in place.
+fn solve(factor: &[f64], b: &mut [f64]) {
+    let m = b.len();
+    for (i, row) in factor.chunks_exact(m).enumerate() {
+        b[i] = (b[i] - dot(&row[..i], &b[..i])) / row[i];
+    }
+    for (i, row) in factor.chunks_exact(m).enumerate().rev() {
+        let (before, own) = b.split_at_mut(i);
+        own[0] /= row[i];
+        subtract(before, own[0], &row[..i]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+    use proptest::prelude::*;
+
+    fn damped(a: &DMatrix<f64>, b: &[f64]) -> Rows {
+        let mut rows = Rows::equalities(a, b).unwrap();
+        let mut damping = SingularityDamping::new(0.1, &[a.nrows()], a.ncols());
+        damping.begin();
+        damping.damp(&mut rows);
+        rows
+    }
+
+    proptest! {
+        #[test]
+        fn targets_are_given_up_along_singular_directions(
+            entries in prop::collection::vec(-1.0..1.0_f64, 3 * 6),
+            b in prop::collection::vec(-1.0..1.0_f64, 3), closeness in 1e-6..1.0_f64,
+        ) {
+            let mut a = DMatrix::from_row_slice(3, 6, &entries);
+            let near = a.row(0) + a.row(2) * closeness;
+            a.set_row(2, &near);
+            prop_assume!(a.row_iter().all(|row| row.norm() > 0.1));
+            let rows = damped(&a, &b);
+            // By the singular value decomposition of the rows as they weigh, for w = 1.
+            let scale = DVector::from_iterator(3, a.row_iter().map(|row| row.norm()));
+            let unit = DMatrix::from_fn(3, 6, |i, j| a[(i, j)] / scale[i]);
+            let inverses = unit.singular_values().map(|sigma| 1.0 / (sigma * sigma));
+            let closeness = 1.0 / (inverses.sum() * 0.01);
+            let right = DVector::from_iterator(3, b.iter().zip(&scale).map(|(b, scale)| b / scale));
+            let speed = (unit.clone().pseudo_inverse(1e-12).unwrap() * &right).norm_squared();
+            let mu = (0.1_f64 / 12.0).powi(2)
+                + (0.25 * right.norm_squared() + right.norm() / 5.0)
+                    * (1.0 - 1.0 / speed.max(1.0));
+            let svd = (&a / scale.max()).svd(true, false);
+            let u = svd.u.unwrap();
+            let mut parts = u.transpose() * DVector::from_column_slice(&b);
+            for (part, sigma) in parts.iter_mut().zip(&svd.singular_values) {
+                let square = mu * (1.0 - closeness).max(0.0);
+                *part *= 1.0 - (square / (square + sigma * sigma)).powi(3);
+            }
+            let expected = u * parts;
+            let found = DVector::from_column_slice(rows.lower());
+            prop_assert!((found - expected).norm() < 1e-7);
+        }
+
+        #[test]
+        fn a_well_conditioned_level_keeps_its_targets(
+            b in prop::collection::vec(-1.0..1.0_f64, 2), angle in 0.3..2.8_f64,
+        ) {
+            let a = DMatrix::from_row_slice(2, 3, &[1.0, 0.0, 0.0, angle.cos(), angle.sin(), 0.0]);
+            let rows = damped(&a, &b);
+            prop_assert_eq!(rows.lower(), &b[..]);
+        }
+
+        #[test]
+        fn what_a_level_above_determines_is_damped_below(
+            gap in 0.0..0.01_f64, b in -1.0..1.0_f64,
+        ) {
+            let mut damping = SingularityDamping::new(0.1, &[1, 1], 2);
+            damping.begin();
+            let mut above = Rows::equalities(&DMatrix::from_row_slice(1, 2, &[1.0, 0.0]), &[0.5]).unwrap();
+            let below = DMatrix::from_row_slice(1, 2, &[1.0, gap]);
+            let mut below = Rows::equalities(&below, &[b]).unwrap();
+            damping.damp(&mut above);
+            damping.damp(&mut below);
+            prop_assert_eq!(above.lower()[0], 0.5);
+            // x₀ = 0.5; what x₁ must add is damped.
+            let needed = (below.lower()[0] - 0.5) / gap.max(1e-12);
+            prop_assert!(needed.abs() <= 3.0);
+        }
+
+        #[test]
+        fn rows_that_contradict_each_other_keep_their_compromise(
+            weight in 0.01..100.0_f64, one in -1.0..1.0_f64, other in -1.0..1.0_f64,
+        ) {
+            let a = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 2.0, 0.0]);
+            let mut rows = Rows::equalities(&a, &[one, 2.0 * other]).unwrap();
+            rows.set_weights(&[weight, 0.25]).unwrap();
+            let mut damping = SingularityDamping::new(0.1, &[2], 2);
+            damping.begin();
+            damping.damp(&mut rows);
+            // With rows of norm one the second weighs 0.25 · 4.
+            let found = (weight * rows.lower()[0] + rows.lower()[1] * 0.5) / (weight + 1.0);
+            let expected = (weight * one + other) / (weight + 1.0);
+            prop_assert!((found - expected).abs() < 1e-6, "{found} for {expected}");
+        }
+    }
+}

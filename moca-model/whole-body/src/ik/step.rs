@@ -1,0 +1,174 @@
+//! What a step gave.
+
+use ahqp_core::{LevelId, Objective, Status};
+
+use super::differential::Ik;
+use super::task_level::TaskId;
+use crate::error::Error;
+use crate::limits::joint_intervals::{End, Last, LimitKind};
+
+/// The velocity of one step, and what limited it.
+///
+/// It borrows the [`Ik`]; reading it allocates nothing.
+#[derive(Debug, Clone, Copy)]
+#[must_use = "a step gives velocities for the robot"]
+pub struct Step<'a> {
+    pub(super) ik: &'a Ik,
+}
+
+/// A level of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelReport<'a> {
+    /// Its id.
+    pub id: LevelId,
+    /// Its name.
+    pub name: &'a str,
+    /// √(Σ wᵢ dᵢ²), dᵢ being how far row i is from its range: zero where all its tasks have the
+    /// velocities that they ask for.
+    pub slack: f64,
+}
+
+/// A joint that a limit stops from moving otherwise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ActiveLimit<'a> {
+    /// The entry of q̇.
+    pub entry: usize,
+    /// The joint's name.
+    pub name: &'a str,
+    /// Which limit.
+    pub kind: LimitKind,
+    /// Whether the velocity is at the lower or the upper end of what the limit allows.
+    pub end: End,
+}
+
+/// A row of a limit, or of a task that asks for a range, that is at its bound.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ActiveRow<'a> {
+    /// The level; `limits` for a hard limit.
+    pub level: &'a str,
+    /// The task or limit.
+    pub task: &'a str,
+    /// The row, counted from 0 within the level.
+    pub row: usize,
+    /// The bound.
+    pub end: End,
+}
+
+impl<'a> Step<'a> {
+    /// q̇ for the next period \[rad/s, m/s\].
+    pub fn velocity(&self) -> &'a [f64] {
+        self.ik.velocity()
+    }
+
+    /// (q̇ − the last q̇) / period \[rad/s², m/s²\].
+    pub fn acceleration(&self) -> &'a [f64] {
+        self.ik.acceleration()
+    }
+
+    /// Moves q along the velocity for the period of the step.
+    ///
+    /// # Errors
+    /// Those of [`Model::integrate`](crate::Model::integrate).
+    pub fn integrate(&self, q: &mut [f64]) -> Result<(), Error> {
+        self.ik.model().integrate(q, &self.ik.displacement)
+    }
+
+    /// The time for which the velocity holds \[s\].
+    pub fn period(&self) -> f64 {
+        self.ik.period
+    }
+
+    /// Whether every level is at its optimum; else the budget ran out, limits hold, and the next
+    /// step goes on from there.
+    pub fn status(&self) -> Status {
+        self.ik.stack.solution().map_or(Status::Solved, ahqp_core::Solution::status)
+    }
+
+    /// Iterations of the solver.
+    pub fn iterations(&self) -> usize {
+        self.ik.stack.solution().map_or(0, ahqp_core::Solution::iterations)
+    }
+
+    /// All variables: q̇, then those of [`IkBuilder::variables`](crate::IkBuilder::variables).
+    pub fn variables(&self) -> &'a [f64] {
+        self.ik.stack.solution().map_or(&[], ahqp_core::Solution::best)
+    }
+
+    /// The levels of tasks, highest priority first.
+    pub fn levels(&self) -> impl Iterator<Item = LevelReport<'a>> + use<'a> {
+        let (ik, x) = (self.ik, self.variables());
+        ik.levels.iter().filter_map(move |entry| {
+            let level = ik.stack.level(entry.id).ok()?;
+            let slack = level.violation(x).unwrap_or(f64::NAN);
+            Some(LevelReport { id: entry.id, name: &entry.tasks.name, slack })
+        })
+    }
+
+    /// √(Σ wᵢ dᵢ²) of one task; see [`LevelReport::slack`].
+    ///
+    /// # Errors
+    /// [`Error::UnknownTask`].
+    pub fn slack<T>(&self, task: TaskId<T>) -> Result<f64, Error> {
+        let mut levels = self.ik.levels.iter();
+        let found = levels.find_map(|entry| Some((entry.id, entry.tasks.rows_of(task.number)?)));
+        let (id, range) = found.ok_or(Error::UnknownTask)?;
+        let Objective::LeastSquares(rows) = self.ik.stack.level(id)?.objective() else {
+            return Ok(0.0);
+        };
+        let x = self.variables();
+        let squares = range.filter_map(|index| {
+            let (lower, upper) = (rows.lower().get(index)?, rows.upper().get(index)?);
+            let value: f64 = rows.row(index)?.iter().zip(x).map(|(a, x)| a * x).sum();
+            let distance = (lower - value).max(value - upper).max(0.0);
+            Some(rows.weight(index) * distance * distance)
+        });
+        Ok(squares.sum::<f64>().sqrt())
+    }
+
+    /// The joints whose velocities are at an end of what their limits allow, each with the limit.
+    pub fn active_limits(&self) -> impl Iterator<Item = ActiveLimit<'a>> + use<'a> {
+        let ik = self.ik;
+        let entries = ik.velocity().iter().zip(&ik.intervals.now).enumerate();
+        entries.filter_map(move |(entry, (&velocity, interval))| {
+            let near = |bound: f64| (velocity - bound).abs() <= 1e-9 * (1e-3 + bound.abs());
+            let end = if near(interval.upper) {
+                End::Upper
+            } else if near(interval.lower) {
+                End::Lower
+            } else {
+                return None;
+            };
+            let acceleration = ik.last_acceleration[entry];
+            let last =
+                Last { velocity: velocity - ik.acceleration[entry] * ik.period, acceleration };
+            let kind = ik.intervals.kind(entry, end, last, ik.period);
+            Some(ActiveLimit { entry, name: &ik.names[entry], kind, end })
+        })
+    }
+
+    /// The rows of limits and ranges that are at a bound.
+    pub fn active_rows(&self) -> impl Iterator<Item = ActiveRow<'a>> + use<'a> {
+        let (ik, x) = (self.ik, self.variables());
+        ik.limits.iter().chain(&ik.levels).flat_map(move |entry| {
+            let level = ik.stack.level(entry.id).ok();
+            let rows = level.map(|level| match level.objective() {
+                Objective::LeastSquares(rows) => rows,
+                _ => level.constraints(),
+            });
+            rows.into_iter().flat_map(move |rows| {
+                rows.iter().enumerate().filter_map(move |(row, (coefficients, lower, upper))| {
+                    let value: f64 = coefficients.iter().zip(x).map(|(a, x)| a * x).sum();
+                    let near = |bound: f64| (value - bound).abs() <= 1e-9 * (1e-3 + bound.abs());
+                    let end = match (near(lower), near(upper)) {
+                        _ if lower == upper => return None,
+                        (_, true) => End::Upper,
+                        (true, _) => End::Lower,
+                        _ => return None,
+                    };
+                    let task = entry.tasks.task_name(row);
+                    Some(ActiveRow { level: &entry.tasks.name, task, row, end })
+                })
+            })
+        })
+    }
+}

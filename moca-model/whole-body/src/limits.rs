@@ -1,0 +1,7 @@
+//! What a robot may do: intervals of its joints' velocities, and rows that hold before all tasks.
+
+pub(crate) mod anticipation;
+pub(crate) mod common_point;
+pub(crate) mod frame_velocity;
+pub(crate) mod joint_intervals;
+pub(crate) mod wheels;

@@ -1,0 +1,94 @@
+//! Room in front of a limit for accelerations that cannot end at once.
+
+use ahqp_core::Rows;
+
+use super::joint_intervals::JointIntervals;
+use crate::vector::{dot, dot_of_sizes};
+
+/// Narrows the rows of limits so that their values come to rest at the limit, and not beyond it,
+/// where jerks are limited.
+///
+/// A value s = Σ cᵢ q̇ᵢ grows by Σ cᵢ q̈ᵢ²/(2jᵢ), over the joints that drive it towards its limit,
+/// while these bring their accelerations to zero. With the jerk j of s for which that is S²/(2j),
+/// S = Σ cᵢ q̈ᵢ, the acceleration α allowed next is that of a single joint in front of its velocity
+/// limit: α Δt + α²/(2j) = limit − s. Without jerk limits nothing changes.
+#[derive(Debug, Clone)]
+pub(crate) struct Anticipation {
+    /// By entry of q̇: the time in which its acceleration ends, half of it \[s\].
+    ends: Vec<f64>,
+    /// By entry of q̇: by how much it can grow at most until then \[rad/s or m/s\].
+    growth: Vec<f64>,
+}
+
+impl Anticipation {
+    pub(crate) fn new(velocities: usize) -> Self {
+        Self { ends: vec![0.0; velocities], growth: vec![0.0; velocities] }
+    }
+
+    /// Narrows the rows for the velocities and accelerations commanded last.
+    pub(crate) fn narrow(
+        &mut self,
+        rows: &mut Rows,
+        velocity: &[f64],
+        acceleration: &[f64],
+        joints: &JointIntervals,
+        period: f64,
+    ) {
+        let entries = self.ends.iter_mut().zip(&mut self.growth).zip(acceleration);
+        for (entry, ((end, growth), acceleration)) in entries.enumerate() {
+            let jerk = joints.jerk(entry);
+            if jerk.is_finite() {
+                *end = 0.5 * acceleration.abs() / jerk;
+                let next = acceleration.abs() + jerk * period;
+                *growth = next * period + 0.5 * next * next / jerk;
+            }
+        }
+        if self.growth.iter().all(|growth| *growth == 0.0) {
+            return;
+        }
+        for index in 0..rows.len() {
+            let row = rows.row(index).unwrap_or_default();
+            let (lower, upper) = (rows.lower()[index], rows.upper()[index]);
+            let (value, growth) = (dot(row, velocity), dot_of_sizes(row, &self.growth));
+            if value - lower >= growth && upper - value >= growth {
+                continue;
+            }
+            let row = Row { coefficients: row, value, acceleration, ends: &self.ends, period };
+            let narrowed = [
+                if value - lower < growth { row.narrowed(lower, -1.0) } else { lower },
+                if upper - value < growth { row.narrowed(upper, 1.0) } else { upper },
+            ];
+            (rows.lower_mut()[index], rows.upper_mut()[index]) =
+                (narrowed[0], narrowed[1].max(narrowed[0]));
+        }
+    }
+}
+
+struct Row<'a> {
+    coefficients: &'a [f64],
+    value: f64,
+    acceleration: &'a [f64],
+    ends: &'a [f64],
+    period: f64,
+}
+
+impl Row<'_> {
+    /// The bound for the next period in front of an upper limit (`sign` 1) or a lower one (−1).
+    fn narrowed(&self, limit: f64, sign: f64) -> f64 {
+        let (mut driving, mut overrun) = (0.0, 0.0);
+        let entries = self.coefficients.iter().zip(self.acceleration).zip(self.ends);
+        for ((c, a), end) in entries {
+            let part = (sign * c * a).max(0.0);
+            driving += part;
+            overrun += part * end;
+        }
+        let excess = sign * (limit - self.value);
+        if overrun <= 0.0 || excess <= 0.0 {
+            return limit;
+        }
+        let jerk = 0.5 * driving * driving / overrun;
+        let root = (self.period * self.period + 2.0 * excess / jerk).sqrt();
+        let next = self.value + sign * (2.0 * excess / (self.period + root)) * self.period;
+        if sign > 0.0 { limit.min(next) } else { limit.max(next) }
+    }
+}

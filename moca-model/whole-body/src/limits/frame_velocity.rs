@@ -1,0 +1,99 @@
+//! Limits of a frame's velocity.
+
+use nalgebra::{Vector3, Vector6};
+
+use crate::error::Error;
+use crate::kinematics::jacobian::Axes;
+use crate::robot::frame::FrameId;
+use crate::robot::model::Model;
+use crate::tasks::input::TaskInput;
+use crate::tasks::rows::TaskRows;
+use crate::tasks::task::{Limit, Task};
+
+/// Limits how fast a frame moves along, and turns about, each of three axes: |Jᵢ q̇| ≤ limitᵢ.
+///
+/// A speed limit s of any direction is met by s/√3 along each axis.
+#[derive(Debug, Clone)]
+pub struct FrameVelocityLimit {
+    frame: FrameId,
+    axes: Axes,
+    limits: Vector6<f64>,
+}
+
+impl FrameVelocityLimit {
+    /// Of `frame` along the world's axes \[m/s\] and about them \[rad/s\]; infinite for none.
+    pub fn new(frame: FrameId, linear: Vector3<f64>, angular: Vector3<f64>) -> Self {
+        let limits = Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z);
+        Self { frame, axes: Axes::World, limits }
+    }
+
+    /// Along and about the frame's own axes.
+    #[must_use]
+    pub fn in_local_axes(mut self) -> Self {
+        self.axes = Axes::Local;
+        self
+    }
+
+    /// Other limits, from the next step on \[m/s, rad/s\].
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for one that is not positive, or where finite and infinite ones have
+    /// changed places. The limits are then as before.
+    pub fn set_limits(&mut self, linear: Vector3<f64>, angular: Vector3<f64>) -> Result<(), Error> {
+        let other = Self { frame: self.frame, ..Self::new(self.frame, linear, angular) };
+        check(&other.limits)?;
+        let pairs = self.limits.iter().zip(&other.limits);
+        if let Some((_, &value)) =
+            pairs.into_iter().find(|(own, other)| own.is_finite() != other.is_finite())
+        {
+            let (what, expected) = ("a limit of the frame", "finite where it was before");
+            return Err(Error::Parameter { what, value, expected });
+        }
+        self.limits = other.limits;
+        Ok(())
+    }
+
+    fn limited(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.limits.iter().copied().enumerate().filter(|(_, limit)| limit.is_finite())
+    }
+}
+
+fn check(limits: &Vector6<f64>) -> Result<(), Error> {
+    match limits.iter().find(|limit| limit.is_nan() || **limit <= 0.0) {
+        None => Ok(()),
+        Some(&value) => {
+            let (what, expected) = ("a limit of the frame", "positive, or infinite for none");
+            Err(Error::Parameter { what, value, expected })
+        }
+    }
+}
+
+impl Task for FrameVelocityLimit {
+    fn dimension(&self, _model: &Model) -> usize {
+        self.limited().count()
+    }
+
+    fn validate(&self, model: &Model) -> Result<(), Error> {
+        check(&self.limits)?;
+        model.expect_moving(self.frame)
+    }
+
+    fn is_damped(&self) -> bool {
+        false
+    }
+
+    fn write(
+        &mut self,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<(), Error> {
+        let jacobian = input.jacobian(self.frame, self.axes)?;
+        for (row, (axis, limit)) in self.limited().enumerate() {
+            rows.set_coefficients(row, jacobian.row(axis).iter());
+            rows.set_range(row, -limit, limit);
+        }
+        Ok(())
+    }
+}
+
+impl Limit for FrameVelocityLimit {}

@@ -1,0 +1,186 @@
+//! The velocities that position, velocity, acceleration and jerk limits leave to each joint.
+
+use ahqp_core::{AcceleratedState, JerkLimits, Limits, VelocityInterval};
+
+use crate::error::Error;
+use crate::robot::limits::JointLimits;
+use crate::robot::model::Model;
+
+/// What stands for a velocity limit that there is not \[rad/s or m/s\].
+const FREE_VELOCITY: f64 = 1e9;
+/// What stands for an acceleration limit that there is not \[rad/s² or m/s²\].
+const FREE_ACCELERATION: f64 = 1e14;
+
+/// The intervals of all entries of q̇, from limits that never contradict each other: see
+/// [`Limits`] and [`JerkLimits`].
+#[derive(Debug, Clone)]
+pub(crate) struct JointIntervals {
+    joints: Vec<Joint>,
+    /// What each entry of q̇ may be in the next period.
+    pub(crate) now: Vec<VelocityInterval>,
+    /// The same without limits of acceleration and jerk: what may be reached in the long run.
+    pub(crate) cruising: Vec<VelocityInterval>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Joint {
+    limits: Option<JerkLimits>,
+    /// The same without position limits.
+    braking: Option<JerkLimits>,
+    /// Its place in q; nothing for a floating base, which has no position limits.
+    position: Option<usize>,
+}
+
+/// A limit of one joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum LimitKind {
+    /// Of the position, with room to brake in front of it.
+    Position,
+    /// Of the velocity.
+    Velocity,
+    /// Of the acceleration.
+    Acceleration,
+    /// Of the jerk.
+    Jerk,
+    /// What the caller asked for beside the robot's limits.
+    Caller,
+}
+
+impl JointIntervals {
+    pub(crate) fn new(model: &Model) -> Result<Self, Error> {
+        let mut joints =
+            vec![Joint { limits: None, braking: None, position: None }; model.velocity_count()];
+        for joint in model.joints() {
+            let first = joint.velocity_index;
+            for entry in 0..joint.kind.velocities() {
+                let (own, limits) = (&mut joints[first + entry], &model.limits()[first + entry]);
+                own.limits = accelerated_limits(limits)?;
+                let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
+                own.braking = accelerated_limits(&JointLimits { lower, upper, ..*limits })?;
+                own.position = (joint.kind.velocities() == 1).then_some(joint.position_index);
+            }
+        }
+        let free = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
+        let all = vec![free; joints.len()];
+        Ok(Self { joints, now: all.clone(), cruising: all })
+    }
+
+    /// Computes the intervals for the configuration q, and for the velocity and acceleration that
+    /// were commanded last.
+    pub(crate) fn update(&mut self, q: &[f64], v: &[f64], a: &[f64], period: f64) {
+        let motion = v.iter().zip(a);
+        let intervals = self.now.iter_mut().zip(&mut self.cruising);
+        for ((joint, (&velocity, &acceleration)), (now, cruising)) in
+            self.joints.iter().zip(motion).zip(intervals)
+        {
+            let Some(limits) = joint.limits else { continue };
+            let position = joint.position.map_or(0.0, |index| q[index]);
+            let state = AcceleratedState { position, velocity, acceleration };
+            *now = opened(limits.velocity_interval(state, period));
+            let lasting = opened(limits.limits().cruising_interval(position, period));
+            *cruising = VelocityInterval {
+                lower: lasting.lower.min(now.lower),
+                upper: lasting.upper.max(now.upper),
+            };
+        }
+    }
+
+    /// Takes only what lies within `intervals` too; where nothing does, what is nearest.
+    pub(crate) fn narrow(&mut self, intervals: &[VelocityInterval]) {
+        for (own, other) in self.now.iter_mut().zip(intervals) {
+            let within = |velocity: f64| velocity.max(own.lower).min(own.upper);
+            *own = VelocityInterval { lower: within(other.lower), upper: within(other.upper) };
+        }
+    }
+
+    /// Writes velocities that brake within the limits of acceleration and jerk, wherever the joints
+    /// are.
+    pub(crate) fn brake(&self, v: &[f64], a: &[f64], period: f64, out: &mut [f64]) {
+        let motion = v.iter().zip(a);
+        for ((joint, (&velocity, &acceleration)), out) in self.joints.iter().zip(motion).zip(out) {
+            let state = AcceleratedState { position: 0.0, velocity, acceleration };
+            *out = joint.braking.map_or(0.0, |braking| {
+                nearest_to_rest(&braking.slowed(0.0).velocity_interval(state, period))
+            });
+        }
+    }
+
+    /// The jerk limit of an entry of q̇; infinite for none.
+    pub(crate) fn jerk(&self, entry: usize) -> f64 {
+        let joint = self.joints.get(entry);
+        joint.and_then(|joint| joint.limits).map_or(f64::INFINITY, |limits| limits.jerk())
+    }
+
+    /// Which limit ends the interval of an entry there, if one does.
+    pub(crate) fn kind(&self, entry: usize, end: End, last: Last, period: f64) -> LimitKind {
+        let Some(limits) = self.joints[entry].limits else { return LimitKind::Caller };
+        let velocity = end.of(&self.now[entry]);
+        let acceleration = (velocity - last.velocity) / period;
+        let near = |value: f64, limit: f64| (value.abs() - limit).abs() <= 1e-9 * limit;
+        if near(velocity, limits.limits().velocity()) {
+            LimitKind::Velocity
+        } else if near(acceleration, limits.limits().acceleration()) {
+            LimitKind::Acceleration
+        } else if near((acceleration - last.acceleration) / period, limits.jerk()) {
+            LimitKind::Jerk
+        } else if self.joints[entry].position.is_some() {
+            LimitKind::Position
+        } else {
+            LimitKind::Caller
+        }
+    }
+}
+
+/// One end of an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum End {
+    /// The lower one.
+    Lower,
+    /// The upper one.
+    Upper,
+}
+
+impl End {
+    pub(crate) fn of(self, interval: &VelocityInterval) -> f64 {
+        match self {
+            Self::Lower => interval.lower,
+            Self::Upper => interval.upper,
+        }
+    }
+}
+
+/// How one entry of q̇ was commanded last.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Last {
+    pub(crate) velocity: f64,
+    pub(crate) acceleration: f64,
+}
+
+/// The limits in the form of ahqp-core; nothing if there are none.
+fn accelerated_limits(limits: &JointLimits) -> Result<Option<JerkLimits>, Error> {
+    let JointLimits { lower, upper, velocity, acceleration, jerk, .. } = *limits;
+    if lower.is_infinite() && upper.is_infinite() && velocity.min(acceleration).is_infinite() {
+        return Ok(None);
+    }
+    let finite = Limits::new(
+        lower,
+        upper,
+        velocity.min(FREE_VELOCITY),
+        acceleration.min(FREE_ACCELERATION),
+    )?;
+    Ok(Some(finite.with_jerk(jerk)?))
+}
+
+/// The interval without ends that only stand for a limit that there is not.
+fn opened(interval: VelocityInterval) -> VelocityInterval {
+    let VelocityInterval { lower, upper } = interval;
+    VelocityInterval {
+        lower: if lower <= -0.1 * FREE_VELOCITY { f64::NEG_INFINITY } else { lower },
+        upper: if upper >= 0.1 * FREE_VELOCITY { f64::INFINITY } else { upper },
+    }
+}
+
+/// The velocity of the interval with the least magnitude.
+pub(crate) fn nearest_to_rest(interval: &VelocityInterval) -> f64 {
+    0.0_f64.max(interval.lower).min(interval.upper)
+}

@@ -1,0 +1,19 @@
+//! What a robot is asked to do: rows `A q̇ ∈ [lower, upper]`, one kind of task a file.
+
+pub(crate) mod axis;
+pub(crate) mod centre_of_mass;
+mod checks;
+pub(crate) mod damping;
+pub(crate) mod feedback;
+pub(crate) mod frame_pose;
+pub(crate) mod input;
+pub(crate) mod joint_coupling;
+pub(crate) mod manipulability;
+pub(crate) mod mask;
+pub(crate) mod orientation;
+pub(crate) mod position;
+pub(crate) mod posture;
+pub(crate) mod relative_frame;
+pub(crate) mod rows;
+pub(crate) mod task;
+pub(crate) mod velocity;

@@ -1,0 +1,123 @@
+//! An axis of a frame along a direction.
+
+use nalgebra::{Unit, Vector2, Vector3};
+
+use super::feedback::Feedback;
+use super::input::TaskInput;
+use super::mask::check_weights;
+use super::rows::TaskRows;
+use super::task::Task;
+use crate::error::{Error, check_finite};
+use crate::kinematics::jacobian::Axes;
+use crate::robot::frame::FrameId;
+use crate::robot::model::Model;
+
+/// Turns an axis of a frame along a direction of the world, whatever the rotation about it: a cup
+/// upright, a camera towards a place. Two rows \[rad/s\].
+///
+/// With a the axis, d the direction and b₁, b₂ the other two axes of a frame that turns along,
+/// bᵢᵀ J_ω q̇ = bᵢᵀ feedback(φ (a × d)/‖a × d‖), φ being the angle between a and d.
+#[derive(Debug, Clone)]
+pub struct AxisTask {
+    frame: FrameId,
+    /// In the frame.
+    axis: Unit<Vector3<f64>>,
+    across: [Vector3<f64>; 2],
+    target: Option<Unit<Vector3<f64>>>,
+    feedback: Feedback,
+    weight: f64,
+}
+
+impl AxisTask {
+    /// Of `axis`, a direction in `frame`; the target is to be set before the first step.
+    pub fn new(frame: FrameId, axis: Unit<Vector3<f64>>) -> Self {
+        // The coordinate axis that is least along the axis gives the best cross product.
+        let least = axis.iter().map(|part| part.abs()).enumerate();
+        let least = least.min_by(|(_, one), (_, other)| one.total_cmp(other));
+        let mut helper = Vector3::zeros();
+        helper[least.map_or(0, |(index, _)| index)] = 1.0;
+        let one = axis.cross(&helper).normalize();
+        let across = [one, axis.cross(&one)];
+        Self { frame, axis, across, target: None, feedback: Feedback::ANGULAR, weight: 1.0 }
+    }
+
+    /// With this gain \[1/s\] instead of that of [`Feedback::ANGULAR`].
+    #[must_use]
+    pub fn with_gain(mut self, gain: f64) -> Self {
+        self.feedback.gain = gain;
+        self
+    }
+
+    /// With this feedback instead of [`Feedback::ANGULAR`].
+    #[must_use]
+    pub fn with_feedback(mut self, feedback: Feedback) -> Self {
+        self.feedback = feedback;
+        self
+    }
+
+    /// With a weight against the other rows of the level.
+    #[must_use]
+    pub fn with_weight(mut self, weight: f64) -> Self {
+        self.weight = weight;
+        self
+    }
+
+    /// The direction in the world that the axis is to have.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; the target is then as before.
+    pub fn set_target(&mut self, direction: Unit<Vector3<f64>>) -> Result<(), Error> {
+        for value in direction.iter() {
+            check_finite(*value, || "a coordinate of the direction".to_owned())?;
+        }
+        self.target = Some(direction);
+        Ok(())
+    }
+}
+
+impl Task for AxisTask {
+    fn dimension(&self, _model: &Model) -> usize {
+        2
+    }
+
+    fn validate(&self, model: &Model) -> Result<(), Error> {
+        self.feedback.validate()?;
+        check_weights(&[self.weight])?;
+        for value in self.axis.iter() {
+            check_finite(*value, || "a coordinate of the axis".to_owned())?;
+        }
+        model.expect_moving(self.frame)
+    }
+
+    fn write(
+        &mut self,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<(), Error> {
+        let target = self.target.ok_or(Error::TargetMissing)?;
+        self.feedback.check_period(input.period())?;
+        let rotation = input.posed().placement(self.frame)?.rotation;
+        let axis = rotation * self.axis.into_inner();
+        let across = self.across.map(|direction| rotation * direction);
+        let turn = axis.cross(&target);
+        let (sine, cosine) = (turn.norm(), axis.dot(&target));
+        let angle = sine.atan2(cosine);
+        let error = if sine > 0.0 {
+            Vector2::new(across[0].dot(&turn), across[1].dot(&turn)) * (angle / sine)
+        } else {
+            // The opposite direction: any way round is as short.
+            Vector2::new(angle, 0.0)
+        };
+        let velocity = self.feedback.velocity(&error);
+        let jacobian = input.jacobian(self.frame, Axes::World)?;
+        for (row, direction) in across.iter().enumerate() {
+            let own = rows.row_mut(row).iter_mut();
+            for (entry, column) in own.zip(jacobian.column_iter()) {
+                *entry = direction.dot(&column.fixed_rows::<3>(3));
+            }
+            rows.set_target(row, velocity[row]);
+            rows.set_weight(row, self.weight);
+        }
+        Ok(())
+    }
+}

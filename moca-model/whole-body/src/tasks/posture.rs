@@ -1,0 +1,139 @@
+//! A preferred configuration.
+
+use super::feedback::Feedback;
+use super::input::TaskInput;
+use super::mask::check_weights;
+use super::rows::TaskRows;
+use super::task::Task;
+use crate::error::{Error, check_size};
+use crate::robot::joint::{JointId, JointKind};
+use crate::robot::model::Model;
+
+/// Brings the joints to a configuration: q̇ᵢ = feedback(q_d,i − qᵢ), one row a joint \[rad/s or
+/// m/s\]. A floating base has no row.
+///
+/// As the last level it decides what no other level does; without it a redundant robot drifts.
+#[derive(Debug, Clone)]
+pub struct PostureTask {
+    joints: Joints,
+    target: Option<Vec<f64>>,
+    feedback: Feedback,
+    /// One a joint in the order of the rows; missing ones are 1.
+    weights: Vec<f64>,
+}
+
+#[derive(Debug, Clone)]
+enum Joints {
+    All,
+    Some(Vec<JointId>),
+}
+
+impl PostureTask {
+    /// Of all joints; the target is to be set before the first step.
+    pub fn new() -> Self {
+        Self { joints: Joints::All, target: None, feedback: Feedback::JOINT, weights: Vec::new() }
+    }
+
+    /// Of these joints only.
+    #[must_use]
+    pub fn of_joints(mut self, joints: &[JointId]) -> Self {
+        self.joints = Joints::Some(joints.to_vec());
+        self
+    }
+
+    /// With this gain \[1/s\] instead of that of [`Feedback::JOINT`].
+    #[must_use]
+    pub fn with_gain(mut self, gain: f64) -> Self {
+        self.feedback.gain = gain;
+        self
+    }
+
+    /// With this feedback instead of [`Feedback::JOINT`].
+    #[must_use]
+    pub fn with_feedback(mut self, feedback: Feedback) -> Self {
+        self.feedback = feedback;
+        self
+    }
+
+    /// With weights of the joints against each other, in the order of the rows.
+    #[must_use]
+    pub fn with_weights(mut self, weights: &[f64]) -> Self {
+        self.weights = weights.to_vec();
+        self
+    }
+
+    /// The configuration that is wanted, a whole q; entries of joints that are not of the task do
+    /// not count. Allocates only the first time.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; the target is then as before.
+    pub fn set_target(&mut self, configuration: &[f64]) -> Result<(), Error> {
+        for value in configuration {
+            crate::error::check_finite(*value, || "an entry of the posture".to_owned())?;
+        }
+        let target = self.target.get_or_insert_default();
+        target.clear();
+        target.extend_from_slice(configuration);
+        Ok(())
+    }
+
+    /// The entries of q and q̇ of each row.
+    fn entries<'a>(&'a self, model: &'a Model) -> impl Iterator<Item = (usize, usize)> + 'a {
+        let (all, some) = match &self.joints {
+            Joints::All => (model.joints(), &[][..]),
+            Joints::Some(some) => (&[][..], some.as_slice()),
+        };
+        let some = some.iter().filter_map(|&id| model.joint(id).ok());
+        let joints = all.iter().chain(some).filter(|joint| joint.kind != JointKind::Floating);
+        joints.map(|joint| (joint.position_index, joint.velocity_index))
+    }
+}
+
+impl Default for PostureTask {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Task for PostureTask {
+    fn dimension(&self, model: &Model) -> usize {
+        self.entries(model).count()
+    }
+
+    fn validate(&self, model: &Model) -> Result<(), Error> {
+        self.feedback.validate()?;
+        check_weights(&self.weights)?;
+        if let Joints::Some(joints) = &self.joints {
+            for &joint in joints {
+                model.expect_single(joint)?;
+            }
+        }
+        if !self.weights.is_empty() {
+            check_size("the list of weights", self.weights.len(), self.dimension(model))?;
+        }
+        Ok(())
+    }
+
+    fn is_damped(&self) -> bool {
+        false
+    }
+
+    fn write(
+        &mut self,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<(), Error> {
+        let target = self.target.as_ref().ok_or(Error::TargetMissing)?;
+        self.feedback.check_period(input.period())?;
+        let (model, q) = (input.posed().model(), input.posed().configuration());
+        check_size("the posture", target.len(), q.len())?;
+        for (row, (position, velocity)) in self.entries(model).enumerate() {
+            if let Some(entry) = rows.row_mut(row).get_mut(velocity) {
+                *entry = 1.0;
+            }
+            rows.set_target(row, self.feedback.speed(target[position] - q[position]));
+            rows.set_weight(row, self.weights.get(row).copied().unwrap_or(1.0));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,91 @@
+//! The rows of one task within those of its level.
+
+use ahqp_core::Rows;
+
+/// Where a task writes its rows: a part of the rows of its level.
+///
+/// Rows count from 0 within the task. What stands outside of the task's rows, or of a row's
+/// variables, cannot be written: such calls change nothing.
+#[derive(Debug)]
+pub struct TaskRows<'a> {
+    rows: &'a mut Rows,
+    weights: &'a mut [f64],
+    first: usize,
+    count: usize,
+}
+
+impl<'a> TaskRows<'a> {
+    pub(crate) fn new(
+        rows: &'a mut Rows,
+        weights: &'a mut [f64],
+        first: usize,
+        count: usize,
+    ) -> Self {
+        Self { rows, weights, first, count }
+    }
+
+    /// Zero rows with targets of zero and weights of one.
+    pub(crate) fn clear(&mut self) {
+        for row in 0..self.count {
+            self.row_mut(row).fill(0.0);
+            self.set_target(row, 0.0);
+            self.set_weight(row, 1.0);
+        }
+    }
+
+    /// How many rows the task has.
+    #[expect(clippy::len_without_is_empty, reason = "a task without rows is refused")]
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// The coefficients of a row: those of q̇, then those of further variables.
+    pub fn row_mut(&mut self, row: usize) -> &mut [f64] {
+        let index = if row < self.count { self.first + row } else { usize::MAX };
+        self.rows.row_mut(index).unwrap_or_default()
+    }
+
+    /// Writes the first coefficients of a row, those of q̇ in their order.
+    pub fn set_coefficients<'b>(
+        &mut self,
+        row: usize,
+        coefficients: impl IntoIterator<Item = &'b f64>,
+    ) {
+        let own = self.row_mut(row).iter_mut();
+        own.zip(coefficients).for_each(|(own, coefficient)| *own = *coefficient);
+    }
+
+    /// Makes a row an equality `a q̇ = target`.
+    pub fn set_target(&mut self, row: usize, target: f64) {
+        self.set_range(row, target, target);
+    }
+
+    /// Makes a row `lower ≤ a q̇ ≤ upper`; either may be infinite.
+    pub fn set_range(&mut self, row: usize, lower: f64, upper: f64) {
+        if row < self.count {
+            let index = self.first + row;
+            if let Some(bound) = self.rows.lower_mut().get_mut(index) {
+                *bound = lower;
+            }
+            if let Some(bound) = self.rows.upper_mut().get_mut(index) {
+                *bound = upper;
+            }
+        }
+    }
+
+    /// The bounds of a row as written so far, `(lower, upper)`.
+    pub fn range(&self, row: usize) -> Option<(f64, f64)> {
+        let index = if row < self.count { self.first + row } else { usize::MAX };
+        Some((*self.rows.lower().get(index)?, *self.rows.upper().get(index)?))
+    }
+
+    /// What a row weighs against the other rows of its level; from 1e-100 to 1e100, or zero to
+    /// leave it out.
+    pub fn set_weight(&mut self, row: usize, weight: f64) {
+        if row < self.count
+            && let Some(own) = self.weights.get_mut(self.first + row)
+        {
+            *own = weight;
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! The trait that all tasks share.
+
+use std::any::Any;
+use std::fmt::Debug;
+
+use super::input::TaskInput;
+use super::rows::TaskRows;
+use crate::error::Error;
+use crate::robot::model::Model;
+
+/// Something that a robot is to do: rows `lower ≤ A q̇ ≤ upper`, of which a level minimises the
+/// violation in the least-squares sense.
+///
+/// The tasks of this crate implement it, and so can yours. [`write`](Self::write) runs in the
+/// control loop: it must not allocate, lock or wait.
+///
+/// ```
+/// use whole_body::{Error, FrameId, Model, Task, TaskInput, TaskRows, Axes};
+///
+/// /// Keeps a frame above the height z = 0.
+/// #[derive(Debug)]
+/// struct AboveTheFloor(FrameId);
+///
+/// impl Task for AboveTheFloor {
+///     fn dimension(&self, _model: &Model) -> usize {
+///         1
+///     }
+///
+///     fn write(&mut self, input: &mut TaskInput<'_, '_>, rows: &mut TaskRows<'_>) -> Result<(), Error> {
+///         let height = input.posed().placement(self.0)?.translation.z;
+///         rows.set_coefficients(0, input.jacobian(self.0, Axes::World)?.row(2).iter());
+///         rows.set_range(0, -10.0 * height, f64::INFINITY); // ż ≥ −10 z
+///         Ok(())
+///     }
+/// }
+/// ```
+pub trait Task: Any + Debug + Send {
+    /// How many rows it writes for this robot; it must not change afterwards.
+    fn dimension(&self, model: &Model) -> usize;
+
+    /// Checks what can be checked without a state, when the task is taken into a stack.
+    ///
+    /// # Errors
+    /// What makes the task impossible for this robot.
+    fn validate(&self, _model: &Model) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Whether its rows may come to depend on each other, or on those of levels above, at singular
+    /// configurations. Targets of such rows are damped there. True unless a task says otherwise.
+    fn is_damped(&self) -> bool {
+        true
+    }
+
+    /// Writes its rows for a configuration. They are zero, with targets of zero and weights of one,
+    /// when this is called.
+    ///
+    /// # Errors
+    /// What makes the task impossible now, such as a target that was never set.
+    fn write(
+        &mut self,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<(), Error>;
+}
+
+/// A task whose rows always admit rest, lower ≤ 0 ≤ upper, so that it can be a hard limit too; see
+/// [`IkBuilder::limit`](crate::IkBuilder::limit).
+pub trait Limit: Task {}

@@ -1,0 +1,295 @@
+//! Limits hold, whatever is asked and wherever the robot starts.
+
+use nalgebra::{Point3, UnitQuaternion, Vector3};
+use whole_body::{
+    FrameVelocityLimit, Ik, IkBuilder, Model, OrientationTask, PositionTask, PostureTask, TaskId,
+    WheelLimit,
+};
+
+use crate::support::stacks::{PERIOD, Random, bush, humanoid, moca, panda, two_arms};
+use crate::support::{last_frame, pose};
+
+/// Ticks of each robot; more with the environment variable `WHOLE_BODY_TICKS`, for all five.
+fn ticks() -> u64 {
+    let asked = std::env::var("WHOLE_BODY_TICKS").ok().and_then(|text| text.parse::<u64>().ok());
+    asked.map_or(3000, |all| all / 5)
+}
+
+struct Tasks {
+    position: TaskId<PositionTask>,
+    orientation: TaskId<OrientationTask>,
+    posture: TaskId<PostureTask>,
+}
+
+fn tasks(builder: &mut IkBuilder, model: &Model) -> Tasks {
+    let tip = last_frame(model);
+    Tasks {
+        position: builder.push("position", PositionTask::new(tip)),
+        orientation: builder.push("orientation", OrientationTask::new(tip)),
+        posture: builder.push("posture", PostureTask::new()),
+    }
+}
+
+/// Checks every tick against the model's limits alone, by differences of positions.
+struct Monitor {
+    model: Model,
+    last: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    inside: Vec<bool>,
+}
+
+impl Monitor {
+    fn new(model: &Model, q: &[f64]) -> Self {
+        let rest = vec![0.0; model.velocity_count()];
+        let inside = vec![false; rest.len()];
+        let (velocity, acceleration) = (rest.clone(), rest);
+        Self { model: model.clone(), last: q.to_vec(), velocity, acceleration, inside }
+    }
+
+    fn check(&mut self, q: &[f64]) {
+        let mut moved = vec![0.0; self.velocity.len()];
+        self.model.difference(&self.last, q, &mut moved).unwrap();
+        let names = self.model.velocity_names();
+        let size = q.len() - moved.len();
+        for (entry, limits) in self.model.limits().iter().enumerate() {
+            let name = &names[entry];
+            let velocity = moved[entry] / PERIOD;
+            let acceleration = (velocity - self.velocity[entry]) / PERIOD;
+            let jerk = (acceleration - self.acceleration[entry]) / PERIOD;
+            // Differences of positions of about 1 round to 1e-16 / Δt, 1e-16 / Δt², …
+            for (what, value, limit, rounding) in [
+                ("velocity", velocity, limits.velocity, 1e-11),
+                ("acceleration", acceleration, limits.acceleration, 1e-8),
+                ("jerk", jerk, limits.jerk, 1e-4),
+            ] {
+                assert!(
+                    value.is_finite() && value.abs() <= limit * (1.0 + 1e-7) + rounding,
+                    "{what} of {name} is {value}, limit {limit}"
+                );
+            }
+            let (position, is_base) =
+                (q[entry + size], self.model.base() == whole_body::Base::Floating && entry < 6);
+            let within = position >= limits.lower - 1e-9 && position <= limits.upper + 1e-9;
+            assert!(within || is_base || !self.inside[entry], "{name} left its range: {position}");
+            self.inside[entry] |= within;
+            self.velocity[entry] = velocity;
+            self.acceleration[entry] = acceleration;
+        }
+        self.last.copy_from_slice(q);
+    }
+}
+
+fn random_targets(ik: &mut Ik, tasks: &Tasks, model: &Model, random: &mut Random) {
+    let elsewhere = random.configuration(model, 0.1);
+    let near = pose(model, &elsewhere, last_frame(model));
+    let mut vector = |size: f64| Vector3::from_fn(|_, _| random.within(-size, size));
+    let (place, speed, turn) = (vector(0.3), vector(1.0), vector(3.0));
+    let point = Point3::from(near.translation.vector + place);
+    ik.task_mut(tasks.position).unwrap().set_moving_target(point, speed).unwrap();
+    let orientation = UnitQuaternion::from_scaled_axis(turn);
+    ik.task_mut(tasks.orientation).unwrap().set_target(orientation).unwrap();
+    ik.task_mut(tasks.posture).unwrap().set_target(&elsewhere).unwrap();
+}
+
+/// Random starts, in part outside the limits, and random targets that jump.
+fn soak(model: &Model, seed: u64, ticks: u64) {
+    let mut random = Random(seed);
+    let (mut done, episode) = (0, 700);
+    while done < ticks {
+        let mut builder = Ik::builder(model);
+        let tasks = tasks(&mut builder, model);
+        let mut ik = builder.build().unwrap();
+        let mut q = random.configuration(model, 0.1);
+        let mut monitor = Monitor::new(model, &q);
+        for tick in 0..episode {
+            if tick % 150 == 0 {
+                random_targets(&mut ik, &tasks, model, &mut random);
+            }
+            let step = ik.step(&q, PERIOD).unwrap();
+            assert_eq!(step.status(), whole_body::Status::Solved);
+            step.integrate(&mut q).unwrap();
+            monitor.check(&q);
+        }
+        done += episode;
+    }
+}
+
+#[test]
+fn of_a_panda_hold() {
+    soak(&panda(), 1, ticks());
+}
+
+#[test]
+fn of_two_arms_on_a_base_hold() {
+    soak(&two_arms(), 2, ticks());
+}
+
+#[test]
+fn of_a_humanoid_hold() {
+    soak(&humanoid(), 3, ticks());
+}
+
+#[test]
+fn of_a_bush_hold() {
+    soak(&bush(), 4, ticks());
+}
+
+#[test]
+fn of_moca_hold() {
+    soak(&moca(), 5, ticks());
+}
+
+#[test]
+fn joints_outside_come_back_and_rest_there() {
+    let model = panda();
+    let mut q = vec![3.2, -2.0, 0.0, 0.3, 0.0, 4.2, -3.3];
+    let mut builder = Ik::builder(&model);
+    let posture = builder.push("posture", PostureTask::new());
+    let mut ik = builder.build().unwrap();
+    ik.task_mut(posture).unwrap().set_target(&q.clone()).unwrap();
+    let mut monitor = Monitor::new(&model, &q);
+    for _ in 0..2000 {
+        ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
+        monitor.check(&q);
+    }
+    for (q, limits) in q.iter().zip(model.limits()) {
+        assert!(*q <= limits.upper + 1e-9 && *q >= limits.lower - 1e-9);
+    }
+    assert!((q[0] - model.limits()[0].upper).abs() < 1e-6, "the posture still pulls outwards");
+    assert!(ik.velocity().iter().all(|v| v.abs() < 1e-6));
+}
+
+/// The stretched arm is singular, and what is left of the error cannot be taken away.
+#[test]
+fn a_target_out_of_reach_is_approached_and_waited_at() {
+    let model = panda();
+    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    for far in [Vector3::new(1.5, 0.3, 0.5), Vector3::new(0.2, -1.6, 0.9)] {
+        let mut builder = Ik::builder(&model);
+        let tasks = tasks(&mut builder, &model);
+        let mut ik = builder.build().unwrap();
+        let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
+        let start = pose(&model, &q, hand);
+        ik.task_mut(tasks.position).unwrap().set_target(Point3::from(far)).unwrap();
+        ik.task_mut(tasks.orientation).unwrap().set_target(start.rotation).unwrap();
+        ik.task_mut(tasks.posture).unwrap().set_target(&q.clone()).unwrap();
+        let mut monitor = Monitor::new(&model, &q);
+        let mut places = Vec::new();
+        for tick in 0..8000 {
+            ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
+            monitor.check(&q);
+            if tick > 7000 {
+                places.push(pose(&model, &q, hand).translation.vector);
+            }
+        }
+        // The arm itself may tremble where directions pass from one level to the next.
+        let moved = places.iter().map(|place| (place - places[0]).norm()).fold(0.0, f64::max);
+        assert!(moved < 1e-3, "the hand still moves by {moved} m");
+        let reached = pose(&model, &q, hand).translation.vector;
+        assert!((far - reached).norm() < far.norm() - 0.6, "{reached}");
+    }
+}
+
+#[test]
+fn periods_may_vary() {
+    let model = panda();
+    let mut random = Random(6);
+    let mut builder = Ik::builder(&model);
+    let tasks = tasks(&mut builder, &model);
+    let mut ik = builder.build().unwrap();
+    let mut q = random.configuration(&model, 0.0);
+    for tick in 0..5000 {
+        if tick % 300 == 0 {
+            random_targets(&mut ik, &tasks, &model, &mut random);
+        }
+        let period = random.within(0.2e-3, 5e-3);
+        ik.step(&q, period).unwrap().integrate(&mut q).unwrap();
+        for (q, limits) in q.iter().zip(model.limits()) {
+            assert!(*q <= limits.upper + 1e-9 && *q >= limits.lower - 1e-9);
+        }
+    }
+}
+
+#[test]
+fn a_frame_keeps_its_cartesian_limits() {
+    let model = panda();
+    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    let mut random = Random(7);
+    let mut builder = Ik::builder(&model);
+    let (linear, angular) = (Vector3::new(0.1, 0.2, 0.3), Vector3::repeat(0.5));
+    builder.limit("slow hand", FrameVelocityLimit::new(hand, linear, angular));
+    let tasks = tasks(&mut builder, &model);
+    let mut ik = builder.build().unwrap();
+    let mut q = random.configuration(&model, 0.0);
+    let mut monitor = Monitor::new(&model, &q);
+    let mut binding = 0;
+    for tick in 0..3000 {
+        if tick % 300 == 0 {
+            random_targets(&mut ik, &tasks, &model, &mut random);
+        }
+        let before = pose(&model, &q, hand);
+        let step = ik.step(&q, PERIOD).unwrap();
+        binding += step.active_rows().filter(|row| row.task == "slow hand").count();
+        step.integrate(&mut q).unwrap();
+        monitor.check(&q);
+        let twist = crate::support::twist_between(&before, &pose(&model, &q, hand), PERIOD);
+        // The motion within a tick is not straight, and the joints cannot brake at once.
+        for (axis, limit) in [0.1, 0.2, 0.3, 0.5, 0.5, 0.5].into_iter().enumerate() {
+            assert!(twist[axis].abs() < limit * 1.01, "{twist} along {axis} at {tick}");
+        }
+    }
+    assert!(binding > 100, "the limits were active in {binding} rows");
+}
+
+#[test]
+fn wheels_keep_their_speed_and_a_differential_base_its_direction() {
+    let model = two_arms();
+    let base = model.frame_id("base").unwrap();
+    for (name, limit) in [
+        ("mecanum", WheelLimit::mecanum(0.6, 0.4)),
+        ("omni", WheelLimit::omni(0.4, 0.2, &[0.0, 2.0944, -2.0944])),
+        ("differential", WheelLimit::differential(0.5, 0.5)),
+    ] {
+        let mut builder = Ik::builder(&model);
+        builder.limit(name, limit);
+        let position = builder.push("position", PositionTask::new(base).with_gain(3.0));
+        let posture = builder.push("posture", PostureTask::new().with_gain(3.0));
+        let mut ik = builder.build().unwrap();
+        let mut q = model.neutral();
+        let mut random = Random(8);
+        let mut monitor = Monitor::new(&model, &q);
+        let (mut fastest, mut sideways) = (0.0_f64, 0.0_f64);
+        for tick in 0..6000 {
+            if tick % 1000 == 0 {
+                let mut to = model.neutral();
+                to[2] = random.within(-3.0, 3.0);
+                let place = Point3::new(random.within(-2.0, 2.0), random.within(-2.0, 2.0), 0.0);
+                ik.task_mut(position).unwrap().set_target(place).unwrap();
+                ik.task_mut(posture).unwrap().set_target(&to).unwrap();
+            }
+            let yaw = q[2];
+            let step = ik.step(&q, PERIOD).unwrap();
+            let v = step.velocity();
+            let (sine, cosine) = yaw.sin_cos();
+            let (x, y, turn) = (cosine * v[0] + sine * v[1], cosine * v[1] - sine * v[0], v[2]);
+            let (used, room) = match name {
+                "mecanum" => (x.abs() + y.abs() + 0.4 * turn.abs(), 0.6),
+                "omni" => {
+                    let rims = [0.0_f64, 2.0944, -2.0944]
+                        .map(|angle| (-angle.sin() * x + angle.cos() * y + 0.2 * turn).abs());
+                    (rims.into_iter().fold(0.0, f64::max), 0.4)
+                }
+                _ => {
+                    sideways = sideways.max(y.abs());
+                    (x.abs() + 0.25 * turn.abs(), 0.5)
+                }
+            };
+            fastest = fastest.max(used / room);
+            step.integrate(&mut q).unwrap();
+            monitor.check(&q);
+        }
+        assert!(fastest > 0.99, "{name} was never at its limit: {fastest}");
+        assert!(fastest < 1.0 + 1e-9 && sideways < 1e-9, "{name}: {fastest}, {sideways} sideways");
+    }
+}
