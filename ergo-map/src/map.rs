@@ -5,17 +5,20 @@ mod file;
 mod fit;
 mod grid;
 mod measured;
+mod nodes;
 mod samples;
 
 use nalgebra::Vector3;
 
 use crate::error::{Error, Result};
 use crate::joints::JointAngles;
+use crate::person::Person;
 use crate::reba::{Conditions, Mode, Reba, Worksheet};
 use crate::side::Side;
 pub use build::MapOptions;
 use grid::Grid;
 pub use measured::{MeasuredOptions, Validation};
+use nodes::Nodes;
 pub use samples::{MeasuredSample, read_samples};
 
 /// The score and its gradient at a hand position.
@@ -59,20 +62,22 @@ pub struct MapNode {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErgonomicsMap {
-    stature: f64,
+    person: Person,
     side: Side,
     mode: Mode,
     grid: Grid,
-    /// `e_s` of each node, NaN where the hand cannot be.
-    scores: Vec<f64>,
-    /// Joint angles of each node, zero where the hand cannot be.
-    angles: Vec<[f64; JointAngles::LEN]>,
+    nodes: Nodes,
 }
 
 impl ErgonomicsMap {
     /// Stature of the person \[m\].
     pub fn stature(&self) -> f64 {
-        self.stature
+        self.person.stature()
+    }
+
+    /// The person whose map it is.
+    pub fn person(&self) -> &Person {
+        &self.person
     }
 
     /// The working hand.
@@ -90,13 +95,12 @@ impl ErgonomicsMap {
     /// # Errors
     /// As [`crate::Person::new`].
     pub fn for_stature(&self, stature: f64) -> Result<Self> {
-        crate::Person::new(stature)?;
-        Ok(Self { stature, ..self.clone() })
+        Ok(Self { person: self.person.clone().with_stature(stature)?, ..self.clone() })
     }
 
     /// Number of nodes that the hand can reach.
     pub fn len(&self) -> usize {
-        self.scores.iter().filter(|score| !score.is_nan()).count()
+        self.nodes.reachable()
     }
 
     /// Returns true if the hand can reach no node.
@@ -106,11 +110,10 @@ impl ErgonomicsMap {
 
     /// The nodes that the hand can reach, x slowest, z fastest.
     pub fn nodes(&self) -> impl Iterator<Item = MapNode> + '_ {
-        let all = self.scores.iter().zip(&self.angles).enumerate();
-        all.filter(|(_, (score, _))| !score.is_nan()).map(|(index, (&score, &angles))| MapNode {
-            position: self.grid.node(index) * self.stature,
-            angles: JointAngles::from_array(angles),
-            score,
+        self.nodes.iter().enumerate().filter_map(|(index, node)| {
+            let (score, &angles) = node?;
+            let position = self.grid.node(index) * self.stature();
+            Some(MapNode { position, angles: JointAngles::from_array(angles), score })
         })
     }
 
@@ -126,7 +129,7 @@ impl ErgonomicsMap {
     pub fn sample(&self, hand: &Vector3<f64>) -> Result<MapSample> {
         let (cell, mut score, mut gradient) = (self.cell(hand)?, 0.0, Vector3::zeros());
         for corner in 0..8 {
-            let value = self.scores.get(cell.corner(corner)).copied().unwrap_or(f64::NAN);
+            let value = self.nodes.score(cell.corner(corner));
             let (weight, slope) = cell.weight(corner);
             score += weight * value;
             gradient += slope * value;
@@ -134,7 +137,7 @@ impl ErgonomicsMap {
         if score.is_nan() {
             return Err(out_of_domain(hand));
         }
-        Ok(MapSample { score, gradient: gradient / self.stature })
+        Ok(MapSample { score, gradient: gradient / self.stature() })
     }
 
     /// The posture taken to put the hand there, trilinear between nodes. Allocates nothing.
@@ -147,7 +150,7 @@ impl ErgonomicsMap {
         let mut angles = [0.0; JointAngles::LEN];
         for corner in 0..8 {
             let (weight, _) = cell.weight(corner);
-            if let Some(node) = self.angles.get(cell.corner(corner)) {
+            if let Some((_, node)) = self.nodes.get(cell.corner(corner)) {
                 for (sum, angle) in angles.iter_mut().zip(node) {
                     *sum += weight * angle;
                 }
@@ -166,7 +169,7 @@ impl ErgonomicsMap {
     }
 
     fn cell(&self, hand: &Vector3<f64>) -> Result<grid::Cell> {
-        self.grid.cell(&(hand / self.stature)).ok_or_else(|| out_of_domain(hand))
+        self.grid.cell(&(hand / self.stature())).ok_or_else(|| out_of_domain(hand))
     }
 }
 

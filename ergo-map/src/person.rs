@@ -44,6 +44,38 @@ pub(crate) struct Proportions {
     pub(crate) foot: f64,
 }
 
+/// How many segments there are.
+pub(crate) const SEGMENTS: usize = 10;
+/// Smallest and largest mass of a body \[kg\].
+const MASS: [f64; 2] = [2.0, 500.0];
+
+impl Proportions {
+    /// In the order of [`Segments`].
+    pub(crate) fn to_array(self) -> [f64; SEGMENTS] {
+        let Self { ankle, knee, hip, shoulder, eye, .. } = self;
+        let Self { upper_arm, forearm, grip, shoulder_half_width, foot, .. } = self;
+        [ankle, knee, hip, shoulder, eye, upper_arm, forearm, grip, shoulder_half_width, foot]
+    }
+
+    /// In the order of [`Segments`].
+    pub(crate) fn from_array(fractions: [f64; SEGMENTS]) -> Self {
+        let [ankle, knee, hip, shoulder, eye, upper_arm, forearm, grip, shoulder_half_width, foot] =
+            fractions;
+        Self {
+            ankle,
+            knee,
+            hip,
+            shoulder,
+            eye,
+            upper_arm,
+            forearm,
+            grip,
+            shoulder_half_width,
+            foot,
+        }
+    }
+}
+
 /// Drillis & Contini 1966; shoulder joint and grip from the ANSUR II means (2012).
 const AVERAGE: Proportions = Proportions {
     ankle: 0.039,
@@ -108,12 +140,24 @@ impl Person {
         Self { stature, mass, ranges: JointRanges::default(), proportions: AVERAGE }
     }
 
+    /// A person of the same proportions, ranges of motion and body-mass index, and another stature
+    /// \[m\].
+    ///
+    /// # Errors
+    /// As of [`Person::new`].
+    pub fn with_stature(self, stature: f64) -> Result<Self> {
+        let Self { ranges, proportions, .. } = self;
+        let ratio = Self::new(stature)?.stature / self.stature;
+        let mass = (self.mass * ratio * ratio).clamp(MASS[0], MASS[1]);
+        Ok(Self { stature, mass, ranges, proportions })
+    }
+
     /// The same person with another mass \[kg\].
     ///
     /// # Errors
     /// The mass must be finite and from 2 to 500 kg.
     pub fn with_mass(self, mass: f64) -> Result<Self> {
-        Ok(Self { mass: within("mass", mass, [2.0, 500.0], "kg")?, ..self })
+        Ok(Self { mass: within("mass", mass, MASS, "kg")?, ..self })
     }
 
     /// The same person with other ranges of motion.
@@ -173,6 +217,24 @@ impl Person {
             }
         }
         Ok(Self { proportions, ..self })
+    }
+
+    /// The same person with other proportions; `None` for those that [`Self::with_segments`] refuses.
+    pub(crate) fn with_proportions(self, proportions: Proportions) -> Option<Self> {
+        // Lengths rounded to fractions may be at the end of what is plausible.
+        const ROUNDING: f64 = 1e-9;
+        let plausible = proportions.to_array().into_iter().zip(AVERAGE.to_array()).all(
+            |(fraction, average)| {
+                let (least, most) = (0.5 * average - ROUNDING, (2.0 * average).min(1.0) + ROUNDING);
+                (least..=most).contains(&fraction)
+            },
+        );
+        let Proportions { ankle, knee, hip, shoulder, eye, .. } = proportions;
+        let heights = [ankle, knee, hip, shoulder, eye, 1.0];
+        let follow = heights
+            .windows(2)
+            .all(|pair| matches!(pair, [low, high] if high - low >= 0.01 - ROUNDING));
+        (plausible && follow).then_some(Self { proportions, ..self })
     }
 
     /// Stature \[m\].

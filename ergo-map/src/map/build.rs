@@ -77,23 +77,18 @@ impl ErgonomicsMap {
                 node
             })
             .collect();
-        let (scores, angles) = nodes.into_iter().unzip();
-        Ok(Self { stature, side: options.side, mode: options.mode, grid, scores, angles })
+        let nodes = nodes.into_iter().collect();
+        Ok(Self { person: person.clone(), side: options.side, mode: options.mode, grid, nodes })
     }
 }
 
-/// Score and joint angles at a hand position; NaN where the hand cannot be.
+/// Score and joint angles at a hand position; `None` where the hand cannot be.
 fn score_node(
     predictor: &PosturePredictor,
     position: &Vector3<f64>,
     mode: Mode,
-) -> (f64, [f64; JointAngles::LEN]) {
-    match predictor.predict(&HandTarget::point(*position)) {
-        Ok(prediction) => {
-            let posture = prediction.angles.posture();
-            let score = ergonomics_score(&posture, &Conditions::default(), mode);
-            (score, prediction.angles.to_array())
-        }
-        Err(_) => (f64::NAN, [0.0; JointAngles::LEN]),
-    }
+) -> Option<(f64, [f64; JointAngles::LEN])> {
+    let prediction = predictor.predict(&HandTarget::point(*position)).ok()?;
+    let score = ergonomics_score(&prediction.angles.posture(), &Conditions::default(), mode);
+    Some((score, prediction.angles.to_array()))
 }

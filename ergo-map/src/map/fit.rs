@@ -22,7 +22,7 @@ impl ErgonomicsMap {
     /// # Errors
     /// As [`ErgonomicsQuadratic::fit`].
     pub fn fit(&self, options: &FitOptions) -> Result<(ErgonomicsQuadratic, FitReport)> {
-        let region = options.region.unwrap_or_else(|| Region::work_zone(self.stature, self.side));
+        let region = options.region.unwrap_or_else(|| Region::work_zone(self.stature(), self.side));
         let points = self.points_in(&region);
         let weights = options.weights(&points);
         let (quadratic, mut report) = fit_weighted(&FitInput { points, weights }, options)?;
@@ -59,7 +59,7 @@ impl ErgonomicsMap {
 
     fn points_in(&self, region: &Region) -> Vec<ScoredPoint> {
         // Nodes on a face count whatever rounding does to them.
-        let region = region.grown(1e-9 * self.stature);
+        let region = region.grown(1e-9 * self.stature());
         self.nodes()
             .filter(|node| region.contains(&node.position))
             .map(|node| ScoredPoint { position: node.position, score: node.score })
@@ -75,7 +75,7 @@ impl ErgonomicsMap {
         let at_optimum = self.regret_in(quadratic, region);
         let mut random = SplitMix(0x5eed);
         let mut regrets: Vec<f64> = (0..BOXES)
-            .filter_map(|_| self.regret_in(quadratic, &random.box_in(region, self.stature)?))
+            .filter_map(|_| self.regret_in(quadratic, &random.box_in(region, self.stature())?))
             .collect();
         let (Some(at_optimum), false) = (at_optimum, regrets.is_empty()) else {
             return Err(Error::TooFewSamples { what: "the regret", needed: 1, found: 0 });
@@ -106,7 +106,7 @@ impl ErgonomicsMap {
             }
         }
         // In a region larger than the search's mesh, nodes may be lower still.
-        if region.size().max() > EDGE[1] * self.stature {
+        if region.size().max() > EDGE[1] * self.stature() {
             lowest = self.points_in(region).iter().map(|p| p.score).fold(lowest, f64::min);
         }
         Some(chosen - lowest)

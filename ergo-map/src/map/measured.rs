@@ -71,7 +71,19 @@ impl ErgonomicsMap {
         samples: &[MeasuredSample],
         options: &MeasuredOptions,
     ) -> Result<Self> {
-        let stature = Person::new(stature)?.stature();
+        Self::from_samples_of(&Person::new(stature)?, samples, options)
+    }
+
+    /// The same for a person whose segments were measured, too: the map names them.
+    ///
+    /// # Errors
+    /// As of [`Self::from_samples`].
+    pub fn from_samples_of(
+        person: &Person,
+        samples: &[MeasuredSample],
+        options: &MeasuredOptions,
+    ) -> Result<Self> {
+        let stature = person.stature();
         let radius =
             within("radius", options.radius, [options.spacing.max(1e-3), 0.5], "statures")?;
         for sample in samples {
@@ -90,17 +102,18 @@ impl ErgonomicsMap {
             samples.iter().map(|s| (s.hand / stature, s.angles.to_array())).collect();
         let around = Region::around(samples.iter().map(|(hand, _)| *hand));
         let grid = Grid::covering(&around.grown(0.5 * options.spacing), options.spacing)?;
-        let (scores, angles): (Vec<f64>, Vec<_>) = (0..grid.len())
+        let nodes: Vec<_> = (0..grid.len())
             .into_par_iter()
-            .map(|index| match local_posture(&samples, &grid.node(index), radius) {
-                Some(angles) => {
-                    let posture = JointAngles::from_array(angles).posture();
-                    (ergonomics_score(&posture, &Conditions::default(), options.mode), angles)
-                }
-                None => (f64::NAN, [0.0; DOF]),
+            .map(|index| {
+                let angles = local_posture(&samples, &grid.node(index), radius)?;
+                let posture = JointAngles::from_array(angles).posture();
+                let score = ergonomics_score(&posture, &Conditions::default(), options.mode);
+                Some((score, angles))
             })
-            .unzip();
-        let map = Self { stature, side: options.side, mode: options.mode, grid, scores, angles };
+            .collect();
+        let nodes = nodes.into_iter().collect();
+        let (person, side, mode) = (person.clone(), options.side, options.mode);
+        let map = Self { person, side, mode, grid, nodes };
         if map.is_empty() { Err(too_few) } else { Ok(map) }
     }
 

@@ -1,6 +1,6 @@
 //! Recorded postures as a table.
 
-use std::io::BufRead;
+use std::io::{BufRead, Read};
 
 use nalgebra::Vector3;
 
@@ -16,6 +16,14 @@ pub struct MeasuredSample {
     pub angles: JointAngles,
 }
 
+/// The largest table that is read (bytes), and the most samples in it: an hour at 200 a second.
+const MAX_BYTES: u64 = 64 << 20;
+/// The longest line (bytes): its cells take eight times as much.
+const MAX_LINE: usize = 64 << 10;
+const MAX_SAMPLES: usize = 1_000_000;
+/// The most of a cell or a column's name that an error quotes (characters).
+const LONGEST: usize = 120;
+
 /// What a column of the table holds.
 #[derive(Clone, Copy)]
 enum Column {
@@ -27,7 +35,9 @@ enum Column {
 ///
 /// The first line names the columns, in any order: `hand_x_m`, `hand_y_m`, `hand_z_m` (all three
 /// needed) and `<joint>_deg` for the joints of [`JointAngles::NAMES`] (at least one; a joint
-/// without a column is zero). Blank lines are skipped.
+/// without a column is zero). Blank lines are skipped, cells may be quoted. At most a million samples
+/// and 64 MiB are
+/// read.
 ///
 /// ```
 /// let table = "hand_x_m,hand_y_m,hand_z_m,elbow_deg\n0.4,-0.2,1.1,80\n";
@@ -40,17 +50,29 @@ enum Column {
 /// [`Error::Samples`] with line and column for an unknown, repeated or missing column, a missing or
 /// surplus cell, or a cell that is no finite number; [`Error::TooFewSamples`] for an empty table.
 pub fn read_samples(table: impl BufRead) -> Result<Vec<MeasuredSample>> {
+    let text = read_text(table)?;
+    if let Some(line) = text.lines().position(|line| line.len() > MAX_LINE) {
+        return Err(problem(line + 1, "", format!("longer than {MAX_LINE} bytes")));
+    }
+    let mut rows = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
     let mut header: Option<Vec<(String, Column)>> = None;
     let mut samples = Vec::new();
-    for (line, text) in (1..).zip(table.lines()) {
-        let text = text.map_err(|error| problem(line, "", format!("cannot be read: {error}")))?;
-        let text = text.trim_start_matches('\u{feff}').trim();
-        if text.is_empty() {
+    for row in rows.records() {
+        let row = row.map_err(|error| problem(1, "", format!("cannot be read: {error}")))?;
+        if row.iter().all(str::is_empty) && row.len() < 2 {
             continue;
         }
+        let line = || line_of(&text, row.position());
         match &header {
-            None => header = Some(columns(line, text)?),
-            Some(columns) => samples.push(sample(line, text, columns)?),
+            None => header = Some(columns(line(), &row)?),
+            Some(_) if samples.len() == MAX_SAMPLES => {
+                return Err(problem(line(), "", format!("more than {MAX_SAMPLES} samples")));
+            }
+            Some(columns) => samples.push(sample(line, &row, columns)?),
         }
     }
     if samples.is_empty() {
@@ -59,10 +81,36 @@ pub fn read_samples(table: impl BufRead) -> Result<Vec<MeasuredSample>> {
     Ok(samples)
 }
 
-fn columns(line: usize, text: &str) -> Result<Vec<(String, Column)>> {
+/// The table, without a byte-order mark.
+fn read_text(table: impl BufRead) -> Result<String> {
+    let mut bytes = Vec::new();
+    let read = table.take(MAX_BYTES + 1).read_to_end(&mut bytes);
+    read.map_err(|error| problem(1, "", format!("cannot be read: {error}")))?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(problem(1, "", format!("the table has more than {MAX_BYTES} bytes")));
+    }
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let before = error.as_bytes().iter().take(valid);
+        let line = 1 + before.filter(|byte| **byte == b'\n').count();
+        problem(line, "", "no UTF-8 text".into())
+    })?;
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+}
+
+/// The line of a row, which begins behind the line ends that the reader has still to skip.
+fn line_of(text: &str, position: Option<&csv::Position>) -> usize {
+    let start = position.map_or(0, |at| usize::try_from(at.byte()).unwrap_or(usize::MAX));
+    let (before, rest) = text.split_at_checked(start).unwrap_or((text, ""));
+    let skipped = rest.len() - rest.trim_start_matches(['\r', '\n']).len();
+    let ends = |text: &str| text.bytes().filter(|byte| *byte == b'\n').count();
+    1 + ends(before) + ends(rest.get(..skipped).unwrap_or_default())
+}
+
+fn columns(line: usize, names: &csv::StringRecord) -> Result<Vec<(String, Column)>> {
     const HAND: [&str; 3] = ["hand_x_m", "hand_y_m", "hand_z_m"];
     let mut columns: Vec<(String, Column)> = Vec::new();
-    for name in text.split(',').map(str::trim) {
+    for name in names {
         let joint = name.strip_suffix("_deg");
         let column = if let Some(axis) = HAND.iter().position(|hand| *hand == name) {
             Column::Hand(axis)
@@ -91,20 +139,23 @@ fn columns(line: usize, text: &str) -> Result<Vec<(String, Column)>> {
     Ok(columns)
 }
 
-fn sample(line: usize, text: &str, columns: &[(String, Column)]) -> Result<MeasuredSample> {
-    let cells: Vec<&str> = text.split(',').map(str::trim).collect();
+fn sample(
+    line: impl Fn() -> usize,
+    cells: &csv::StringRecord,
+    columns: &[(String, Column)],
+) -> Result<MeasuredSample> {
     if cells.len() > columns.len() {
         let hint = format!("{} cells where the header names {}", cells.len(), columns.len());
-        return Err(problem(line, "", hint));
+        return Err(problem(line(), "", hint));
     }
     let (mut hand, mut angles) = (Vector3::zeros(), [0.0; DOF]);
     for (index, (name, column)) in columns.iter().enumerate() {
-        let cell = cells.get(index).copied().unwrap_or_default();
-        let number: f64 = cell
-            .parse()
-            .ok()
-            .filter(|number: &f64| number.is_finite())
-            .ok_or_else(|| problem(line, name, format!("{cell:?} is no finite number")))?;
+        let cell = cells.get(index).unwrap_or_default();
+        let number: f64 =
+            cell.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
+                let shown: String = cell.chars().take(LONGEST).collect();
+                problem(line(), name, format!("{shown:?} is no finite number"))
+            })?;
         match *column {
             Column::Hand(axis) => hand[axis] = number,
             Column::Joint(joint) => angles[joint] = number.to_radians(),
@@ -114,5 +165,6 @@ fn sample(line: usize, text: &str, columns: &[(String, Column)]) -> Result<Measu
 }
 
 fn problem(line: usize, column: &str, problem: String) -> Error {
-    Error::Samples { line, column: column.into(), problem }
+    let column: String = column.chars().take(LONGEST).collect();
+    Error::Samples { line, column, problem }
 }

@@ -174,13 +174,126 @@ fn foreign_and_damaged_files_are_told_apart() {
     assert_eq!(problem(b"\x89PNG\r\n\x1a\n and so on"), MapFileProblem::Foreign);
     let mut newer = bytes.clone();
     newer[8] = 9;
-    assert_eq!(problem(&newer), MapFileProblem::Version { found: 9, supported: 1 });
+    assert_eq!(problem(&newer), MapFileProblem::Version { found: 9, supported: 2 });
     assert!(matches!(problem(&bytes[..20]), MapFileProblem::Length { .. }));
     assert!(matches!(problem(&bytes[..bytes.len() - 1]), MapFileProblem::Length { .. }));
     let mut damaged = bytes.clone();
     damaged[200] ^= 1;
     assert!(matches!(problem(&damaged), MapFileProblem::Checksum { .. }));
     assert_eq!(ErgonomicsMap::from_bytes(&bytes).unwrap().to_bytes(), bytes);
+}
+
+/// A file of this header and as many unreachable nodes, with its checksum.
+fn file_of_nothing(size: [u32; 3]) -> Vec<u8> {
+    let options = MapOptions { spacing: 0.2, ..MapOptions::default() };
+    let bytes = ErgonomicsMap::build(&Person::average(), &options, None).unwrap().to_bytes();
+    let header = 80 + 8 * 41;
+    let mut file = bytes[..header].to_vec();
+    for (place, count) in size.into_iter().chain([0]).enumerate() {
+        let at = header - 16 + 4 * place;
+        file[at..at + 4].copy_from_slice(&count.to_le_bytes());
+    }
+    file.resize(header + size.iter().product::<u32>() as usize, 0);
+    let sum = crc(&file);
+    [file, sum.to_le_bytes().to_vec()].concat()
+}
+
+/// CRC-32 of IEEE 802.3 bit by bit: the reflected polynomial is 0xedb88320.
+fn crc(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg())
+        })
+    })
+}
+
+#[test]
+fn a_map_takes_little_more_memory_than_its_file() {
+    for (file, times) in [(file_of_nothing([2, 1000, 1000]), 5), (MAP.to_bytes(), 3)] {
+        let length = file.len() as u64;
+        let read = || assert!(ErgonomicsMap::from_bytes(&file).is_ok());
+        let held = allocation_counter::measure(read).bytes_max;
+        assert!(held <= times * length, "{held} bytes for a file of {length}");
+    }
+    for size in [[2, 1000, 1001], [u32::MAX; 3], [1, 2, 2], [0, 0, 0]] {
+        let mut file = file_of_nothing([2, 2, 2]);
+        for (place, count) in size.into_iter().enumerate() {
+            let at = 80 + 8 * 41 - 16 + 4 * place;
+            file[at..at + 4].copy_from_slice(&count.to_le_bytes());
+        }
+        let problem = MapFileProblem::Field { field: "size" };
+        assert_eq!(ErgonomicsMap::from_bytes(&file), Err(Error::MapFile(problem)));
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_device_without_an_end_is_not_read_to_its_end() {
+    let load = || {
+        let problem = MapFileProblem::Foreign;
+        assert_eq!(ErgonomicsMap::load("/dev/zero"), Err(Error::MapFile(problem)));
+    };
+    assert!(allocation_counter::measure(load).bytes_max < 1 << 16);
+    // Nor a map that goes on.
+    let path = std::env::temp_dir().join(format!("ergo-map-long-{}.map", std::process::id()));
+    let bytes = file_of_nothing([2, 2, 2]);
+    std::fs::write(&path, [&bytes[..], &vec![0; 8 << 20]].concat()).unwrap();
+    let load = || {
+        let (expected, found) = (bytes.len() as u64, bytes.len() as u64 + 1);
+        let problem = MapFileProblem::Length { expected, found };
+        assert_eq!(ErgonomicsMap::load(&path), Err(Error::MapFile(problem)));
+    };
+    assert!(allocation_counter::measure(load).bytes_max < 1 << 16);
+    std::fs::remove_file(&path).unwrap();
+}
+
+#[test]
+fn a_map_file_names_its_person() {
+    let lengths = Segments { upper_arm: Some(0.36), foot: Some(0.25), ..Segments::default() };
+    let mut ranges = ergo_map::JointRanges::default();
+    ranges.max.elbow = 1.7;
+    let person = Person::new(1.83).unwrap().with_segments(&lengths).unwrap();
+    let person = person.with_mass(91.5).unwrap().with_ranges(ranges).unwrap();
+    let options = MapOptions { spacing: 0.15, ..MapOptions::default() };
+    let map = ErgonomicsMap::build(&person, &options, None).unwrap();
+    let read = ErgonomicsMap::from_bytes(&map.to_bytes()).unwrap();
+    assert_eq!((read.person(), &read), (&person, &map));
+    // Of another stature, the proportions stay.
+    let tall = read.for_stature(2.0).unwrap();
+    let arm = tall.person().segments().upper_arm.unwrap();
+    assert!((arm - 0.36 * 2.0 / 1.83).abs() < 1e-12 && tall.stature() == 2.0);
+}
+
+/// Version 1 had the stature alone.
+#[test]
+fn a_file_of_version_1_is_of_a_person_of_average_proportions() {
+    let options = MapOptions { spacing: 0.15, ..MapOptions::default() };
+    let map = ErgonomicsMap::build(&Person::tall(), &options, None).unwrap();
+    let bytes = map.to_bytes();
+    let mut old = [&bytes[..8], &1_u32.to_le_bytes(), &bytes[12..32]].concat();
+    old.extend(&bytes[32 + 8 * 41..bytes.len() - 4]);
+    old.extend(crc(&old).to_le_bytes());
+    assert_eq!(ErgonomicsMap::from_bytes(&old), Ok(map));
+}
+
+#[test]
+fn a_person_that_no_body_is_like_is_refused() {
+    let good = file_of_nothing([2, 2, 2]);
+    for (place, value, named) in [
+        (0, 0.3, "stature"),
+        (1, f64::NAN, "mass"),
+        (2, 0.5, "segments"),
+        (7, -1.0, "segments"),
+        (12, 0.5, "ranges of motion"),
+        (30, f64::INFINITY, "ranges of motion"),
+    ] {
+        let mut file = good.clone();
+        file.truncate(good.len() - 4);
+        file[24 + 8 * place..32 + 8 * place].copy_from_slice(&f64::to_le_bytes(value));
+        file.extend(crc(&file).to_le_bytes());
+        let problem = MapFileProblem::Field { field: named };
+        assert_eq!(ErgonomicsMap::from_bytes(&file), Err(Error::MapFile(problem)), "{place}");
+    }
 }
 
 proptest! {

@@ -113,6 +113,39 @@ fn a_bad_table_is_an_error_with_line_and_column() {
     assert!(read_samples(&b"\xff\xfe\x00"[..]).is_err());
 }
 
+#[test]
+fn lines_are_counted_as_an_editor_counts_them() {
+    let at = |table: &str| match read_samples(table.as_bytes()) {
+        Err(Error::Samples { line, .. }) => line,
+        other => panic!("{other:?}"),
+    };
+    for end in ["\n", "\r\n"] {
+        let table = |lines: &[&str]| lines.join(end);
+        let header = "hand_x_m,hand_y_m,hand_z_m,elbow_deg";
+        assert_eq!(at(&table(&[header, "1,2,3,4", "1,2,3,x"])), 3);
+        assert_eq!(at(&table(&["", "  ", header, "", "1,2,3,4", " ", "", "1,2,3,x", ""])), 8);
+        assert_eq!(at(&table(&["", "hand_x_m"])), 2);
+        assert_eq!(at(&table(&[header, "\"1\",2,3,4", "1,2,3,x"])), 3);
+        let quoted = table(&["\"hand_x_m\",hand_y_m,hand_z_m,elbow_deg", "\"1\",2,3, 4 "]);
+        assert_eq!(read_samples(quoted.as_bytes()).unwrap()[0].hand.x, 1.0);
+    }
+}
+
+/// A table without an end, one line without an end, and more samples than anybody records.
+#[test]
+fn tables_are_read_within_bounds() {
+    let held = |table: &mut dyn std::io::BufRead| {
+        let read = || assert!(matches!(read_samples(table), Err(Error::Samples { .. })));
+        allocation_counter::measure(read).bytes_max
+    };
+    assert!(held(&mut std::io::BufReader::new(std::io::repeat(b'\n'))) < 300 << 20);
+    assert!(held(&mut ",".repeat(16 << 20).as_bytes()) < 100 << 20);
+    let short = "hand_x_m,hand_y_m,hand_z_m,hip_deg\n".to_owned() + &"0,0,0,0\n".repeat(1_000_001);
+    assert!(held(&mut short.as_bytes()) < 500 << 20);
+    let cell = format!("hand_x_m,hand_y_m,hand_z_m,hip_deg\n{}", "9".repeat(60_000));
+    assert!(read_samples(cell.as_bytes()).unwrap_err().to_string().len() < 300);
+}
+
 const TABLE: &str = "hand_x_m,hand_y_m,hand_z_m,elbow_deg\n0.4,-0.2,1.1,80\n0.5,-0.1,1.2,45\n";
 
 proptest! {

@@ -49,7 +49,7 @@ struct Options {
     /// Make the map from these recorded postures (CSV) instead of predicted ones.
     #[arg(long, value_name = "FILE")]
     samples: Option<PathBuf>,
-    /// Show this map instead of making one. Give --segments as when it was made.
+    /// Show this map, and the person whom it names, instead of making one.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["stature", "preset", "hand", "spacing", "samples"])]
     load: Option<PathBuf>,
     /// Compare the map with these recorded postures (CSV), others than those that made it.
@@ -96,7 +96,10 @@ impl Program for Options {
         let started = Instant::now();
         let map = map(&self, session)?;
         let seconds = started.elapsed().as_secs_f64();
-        let person = person(&self, map.stature())?;
+        let person = match (&self.load, &self.segments) {
+            (Some(_), None) => map.person().clone(),
+            _ => person(&self, map.stature())?,
+        };
         let study = MapStudy::new(map, person, self.acceptable)?;
         // Before anything is written, so that nothing is left behind by a wrong option.
         let wanted = match &self.hand_at {
@@ -159,7 +162,7 @@ fn map(options: &Options, session: &Session) -> Result<ErgonomicsMap> {
         // As many neighbours around a node whatever the spacing.
         let radius = usual.radius * spacing / usual.spacing;
         let measured = MeasuredOptions { side, spacing, radius, ..usual };
-        let made = ErgonomicsMap::from_samples(stature, &samples(path)?, &measured);
+        let made = ErgonomicsMap::from_samples_of(&person, &samples(path)?, &measured);
         return made.map_err(ErgonomicsError::from).with_context(|| path.display().to_string());
     }
     let built = MapOptions { side, spacing, mode: Mode::Graded, ..MapOptions::default() };

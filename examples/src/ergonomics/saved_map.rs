@@ -1,9 +1,9 @@
 //! Reading a map that was saved.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use anyhow::Context;
-use ergo_map::ErgonomicsMap;
+use ergo_map::{ErgonomicsMap, Error};
 
 /// Reads the map that `ergo_map` has saved in this file.
 ///
@@ -12,6 +12,10 @@ use ergo_map::ErgonomicsMap;
 pub fn read_map(path: impl AsRef<Path>) -> anyhow::Result<ErgonomicsMap> {
     let path = path.as_ref();
     let shown = path.display();
-    let bytes = fs::read(path).with_context(|| format!("cannot read {shown}"))?;
-    ErgonomicsMap::from_bytes(&bytes).with_context(|| shown.to_string())
+    match ErgonomicsMap::load(path) {
+        Err(Error::Io { kind, .. }) => {
+            Err(std::io::Error::from(kind)).with_context(|| format!("cannot read {shown}"))
+        }
+        read => read.with_context(|| shown.to_string()),
+    }
 }

@@ -123,7 +123,7 @@ fn a_saved_map_is_shown_as_when_it_was_made() {
     let person = ["--preset=short", "--hand=left", "--spacing=0.1"];
     made(first.path(), &[&person[..], &lengths].concat());
     let file = first.path().join("person.ergomap");
-    made(second.path(), &[&["--load", file.to_str().unwrap()], &lengths[..]].concat());
+    made(second.path(), &["--load", file.to_str().unwrap()]);
     for name in ["report.txt", "report.json", "slices.svg", "manikin.svg"] {
         assert_eq!(read(first.path(), name), read(second.path(), name), "{name}");
     }
@@ -193,6 +193,7 @@ fn wrong_options_are_named_and_leave_nothing_behind() {
         (&["--preset=tall", "--samples=/not/there.csv"], "cannot open /not/there.csv"),
         (&["--load=/not/there.ergomap"], "/not/there.ergomap"),
         (&["--load", text], "not a usable ergonomics map"),
+        (&["--load=/dev/zero"], "does not start with the mark of a map file"),
     ];
     for (arguments, says) in cases {
         let result = ergo_map(&[arguments, &["--output", output]].concat());

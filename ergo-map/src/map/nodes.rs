@@ -1,0 +1,68 @@
+//! What is known at the nodes of a map.
+
+use crate::joints::DOF;
+
+/// Score and joint angles of each node that the hand can reach. A node that it cannot reach takes
+/// four bytes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Nodes {
+    /// The place of each node in the lists below, or [`Self::NOWHERE`].
+    places: Vec<u32>,
+    /// e_s.
+    scores: Vec<f64>,
+    angles: Vec<[f64; DOF]>,
+}
+
+impl Nodes {
+    const NOWHERE: u32 = u32::MAX;
+
+    /// Room for so many nodes, of which the hand can reach so many.
+    pub(crate) fn with_capacity(nodes: usize, reachable: usize) -> Self {
+        Self {
+            places: Vec::with_capacity(nodes),
+            scores: Vec::with_capacity(reachable),
+            angles: Vec::with_capacity(reachable),
+        }
+    }
+
+    /// Adds the next node, with its score and joint angles if the hand can reach it.
+    pub(crate) fn push(&mut self, node: Option<(f64, [f64; DOF])>) {
+        // There are at most `MAX_NODES`.
+        let place = u32::try_from(self.scores.len()).unwrap_or(Self::NOWHERE);
+        self.places.push(if node.is_some() { place } else { Self::NOWHERE });
+        if let Some((score, angles)) = node {
+            self.scores.push(score);
+            self.angles.push(angles);
+        }
+    }
+
+    /// Nodes that the hand can reach.
+    pub(crate) fn reachable(&self) -> usize {
+        self.scores.len()
+    }
+
+    /// Score and joint angles of a node; `None` where the hand cannot be.
+    pub(crate) fn get(&self, node: usize) -> Option<(f64, &[f64; DOF])> {
+        let place = self.places.get(node).copied().and_then(|place| usize::try_from(place).ok())?;
+        Some((*self.scores.get(place)?, self.angles.get(place)?))
+    }
+
+    /// The score of a node, NaN where the hand cannot be.
+    pub(crate) fn score(&self, node: usize) -> f64 {
+        let place = self.places.get(node).copied().and_then(|place| usize::try_from(place).ok());
+        place.and_then(|place| self.scores.get(place)).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Every node, in order.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = Option<(f64, &[f64; DOF])>> {
+        (0..self.places.len()).map(|node| self.get(node))
+    }
+}
+
+impl FromIterator<Option<(f64, [f64; DOF])>> for Nodes {
+    fn from_iter<I: IntoIterator<Item = Option<(f64, [f64; DOF])>>>(nodes: I) -> Self {
+        let mut all = Self::default();
+        nodes.into_iter().for_each(|node| all.push(node));
+        all
+    }
+}
