@@ -174,7 +174,7 @@ fn wrong_options_are_named_and_leave_nothing_behind() {
     let text = folder.path().join("text.ergomap");
     fs::write(&text, "hello").unwrap();
     let text = text.to_str().unwrap();
-    let cases: [(&[&str], &str); 15] = [
+    let cases: [(&[&str], &str); 16] = [
         (&[], "--stature"),
         (&["--stature=175"], "stature is 175 m: it must lie in [0.5, 2.7] m"),
         (&["--stature=1.7", "--preset=tall"], "cannot be used with"),

@@ -1,21 +1,21 @@
 //! The directory of a zip archive, as far as `torch.save` uses the format: entries are stored
 //! uncompressed, so that each is a range of bytes of the file.
 //!
-//! PKWARE, APPNOTE.TXT, 4.3 and 4.5.3 (zip64).
+//! `rawzip` reads it. PKWARE, APPNOTE.TXT, 4.3.7, has the header before an entry's bytes.
 
 use std::{
     collections::BTreeMap,
-    io::{BufRead, BufReader, Read, Seek},
+    io::{BufReader, Read, Seek},
 };
 
-use super::{CheckpointError, budget::Budget, input::Input};
-use crate::Error;
+use rawzip::{CompressionMethod, ErrorKind, MAX_CENTRAL_DIRECTORY_RECORD_SIZE, ZipArchive};
 
-/// The size of the directory's end, without its comment, and of the longest comment.
-const END: u64 = 22;
-const LONGEST_COMMENT: u64 = 0xffff;
-/// More bytes of directory than any checkpoint has: enough for 400,000 entries.
-const MAX_DIRECTORY: u64 = 64 << 20;
+use super::{
+    CheckpointError,
+    budget::Budget,
+    input::{Input, reading},
+};
+use crate::Error;
 
 /// An entry's bytes within the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,20 +40,36 @@ impl Archive {
         length: u64,
         budget: &mut Budget,
     ) -> Result<Self, Error> {
-        let (start, size, count) = locate_directory(source, length)?;
-        if size > MAX_DIRECTORY {
-            let what = "bytes of the zip directory";
-            return Err(CheckpointError::Limit { what, value: size, limit: MAX_DIRECTORY }.into());
-        }
-        let mut input = Input::open(source, start, size, length)?;
+        let mut buffer = vec![0; MAX_CENTRAL_DIRECTORY_RECORD_SIZE];
+        let archive = ZipArchive::from_seekable(source, &mut buffer).map_err(|e| of_zip(&e))?;
+        let mut records = archive.entries(&mut buffer);
         let mut entries = BTreeMap::new();
-        for _ in 0..count {
-            let (name, entry) = read_entry(&mut input)?;
+        while let Some(record) = records.next_entry().map_err(|error| of_zip(&error))? {
+            let name = String::from_utf8_lossy(record.file_path().as_bytes()).into_owned();
             budget.take_entry::<String, Entry>(2 * name.len())?;
+            if record.compression_method() != CompressionMethod::STORE {
+                return Err(problem(&name, "it is compressed, which torch.save never does"));
+            }
+            if record.flags().is_encrypted() {
+                return Err(problem(&name, "it is encrypted"));
+            }
+            let leads_out = name.split('/').any(|part| part == "..");
+            if leads_out || name.starts_with('/') || name.contains('\\') {
+                return Err(problem(&name, "its name leads out of the archive"));
+            }
+            let length = record.uncompressed_size_hint();
+            if record.compressed_size_hint() != length {
+                return Err(problem(&name, "it is uncompressed and yet has two sizes"));
+            }
+            let checksum = Some(record.crc32()).filter(|&checksum| checksum != 0);
+            let entry = Entry { header: record.local_header_offset(), length, checksum };
             if entries.contains_key(&name) {
                 return Err(problem(&name, "it is there twice"));
             }
             entries.insert(name, entry);
+        }
+        if archive.entries_hint() != entries.len() as u64 {
+            return Err(problem("", "its directory has another length than it says"));
         }
         Ok(Self { entries, length })
     }
@@ -108,105 +124,14 @@ impl Archive {
     }
 }
 
-/// The directory's position, size and number of entries, from the end of the file.
-fn locate_directory<R: Read + Seek>(source: &mut R, length: u64) -> Result<(u64, u64, u64), Error> {
-    let size = length.min(END + LONGEST_COMMENT);
-    let tail =
-        Input::open(source, length - size, size, length)?.bytes(size, "end of the archive")?;
-    let end = tail
-        .windows(4)
-        .rposition(|window| window == b"PK\x05\x06")
-        .filter(|end| tail.len() - end >= 22)
-        .ok_or_else(|| problem("", "its directory is missing: the file is cut off"))?;
-    let end = length - size + end as u64;
-
-    let mut input = Input::open(source, end + 4, END - 4, length)?;
-    input.skip(6, "end of the archive")?;
-    let count = u16::from_le_bytes(input.array("end of the archive")?);
-    let size = u32::from_le_bytes(input.array("end of the archive")?);
-    let start = u32::from_le_bytes(input.array("end of the archive")?);
-    if count != u16::MAX && size != u32::MAX && start != u32::MAX {
-        return Ok((u64::from(start), u64::from(size), u64::from(count)));
-    }
-
-    // Too large for those fields: another end stands before this one.
-    let Some(locator) = end.checked_sub(20) else {
-        return Err(problem("", "its zip64 directory is missing"));
-    };
-    let mut input = Input::open(source, locator, 20, length)?;
-    if input.array("zip64 locator")? != *b"PK\x06\x07" {
-        return Err(problem("", "its zip64 directory is missing"));
-    }
-    input.skip(4, "zip64 locator")?;
-    let position = u64::from_le_bytes(input.array("zip64 locator")?);
-    let mut input = Input::open(source, position, 56, length)?;
-    if input.array("zip64 end")? != *b"PK\x06\x06" {
-        return Err(problem("", "its zip64 directory is missing"));
-    }
-    input.skip(28, "zip64 end")?;
-    let count = u64::from_le_bytes(input.array("zip64 end")?);
-    let size = u64::from_le_bytes(input.array("zip64 end")?);
-    let start = u64::from_le_bytes(input.array("zip64 end")?);
-    Ok((start, size, count))
-}
-
-fn read_entry<R: BufRead>(input: &mut Input<R>) -> Result<(String, Entry), Error> {
-    const WHAT: &str = "zip directory";
-    if input.array(WHAT)? != *b"PK\x01\x02" {
-        return Err(problem("", "its directory is corrupted"));
-    }
-    input.skip(4, WHAT)?;
-    let flags = u16::from_le_bytes(input.array(WHAT)?);
-    let method = u16::from_le_bytes(input.array(WHAT)?);
-    input.skip(4, WHAT)?;
-    let checksum = u32::from_le_bytes(input.array(WHAT)?);
-    let stored = u32::from_le_bytes(input.array(WHAT)?);
-    let length = u32::from_le_bytes(input.array(WHAT)?);
-    let name_length = u16::from_le_bytes(input.array(WHAT)?);
-    let extra_length = u16::from_le_bytes(input.array(WHAT)?);
-    let comment_length = u16::from_le_bytes(input.array(WHAT)?);
-    input.skip(8, WHAT)?;
-    let header = u32::from_le_bytes(input.array(WHAT)?);
-    let name = String::from_utf8_lossy(&input.bytes(name_length.into(), WHAT)?).into_owned();
-    let extra = input.bytes(extra_length.into(), WHAT)?;
-    input.skip(comment_length.into(), WHAT)?;
-
-    if method != 0 {
-        return Err(problem(&name, "it is compressed, which torch.save never does"));
-    }
-    if flags & 1 != 0 {
-        return Err(problem(&name, "it is encrypted"));
-    }
-    if name.starts_with('/') || name.contains('\\') || name.split('/').any(|part| part == "..") {
-        return Err(problem(&name, "its name leads out of the archive"));
-    }
-    // Each field that is too large for its place is in the zip64 field, in this order.
-    let mut large = zip64_values(&extra);
-    let mut full = |value: u32| match value {
-        u32::MAX => large.next().ok_or_else(|| problem(&name, "its size is missing")),
-        value => Ok(u64::from(value)),
-    };
-    let (length, stored, header) = (full(length)?, full(stored)?, full(header)?);
-    if stored != length {
-        return Err(problem(&name, "it is uncompressed and yet has two sizes"));
-    }
-    Ok((name, Entry { header, length, checksum: (checksum != 0).then_some(checksum) }))
-}
-
-/// The numbers in the extra field of zip64.
-fn zip64_values(mut extra: &[u8]) -> impl Iterator<Item = u64> {
-    const ZIP64: u16 = 1;
-    let mut values: &[u8] = &[];
-    while let Some((&[id_low, id_high, low, high], rest)) = extra.split_first_chunk() {
-        let size = usize::from(u16::from_le_bytes([low, high])).min(rest.len());
-        let (field, rest) = rest.split_at(size);
-        if u16::from_le_bytes([id_low, id_high]) == ZIP64 {
-            values = field;
-            break;
+fn of_zip(error: &rawzip::Error) -> Error {
+    match error.kind() {
+        ErrorKind::IO(error) => reading(error),
+        ErrorKind::MissingEndOfCentralDirectory => {
+            problem("", "its directory is missing: the file is cut off")
         }
-        extra = rest;
+        _ => problem("", "its directory is corrupted"),
     }
-    values.as_chunks().0.iter().map(|&bytes| u64::from_le_bytes(bytes))
 }
 
 fn problem(entry: &str, problem: &'static str) -> Error {
