@@ -9,4 +9,5 @@ mod dynamics;
 mod golden;
 mod kinematics;
 mod parsed;
+mod placement;
 mod support;
