@@ -5,9 +5,9 @@
 //! ‖ẍ_d‖ of the linear and of the angular part. A joint stays within its range; one that starts
 //! outside does not move farther out and returns. The base keeps to what its wheels can do.
 
+use moca_model::whole_body::{JointLimits, Model};
 use moca_model::{
-    Command, DesiredMotion, JointLimits, MOCA_AXIS_SPEED, MOCA_BASE_JOINTS, MOCA_WHEEL_LEVER,
-    MOCA_WHEEL_SPEED, RobotModel,
+    Command, DesiredMotion, MOCA_AXIS_SPEED, MOCA_BASE_JOINTS, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED,
 };
 use nalgebra::{Vector3, Vector6};
 
@@ -69,10 +69,10 @@ impl Margins {
 ///
 /// ```
 /// use examples::limits::{LimitMonitor, Return};
-/// use moca_model::{DesiredMotion, MOCA_HOME, RobotModel};
+/// use moca_model::{DesiredMotion, MOCA_HOME, moca};
 ///
 /// let desired = DesiredMotion::default();
-/// let mut monitor = LimitMonitor::new(&RobotModel::moca()?, desired, 0.001, &MOCA_HOME);
+/// let mut monitor = LimitMonitor::new(&moca()?, desired, 0.001, &MOCA_HOME);
 /// assert_eq!(monitor.margins().worst(), 1.0);
 /// # Ok::<(), moca_model::Error>(())
 /// ```
@@ -90,12 +90,7 @@ pub struct LimitMonitor {
 
 impl LimitMonitor {
     /// For a robot at rest at `configuration`, n \[rad or m\], and commands of `period` \[s\].
-    pub fn new(
-        model: &RobotModel,
-        desired: DesiredMotion,
-        period: f64,
-        configuration: &[f64],
-    ) -> Self {
+    pub fn new(model: &Model, desired: DesiredMotion, period: f64, configuration: &[f64]) -> Self {
         let joints = model.limits().to_vec();
         let outside = joints
             .iter()

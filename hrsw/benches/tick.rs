@@ -7,7 +7,7 @@ use hrsw::{
     ApproachRows, Bounds, Capsule, JointMotion, PersonBody, RobotBody, SeparationSettings,
     SoftWorkspace, Workspace, proximity,
 };
-use nalgebra::{DMatrix, Isometry3, Vector3, Vector6};
+use nalgebra::{Isometry3, Matrix6xX, Vector3, Vector6};
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query;
 use parry3d_f64::shape::Capsule as ParryCapsule;
@@ -61,7 +61,7 @@ struct Tick {
     rows: Rows,
     robot: Vec<RobotBody>,
     person: Vec<PersonBody>,
-    jacobian: DMatrix<f64>,
+    jacobian: Matrix6xX<f64>,
     limits: [Limits; 16],
 }
 
@@ -78,7 +78,7 @@ impl Tick {
             separation,
             robot,
             person,
-            jacobian: DMatrix::from_fn(6, 10, |i, j| (1.0 + i as f64 - 0.7 * j as f64).sin()),
+            jacobian: Matrix6xX::from_fn(10, |i, j| (1.0 + i as f64 - 0.7 * j as f64).sin()),
             limits: [Limits::new(-2.0, 2.0, 2.0, 10.0).unwrap(); 16],
         }
     }

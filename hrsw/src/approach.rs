@@ -1,7 +1,7 @@
 //! Rows that bound how fast bodies of the robot approach others.
 
 use ahqp_core::{AugmentedState, Rows};
-use nalgebra::{DMatrix, Vector3, Vector6};
+use nalgebra::{Matrix6xX, Vector3, Vector6};
 
 use crate::distance::{Proximity, proximity};
 use crate::error::{Error, check_all, check_size, not_negative};
@@ -36,7 +36,7 @@ pub struct JointMotion<'a> {
     /// The geometric Jacobian, 6 × n, linear then angular, in world axes, of a point fixed to
     /// the last link. That of a point p on a link moved by the first k joints follows from its
     /// first k columns, v + ω × (p − o).
-    pub jacobian: &'a DMatrix<f64>,
+    pub jacobian: &'a Matrix6xX<f64>,
     /// o, the point that the Jacobian is of \[m\].
     pub origin: Vector3<f64>,
     /// q̇ commanded last, n.
@@ -95,7 +95,7 @@ impl BodyMotion {
         let mut twist = Vector6::zeros();
         let joints = motion.jacobian.column_iter().zip(motion.velocity);
         for (column, &velocity) in joints.take(body.joints) {
-            twist += column.fixed_rows::<6>(0) * velocity;
+            twist += column * velocity;
         }
         let (linear, angular) = (twist.fixed_rows::<3>(0), twist.fixed_rows::<3>(3));
         let middle = (body.capsule.start() + body.capsule.end()) * 0.5;
@@ -119,13 +119,13 @@ impl BodyMotion {
 /// use hrsw::{
 ///     ApproachRows, Capsule, JointMotion, PersonBody, RobotBody, SeparationSettings,
 /// };
-/// use nalgebra::{DMatrix, Vector3, Vector6};
+/// use nalgebra::{Matrix6xX, Vector3};
 ///
 /// // One joint slides the robot along x, towards a person.
 /// let state = AugmentedState { joints: 1, task: 6, slack: 6 };
 /// let mut separation = ApproachRows::new(state, SeparationSettings::default(), 4)?;
 /// let mut rows = separation.rows();
-/// let mut jacobian = DMatrix::zeros(6, 1);
+/// let mut jacobian = Matrix6xX::zeros(1);
 /// jacobian[(0, 0)] = 1.0;
 /// let motion = JointMotion {
 ///     jacobian: &jacobian,
@@ -298,7 +298,6 @@ impl ApproachRows {
         let joints = self.state.joints;
         check_size("the block of rows", rows.len(), self.capacity)?;
         check_size("a row of the block", rows.columns(), self.state.len())?;
-        check_size("the rows of the Jacobian", motion.jacobian.nrows(), 6)?;
         check_size("the columns of the Jacobian", motion.jacobian.ncols(), joints)?;
         check_size("the joint velocity", motion.velocity.len(), joints)?;
         let braking = motion.braking.unwrap_or(motion.velocity);

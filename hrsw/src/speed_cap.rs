@@ -106,7 +106,6 @@ impl SpeedCap {
         rows: &mut Rows,
     ) -> Result<(), Error> {
         check_size("the block of rows", rows.len(), Self::ROWS)?;
-        check_size("the rows of the Jacobian", motion.jacobian.nrows(), 6)?;
         let joints = motion.jacobian.ncols();
         check_size("the braking velocity", motion.braking.map_or(joints, <[f64]>::len), joints)?;
         check_all("the Jacobian", motion.jacobian.iter())?;

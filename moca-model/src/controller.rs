@@ -5,12 +5,13 @@ use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Fault, LoopClock, Softening};
 use nalgebra::{Isometry3, Vector6};
 use vision_models::Percept;
+use whole_body::Model;
 
 use crate::command::{Command, Outcome};
 use crate::error::{Error, check_size};
 use crate::leash::Leash;
 use crate::motion_limits::{admit_braking, brake, joint_limits, nearest_to_rest, write_intervals};
-use crate::robot::{RobotData, RobotModel, forward_kinematics, jacobian};
+use crate::robot::kinematics::Kinematics;
 use crate::safety::{Safety, SafetyInput};
 use crate::settings::{ControllerSettings, DesiredMotion, Goal};
 use crate::shared_space::SharedSpace;
@@ -26,13 +27,13 @@ use crate::stack::{GoalTerms, StackInput, StackSettings, TaskStack};
 ///
 /// ```
 /// use ergo_map::ErgonomicsQuadratic;
-/// use moca_model::{Controller, ControllerSettings, MOCA_HOME, RobotModel};
+/// use moca_model::{Controller, ControllerSettings, MOCA_HOME, moca};
 /// use nalgebra::{Matrix3, Vector3};
 ///
 /// // Usually fitted to the person's map: ErgonomicsMap::build, then fit.
 /// let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::new(-0.4, 0.1, -1.1), 0.8)?;
 /// let settings = ControllerSettings::default();
-/// let mut controller = Controller::new(RobotModel::moca()?, comfort, settings, &MOCA_HOME)?;
+/// let mut controller = Controller::new(moca()?, comfort, settings, &MOCA_HOME)?;
 /// // In the loop: controller.observe(&percept) at each camera frame, and each millisecond
 /// let command = controller.step(0.001, &MOCA_HOME)?;
 /// assert!(command.outcome.is_optimal());
@@ -40,8 +41,7 @@ use crate::stack::{GoalTerms, StackInput, StackSettings, TaskStack};
 /// ```
 #[derive(Debug, Clone)]
 pub struct Controller {
-    model: RobotModel,
-    data: RobotData,
+    robot: Kinematics,
     settings: ControllerSettings,
     comfort: ErgonomicsQuadratic,
     clock: LoopClock,
@@ -71,17 +71,17 @@ impl Controller {
     /// # Errors
     /// Settings out of range, or a configuration that does not fit the robot.
     pub fn new(
-        model: RobotModel,
+        model: Model,
         comfort: ErgonomicsQuadratic,
         settings: ControllerSettings,
         configuration: &[f64],
     ) -> Result<Self, Error> {
         settings.validate()?;
-        let n = model.joint_count();
-        let mut data = RobotData::new(&model);
-        forward_kinematics(&model, &mut data, configuration)?;
+        let bodies = &settings.safety.bodies;
+        let robot = Kinematics::new(model, &settings.tool, bodies, configuration)?;
+        let n = configuration.len();
         let layout = TaskStack::layout(n);
-        let mut safety = Safety::new(&model, layout, settings.safety.clone(), settings.period)?;
+        let mut safety = Safety::new(layout, settings.safety.clone(), settings.period)?;
         let clock = LoopClock::new(settings.period, settings.clock)?;
         let rest = vec![0.0; n];
         let softening = Softening {
@@ -98,23 +98,22 @@ impl Controller {
             posture: settings.posture.clone(),
             budget: settings.budget,
         };
-        let stack = TaskStack::new(n, stack, safety.bound(&data, &rest, &rest)?)?;
-        let tool = *data.world_from_tool();
+        let stack = TaskStack::new(n, stack, safety.bound(&robot, &rest, &rest)?)?;
+        let tool = *robot.world_from_tool();
         Ok(Self {
             space: SharedSpace::new(&settings, &tool)?,
-            joint_limits: joint_limits(&model)?,
+            joint_limits: joint_limits(robot.model())?,
             desired_limits: desired_limits(&settings.desired)?,
             intervals: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n + 6],
             returns: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
             braking: rest,
             command: Command::at_rest(configuration, tool),
-            leash: Leash::new(settings.leash, &model),
+            leash: Leash::new(settings.leash, robot.model()),
             fault: None,
             yaw: 0.0,
             speed: 1.0,
             clock,
-            model,
-            data,
+            robot,
             settings,
             comfort,
             safety,
@@ -154,7 +153,7 @@ impl Controller {
     /// [`Error::WrongSize`] for a configuration of the wrong size. The supervisor then knows, and
     /// [`command`](Self::command) brakes as well.
     pub fn step(&mut self, now: f64, configuration: &[f64]) -> Result<&Command, Error> {
-        let size = check_size("configuration", configuration, self.model.joint_count());
+        let size = check_size("configuration", configuration, self.braking.len());
         let tick = self.clock.tick(now);
         if tick.forgets {
             self.space.forget();
@@ -190,22 +189,16 @@ impl Controller {
     /// Takes the measured configuration, and holds the commanded state to it; returns false if it
     /// cannot be used.
     fn measure(&mut self, configuration: &[f64]) -> bool {
-        let finite = configuration.iter().all(|q| q.is_finite());
-        let kinematics = |model: &RobotModel, data: &mut RobotData| {
-            forward_kinematics(model, data, configuration)?;
-            jacobian(model, data)
-        };
-        if !finite || kinematics(&self.model, &mut self.data).is_err() {
-            return false;
-        }
-        let tool = self.data.world_from_tool();
-        if !tool.translation.vector.iter().all(|coordinate| coordinate.is_finite()) {
+        // An error would allocate its message.
+        if !self.robot.model().is_configuration(configuration)
+            || self.robot.update(configuration).is_err()
+        {
             return false;
         }
         if let [_, _, yaw, ..] = configuration {
             self.yaw = *yaw;
         }
-        if self.leash.hold(&mut self.command, configuration, tool) {
+        if self.leash.hold(&mut self.command, configuration, self.robot.world_from_tool()) {
             self.report(Fault::FollowingError);
         }
         true
@@ -243,7 +236,7 @@ impl Controller {
             person: self.space.person(),
             together: self.space.is_shared(),
         };
-        self.safety.watch(&self.model, &self.data, &input)
+        self.safety.watch(&self.robot, &input)
     }
 
     /// Rest when nothing has been seen for too long, by way of a shrinking velocity limit.
@@ -281,11 +274,11 @@ impl Controller {
     }
 
     fn solve(&mut self, configuration: &[f64]) -> Result<Status, Error> {
-        let error = pose_error(&self.command.desired, self.data.world_from_tool());
+        let error = pose_error(&self.command.desired, self.robot.world_from_tool());
         let comfort = self.comfort.placed(&self.space.person_frame()?);
         let ergonomics = self.space.person().map(|_| &comfort);
         let solution = self.stack.solve(&StackInput {
-            jacobian: self.data.jacobian(),
+            jacobian: self.robot.jacobian(),
             error: &error,
             desired: &self.command.desired,
             configuration,
@@ -297,7 +290,7 @@ impl Controller {
             },
             intervals: &self.intervals,
             returns: &self.returns,
-            safety: self.safety.bound(&self.data, &self.command.joint_velocity, &self.braking)?,
+            safety: self.safety.bound(&self.robot, &self.command.joint_velocity, &self.braking)?,
         })?;
         let status = solution.status();
         self.command.outcome = Outcome::Solved(status);
@@ -361,9 +354,9 @@ impl Controller {
         &self.command
     }
 
-    /// The robot's kinematics at the last configuration: tool pose and Jacobian.
-    pub fn data(&self) -> &RobotData {
-        &self.data
+    /// The robot at the configuration measured last: tool, Jacobian, bodies.
+    pub fn robot(&self) -> &Kinematics {
+        &self.robot
     }
 
     /// The shared workspace and the tracked person.
@@ -398,7 +391,7 @@ impl Controller {
 
     /// x_a, the tool's pose at the last configuration.
     pub fn actual(&self) -> &Isometry3<f64> {
-        self.data.world_from_tool()
+        self.robot.world_from_tool()
     }
 }
 

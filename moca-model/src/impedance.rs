@@ -1,7 +1,8 @@
 //! Joint impedance of a torque-controlled arm.
 
+use whole_body::JointLimits;
+
 use crate::error::{Error, check_finite, check_positive, check_size};
-use crate::robot::JointLimits;
 
 /// Gains and rate limit of a [`JointImpedance`], one element a joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,15 +73,22 @@ pub struct JointState<'a> {
 /// if every element is finite and within the limits.
 ///
 /// ```
-/// use moca_model::{ImpedanceSettings, JointImpedance, JointState, RobotModel};
+/// use moca_model::whole_body::Data;
+/// use moca_model::{ImpedanceSettings, JointImpedance, JointState, MOCA_HOME, moca};
 ///
-/// let model = RobotModel::moca()?;
+/// let model = moca()?;
+/// let mut data = Data::new(&model);
 /// let arm = &model.limits()[3..];
 /// let mut impedance = JointImpedance::new(ImpedanceSettings::default(), arm)?;
 ///
-/// let measured = JointState { position: &[0.0; 7], velocity: &[0.0; 7] };
-/// let desired = JointState { position: &[0.001; 7], velocity: &[0.0; 7] };
-/// let torque = impedance.torque(desired, measured, &[0.0; 7], 0.001)?;
+/// // Each millisecond, at the position measured:
+/// let mut gravity = [0.0; 10];
+/// data.pose(&model, &MOCA_HOME)?.gravity_into(&mut gravity)?;
+/// let measured = JointState { position: &MOCA_HOME[3..], velocity: &[0.0; 7] };
+/// let mut desired = MOCA_HOME;
+/// desired[3] += 0.001;
+/// let desired = JointState { position: &desired[3..], velocity: &[0.0; 7] };
+/// let torque = impedance.torque(desired, measured, &gravity[3..], 0.001)?;
 /// assert!((torque[0] - 0.6).abs() < 1e-12); // 600 Nm/rad · 0.001 rad
 /// # Ok::<(), moca_model::Error>(())
 /// ```

@@ -3,10 +3,10 @@
 use ahqp_core::rotation_log;
 use hrsw::SafetyState;
 use nalgebra::{Isometry3, UnitQuaternion};
+use whole_body::{JointKind, Model};
 
 use crate::command::Command;
 use crate::error::Error;
-use crate::robot::{JointKind, RobotModel};
 
 /// The largest following errors: how far commanded and measured state may be apart.
 ///
@@ -84,10 +84,10 @@ enum State {
 }
 
 impl Leash {
-    pub(crate) fn new(settings: LeashSettings, model: &RobotModel) -> Self {
+    pub(crate) fn new(settings: LeashSettings, model: &Model) -> Self {
         let length = |kind: JointKind| match kind {
             JointKind::Prismatic => settings.prismatic,
-            JointKind::Revolute | JointKind::Continuous => settings.revolute,
+            JointKind::Revolute | JointKind::Continuous | JointKind::Floating => settings.revolute,
         };
         let joints = model.joints().iter().map(|joint| length(joint.kind)).collect();
         Self { settings, joints, state: State::Unknown }

@@ -1,16 +1,17 @@
 //! The mobile manipulator MOCA: its model, stack of tasks and controller.
 //!
+//! The robot is a [`Model`](whole_body::Model) of the crate [`whole_body`], which has its kinematics
+//! and dynamics; here is what is MOCA's and what collaboration with a person needs.
+//!
 //! ```
-//! use moca_model::{MOCA_HOME, RobotData, RobotModel, forward_kinematics, gravity, jacobian};
+//! use moca_model::whole_body::Data;
+//! use moca_model::{MOCA_HOME, moca};
 //!
-//! let model = RobotModel::moca()?;
-//! let mut data = RobotData::new(&model);
-//! forward_kinematics(&model, &mut data, &MOCA_HOME)?;
-//! jacobian(&model, &mut data)?;
-//! gravity(&model, &mut data)?;
-//!
-//! assert_eq!(data.jacobian().shape(), (6, 10));
-//! assert!((data.gravity()[6] - 22.0).abs() < 0.5); // Nm on the elbow
+//! let model = moca()?;
+//! let mut data = Data::new(&model);
+//! let mut gravity = [0.0; 10];
+//! data.pose(&model, &MOCA_HOME)?.gravity_into(&mut gravity)?;
+//! assert!((gravity[6] - 22.0).abs() < 0.5); // Nm on the elbow
 //! # Ok::<(), moca_model::Error>(())
 //! ```
 
@@ -35,16 +36,21 @@ pub use impedance::{ImpedanceSettings, JointImpedance, JointState};
 pub use intention::{Intention, IntentionFilter, IntentionSettings};
 pub use leash::LeashSettings;
 pub use motion_limits::MecanumBase;
-pub use robot::{
-    CartesianLimits, Joint, JointKind, JointLimits, LimitOverride, LinkId, MOCA_AXIS_SPEED,
-    MOCA_BASE_JOINTS, MOCA_HOME, MOCA_JOINTS, MOCA_URDF, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED,
-    PANDA_CARTESIAN_LIMITS, RobotData, RobotDescription, RobotModel, forward_kinematics, gravity,
-    jacobian, potential_energy, world_from_link,
+pub use robot::bodies::LinkCapsule;
+pub use robot::kinematics::Kinematics;
+pub use robot::moca::{
+    CartesianLimits, MOCA_ARM_MOUNT, MOCA_AXIS_SPEED, MOCA_BASE_JOINTS, MOCA_HOME, MOCA_JOINTS,
+    MOCA_TOOL, MOCA_URDF, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, PANDA_CARTESIAN_LIMITS, moca,
+    moca_description,
 };
-pub use safety::{
-    LinkCapsule, PersonBodySettings, Safety, SafetyInput, SafetyRows, SafetySettings,
-};
+pub use safety::{PersonBodySettings, Safety, SafetyInput, SafetyRows, SafetySettings};
 pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings, StaleSettings};
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
 pub use stack::{GoalTerms, PostureTask, StackInput, StackSettings, TaskStack};
+pub use whole_body;
+
+/// The examples of the book's page on this crate.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/src/moca-model.md")]
+struct BookPage;

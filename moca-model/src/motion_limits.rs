@@ -1,9 +1,10 @@
 //! What the joints and the desired pose may do in the next tick.
 
 use ahqp_core::{AugmentedState, Limits, MotionState, Rows, VelocityInterval};
+use whole_body::Model;
 
 use crate::error::Error;
-use crate::robot::{MOCA_AXIS_SPEED, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, RobotModel};
+use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED};
 
 /// A mecanum base whose wheels limit |v_x| + |v_y| + lever |ω| in its own frame, and whose
 /// controller limits |v_x| and |v_y|.
@@ -90,7 +91,7 @@ pub(crate) fn nearest_to_rest(interval: &VelocityInterval) -> f64 {
 ///
 /// # Errors
 /// [`Error::Hierarchy`] for limits that are not positive or empty.
-pub(crate) fn joint_limits(model: &RobotModel) -> Result<Vec<Limits>, Error> {
+pub(crate) fn joint_limits(model: &Model) -> Result<Vec<Limits>, Error> {
     model
         .limits()
         .iter()

@@ -1,22 +1,20 @@
 //! What keeps the robot away from people and from itself: rows for the stack, and a supervisor.
 
 mod person_bodies;
-mod robot_bodies;
 mod settings;
 
 use ahqp_core::{AugmentedState, Rows};
 use hrsw::{
-    Age, ApproachRows, Fault, JointMotion, Nearest, Observation, PersonBody, RobotBody,
-    SeparationSettings, SpeedCap, Supervisor,
+    Age, ApproachRows, Fault, JointMotion, Nearest, Observation, PersonBody, SeparationSettings,
+    SpeedCap, Supervisor,
 };
 use nalgebra::Vector3;
 use vision_models::{Percept, TrackedPerson};
 
-use crate::error::{Error, check_count};
-use crate::robot::{RobotData, RobotModel};
+use crate::error::Error;
+use crate::robot::kinematics::Kinematics;
 use person_bodies::PersonBodies;
-use robot_bodies::RobotBodies;
-pub use settings::{LinkCapsule, PersonBodySettings, SafetySettings};
+pub use settings::{PersonBodySettings, SafetySettings};
 
 /// The rows of the safety levels, for [`TaskStack`](crate::TaskStack).
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +53,6 @@ pub struct SafetyInput<'a> {
 #[derive(Debug, Clone)]
 pub struct Safety {
     settings: SafetySettings,
-    robot: RobotBodies,
     person: PersonBodies,
     contact_speed: f64,
     person_velocity: Vector3<f64>,
@@ -69,19 +66,16 @@ pub struct Safety {
 }
 
 impl Safety {
-    /// For the robot and the layout of χ, with the control period \[s\].
+    /// For the layout of χ, with the control period \[s\].
     ///
     /// # Errors
-    /// Settings out of range; [`Error::UnknownLink`] for a body on a link that the robot does
-    /// not have; [`Error::JointCount`] for a layout of another robot.
+    /// Settings out of range.
     pub fn new(
-        model: &RobotModel,
         state: AugmentedState,
         settings: SafetySettings,
         period: f64,
     ) -> Result<Self, Error> {
         settings.validate()?;
-        check_count("the layout of χ", state.joints, model.joint_count())?;
         let separation = ApproachRows::new(state, settings.separation, settings.pairs)?;
         let SafetySettings { own_deceleration, own_margin, .. } = settings;
         let between = SeparationSettings::between_own_bodies(period, own_deceleration, own_margin);
@@ -96,7 +90,6 @@ impl Safety {
             }
         }
         Ok(Self {
-            robot: RobotBodies::new(model, &settings.bodies)?,
             person: PersonBodies::new(settings.person),
             contact_speed: 0.0,
             person_velocity: Vector3::zeros(),
@@ -130,25 +123,19 @@ impl Safety {
     /// Measures the distances of a tick and tells the supervisor. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::ForeignData`]; [`Error::Workspace`] for numbers that are not finite.
-    pub fn watch(
-        &mut self,
-        model: &RobotModel,
-        data: &RobotData,
-        input: &SafetyInput<'_>,
-    ) -> Result<(), Error> {
+    /// [`Error::Workspace`] for a robot with other joints or bodies than the layout and the settings
+    /// have, or numbers that are not finite.
+    pub fn watch(&mut self, robot: &Kinematics, input: &SafetyInput<'_>) -> Result<(), Error> {
         let step = self.settings.contact_acceleration * input.elapsed;
         let change = if input.together { step } else { -step };
         self.contact_speed = (self.contact_speed + change).clamp(0.0, self.settings.contact_speed);
-        self.robot.place(model, data)?;
         self.person_velocity = self.person.velocity(input.now, input.person);
         let separation = *self.separation.settings();
         let person = self.person.place(input.now, input.person, &separation, self.contact_speed);
-        let motion = motion(data, input.velocity, None);
-        let rows = &mut self.separation_rows;
-        let (robot, pairs) = (self.robot.placed(), &self.settings.own_pairs);
-        self.nearest = self.separation.write(&motion, robot, person, rows)?;
-        self.own.write_own(&motion, robot, pairs, &mut self.own_rows)?;
+        let motion = motion(robot, input.velocity, None);
+        let (bodies, rows) = (robot.bodies(), &mut self.separation_rows);
+        self.nearest = self.separation.write(&motion, bodies, person, rows)?;
+        self.own.write_own(&motion, bodies, &self.settings.own_pairs, &mut self.own_rows)?;
         self.wait(input.age, input.elapsed);
         Ok(())
     }
@@ -166,11 +153,11 @@ impl Safety {
     /// [`Error::Workspace`] for numbers that are not finite.
     pub fn bound(
         &mut self,
-        data: &RobotData,
+        robot: &Kinematics,
         velocity: &[f64],
         braking: &[f64],
     ) -> Result<SafetyRows<'_>, Error> {
-        let motion = motion(data, velocity, Some(braking));
+        let motion = motion(robot, velocity, Some(braking));
         let cap = self.settings.speed_cap.limit(self.separation.least_distance());
         SpeedCap::write(&motion, &self.person_velocity, cap, &mut self.cap_rows)?;
         let (cap, own) = (&self.cap_rows, &self.own_rows);
@@ -203,11 +190,6 @@ impl Safety {
         self.contact_speed
     }
 
-    /// The robot's bodies, in the world.
-    pub fn robot_bodies(&self) -> &[RobotBody] {
-        self.robot.placed()
-    }
-
     /// The person's bodies as they are taken to be, in the world.
     pub fn person_bodies(&self) -> &[PersonBody] {
         self.person.placed()
@@ -215,10 +197,10 @@ impl Safety {
 }
 
 fn motion<'a>(
-    data: &'a RobotData,
+    robot: &'a Kinematics,
     velocity: &'a [f64],
     braking: Option<&'a [f64]>,
 ) -> JointMotion<'a> {
-    let origin = data.world_from_tool().translation.vector;
-    JointMotion { jacobian: data.jacobian(), origin, velocity, braking }
+    let origin = robot.world_from_tool().translation.vector;
+    JointMotion { jacobian: robot.jacobian(), origin, velocity, braking }
 }

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::intention::IntentionSettings;
 use crate::leash::LeashSettings;
 use crate::motion_limits::MecanumBase;
-use crate::robot::{MOCA_BASE_JOINTS, MOCA_HOME};
+use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_HOME, MOCA_TOOL};
 use crate::safety::SafetySettings;
 use crate::stack::PostureTask;
 
@@ -124,6 +124,8 @@ impl DesiredMotion {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ControllerSettings {
+    /// The link or frame that is the tool. Default MOCA's, [`MOCA_TOOL`].
+    pub tool: String,
     /// The control period Δt \[s\]. Default 0.001.
     pub period: f64,
     /// The diagonal of K_p \[1/s\]. Default 30.
@@ -168,6 +170,7 @@ impl Default for ControllerSettings {
             (0..MOCA_HOME.len()).map(|i| if i < MOCA_BASE_JOINTS { base } else { arm }).collect()
         };
         Self {
+            tool: MOCA_TOOL.to_owned(),
             period: 1e-3,
             gain: Vector6::repeat(30.0),
             horizon: 0.25,

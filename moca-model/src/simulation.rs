@@ -1,7 +1,8 @@
 //! A robot that moves as it is told, for want of a real one.
 
-use crate::error::{Error, check_finite, check_positive, check_size};
-use crate::robot::RobotModel;
+use whole_body::Model;
+
+use crate::error::{Error, check_finite, check_plain, check_positive, check_size};
 
 /// A robot whose joints, the base's included, follow commanded velocities.
 ///
@@ -10,10 +11,9 @@ use crate::robot::RobotModel;
 /// at once. No limit is enforced: what a controller gets wrong stays visible.
 ///
 /// ```
-/// use moca_model::{MOCA_HOME, RobotModel, SimulatedRobot};
+/// use moca_model::{MOCA_HOME, SimulatedRobot, moca};
 ///
-/// let model = RobotModel::moca()?;
-/// let mut robot = SimulatedRobot::new(&model, &MOCA_HOME)?;
+/// let mut robot = SimulatedRobot::new(&moca()?, &MOCA_HOME)?;
 /// let mut command = [0.0; 10];
 /// command[0] = 0.5; // m/s along the world's x
 /// for _ in 0..1000 {
@@ -33,9 +33,9 @@ impl SimulatedRobot {
     /// A robot at rest at `position`, n \[rad or m\], that follows at once.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] and [`Error::NotFinite`].
-    pub fn new(model: &RobotModel, position: &[f64]) -> Result<Self, Error> {
-        let n = model.joint_count();
+    /// [`Error::FloatingBase`], [`Error::WrongSize`] and [`Error::NotFinite`].
+    pub fn new(model: &Model, position: &[f64]) -> Result<Self, Error> {
+        let n = check_plain(model)?;
         check_size("the position", position, n)?;
         check_all_finite("the position", position)?;
         Ok(Self {

@@ -7,7 +7,7 @@ use ahqp_core::{
 };
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{SoftWorkspace, Softening, Workspace};
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Matrix6xX, Vector3, Vector6};
 
 use crate::error::Error;
 use crate::motion_limits::MecanumBase;
@@ -87,7 +87,7 @@ pub struct TaskStack {
 #[derive(Debug, Clone, Copy)]
 pub struct StackInput<'a> {
     /// J, 6 × n.
-    pub jacobian: &'a DMatrix<f64>,
+    pub jacobian: &'a Matrix6xX<f64>,
     /// x_d(t−1) − x_a \[m, rad\].
     pub error: &'a Vector6<f64>,
     /// x_d(t−1).

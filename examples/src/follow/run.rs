@@ -5,9 +5,10 @@ use std::time::Instant;
 use anyhow::{Context, ensure};
 use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, Person, PersonFrame};
 use hrsw::{SafetyState, Workspace};
+use moca_model::whole_body::Model;
 use moca_model::{
-    Command, Controller, ControllerSettings, Goal, MOCA_HOME, RobotModel, SafetySettings,
-    SimulatedRobot, SpaceSettings,
+    Command, Controller, ControllerSettings, Goal, MOCA_HOME, SafetySettings, SimulatedRobot,
+    SpaceSettings, moca,
 };
 use nalgebra::Vector3;
 use vision_models::Percept;
@@ -31,7 +32,7 @@ pub struct Scenario {
     /// What the controller minimises.
     pub comfort: ErgonomicsQuadratic,
     /// The robot.
-    pub model: RobotModel,
+    pub model: Model,
     /// Where it starts.
     pub start: Vec<f64>,
     /// The controller, but for its goal.
@@ -83,7 +84,7 @@ impl Scenario {
         ensure!(!percepts.is_empty(), "the recording holds no camera frame");
         let (comfort, _) =
             map.fit(&ergo_map::FitOptions::default()).context("fitting the person's ergonomics")?;
-        let model = RobotModel::moca()?;
+        let model = moca()?;
         let space = SpaceSettings::default().for_person(person, map.side());
         let safety = SafetySettings::off();
         let settings = ControllerSettings { space, safety, ..ControllerSettings::default() };

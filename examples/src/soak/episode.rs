@@ -4,9 +4,8 @@ use std::time::Instant;
 
 use anyhow::ensure;
 use ergo_map::ErgonomicsQuadratic;
-use moca_model::{
-    Controller, ControllerSettings, Goal, MOCA_HOME, RobotModel, SimulatedRobot, SpaceSettings,
-};
+use moca_model::whole_body::Model;
+use moca_model::{Controller, ControllerSettings, Goal, MOCA_HOME, SimulatedRobot, SpaceSettings};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -64,7 +63,7 @@ pub(super) struct Episode {
 
 impl Episode {
     /// The episode of this seed.
-    pub(super) fn new(model: &RobotModel, seed: u64) -> anyhow::Result<Self> {
+    pub(super) fn new(model: &Model, seed: u64) -> anyhow::Result<Self> {
         let draws = |streams: [Stream; 2]| streams.map(|stream| generator(seed, stream));
         let mut draw = generator(seed, Stream::Start);
         let start = start(model, &mut draw);
@@ -208,7 +207,7 @@ fn body_at(history: &[(Joints, bool)], tick: usize) -> (&Joints, Option<&Joints>
 
 /// The home configuration, somewhere, and a little different; in some episodes outside the range
 /// of a joint.
-fn start(model: &RobotModel, draw: &mut ChaCha8Rng) -> Vec<f64> {
+fn start(model: &Model, draw: &mut ChaCha8Rng) -> Vec<f64> {
     let mut start = MOCA_HOME.to_vec();
     for q in &mut start[..2] {
         *q = draw.random_range(-3.0..3.0);

@@ -1,11 +1,9 @@
 //! The checks of every tick.
 
 use hrsw::{SafetyState, SeparationSettings};
-use moca_model::{
-    Command, ControllerSettings, JointLimits, LinkId, RobotData, RobotModel, forward_kinematics,
-    world_from_link,
-};
-use nalgebra::{Isometry3, Point3};
+use moca_model::whole_body::{Data, FrameId, JointLimits, Model};
+use moca_model::{Command, ControllerSettings};
+use nalgebra::Point3;
 
 use super::body;
 use super::distance::Rod;
@@ -81,9 +79,9 @@ pub struct Tick<'a> {
 /// Checks every tick of an episode.
 #[derive(Clone, Debug)]
 pub struct Monitor {
-    model: RobotModel,
-    data: RobotData,
-    shapes: Vec<(LinkId, Rod)>,
+    model: Model,
+    data: Data,
+    shapes: Vec<(FrameId, Rod)>,
     own_pairs: Vec<(usize, usize)>,
     separation: SeparationSettings,
     joints: Vec<JointLimits>,
@@ -103,7 +101,7 @@ impl Monitor {
     /// # Errors
     /// Bodies on links that the robot does not have.
     pub fn new(
-        model: &RobotModel,
+        model: &Model,
         settings: &ControllerSettings,
         configuration: &[f64],
     ) -> anyhow::Result<Self> {
@@ -111,11 +109,11 @@ impl Monitor {
         for body in &settings.safety.bodies {
             let capsule = body.capsule;
             let rod = Rod { ends: [*capsule.start(), *capsule.end()], radius: capsule.radius() };
-            shapes.push((model.link(&body.link)?, rod));
+            shapes.push((model.frame_id(&body.link)?, rod));
         }
         let period = settings.period;
         Ok(Self {
-            data: RobotData::new(model),
+            data: Data::new(model),
             own_pairs: settings.safety.own_pairs.clone(),
             separation: settings.safety.separation,
             joints: model.limits().to_vec(),
@@ -197,10 +195,10 @@ impl Monitor {
         ] {
             let moved = tick.configuration.iter().zip(velocity).map(|(q, v)| q + v * time);
             let q: Vec<f64> = moved.collect();
-            forward_kinematics(&self.model, &mut self.data, &q)?;
+            let posed = self.data.pose(&self.model, &q)?;
             rods.clear();
             for (link, rod) in &self.shapes {
-                let pose: Isometry3<f64> = world_from_link(&self.model, &self.data, *link)?;
+                let pose = posed.world_from(*link)?;
                 let ends = rod.ends.map(|end| (pose * Point3::from(end)).coords);
                 rods.push(Rod { ends, ..*rod });
             }

@@ -19,7 +19,7 @@
 //! what it holds: their pairs count apart, as contact.
 
 use hrsw::SeparationSettings;
-use moca_model::JointLimits;
+use moca_model::whole_body::JointLimits;
 
 use super::body::{self, PART_COUNT};
 use super::distance::Rod;

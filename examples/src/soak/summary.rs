@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 use anyhow::ensure;
-use moca_model::RobotModel;
+use moca_model::moca;
 use rand::{Rng, RngCore};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -75,7 +75,7 @@ impl Soak {
     /// # Errors
     /// A controller that refuses its settings or what it measures.
     pub fn run(self, mut each: impl FnMut(u64) -> ControlFlow<()>) -> anyhow::Result<Summary> {
-        let model = RobotModel::moca()?;
+        let model = moca()?;
         let mut draw = ChaCha8Rng::seed_from_u64(self.seed);
         let mut summary = Summary {
             ticks: 0,

@@ -4,9 +4,10 @@ use std::sync::LazyLock;
 
 use ergo_map::ErgonomicsQuadratic;
 use examples::limits::{Breaches, LimitMonitor, Margins, Return};
+use moca_model::whole_body::{JointLimits, Model};
 use moca_model::{
-    Command, Controller, ControllerSettings, DesiredMotion, JointLimits, MOCA_AXIS_SPEED,
-    MOCA_HOME, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, RobotModel,
+    Command, Controller, ControllerSettings, DesiredMotion, MOCA_AXIS_SPEED, MOCA_HOME,
+    MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, moca,
 };
 use nalgebra::{Matrix3, Vector3, Vector6};
 use proptest::prelude::*;
@@ -25,8 +26,8 @@ const ACCELERATION: Breaches = Breaches { acceleration: true, ..NOTHING };
 const DESIRED_ACCELERATION: Breaches = Breaches { desired_acceleration: true, ..NOTHING };
 
 /// MOCA and a command at rest.
-static AT_REST: LazyLock<(RobotModel, Command)> = LazyLock::new(|| {
-    let model = RobotModel::moca().unwrap();
+static AT_REST: LazyLock<(Model, Command)> = LazyLock::new(|| {
+    let model = moca().unwrap();
     let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 0.0).unwrap();
     let settings = ControllerSettings::default();
     let controller = Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap();

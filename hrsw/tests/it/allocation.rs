@@ -9,7 +9,7 @@ use hrsw::{
     Polytope, PositionShape, Reach, RobotBody, SeparationSettings, Slack, SoftWorkspace, Softening,
     SpeedCap, Supervisor, SupervisorSettings, Surroundings, Workspace,
 };
-use nalgebra::{DMatrix, Isometry3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Isometry3, Matrix6xX, UnitQuaternion, Vector3, Vector6};
 
 #[test]
 fn a_tick_allocates_nothing() {
@@ -51,7 +51,7 @@ fn a_tick_allocates_nothing() {
             contact_speed: 0.0,
         })
         .collect();
-    let jacobian = DMatrix::from_fn(6, 10, |i, j| (i as f64 - j as f64).sin());
+    let jacobian = Matrix6xX::from_fn(10, |i, j| (i as f64 - j as f64).sin());
     let rest = [0.0; 10];
     let motion = JointMotion {
         jacobian: &jacobian,

@@ -8,7 +8,7 @@ use hrsw::{
     OrientationShape, PersonBody, PositionShape, RobotBody, SeparationSettings, SoftWorkspace,
     Softening, Workspace, proximity,
 };
-use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix6xX, Vector3, Vector6};
 use proptest::prelude::*;
 
 const PERIOD: f64 = 2e-3;
@@ -19,7 +19,7 @@ const ACCELERATION: f64 = 3.0;
 struct Gantry {
     position: Vector3<f64>,
     velocity: Vector3<f64>,
-    jacobian: DMatrix<f64>,
+    jacobian: Matrix6xX<f64>,
     limits: Limits,
     hierarchy: Hierarchy,
     apart: LevelId,
@@ -41,7 +41,7 @@ impl Gantry {
         let settings =
             SeparationSettings { deceleration: ACCELERATION, ..SeparationSettings::default() };
         let separation = ApproachRows::new(STATE, settings, 4).unwrap();
-        let mut jacobian = DMatrix::zeros(6, 3);
+        let mut jacobian = Matrix6xX::zeros(3);
         jacobian.view_mut((0, 0), (3, 3)).fill_with_identity();
         let mut hierarchy = Hierarchy::new(3).unwrap();
         let apart = hierarchy

@@ -6,7 +6,7 @@ use hrsw::{
     ApproachRows, Capsule, Error, JointMotion, Nearest, PersonBody, RobotBody, SeparationSettings,
     SpeedCap, Supervisor, SupervisorSettings, proximity,
 };
-use nalgebra::{DMatrix, Isometry3, Matrix3x6, Vector3, Vector6};
+use nalgebra::{Isometry3, Matrix3x6, Matrix6xX, Vector3, Vector6};
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::shape::Capsule as ParryCapsule;
 use proptest::prelude::*;
@@ -46,9 +46,8 @@ fn settings() -> impl Strategy<Value = SeparationSettings> {
     )
 }
 
-fn jacobian() -> impl Strategy<Value = DMatrix<f64>> {
-    prop::collection::vec(-1.0..1.0_f64, 6 * JOINTS)
-        .prop_map(|entries| DMatrix::from_vec(6, JOINTS, entries))
+fn jacobian() -> impl Strategy<Value = Matrix6xX<f64>> {
+    prop::collection::vec(-1.0..1.0_f64, 6 * JOINTS).prop_map(Matrix6xX::from_vec)
 }
 
 fn joints() -> impl Strategy<Value = [f64; JOINTS]> {
@@ -357,7 +356,7 @@ fn bad_safety_input_is_named() {
     let mut separation = ApproachRows::new(state(), settings, 3).unwrap();
     let mut rows = separation.rows();
     let before = rows.clone();
-    let (jacobian, rest) = (DMatrix::zeros(6, JOINTS), [0.0; JOINTS]);
+    let (jacobian, rest) = (Matrix6xX::zeros(JOINTS), [0.0; JOINTS]);
     let origin = Vector3::zeros();
     let motion = JointMotion { jacobian: &jacobian, origin, velocity: &rest, braking: Some(&rest) };
     let short = JointMotion { braking: Some(&rest[1..]), ..motion };

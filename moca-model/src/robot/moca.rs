@@ -2,11 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use nalgebra::Isometry3;
+use whole_body::{Description, LimitOverride, Model};
 
-use super::description::RobotDescription;
-use super::limits::LimitOverride;
-use super::model::RobotModel;
 use crate::error::Error;
 
 /// The URDF of MOCA that this crate carries; its header names the sources.
@@ -25,6 +22,14 @@ pub const MOCA_JOINTS: [&str; 10] = [
     "panda_joint6",
     "panda_joint7",
 ];
+
+/// MOCA's tool: the point between the finger tips.
+pub const MOCA_TOOL: &str = "panda_tcp";
+
+/// The joint that mounts the arm, for [`Description::origins`]: its origin is the pose of
+/// `panda_link0` in `base_link`, which is 0.12688 m above the floor. MOCA's builders have published
+/// none; the URDF's is of a like pair of robots.
+pub const MOCA_ARM_MOUNT: &str = "arm_mount";
 
 /// How many of MOCA's joints are the base's; they come first.
 pub const MOCA_BASE_JOINTS: usize = 3;
@@ -92,61 +97,61 @@ pub const PANDA_CARTESIAN_LIMITS: CartesianLimits = CartesianLimits {
     angular_jerk: 12500.0,
 };
 
-impl RobotModel {
-    /// MOCA with its fingers closed, n = 10; the tool is the point between the
-    /// finger tips.
-    ///
-    /// # Errors
-    /// None with the URDF as it is.
-    pub fn moca() -> Result<Self, Error> {
-        Self::from_urdf(MOCA_URDF, &RobotDescription::moca())
-    }
+/// MOCA with its fingers closed, n = 10.
+///
+/// ```
+/// use moca_model::whole_body::Data;
+/// use moca_model::{MOCA_HOME, MOCA_TOOL, moca};
+///
+/// let model = moca()?;
+/// assert_eq!(model.velocity_count(), 10); // base x, y, yaw, then the arm's seven
+///
+/// let tool = model.frame_id(MOCA_TOOL)?;
+/// let mut data = Data::new(&model);
+/// let height = data.pose(&model, &MOCA_HOME)?.world_from(tool)?.translation.z;
+/// assert!((height - 0.9959).abs() < 1e-4); // metres above the floor
+/// # Ok::<(), moca_model::Error>(())
+/// ```
+///
+/// # Errors
+/// None with the URDF as it is.
+pub fn moca() -> Result<Model, Error> {
+    Ok(Model::from_urdf(MOCA_URDF, &moca_description())?)
 }
 
-impl RobotDescription {
-    /// How [`MOCA_URDF`] is read: the joints of [`MOCA_JOINTS`], with
-    /// acceleration and jerk limits from the makers' specifications, positions
-    /// and efforts of the base unlimited.
-    ///
-    /// ```
-    /// use moca_model::{MOCA_URDF, RobotDescription, RobotModel};
-    /// use nalgebra::Isometry3;
-    ///
-    /// // An arm mounted 10 cm further to the front:
-    /// let mount = Isometry3::translation(0.1, 0.0, 0.38212);
-    /// let description = RobotDescription::moca().with_arm_mount(mount);
-    /// let model = RobotModel::from_urdf(MOCA_URDF, &description)?;
-    /// # Ok::<(), moca_model::Error>(())
-    /// ```
-    pub fn moca() -> Self {
-        let base = BASE_ACCELERATION.map(|acceleration| LimitOverride {
-            position: Some((f64::NEG_INFINITY, f64::INFINITY)),
-            acceleration: Some(acceleration),
-            effort: Some(f64::INFINITY),
-            ..LimitOverride::default()
-        });
-        let arm = ARM_MOTION.map(|(acceleration, jerk)| LimitOverride {
-            acceleration: Some(acceleration),
-            jerk: Some(jerk),
-            ..LimitOverride::default()
-        });
-        let names = MOCA_JOINTS.map(str::to_owned);
-        Self {
-            joints: names.to_vec(),
-            limits: names.into_iter().zip(base.into_iter().chain(arm)).collect(),
-            ..Self::new("panda_tcp")
-        }
-    }
-
-    /// The same with MOCA's arm mounted elsewhere: the pose of `panda_link0` in
-    /// `base_link`, which is 0.12688 m above the floor \[m\]. MOCA's builders
-    /// have published none; the URDF's is of a like pair of robots.
-    #[must_use]
-    pub fn with_arm_mount(mut self, base_from_arm: Isometry3<f64>) -> Self {
-        self.origins.retain(|(joint, _)| joint != ARM_MOUNT);
-        self.origins.push((ARM_MOUNT.to_owned(), base_from_arm));
-        self
+/// How [`MOCA_URDF`] is read: the joints of [`MOCA_JOINTS`] move [`MOCA_TOOL`] on a fixed base,
+/// with acceleration and jerk limits from the makers' specifications, positions and efforts of the
+/// base's joints unlimited.
+///
+/// ```
+/// use moca_model::whole_body::Model;
+/// use moca_model::{MOCA_ARM_MOUNT, MOCA_URDF, moca_description};
+/// use nalgebra::Isometry3;
+///
+/// // An arm mounted 10 cm further to the front:
+/// let mut description = moca_description();
+/// let mount = Isometry3::translation(0.1, 0.0, 0.38212);
+/// description.origins.push((MOCA_ARM_MOUNT.into(), mount));
+/// let model = Model::from_urdf(MOCA_URDF, &description)?;
+/// # Ok::<(), moca_model::whole_body::Error>(())
+/// ```
+pub fn moca_description() -> Description {
+    let base = BASE_ACCELERATION.map(|acceleration| LimitOverride {
+        position: Some((f64::NEG_INFINITY, f64::INFINITY)),
+        acceleration: Some(acceleration),
+        effort: Some(f64::INFINITY),
+        ..LimitOverride::default()
+    });
+    let arm = ARM_MOTION.map(|(acceleration, jerk)| LimitOverride {
+        acceleration: Some(acceleration),
+        jerk: Some(jerk),
+        ..LimitOverride::default()
+    });
+    let names = MOCA_JOINTS.map(str::to_owned);
+    Description {
+        tips: vec![MOCA_TOOL.to_owned()],
+        joints: names.to_vec(),
+        limits: names.into_iter().zip(base.into_iter().chain(arm)).collect(),
+        ..Description::default()
     }
 }
-
-const ARM_MOUNT: &str = "arm_mount";

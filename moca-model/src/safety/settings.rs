@@ -4,15 +4,7 @@ use hrsw::{Capsule, SeparationSettings, SpeedCap, SupervisorSettings};
 use nalgebra::Vector3;
 
 use crate::error::Error;
-
-/// A capsule fixed to a link of the robot.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LinkCapsule {
-    /// The link's name in the URDF.
-    pub link: String,
-    /// In the link's frame \[m\].
-    pub capsule: Capsule,
-}
+use crate::robot::bodies::LinkCapsule;
 
 /// How the person's body is made of what the camera sees.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,10 +5,8 @@ use std::sync::LazyLock;
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Attachment, Capsule, Cause, Fault, SafetyState, proximity};
-use moca_model::{
-    Controller, ControllerSettings, Error, MOCA_HOME, RobotData, RobotModel, SimulatedRobot,
-    forward_kinematics, world_from_link,
-};
+use moca_model::whole_body::{Data, Model};
+use moca_model::{Controller, ControllerSettings, Error, MOCA_HOME, SimulatedRobot};
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
 
@@ -51,7 +49,7 @@ pub(crate) type Clock = fn(f64) -> f64;
 pub(crate) struct Drive {
     pub(crate) controller: Controller,
     pub(crate) robot: SimulatedRobot,
-    pub(crate) model: RobotModel,
+    pub(crate) model: Model,
     pub(crate) period: f64,
     pub(crate) tick: u32,
     /// Where the person truly stands, and whether the camera works.
@@ -184,12 +182,12 @@ impl Drive {
         let Some(x) = self.person else { return f64::INFINITY };
         let trunk =
             Capsule::new(Vector3::new(x, 0.0, 0.9), Vector3::new(x, 0.0, 1.5), 0.15).unwrap();
-        let mut data = RobotData::new(&self.model);
-        forward_kinematics(&self.model, &mut data, self.robot.position()).unwrap();
+        let mut data = Data::new(&self.model);
+        let posed = data.pose(&self.model, self.robot.position()).unwrap();
         let settings = self.controller.settings().safety.bodies.iter();
         let distances = settings.map(|body| {
-            let link = self.model.link(&body.link).unwrap();
-            let pose = world_from_link(&self.model, &data, link).unwrap();
+            let link = self.model.frame_id(&body.link).unwrap();
+            let pose = posed.world_from(link).unwrap();
             proximity(&body.capsule.placed(&pose), &trunk).distance
         });
         distances.fold(f64::INFINITY, f64::min)

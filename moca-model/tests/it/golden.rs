@@ -2,12 +2,12 @@
 //! (`golden/make_golden.py`), and the arm alone from the makers' parameters.
 
 use approx::assert_abs_diff_eq;
-use moca_model::{
-    MOCA_HOME, MOCA_URDF, RobotData, RobotDescription, RobotModel, forward_kinematics, gravity,
-    jacobian, world_from_link,
-};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use moca_model::whole_body::{Data, Description, Model};
+use moca_model::{Kinematics, MOCA_HOME, MOCA_TOOL, MOCA_URDF};
+use nalgebra::{Isometry3, Matrix3, Matrix6xX, Vector3};
 use serde_json::Value;
+
+use crate::shared::MOCA;
 
 fn numbers(case: &Value, key: &str) -> Vec<f64> {
     let values = case[key].as_array().unwrap();
@@ -20,47 +20,39 @@ fn pose_jacobian_and_gravity_are_pinocchios() {
     let cases = golden["cases"].as_array().unwrap();
     assert_eq!(cases.len(), 50);
 
-    let model = RobotModel::moca().unwrap();
-    let mut data = RobotData::new(&model);
+    let mut robot = Kinematics::new(MOCA.clone(), MOCA_TOOL, &[], &MOCA_HOME).unwrap();
+    let mut data = Data::new(&MOCA);
     for case in cases {
-        forward_kinematics(&model, &mut data, &numbers(case, "q")).unwrap();
-        jacobian(&model, &mut data).unwrap();
-        gravity(&model, &mut data).unwrap();
+        let q = numbers(case, "q");
+        robot.update(&q).unwrap();
+        let mut torques = [0.0; 10];
+        data.pose(&MOCA, &q).unwrap().gravity_into(&mut torques).unwrap();
 
-        let pose = data.world_from_tool();
+        let pose = robot.world_from_tool();
         let position = Vector3::from_column_slice(&numbers(case, "position"));
         let rotation = Matrix3::from_row_slice(&numbers(case, "rotation"));
-        let jacobian = DMatrix::from_row_slice(6, 10, &numbers(case, "jacobian"));
-        let gravity = DVector::from_vec(numbers(case, "gravity"));
+        let jacobian = Matrix6xX::from_row_slice(&numbers(case, "jacobian"));
         assert_abs_diff_eq!(pose.translation.vector, position, epsilon = 1e-10);
         let own = pose.rotation.to_rotation_matrix();
         assert_abs_diff_eq!(own.matrix(), &rotation, epsilon = 1e-10);
-        assert_abs_diff_eq!(data.jacobian(), &jacobian, epsilon = 1e-10);
-        assert_abs_diff_eq!(data.gravity(), &gravity, epsilon = 1e-10);
+        assert_abs_diff_eq!(robot.jacobian(), &jacobian, epsilon = 1e-10);
+        assert_abs_diff_eq!(torques[..], numbers(case, "gravity")[..], epsilon = 1e-10);
     }
 }
 
-/// The arm alone, standing at the world's origin.
-struct Arm {
-    model: RobotModel,
-    data: RobotData,
-}
-
-impl Arm {
-    fn new(tool: &str, urdf: &str) -> Self {
-        let description =
-            RobotDescription { root: Some("panda_link0".into()), ..RobotDescription::new(tool) };
-        let model = RobotModel::from_urdf(urdf, &description).unwrap();
-        assert_eq!(model.joint_count(), 7);
-        let data = RobotData::new(&model);
-        Self { model, data }
-    }
-
-    fn at(mut self, q: &[f64]) -> Self {
-        forward_kinematics(&self.model, &mut self.data, q).unwrap();
-        gravity(&self.model, &mut self.data).unwrap();
-        self
-    }
+/// The arm alone, standing at the world's origin: where its tool is, and its gravity torques.
+fn arm(tool: &str, urdf: &str, q: &[f64]) -> (Isometry3<f64>, [f64; 7]) {
+    let description = Description {
+        root: Some("panda_link0".into()),
+        tips: vec![tool.to_owned()],
+        ..Description::default()
+    };
+    let model = Model::from_urdf(urdf, &description).unwrap();
+    let mut data = Data::new(&model);
+    let mut torques = [0.0; 7];
+    let mut posed = data.pose(&model, q).unwrap();
+    posed.gravity_into(&mut torques).unwrap();
+    (posed.world_from(model.frame_id(tool).unwrap()).unwrap(), torques)
 }
 
 /// The URDF with one part's mass set to zero.
@@ -95,12 +87,8 @@ fn arm_cases() -> [ArmCase; 2] {
 #[test]
 fn the_flange_of_the_arm_alone_is_where_its_parameters_put_it() {
     for (q, flange, _, _) in arm_cases() {
-        let arm = Arm::new("panda_link8", MOCA_URDF).at(&q);
-        let position = arm.data.world_from_tool().translation.vector;
-        assert_abs_diff_eq!(position, Vector3::from(flange), epsilon = 1e-6);
-        let link = arm.model.link("panda_link8").unwrap();
-        let same = world_from_link(&arm.model, &arm.data, link).unwrap();
-        assert_abs_diff_eq!(same, *arm.data.world_from_tool(), epsilon = 1e-12);
+        let (pose, _) = arm("panda_link8", MOCA_URDF, &q);
+        assert_abs_diff_eq!(pose.translation.vector, Vector3::from(flange), epsilon = 1e-6);
     }
 }
 
@@ -110,17 +98,15 @@ fn gravity_of_the_arm_alone_counts_what_it_carries() {
     let handless = without_mass(&bare, "0.73", 1);
     for (q, _, without_hand, with_hand) in arm_cases() {
         for (urdf, expected) in [(&handless, without_hand), (&bare, with_hand)] {
-            let arm = Arm::new("panda_tcp", urdf).at(&q);
-            let expected = DVector::from_row_slice(&expected);
-            assert_abs_diff_eq!(arm.data.gravity(), &expected, epsilon = 2e-6);
+            let (_, torques) = arm("panda_tcp", urdf, &q);
+            assert_abs_diff_eq!(torques[..], expected[..], epsilon = 2e-6);
         }
     }
 }
 
 #[test]
 fn at_home_the_tool_points_down() {
-    let arm = Arm::new("panda_tcp", MOCA_URDF).at(&MOCA_HOME[3..]);
-    let pose = arm.data.world_from_tool();
+    let (pose, _) = arm("panda_tcp", MOCA_URDF, &MOCA_HOME[3..]);
     let expected = Vector3::new(0.306891, 0.0, 0.486882);
     assert_abs_diff_eq!(pose.translation.vector, expected, epsilon = 1e-6);
     let rotation = pose.rotation.to_rotation_matrix();
@@ -130,9 +116,7 @@ fn at_home_the_tool_points_down() {
 
 #[test]
 fn the_arm_stands_where_its_mount_says() {
-    let model = RobotModel::moca().unwrap();
-    let data = RobotData::new(&model);
-    let link = model.link("panda_link0").unwrap();
-    let pose = world_from_link(&model, &data, link).unwrap();
+    let link = MOCA.frame_id("panda_link0").unwrap();
+    let pose = Data::new(&MOCA).pose(&MOCA, &[0.0; 10]).unwrap().world_from(link).unwrap();
     assert_abs_diff_eq!(pose.translation.vector, Vector3::new(0.0, 0.0, 0.509), epsilon = 1e-12);
 }

@@ -1,7 +1,8 @@
 //! Joint impedance: the paper's torque, within its limits, finite or not at all.
 
 use approx::assert_abs_diff_eq;
-use moca_model::{Error, ImpedanceSettings, JointImpedance, JointLimits, JointState};
+use moca_model::whole_body::JointLimits;
+use moca_model::{Error, ImpedanceSettings, JointImpedance, JointState};
 use proptest::prelude::*;
 
 use crate::shared::MOCA;

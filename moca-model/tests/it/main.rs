@@ -12,4 +12,3 @@ mod properties;
 mod safety;
 mod shared;
 mod simulation;
-mod support;

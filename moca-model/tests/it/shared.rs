@@ -2,7 +2,8 @@
 
 use std::sync::LazyLock;
 
-use moca_model::RobotModel;
+use moca_model::moca;
+use moca_model::whole_body::Model;
 
 /// MOCA, read once.
-pub(crate) static MOCA: LazyLock<RobotModel> = LazyLock::new(|| RobotModel::moca().unwrap());
+pub(crate) static MOCA: LazyLock<Model> = LazyLock::new(|| moca().unwrap());

@@ -540,10 +540,16 @@ fn at_line(line: Option<usize>) -> String {
 /// Numbers above this are refused: squares and products of them stay finite.
 const LARGEST: f64 = 1e12;
 
+/// Returns true if `value` is a number of sensible size.
+#[inline]
+pub(crate) fn is_sensible(value: f64) -> bool {
+    value.abs() <= LARGEST
+}
+
 /// An error unless `value` is a number of sensible size; `what` is asked for only then.
 #[inline]
 pub(crate) fn check_finite(value: f64, what: impl FnOnce() -> String) -> Result<(), Error> {
-    if value.abs() <= LARGEST { Ok(()) } else { Err(Error::NotFinite { what: what(), value }) }
+    if is_sensible(value) { Ok(()) } else { Err(Error::NotFinite { what: what(), value }) }
 }
 
 /// An error unless there are `expected` elements.

@@ -5,7 +5,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::description::Base;
 use super::model::Model;
-use crate::error::{Error, check_finite, check_size};
+use crate::error::{Error, check_size, is_sensible};
 
 /// How far the norm of a quaternion may be from 1.
 const UNIT: f64 = 1e-6;
@@ -85,25 +85,42 @@ impl Model {
         Ok(())
     }
 
+    /// Returns true if [`Data::pose`](crate::Data::pose) takes `q`: of the right size, of finite
+    /// numbers of sensible size, with a unit quaternion.
+    ///
+    /// For control loops: it allocates nothing, where an error allocates its message.
+    pub fn is_configuration(&self, q: &[f64]) -> bool {
+        q.len() == self.positions
+            && q.iter().all(|value| is_sensible(*value))
+            && self.quaternion_norm(q).is_none_or(is_unit)
+    }
+
     /// An error unless q has the right size, finite numbers and a unit quaternion.
     pub(crate) fn check_configuration(&self, q: &[f64]) -> Result<(), Error> {
         check_size("q", q.len(), self.positions)?;
-        if let Some(entry) = q.iter().position(|value| check_finite(*value, String::new).is_err()) {
+        if let Some(entry) = q.iter().position(|value| !is_sensible(*value)) {
             return Err(Error::NotFinite { what: self.position_entry(entry), value: q[entry] });
         }
-        if let (Base::Floating, [_, _, _, i, j, k, w, ..]) = (self.base, q) {
-            let norm = Quaternion::new(*w, *i, *j, *k).norm();
-            if (norm - 1.0).abs() > UNIT {
-                return Err(Error::Quaternion { norm });
-            }
+        match self.quaternion_norm(q) {
+            Some(norm) if !is_unit(norm) => Err(Error::Quaternion { norm }),
+            _ => Ok(()),
         }
-        Ok(())
+    }
+
+    /// The norm of a floating base's quaternion.
+    fn quaternion_norm(&self, q: &[f64]) -> Option<f64> {
+        match (self.base, q) {
+            (Base::Floating, [_, _, _, i, j, k, w, ..]) => {
+                Some(Quaternion::new(*w, *i, *j, *k).norm())
+            }
+            _ => None,
+        }
     }
 
     /// An error unless `v` has the size of q̇ and finite numbers.
     pub(crate) fn check_velocity(&self, what: &'static str, v: &[f64]) -> Result<(), Error> {
         check_size(what, v.len(), self.velocities)?;
-        match v.iter().position(|value| check_finite(*value, String::new).is_err()) {
+        match v.iter().position(|value| !is_sensible(*value)) {
             None => Ok(()),
             Some(entry) => {
                 let names = self.velocity_names();
@@ -121,6 +138,11 @@ impl Model {
         let joint = self.joints.iter().find(own).map_or("", |joint| joint.name.as_str());
         format!("the position of joint `{joint}`, entry {entry} of q,")
     }
+}
+
+/// Returns true for the norm of a rotation's quaternion.
+fn is_unit(norm: f64) -> bool {
+    (norm - 1.0).abs() <= UNIT
 }
 
 /// The orientation of a floating base, with the rounding of its norm taken out.

@@ -23,6 +23,7 @@ fn allocations(urdf: &str, base: Base, frame: &str) -> u64 {
     let root = model.frames().next().unwrap().0;
     let mut data = Data::new(&model);
     let (mut q, neutral) = (model.neutral(), model.neutral());
+    let refused = vec![f64::NAN; q.len()];
     let (v, mut out) = (vec![0.1; n], vec![0.0; n]);
     let mut jacobian = Matrix6xX::zeros(n);
     let mut centre = Matrix3xX::zeros(n);
@@ -36,6 +37,7 @@ fn allocations(urdf: &str, base: Base, frame: &str) -> u64 {
         for _ in 0..3 {
             let held = data.attach(&model, &payload).unwrap();
             model.integrate(&mut q, &v).unwrap();
+            assert!(model.is_configuration(&q) && !model.is_configuration(&refused));
             model.difference(&neutral, &q, &mut out).unwrap();
             let mut posed = data.pose(&model, &q).unwrap();
             posed.world_from(frame).unwrap();

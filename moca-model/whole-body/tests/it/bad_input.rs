@@ -25,12 +25,14 @@ fn configurations_and_velocities_that_are_none() {
     let model = humanoid();
     let mut data = Data::new(&model);
     let (q, v) = (model.neutral(), vec![0.0; model.velocity_count()]);
+    assert!(model.is_configuration(&q) && !model.is_configuration(&q[1..]));
     expect(data.pose(&model, &q[1..]).unwrap_err(), &["q has 37 elements", "38"]);
     let knee = model.joint(model.joint_id("left_knee").unwrap()).unwrap().clone();
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
         let mut wrong = q.clone();
         wrong[knee.position_index] = bad;
         expect(data.pose(&model, &wrong).unwrap_err(), &["left_knee", "finite"]);
+        assert!(!model.is_configuration(&wrong));
         assert!(model.integrate(&mut wrong.clone(), &v).is_err());
         assert!(model.difference(&q, &wrong, &mut v.clone()).is_err());
         let mut wrong = v.clone();
@@ -43,6 +45,7 @@ fn configurations_and_velocities_that_are_none() {
     }
     let mut wrong = q.clone();
     wrong[6] = 1.1;
+    assert!(!model.is_configuration(&wrong));
     let error = data.pose(&model, &wrong).unwrap_err();
     assert!(matches!(error, Error::Quaternion { norm } if (norm - 1.1).abs() < 1e-12));
     wrong[6] = 0.0;

@@ -259,6 +259,14 @@ fn joints_that_cannot_be_moved() {
             &format!("<joint name=\"panda_joint2\" type=\"{kind}\""),
         );
         assert_error!(error_of(&text), Error::UnsupportedJoint { .. }, "panda_joint2", kind, line);
+        // Nor can what hangs on one off the way to a tip be placed.
+        let (text, _) = changed(
+            "name=\"panda_finger_joint1\" type=\"prismatic\"",
+            &format!("name=\"panda_finger_joint1\" type=\"{kind}\""),
+        );
+        let to_the_tool = Description { tips: vec!["panda_tcp".into()], ..Description::default() };
+        let error = Model::from_urdf(&text, &to_the_tool).unwrap_err();
+        assert_error!(error, Error::UnsupportedJoint { .. }, "panda_finger_joint1", kind);
     }
     let mut joints: Vec<String> = Model::from_urdf(MOCA, &Description::default())
         .unwrap()
@@ -266,6 +274,10 @@ fn joints_that_cannot_be_moved() {
         .iter()
         .map(|joint| joint.name.clone())
         .collect();
+    let last = joints.pop().unwrap();
+    let short = Description { joints: joints.clone(), ..Description::default() };
+    assert_error!(refused(short), Error::JointOrder { .. }, last, "hold");
+    joints.push(last);
     joints.swap(0, 1);
     let swapped = Description { joints: joints.clone(), ..Description::default() };
     assert_error!(refused(swapped), Error::JointOrder { .. }, "base_x, base_y", "base_y, base_x");

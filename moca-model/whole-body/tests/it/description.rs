@@ -114,6 +114,32 @@ fn a_held_joint_is_one_that_does_not_move() {
 }
 
 #[test]
+fn a_held_joint_carries_its_mass_to_where_it_is_held() {
+    let free = read(TWO_ARMS, &Description::default());
+    let held = vec![("left_arm3".to_owned(), 0.7), ("right_finger1".to_owned(), 0.02)];
+    let held = read(TWO_ARMS, &Description { held, ..Description::default() });
+    let place = |name: &str| free.joint(free.joint_id(name).unwrap()).unwrap().velocity_index;
+    let (arm, finger) = (place("left_arm3"), place("right_finger1"));
+    let mut q: Vec<_> = (0..free.velocity_count()).map(|index| 0.01 * index as f64).collect();
+    (q[arm], q[finger]) = (0.7, 0.02);
+    let still = |index: &usize| *index != arm && *index != finger;
+    let without = |values: &[f64]| -> Vec<f64> {
+        (0..values.len()).filter(still).map(|index| values[index]).collect()
+    };
+    let at_rest = |model: &Model, q: &[f64]| {
+        let mut torques = vec![0.0; model.velocity_count()];
+        let mut data = Data::new(model);
+        let mut posed = data.pose(model, q).unwrap();
+        posed.gravity_into(&mut torques).unwrap();
+        (torques, posed.potential_energy())
+    };
+    let (expected, energy) = at_rest(&free, &q);
+    let (torques, held_energy) = at_rest(&held, &without(&q));
+    assert_abs_diff_eq!(torques[..], without(&expected)[..], epsilon = 1e-11);
+    assert_abs_diff_eq!(held_energy, energy, epsilon = 1e-11);
+}
+
+#[test]
 fn origins_move_what_they_carry() {
     let moved = Isometry3::new(Vector3::new(0.0, 0.3, 0.2), Vector3::new(0.4, 0.0, 0.0));
     let origins = vec![("left_mount".to_owned(), moved)];
@@ -181,6 +207,24 @@ fn limits_come_from_the_urdf_and_the_description() {
     let model = read(MOCA, &Description { missing_acceleration, ..Description::default() });
     assert!(model.default_accelerations().is_empty());
     assert!(model.limits().iter().all(|limits| limits.acceleration == f64::INFINITY));
+}
+
+#[test]
+fn limits_missing_in_the_urdf_may_come_from_the_description() {
+    let limit = "<limit lower=\"-1.7628\" upper=\"1.7628\" velocity=\"2.175\" effort=\"87\"/>";
+    assert_eq!(MOCA.matches(limit).count(), 1);
+    let known = LimitOverride {
+        position: Some((-1.0, 1.0)),
+        velocity: Some(2.0),
+        effort: Some(50.0),
+        ..LimitOverride::default()
+    };
+    let limits = vec![("panda_joint2".to_owned(), known)];
+    let model =
+        read(&MOCA.replacen(limit, "", 1), &Description { limits, ..Description::default() });
+    let second = model.joint(model.joint_id("panda_joint2").unwrap()).unwrap();
+    let limits = model.limits()[second.velocity_index];
+    assert_eq!((limits.lower, limits.velocity, limits.effort), (-1.0, 2.0, 50.0));
 }
 
 #[test]

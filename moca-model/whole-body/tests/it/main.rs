@@ -15,5 +15,6 @@ mod ik_figures;
 mod ik_limits;
 mod kinematics;
 mod parsed;
+mod placement;
 mod support;
 mod tasks;

@@ -24,11 +24,11 @@ pub(crate) enum Kind {
 pub(crate) struct Piece {
     pub(crate) kind: Kind,
     pub(crate) parent: usize,
-    xyz: [f64; 3],
-    rpy: [f64; 3],
-    axis: [f64; 3],
-    mass: f64,
-    centre: [f64; 3],
+    pub(crate) xyz: [f64; 3],
+    pub(crate) rpy: [f64; 3],
+    pub(crate) axis: [f64; 3],
+    pub(crate) mass: f64,
+    pub(crate) centre: [f64; 3],
     /// Edges of a solid box \[m\].
     edges: [f64; 3],
     tilt: [f64; 3],
@@ -39,7 +39,7 @@ pub(crate) struct Piece {
 pub(crate) struct Robot {
     pub(crate) pieces: Vec<Piece>,
     pub(crate) base: Base,
-    root: Piece,
+    pub(crate) root: Piece,
 }
 
 /// q, q̇ and q̈ of a robot.

@@ -1,0 +1,77 @@
+//! The robot's bodies, capsules fixed to its links.
+
+use hrsw::{Capsule, RobotBody};
+use whole_body::{FrameId, Model, Posed};
+
+use crate::error::Error;
+
+/// A capsule fixed to a link of the robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinkCapsule {
+    /// The link's name in the URDF.
+    pub link: String,
+    /// In the link's frame \[m\].
+    pub capsule: Capsule,
+}
+
+/// The capsules of a robot and where they are.
+#[derive(Debug, Clone)]
+pub(super) struct RobotBodies {
+    shapes: Vec<(FrameId, Capsule)>,
+    placed: Vec<RobotBody>,
+}
+
+impl RobotBodies {
+    pub(super) fn new(model: &Model, tool: FrameId, bodies: &[LinkCapsule]) -> Result<Self, Error> {
+        let mut shapes = Vec::with_capacity(bodies.len());
+        let mut placed = Vec::with_capacity(bodies.len());
+        for body in bodies {
+            let link = model.frame_id(&body.link)?;
+            shapes.push((link, body.capsule));
+            let joints = joints_moving(model, tool, link)?;
+            placed.push(RobotBody { capsule: body.capsule, joints });
+        }
+        Ok(Self { shapes, placed })
+    }
+
+    pub(super) fn place(&mut self, posed: &Posed<'_>) -> Result<(), Error> {
+        let mut last = None;
+        for (body, &(link, capsule)) in self.placed.iter_mut().zip(&self.shapes) {
+            let pose = match last {
+                Some((same, pose)) if same == link => pose,
+                _ => posed.world_from(link)?,
+            };
+            body.capsule = capsule.placed(&pose);
+            last = Some((link, pose));
+        }
+        Ok(())
+    }
+
+    pub(super) fn placed(&self) -> &[RobotBody] {
+        &self.placed
+    }
+}
+
+/// How many of the joints, from the first, move a link.
+///
+/// A point of the link moves by the first columns of the tool's Jacobian only where these joints
+/// carry the tool as they carry the link.
+fn joints_moving(model: &Model, tool: FrameId, link: FrameId) -> Result<usize, Error> {
+    let from_the_root = |frame: FrameId| -> Result<Vec<usize>, Error> {
+        let mut entries: Vec<_> = model.moved_by(frame)?.collect();
+        entries.reverse();
+        Ok(entries)
+    };
+    let (of_link, of_tool) = (from_the_root(link)?, from_the_root(tool)?);
+    let is_first = of_link.iter().copied().eq(0..of_link.len());
+    // A joint that others mimic may carry the tool by one of them and the link by another.
+    let is_followed = model.mimic_joints().iter().any(|mimic| {
+        let leader = model.joint(mimic.follows);
+        leader.is_ok_and(|joint| of_link.contains(&joint.velocity_index))
+    });
+    if is_first && !is_followed && of_tool.starts_with(&of_link) {
+        return Ok(of_link.len());
+    }
+    let name = |frame: FrameId| model.frame_name(frame).map(str::to_owned);
+    Err(Error::BodyBesideTheWay { link: name(link)?, tool: name(tool)? })
+}
