@@ -64,7 +64,7 @@ fn names_are_shown_escaped() {
     }
     tensors.write_safetensors(fs::File::create(&path).unwrap()).unwrap();
     let output = convert(&[path.to_str().unwrap()]).done().output;
-    assert_eq!(output.lines().count(), 6, "{output}");
+    assert_eq!(output.lines().count(), 7, "{output}");
     assert!(output.lines().all(|line| line.chars().count() < 150), "{output}");
     assert!(!output.contains(['\u{1b}', '\u{7}', '\u{202e}']), "{output}");
     assert!(output.contains("\\u{1b}]0;title\\u{7}"));
