@@ -1,9 +1,9 @@
 //! Reading a map that was saved.
 
-use std::path::Path;
+use std::{fs::File, path::Path};
 
 use anyhow::Context;
-use ergo_map::{ErgonomicsMap, Error};
+use ergo_map::ErgonomicsMap;
 
 /// Reads the map that `ergo_map` has saved in this file.
 ///
@@ -12,10 +12,7 @@ use ergo_map::{ErgonomicsMap, Error};
 pub fn read_map(path: impl AsRef<Path>) -> anyhow::Result<ErgonomicsMap> {
     let path = path.as_ref();
     let shown = path.display();
-    match ErgonomicsMap::load(path) {
-        Err(Error::Io { kind, .. }) => {
-            Err(std::io::Error::from(kind)).with_context(|| format!("cannot read {shown}"))
-        }
-        read => read.with_context(|| shown.to_string()),
-    }
+    // The system's own words for why a file cannot be opened; the map's error only has their kind.
+    File::open(path).with_context(|| format!("cannot read {shown}"))?;
+    ErgonomicsMap::load(path).with_context(|| shown.to_string())
 }
