@@ -18,7 +18,7 @@ use super::data::ProblemData;
 use super::factorisation::{Factorisation, Form, Group, Purpose, RankTolerances};
 use super::multipliers::{Multipliers, Residuals};
 use super::settings::Settings;
-use super::tolerances::{DOUBTFUL, ROUNDING, SPREAD};
+use super::tolerances::{DOUBTFUL, ROUNDING};
 use crate::linalg::list::List;
 use crate::linalg::vector::norm;
 use crate::problem::source::ConstraintSource;
@@ -219,19 +219,8 @@ impl ActiveSet {
     /// another. Bounds then have to leave as columns: turned by rotations, a heavy row pulls by its
     /// rounding at variables that it does not have.
     pub(crate) fn has_spread(&self) -> bool {
-        let x_norm = norm(&self.x);
-        self.data.levels.iter().any(|level| self.have_spread(level.used_objective(), x_norm))
-    }
-
-    /// The same of these rows.
-    pub(super) fn have_spread(&self, rows: Range<usize>, x_norm: f64) -> bool {
-        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-        for id in rows.filter(|&id| self.data.norm(id) > 0.0) {
-            let norm = self.data.norm(id);
-            least = least.min(norm * norm * x_norm);
-            most = most.max(norm * self.data.magnitude(id, x_norm));
-        }
-        most > SPREAD * least
+        let (data, x_norm) = (&self.data, norm(&self.x));
+        data.levels.iter().any(|level| data.have_spread(level.used_objective(), x_norm))
     }
 
     /// The hard row that is most violated at x within its bounds, if that is no rounding: numbers of very

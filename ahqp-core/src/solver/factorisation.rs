@@ -480,10 +480,11 @@ impl Factorisation {
             .any(|group| norm(&self.y[group.first_pivot..group.first_pivot + group.rank]) > length)
     }
 
-    /// The norm of what row `id` has at free variables.
-    pub(crate) fn free_norm(&self, data: &ProblemData, id: usize) -> f64 {
+    /// A bound on the norm of what row `id` has at free variables; the norm itself where rows pull by very
+    /// different forces.
+    pub(crate) fn norm_of_entries(&self, data: &ProblemData, id: usize, has_spread: bool) -> f64 {
         match data.row(id).coefficients() {
-            Coefficients::Dense(row) if !self.bounded.is_empty() => {
+            Coefficients::Dense(row) if has_spread && !self.bounded.is_empty() => {
                 self.free.iter().map(|&variable| row[variable].powi(2)).sum::<f64>().sqrt()
             }
             _ => data.norm(id),

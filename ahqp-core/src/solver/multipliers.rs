@@ -40,6 +40,8 @@ pub(crate) struct Multipliers {
     /// come from rows.
     size: f64,
     rounding: f64,
+    /// Whether rows of the level pull by so different forces that the rounding of one may hide another.
+    has_spread: bool,
     /// Whether small multipliers come from parts of rows that the rank tolerance may take for none.
     pub(crate) has_faint_pulls: bool,
     /// The cap on what counts as rounding, relative to the forces.
@@ -60,6 +62,7 @@ impl Multipliers {
             weights: vec![0.0; data.len()],
             size: 0.0,
             rounding: 0.0,
+            has_spread: false,
             has_faint_pulls: false,
             tolerance,
         }
@@ -102,8 +105,9 @@ impl Multipliers {
         if !any {
             return false;
         }
+        self.has_spread = data.have_spread(&factorisation.stacked[start..end], x_norm);
         if residuals == Residuals::Balanced {
-            factorisation.balance_group(data, group, residual, rounding);
+            factorisation.balance_group(data, group, self.has_spread, residual, rounding);
         }
         let rows = factorisation.stacked[start..end].iter().zip(residual.iter());
         self.size = rows.map(|(&id, residual)| data.norm(id) * residual.abs()).sum();
@@ -143,6 +147,7 @@ impl Multipliers {
         (self.group, self.pivots) = (None, factorisation.closed()..factorisation.rank());
         factorisation.coordinates(x, &mut self.of_pivots[..self.pivots.end]);
         self.gradient.copy_from_slice(x);
+        self.has_spread = false;
         self.size = norm(x);
         self.rounding = self.tolerance * self.size;
         self.balance(data, factorisation);
@@ -176,7 +181,8 @@ impl Multipliers {
     /// The rounding in each coordinate of the gradient.
     fn rounding_of_coordinates(&self, data: &ProblemData, factorisation: &Factorisation) -> f64 {
         let rows = self.residuals(factorisation).map(|(id, residual, rounding)| {
-            factorisation.free_norm(data, id) * (rounding + ROUNDING * residual.abs())
+            factorisation.norm_of_entries(data, id, self.has_spread)
+                * (rounding + ROUNDING * residual.abs())
         });
         self.rounding + rows.sum::<f64>()
     }
@@ -216,7 +222,8 @@ impl Multipliers {
         let end = self.pivots.end;
         let rounding = self.rounding_of_coordinates(data, factorisation);
         self.rounding_of_pivots[..end].fill(rounding);
-        let norm = |id| factorisation.free_norm(data, id);
+        let has_spread = self.has_spread;
+        let norm = |id| factorisation.norm_of_entries(data, id, has_spread);
         let (multipliers, rounding) = (&self.of_pivots[..end], &mut self.rounding_of_pivots[..end]);
         factorisation.balance_rounding(multipliers, norm, rounding);
         // Where rows nearly depend on each other, these bounds grow far beyond the real rounding.

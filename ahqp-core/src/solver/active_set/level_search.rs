@@ -196,7 +196,7 @@ impl ActiveSet {
     /// Takes bounds out of the stack where they may hide light rows of the goal. Returns true if it did.
     fn take_bounds_out(&mut self, goal: &Goal) -> bool {
         let Goal::Rows(rows) = goal else { return false };
-        self.have_spread(rows.clone(), norm(&self.x))
+        self.data.have_spread(rows.clone(), norm(&self.x))
             && self.factorisation.take_bounds_out(&self.data, &self.activity)
     }
 

@@ -1,10 +1,30 @@
 //! What of a row is rounding: of its terms, of what it has at free variables, of its bounds.
 
+use std::borrow::Borrow;
+
 use super::{Coefficients, ProblemData};
 use crate::solver::activity::Activity;
-use crate::solver::tolerances::ROUNDING;
+use crate::solver::tolerances::{ROUNDING, SPREAD};
 
 impl ProblemData {
+    /// Returns true if these rows, of one objective, pull by so different forces that the rounding of one may
+    /// hide another.
+    pub(crate) fn have_spread<Id: Borrow<usize>>(
+        &self,
+        rows: impl IntoIterator<Item = Id>,
+        x_norm: f64,
+    ) -> bool {
+        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+        for id in rows {
+            let (id, norm) = (*id.borrow(), self.norms[*id.borrow()]);
+            if norm > 0.0 {
+                least = least.min(norm * norm * x_norm);
+                most = most.max(norm * self.magnitude(id, x_norm));
+            }
+        }
+        most > SPREAD * least
+    }
+
     /// The size that numbers in row `id` have at most at x: what rounding is relative to.
     pub(crate) fn magnitude(&self, id: usize, x_norm: f64) -> f64 {
         self.nearer_bound(id) + self.norms[id] * x_norm

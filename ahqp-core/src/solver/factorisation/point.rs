@@ -320,6 +320,7 @@ impl Factorisation {
         &self,
         data: &ProblemData,
         group: usize,
+        has_spread: bool,
         residual: &mut [f64],
         rounding: &mut [f64],
     ) {
@@ -333,7 +334,8 @@ impl Factorisation {
             for (entry, ((residual, rounding), &id)) in entries.zip(terms).skip(pivot + 1) {
                 sum += entry * residual;
                 // Each entry has the rounding of its whole row.
-                let of_entry = data.relative_rounding(id) * self.free_norm(data, id);
+                let of_entry =
+                    data.relative_rounding(id) * self.norm_of_entries(data, id, has_spread);
                 sum_rounding += entry.abs() * rounding + of_entry * residual.abs();
             }
             let own = self.rows[(start + pivot) * self.stride + coordinate];
