@@ -55,8 +55,8 @@ mod weights;
 
 pub use action::{Action, Tool, WalkingDirection};
 pub use body::{
-    Body, Body25, BodyTracker, Keypoint, StatureEstimate, TrackStatus, TrackedPerson,
-    TrackerSettings,
+    Body, Body25, BodyTracker, ImageBody, ImageKeypoint, Keypoint, StatureEstimate, TrackStatus,
+    TrackedPerson, TrackerSettings,
 };
 pub use confidence::Confidence;
 pub use error::Error;
