@@ -67,9 +67,11 @@ impl ActiveSet {
             // Least index first cannot cycle, but is slow: only after a stall.
             let choice = if stalled > self.data.n { Choice::First } else { Choice::Steepest };
             let has_minimum = self.set_direction(goal);
-            if let Some(row) = dropped.take_if(|row| row.frees_objectives_above)
+            if let Some(row) = dropped
+                && row.frees_objectives_above
                 && self.factorisation.moves_objectives_above(SETTLED * (1.0 + norm(&self.x)))
             {
+                dropped = None;
                 self.take_back(goal, &row);
                 continue;
             }
@@ -86,7 +88,7 @@ impl ActiveSet {
                 stalled += 1;
             }
             if let Some((id, bound)) = blocking {
-                if stalled > 0 && dropped.take().is_some_and(|row| row.id == id) {
+                if stalled > 0 && dropped.is_some_and(|row| row.id == id) {
                     self.kept.push(id);
                 }
                 dropped = None;
