@@ -1,5 +1,5 @@
-//! What the programs `reba` and `ergo_map` are made of: sheets as a table, and a person's map with
-//! its report and its pictures.
+//! What the programs `reba` and `ergo_map` are made of: the columns of assessors' sheets, and a
+//! person's map with its report and its pictures.
 
 mod assessment;
 mod body;
@@ -9,10 +9,11 @@ mod error;
 mod manikin;
 mod map_report;
 mod paint;
+mod reba;
+mod rula;
 mod saved_map;
 mod slices;
 mod study;
-mod table;
 
 use ergo_map::Side;
 
@@ -24,7 +25,6 @@ pub use map_report::MapReport;
 pub use saved_map::read_map;
 pub use slices::slices;
 pub use study::{ACCEPTABLE, Acceptable, MapStudy};
-pub use table::{Cell, Column, Extent, Sheet, SheetTable, TableError, Unknown};
 
 fn side_name(side: Side) -> &'static str {
     match side {

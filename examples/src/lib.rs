@@ -11,6 +11,8 @@ pub mod program;
 mod random;
 pub mod recording;
 pub mod report;
+pub mod sheets;
 pub mod simulation;
 pub mod soak;
 pub mod vision;
+pub mod workload;

@@ -10,8 +10,8 @@ use std::{
 use anyhow::{Context, Result};
 use clap::Parser;
 use ergo_map::{RulaWorksheet, Worksheet};
-use examples::ergonomics::{Extent, Sheet, SheetTable, TableError, Unknown};
 use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session};
+use examples::sheets::{Extent, Sheet, SheetTable, TableError, Unknown};
 use serde::Serialize;
 
 /// Scores filled-in REBA sheets, one a row of a comma-separated table.
@@ -87,9 +87,9 @@ impl Options {
             None => session.output(),
         };
         let mut rows = 0;
-        let scored = table.score(output, |count| {
-            rows = count;
-            progress.set(count);
+        let scored = table.score(output, |_| {
+            rows += 1;
+            progress.set(rows);
             !interrupt.requested()
         });
         progress.finish();

@@ -22,6 +22,7 @@ mod record;
 mod recording;
 mod soak;
 mod support;
+mod tlx;
 mod unfinished;
 mod vision_programs;
 mod walker;

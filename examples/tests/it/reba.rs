@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use ergo_map::{ContinuousReba, Mode, RulaWorksheet, Worksheet};
-use examples::ergonomics::{Cell, Extent, Sheet, SheetTable, TableError, Unknown};
+use examples::sheets::{Cell, Column, Extent, Sheet, SheetTable, TableError, Unknown};
 
 use crate::support::Runs;
 use proptest::prelude::*;
@@ -277,15 +277,15 @@ fn cell(kind: Cell) -> BoxedStrategy<String> {
         Cell::Load => (0.0..30.0).prop_map(|x: f64| x.to_string()).boxed(),
         Cell::Flag => (0..2_u8).prop_map(|x| x.to_string()).boxed(),
         Cell::Choice(words) => prop::sample::select(words).prop_map(str::to_owned).boxed(),
+        Cell::Rating | Cell::Tally => (0..=5_u8).prop_map(|x| x.to_string()).boxed(),
+        Cell::Name => "[a-z]{1,8}".boxed(),
     }
 }
 
 /// A table of one row with every column: names with cells, and the same in another order without
 /// the boxes that are not ticked.
 fn table<S: Sheet>() -> impl Strategy<Value = [Vec<(String, String)>; 2]> {
-    let named = |column: &examples::ergonomics::Column<S>| {
-        (Just(column.name.to_owned()), cell(column.cell)).boxed()
-    };
+    let named = |column: &Column<S>| (Just(column.name.to_owned()), cell(column.cell)).boxed();
     let columns: Vec<_> = S::COLUMNS.iter().map(named).collect();
     columns.prop_flat_map(|columns| {
         let needed =

@@ -3,9 +3,11 @@
 
 use ergo_map::{Error, LoadPattern, RulaWorksheet};
 
-use super::{Cell, Column, Sheet};
+use crate::sheets::{Cell, Column, Sheet};
 
 impl Sheet for RulaWorksheet {
+    type Error = Error;
+
     const COLUMNS: &'static [Column<Self>] = &[
         Column::needed("trunk_flex_deg", Cell::Angle, |s, x| s.trunk_flexion = x),
         Column::needed("neck_flex_deg", Cell::Angle, |s, x| s.neck_flexion = x),

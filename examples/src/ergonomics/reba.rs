@@ -2,12 +2,14 @@
 
 use ergo_map::{ContinuousReba, Coupling, Error, LegSupport, Mode, Worksheet};
 
-use super::{Cell, Column, Sheet};
+use crate::sheets::{Cell, Column, Sheet};
 
 const COUPLINGS: [Coupling; 4] =
     [Coupling::Good, Coupling::Fair, Coupling::Poor, Coupling::Unacceptable];
 
 impl Sheet for Worksheet {
+    type Error = Error;
+
     const COLUMNS: &'static [Column<Self>] = &[
         Column::needed("trunk_flex_deg", Cell::Angle, |s, x| s.trunk_flexion = x),
         Column::needed("neck_flex_deg", Cell::Angle, |s, x| s.neck_flexion = x),

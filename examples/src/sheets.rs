@@ -4,8 +4,6 @@ mod column;
 mod error;
 mod header;
 mod lines;
-mod reba;
-mod rula;
 
 use std::io::{BufRead, Write};
 
@@ -19,6 +17,9 @@ use crate::program::{WithoutMark, without_byte_order_mark};
 
 /// A sheet that assessors fill in: the columns it is read from and the scores it gives.
 pub trait Sheet: Default + 'static {
+    /// What a sheet as a whole may be refused for.
+    type Error: std::error::Error + Send + Sync + 'static;
+
     /// What the table may hold.
     const COLUMNS: &'static [Column<Self>];
     /// The names of the scores, in the order in which [`Sheet::scores`] gives them.
@@ -28,7 +29,7 @@ pub trait Sheet: Default + 'static {
     ///
     /// # Errors
     /// What the sheet itself refuses.
-    fn scores(&self) -> Result<Vec<String>, ergo_map::Error>;
+    fn scores(&self) -> Result<Vec<String>, Self::Error>;
 }
 
 /// How much of a table has been scored.
@@ -48,7 +49,7 @@ pub enum Extent {
 ///
 /// ```
 /// use ergo_map::Worksheet;
-/// use examples::ergonomics::{Extent, SheetTable, Unknown};
+/// use examples::sheets::{Extent, SheetTable, Unknown};
 ///
 /// let table = "id,trunk_flex_deg,neck_flex_deg,knee_flex_deg,upper_arm_flex_deg,\
 ///              lower_arm_flex_deg,wrist_flex_deg\nlift,70,10,0,30,80,0\n";
@@ -93,15 +94,15 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
     }
 
     /// Writes the same table with the scores of each row behind it, row by row, as long as
-    /// `go_on`, which is told the number of rows so far, says so. Rows before a fault have been
-    /// written when the error is returned.
+    /// `go_on`, which is given each sheet that has been scored, says so. Rows before a fault have
+    /// been written when the error is returned.
     ///
     /// # Errors
     /// [`TableError`] with line and column for the first fault.
     pub fn score(
         &mut self,
         output: impl Write,
-        go_on: impl FnMut(u64) -> bool,
+        go_on: impl FnMut(&S) -> bool,
     ) -> Result<Extent, TableError> {
         let mut scored = csv::Writer::from_writer(output);
         let outcome = self.append_scores(&mut scored, go_on);
@@ -113,26 +114,27 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
     fn append_scores(
         &mut self,
         scored: &mut csv::Writer<impl Write>,
-        mut go_on: impl FnMut(u64) -> bool,
+        mut go_on: impl FnMut(&S) -> bool,
     ) -> Result<Extent, TableError> {
         let scores = S::SCORES.iter().copied();
         write(scored, self.names.iter().map(String::as_str).chain(scores))?;
         let mut row = csv::StringRecord::new();
-        let mut count = 0;
-        while go_on(count) {
-            if !read(&mut self.rows, &mut row)? {
-                return Ok(Extent::Whole);
-            }
+        while read(&mut self.rows, &mut row)? {
             let line = self.rows.get_ref().line();
-            let scores = self.scores(line, &row)?;
+            let sheet = self.sheet(line, &row)?;
+            let scores = sheet.scores();
+            let scores =
+                scores.map_err(|source| TableError::Sheet { line, source: Box::new(source) })?;
             write(scored, row.iter().chain(scores.iter().map(String::as_str)))?;
-            count += 1;
+            if !go_on(&sheet) {
+                return Ok(Extent::Begun);
+            }
         }
-        Ok(Extent::Begun)
+        Ok(Extent::Whole)
     }
 
-    /// The scores of a row.
-    fn scores(&self, line: usize, row: &csv::StringRecord) -> Result<Vec<String>, TableError> {
+    /// The sheet of a row.
+    fn sheet(&self, line: usize, row: &csv::StringRecord) -> Result<S, TableError> {
         let expected = self.columns.len();
         if row.len() != expected {
             return Err(TableError::Cells { line, found: row.len(), expected });
@@ -148,7 +150,7 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
                 expected,
             })?;
         }
-        sheet.scores().map_err(|source| TableError::Sheet { line, source })
+        Ok(sheet)
     }
 }
 

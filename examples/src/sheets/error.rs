@@ -145,7 +145,7 @@ pub enum TableError {
         /// The line.
         line: usize,
         /// Why.
-        source: ergo_map::Error,
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// The scores cannot be written.
     #[error("cannot write the scores: {0}")]

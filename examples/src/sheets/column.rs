@@ -13,6 +13,12 @@ pub enum Cell {
     Flag,
     /// One of these words, or its index from 0.
     Choice(&'static [&'static str]),
+    /// A rating from 0 to 20.
+    Rating,
+    /// How often one of six scales was chosen over another: a whole number from 0 to 5.
+    Tally,
+    /// A name: any text but none.
+    Name,
 }
 
 /// A column of a table of sheets `S`.
@@ -23,28 +29,43 @@ pub struct Column<S> {
     pub cell: Cell,
     /// Whether a table must have it. What a missing column would hold is 0.
     pub needed: bool,
-    set: fn(&mut S, f64),
+    set: Set<S>,
+}
+
+/// How a cell goes on the sheet.
+enum Set<S> {
+    Number(fn(&mut S, f64)),
+    Text(fn(&mut S, &str)),
 }
 
 impl<S> Column<S> {
     /// A column that every table has.
-    pub(super) const fn needed(name: &'static str, cell: Cell, set: fn(&mut S, f64)) -> Self {
-        Self { name, cell, needed: true, set }
+    pub(crate) const fn needed(name: &'static str, cell: Cell, set: fn(&mut S, f64)) -> Self {
+        Self { name, cell, needed: true, set: Set::Number(set) }
     }
 
     /// A column that a table may leave out.
-    pub(super) const fn optional(name: &'static str, cell: Cell, set: fn(&mut S, f64)) -> Self {
-        Self { name, cell, needed: false, set }
+    pub(crate) const fn optional(name: &'static str, cell: Cell, set: fn(&mut S, f64)) -> Self {
+        Self { name, cell, needed: false, set: Set::Number(set) }
+    }
+
+    /// A column of names.
+    pub(crate) const fn name(name: &'static str, needed: bool, set: fn(&mut S, &str)) -> Self {
+        Self { name, cell: Cell::Name, needed, set: Set::Text(set) }
     }
 
     /// A box to tick.
-    pub(super) const fn flag(name: &'static str, set: fn(&mut S, f64)) -> Self {
+    pub(crate) const fn flag(name: &'static str, set: fn(&mut S, f64)) -> Self {
         Self::optional(name, Cell::Flag, set)
     }
 
     /// Puts a cell on the sheet; the error says what it should hold.
     pub(super) fn fill(&self, sheet: &mut S, cell: &str) -> Result<(), Cell> {
-        (self.set)(sheet, self.cell.value(cell).ok_or(self.cell)?);
+        match self.set {
+            Set::Number(set) => set(sheet, self.cell.value(cell).ok_or(self.cell)?),
+            Set::Text(_) if cell.is_empty() => return Err(self.cell),
+            Set::Text(set) => set(sheet, cell),
+        }
         Ok(())
     }
 }
@@ -76,6 +97,9 @@ impl Cell {
                     number.filter(|x| x.fract() == 0.0 && (0.0..words.len() as f64).contains(x));
                 named.map(|index| index as f64).or(index)
             }
+            Self::Rating => within(0.0, 20.0),
+            Self::Tally => within(0.0, 5.0).filter(|x| x.fract() == 0.0),
+            Self::Name => None,
         }
     }
 }
@@ -91,6 +115,9 @@ impl fmt::Display for Cell {
                     words.iter().enumerate().map(|(i, word)| format!("{i} ({word})")).collect();
                 write!(f, "one of {}", numbered.join(", "))
             }
+            Self::Rating => write!(f, "a rating from 0 to 20"),
+            Self::Tally => write!(f, "how often this scale was chosen, a whole number from 0 to 5"),
+            Self::Name => write!(f, "a name"),
         }
     }
 }

@@ -1,0 +1,119 @@
+//! Scores NASA-TLX questionnaires and compares conditions.
+
+use std::{
+    fs::File,
+    io::{BufRead, BufReader, Write, sink},
+    path::PathBuf,
+    process::ExitCode,
+};
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, ResultFile, Session};
+use examples::sheets::{SheetTable, Unknown};
+use examples::workload::{Questionnaire, WorkloadStudy, figure};
+
+/// Scores NASA-TLX questionnaires, one a row of a comma-separated table, and compares conditions.
+///
+/// The first line names the columns. Needed are subject, the ratings from 0 to 20 temporal_demand,
+/// mental_demand, effort, physical_demand and frustration, and either performance (0 is perfect, as on
+/// NASA's sheet) or performance_inverted (20 is perfect). A column condition names what is compared:
+/// each subject answers once under each. With weight_temporal_demand and so on, how often each scale
+/// was chosen in the fifteen choices between two, there is a weighted score too.
+///
+/// Prints mean, median and quartiles by condition, and for every two conditions the exact Wilcoxon
+/// signed-rank test of each scale, corrected by Holm, with its effect size.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Options {
+    /// The table; - is standard input.
+    #[arg(long, short, value_name = "FILE")]
+    input: PathBuf,
+    /// Write the table with the raw and the weighted score of each row behind it.
+    #[arg(long, value_name = "FILE")]
+    scores: Option<PathBuf>,
+    /// Draw the box plot, as SVG.
+    #[arg(long, value_name = "FILE")]
+    figure: Option<PathBuf>,
+    /// Refuse columns that are not known instead of passing them through.
+    #[arg(long)]
+    strict: bool,
+    #[command(flatten)]
+    result: ResultFile,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
+}
+
+impl Program for Options {
+    fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        let mut result = self.result.create()?;
+        let mut scores = self.scores.as_ref().map(OutputFile::create).transpose()?;
+        let drawing = self.figure.as_ref().map(OutputFile::create).transpose()?;
+        let read = match &mut scores {
+            Some(file) => self.read(session, file),
+            None => self.read(session, &mut sink()),
+        };
+        // An interrupt also ends standard input with an error.
+        session.interrupt().check()?;
+        let questionnaires = read.with_context(|| self.shown())?;
+        let study = WorkloadStudy::new(&questionnaires).with_context(|| self.shown())?;
+        match &mut result {
+            Some(file) => write!(file, "{study}")?,
+            None => write!(session.output(), "{study}")?,
+        }
+        if let Some(mut file) = drawing {
+            file.push(figure(&study)?.as_bytes())?;
+            file.keep()?;
+        }
+        for file in [scores, result].into_iter().flatten() {
+            file.keep()?;
+        }
+        session.print_json(self.json, &study, Ending::Complete)?;
+        Ok(Ending::Complete)
+    }
+}
+
+impl Options {
+    /// The input's name for messages.
+    fn shown(&self) -> String {
+        match self.input.to_str() {
+            Some("-") => "standard input".to_owned(),
+            _ => self.input.display().to_string(),
+        }
+    }
+
+    /// Reads the questionnaires and writes their scores.
+    fn read(&self, session: &Session, scores: &mut dyn Write) -> Result<Vec<Questionnaire>> {
+        let unknown = if self.strict { Unknown::Refuse } else { Unknown::PassThrough };
+        let mut table = SheetTable::<Questionnaire, _>::new(self.open(session)?, unknown)?;
+        let passed_through = table.unknown().collect::<Vec<_>>().join(", ");
+        if !passed_through.is_empty() {
+            let shown = self.shown();
+            session.note(format_args!("{shown}: not used: {passed_through}"));
+        }
+        let mut questionnaires = Vec::new();
+        table.score(scores, |questionnaire| {
+            questionnaires.push(questionnaire.clone());
+            !session.interrupt().requested()
+        })?;
+        Ok(questionnaires)
+    }
+
+    fn open(&self, session: &Session) -> Result<Box<dyn BufRead>> {
+        if self.input.as_os_str() == "-" {
+            return Ok(Box::new(session.standard_input()?));
+        }
+        let file = File::open(&self.input).context("cannot open it")?;
+        Ok(Box::new(BufReader::new(file)))
+    }
+}
+
+fn main() -> ExitCode {
+    program::main::<Options>()
+}

@@ -1,0 +1,18 @@
+//! What the program `tlx` is made of: NASA-TLX questionnaires, their scores, the comparison of
+//! conditions under which the same subjects worked, and the box plot (the paper's Experiment 5).
+
+mod comparison;
+mod error;
+mod figure;
+mod quartiles;
+mod questionnaire;
+mod signed_rank;
+mod study;
+
+pub use comparison::{Comparison, Tested};
+pub use error::{QuestionnaireError, WorkloadError};
+pub use figure::figure;
+pub use quartiles::Quartiles;
+pub use questionnaire::{Questionnaire, Scale};
+pub use signed_rank::SignedRank;
+pub use study::{Condition, WorkloadStudy};
