@@ -15,12 +15,15 @@ struct Inputs {
 const SET: &str = "hqpset x 1\nproblem 0 p 1 1\nlevel G 0 1\n1 4 4\n";
 const SHEETS: &str = "trunk_flex_deg,neck_flex_deg,knee_flex_deg,upper_arm_flex_deg,\
                       lower_arm_flex_deg,wrist_flex_deg\n0,0,0,0,80,0\n";
+const ANSWERS: &str = "subject,temporal_demand,mental_demand,effort,physical_demand,performance,\
+                       frustration\nS,1,2,3,4,5,6\n";
 
 impl Inputs {
     fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("set.hqp"), SET).unwrap();
         fs::write(folder.path().join("sheets.csv"), SHEETS).unwrap();
+        fs::write(folder.path().join("answers.csv"), ANSWERS).unwrap();
         Self { folder }
     }
 
@@ -38,6 +41,7 @@ impl Inputs {
             Runs::new("hqp").with(&[path("set.hqp")]),
             Runs::new("reba").with(&["--input", &path("sheets.csv")]),
             Runs::new("ergo_map").with(&["--load", coarse_map_file(), "-o", &path("map")]),
+            Runs::new("tlx").with(&["--input", &path("answers.csv")]),
         ]
     }
 
@@ -49,7 +53,7 @@ impl Inputs {
     }
 }
 
-const PROGRAMS: [&str; 6] = ["record", "follow", "soak", "hqp", "reba", "ergo_map"];
+const PROGRAMS: [&str; 7] = ["record", "follow", "soak", "hqp", "reba", "ergo_map", "tlx"];
 
 #[test]
 fn a_closed_output_ends_every_program_quietly() {
@@ -99,6 +103,7 @@ fn help_says_what_each_program_does_and_how_it_ends() {
         ("soak", "Tries the controller on random people"),
         ("hqp", "Solves a set of hierarchical quadratic problems"),
         ("reba", "Scores filled-in REBA sheets"),
+        ("tlx", "Scores NASA-TLX questionnaires"),
         ("ergo_map", "Builds the ergonomics map of a person: how"),
     ] {
         let help = Runs::new(name).with(&["--help"]).run().done().output;
