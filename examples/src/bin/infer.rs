@@ -2,7 +2,7 @@
 
 use std::{io::Write, path::PathBuf, process::ExitCode, time::Instant};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Parser;
 use examples::program::{
     self, Ending, Json, OutputFile, Program, ProgramError, Quiet, Session, Threads,
@@ -173,10 +173,10 @@ impl Arguments {
         let input = read_array(&self.input)?;
         let weights = open_checkpoint(&self.weights)?;
         let of_weights = |error| of_weights(&self.weights, Accepted::All, error);
-        if let NetworkKind::ResNet(depth) = self.model {
+        if let NetworkKind::ResNet(form) = self.model {
             let images: Array4<f32> = self.of_dimension(input, "images are N × 3 × H × W")?;
             let (_, _, height, width) = images.dim();
-            let network = ResNet::load(depth, weights, [height, width], options);
+            let network = ResNet::load(form, weights, [height, width], options);
             return Ok(Inference::Images(network.map_err(of_weights)?, images));
         }
         let clips: Array5<f32> = self.of_dimension(input, "clips are N × 3 × T × H × W")?;
@@ -185,7 +185,10 @@ impl Arguments {
             let network = SlowOnly::load(form, weights, [frames, height, width], options);
             return Ok(Inference::Clips(network.map_err(of_weights)?, clips));
         }
-        let network = SlowFast::load(weights, [height, width], options);
+        let NetworkKind::SlowFast(form) = self.model else {
+            bail!("{} does not run on one array", self.model)
+        };
+        let network = SlowFast::load(form, weights, [frames, height, width], options);
         Ok(Inference::TwoSpeeds(network.map_err(of_weights)?, clips))
     }
 
