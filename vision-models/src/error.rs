@@ -274,8 +274,8 @@ pub enum Error {
     /// A video or a folder without frames.
     #[error("no frames: give at least one, or a folder with JPEG or PNG files")]
     NoFrames,
-    /// Samples, labels, classes and planes of a linear machine that do not fit together.
-    #[error("linear SVM: {problem}")]
+    /// Samples, labels, classes and weights of a linear classifier that do not fit together.
+    #[error("linear classifier: {problem}")]
     Samples {
         /// What does not fit, and what would.
         problem: String,

@@ -50,6 +50,8 @@ mod error;
 #[cfg(feature = "inference")]
 mod file;
 #[cfg(feature = "inference")]
+mod head;
+#[cfg(feature = "inference")]
 mod kernels;
 #[cfg(feature = "inference")]
 mod labels;
@@ -64,6 +66,8 @@ mod percept;
 mod pose;
 #[cfg(feature = "inference")]
 mod preprocessing;
+#[cfg(feature = "inference")]
+mod samples;
 mod surface;
 #[cfg(feature = "inference")]
 mod svm;
@@ -79,6 +83,8 @@ pub use confidence::Confidence;
 #[cfg(feature = "inference")]
 pub use engine::{Options, Scores};
 pub use error::Error;
+#[cfg(feature = "inference")]
+pub use head::{Epoch, HeadSettings, HeadTrainer, LinearHead};
 #[cfg(feature = "inference")]
 pub use kernels::InstructionSet;
 #[cfg(feature = "inference")]

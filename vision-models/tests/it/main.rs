@@ -20,6 +20,8 @@ mod engine;
 #[cfg(feature = "inference")]
 mod graphs;
 #[cfg(feature = "inference")]
+mod heads;
+#[cfg(feature = "inference")]
 mod labels;
 #[cfg(feature = "inference")]
 mod malformed_checkpoints;
