@@ -4,7 +4,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use vision_models::{
     NetworkKind,
     ResNetDepth::{self, Eighteen, Fifty, OneHundredFiftyTwo, OneHundredOne, ThirtyFour},
-    ResNetForm, SlowFastForm,
+    ResNetForm, SimpleBaselineForm, SlowFastForm,
     SlowOnlyForm::{self, MmAction2, MmAction2Depth18, MmAction2Depth101, PyTorchVideo},
 };
 
@@ -50,10 +50,17 @@ fn networks() -> Choices<NetworkKind> {
         ("slowfast_r50_4x16_mm", SlowFastForm::MmAction2EveryEighth(Fifty)),
         ("slowfast_r101_4x16_mm", SlowFastForm::MmAction2EveryEighth(OneHundredOne)),
     ];
+    let simple_baselines = [
+        ("simple_baseline", SimpleBaselineForm::Microsoft),
+        ("simple_baseline_mmpose0", SimpleBaselineForm::MmPose0),
+        ("simple_baseline_mmpose1", SimpleBaselineForm::MmPose1),
+    ];
+    let simple_baselines =
+        simple_baselines.map(|(name, form)| (name, NetworkKind::SimpleBaseline(form)));
     let resnets = resnets.map(|(name, form)| (name, NetworkKind::ResNet(form)));
     let slow_onlys = forms().into_iter().map(|(name, form)| (name, NetworkKind::SlowOnly(form)));
     let slow_fasts = slow_fasts.map(|(name, form)| (name, NetworkKind::SlowFast(form)));
-    resnets.into_iter().chain(slow_onlys).chain(slow_fasts).collect()
+    resnets.into_iter().chain(slow_onlys).chain(slow_fasts).chain(simple_baselines).collect()
 }
 
 /// Reads the depth of a ResNet: 18, 34, 50, 101 or 152.

@@ -14,8 +14,7 @@ use super::sampling::{Scaling, check_image};
 /// non-commercial): everyone in an image at once, without boxes. Z. Cao, T. Simon, S.-E. Wei and Y. Sheikh,
 /// "Realtime multi-person 2D pose estimation using part affinity fields", CVPR 2017.
 ///
-/// It is costly: [`Self::operations`] says 243 GFLOP for 368 × 496 pixels, which is twenty times that of
-/// [`SimpleBaseline`](crate::SimpleBaseline).
+/// It is costly: 366 GFLOP for 368 × 496 pixels, 34 times [`SimpleBaseline`](crate::SimpleBaseline)'s.
 ///
 /// ```no_run
 /// use vision_models::{Checkpoint, GroupingSettings, OpenPose, Options, read_image};
