@@ -10,7 +10,7 @@ use divan::Bencher;
 use ndarray::{Array4, Array5, s};
 use support::{input, weights};
 use vision_models::{
-    Options, ResNet, ResNetDepth, SlowFast, SlowOnly, SlowOnlyForm, SlowOnlyStream,
+    Options, ResNet, ResNetDepth, SlowFast, SlowFastForm, SlowOnly, SlowOnlyForm, SlowOnlyStream,
 };
 
 const THREADS: [usize; 2] = [1, 2];
@@ -80,8 +80,9 @@ fn slow_only_new_frame(bencher: Bencher, threads: usize) {
 
 #[divan::bench(args = THREADS, sample_count = 5)]
 fn slow_fast(bencher: Bencher, threads: usize) {
-    let tensors = weights(SlowFast::parameters(400));
-    let mut network = SlowFast::load(tensors, [224, 224], options(threads)).unwrap();
+    let form = SlowFastForm::PyTorchVideo;
+    let tensors = weights(SlowFast::parameters(form, 400));
+    let mut network = SlowFast::load(form, tensors, [32, 224, 224], options(threads)).unwrap();
     let clip: Array5<f32> = input((1, 3, 32, 224, 224));
     bencher.bench_local(|| network.infer(clip.view()).unwrap().logits[[0, 0]]);
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+#[cfg(feature = "inference")]
 use crate::{CheckpointError, NetworkKind};
 
 /// A value that this crate refuses, with the place and what would be right.
@@ -65,10 +66,11 @@ pub enum Error {
         expected: &'static str,
     },
     /// A checkpoint that is not the network's. The message has the first few names only.
+    #[cfg(feature = "inference")]
     #[error("{}", WeightsMessage { network, found, lists: [missing, surplus, misshapen] })]
     Weights {
-        /// The network that was to be loaded.
-        network: NetworkKind,
+        /// The network that was to be loaded, if it is one of this crate.
+        network: Option<NetworkKind>,
         /// The network that the checkpoint holds, if it is a known one.
         found: Option<NetworkKind>,
         /// Names and shapes of tensors that the network needs and the checkpoint lacks.
@@ -120,8 +122,8 @@ pub enum Error {
     },
     /// Images or clips of the wrong shape.
     #[error(
-        "an input of shape {shape:?}: give images of N x 3 x height x width or clips of \
-         N x 3 x frames x height x width, N at least one"
+        "an input of shape {shape:?} (N, channels, frames, height, width): give at least one image or \
+         clip, of as many channels as the network takes, three as a rule"
     )]
     InputShape {
         /// The shape that was given, as N, channels, frames, height, width.
@@ -130,6 +132,12 @@ pub enum Error {
     /// Images or clips that are smaller than the network's kernels.
     #[error("frames, height and width {size:?} are too small for the network")]
     InputTooSmall {
+        /// Frames, height and width.
+        size: [usize; 3],
+    },
+    /// Images or clips that are beyond all memory.
+    #[error("frames, height and width {size:?} are too large for the memory of this machine")]
+    InputTooLarge {
         /// Frames, height and width.
         size: [usize; 3],
     },
@@ -201,6 +209,7 @@ pub enum Error {
         reason: String,
     },
     /// A checkpoint that is refused.
+    #[cfg(feature = "inference")]
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
     /// An image file that cannot be decoded.
@@ -219,6 +228,39 @@ pub enum Error {
         /// The shape that is right.
         expected: String,
     },
+    /// A person's box that is none.
+    #[error("a person's box at {left}, {top} of {width} × {height} pixels: give {expected}")]
+    PersonBox {
+        /// Its left edge (pixels).
+        left: f64,
+        /// Its upper edge (pixels).
+        top: f64,
+        /// Its width (pixels).
+        width: f64,
+        /// Its height (pixels).
+        height: f64,
+        /// What would be right.
+        expected: &'static str,
+    },
+    /// Maps of joints and limbs of the wrong shape.
+    #[error(
+        "maps of shape {joints:?} for the joints and {limbs:?} for the limbs: give 19 (or 18) and 38 maps of one \
+         size"
+    )]
+    PartMaps {
+        /// The shape of the joints' maps.
+        joints: Vec<usize>,
+        /// The shape of the limbs' fields.
+        limbs: Vec<usize>,
+    },
+    /// A value of such a map that is NaN or infinite.
+    #[error("map {}, row {}, column {} is {value}: give finite numbers", .index[0], .index[1], .index[2])]
+    PartMapsNotFinite {
+        /// The value that was given.
+        value: f32,
+        /// Map, row and column.
+        index: [usize; 3],
+    },
     /// A crop that does not fit the resized frame.
     #[error("a crop of {crop} × {crop} does not fit a frame resized to {height} × {width}")]
     CropTooLarge {
@@ -232,8 +274,8 @@ pub enum Error {
     /// A video or a folder without frames.
     #[error("no frames: give at least one, or a folder with JPEG or PNG files")]
     NoFrames,
-    /// Samples, labels, classes and planes of a linear machine that do not fit together.
-    #[error("linear SVM: {problem}")]
+    /// Samples, labels, classes and weights of a linear classifier that do not fit together.
+    #[error("linear classifier: {problem}")]
     Samples {
         /// What does not fit, and what would.
         problem: String,
@@ -275,6 +317,22 @@ pub enum Error {
         /// Their lines, counted from one.
         lines: [usize; 2],
     },
+    /// Names of classes that are not a network's.
+    #[error("{names} class names for {classes} classes: give one for each")]
+    ClassCount {
+        /// How many names there are.
+        names: usize,
+        /// How many classes there are.
+        classes: usize,
+    },
+    /// An input that a batch does not have.
+    #[error("input {input} of a batch of {inputs}: count from zero")]
+    BatchIndex {
+        /// The input that was asked for.
+        input: usize,
+        /// How many there are.
+        inputs: usize,
+    },
     /// A class that does not exist.
     #[error("class {class} of {classes}: count from zero")]
     ClassIndex {
@@ -312,20 +370,29 @@ impl fmt::Display for Excerpt<'_> {
 }
 
 /// What is wrong with a checkpoint, in a few lines.
+#[cfg(feature = "inference")]
 struct WeightsMessage<'a> {
-    network: &'a NetworkKind,
+    network: &'a Option<NetworkKind>,
     found: &'a Option<NetworkKind>,
     /// Missing, surplus, misshapen.
     lists: [&'a [String]; 3],
 }
 
+#[cfg(feature = "inference")]
 impl fmt::Display for WeightsMessage<'_> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         const SHOWN: usize = 3;
         if let Some(found) = self.found {
-            return write!(formatter, "the checkpoint is a {found}, not a {}", self.network);
+            write!(formatter, "the checkpoint is a {found}")?;
+            return match self.network {
+                Some(network) => write!(formatter, ", not a {network}"),
+                None => Ok(()),
+            };
         }
-        write!(formatter, "the checkpoint does not fit a {}", self.network)?;
+        match self.network {
+            Some(network) => write!(formatter, "the checkpoint does not fit a {network}")?,
+            None => write!(formatter, "the checkpoint does not fit the network")?,
+        }
         for (what, names) in ["missing", "surplus", "misshapen"].into_iter().zip(self.lists) {
             if names.is_empty() {
                 continue;

@@ -7,8 +7,12 @@
 // A function that is generic over the instruction set has it enabled only where it is inlined.
 #![allow(clippy::inline_always)]
 
+mod affinity;
 mod buffer;
+mod copy;
+mod depthwise;
 mod direct;
+mod epilogue;
 mod isa;
 mod pack;
 mod pooling;
@@ -18,12 +22,19 @@ mod shared_slice;
 mod tests;
 mod threads;
 mod vector;
+mod window;
 mod winograd;
 
 pub(crate) use buffer::Buffer;
-pub(crate) use direct::{Direct, Epilogue, Window};
+pub(crate) use copy::Copy;
+pub(crate) use depthwise::Depthwise;
+pub(crate) use direct::{Direct, Operands};
+pub(crate) use epilogue::{Epilogue, Finish};
 pub use isa::InstructionSet;
 pub(crate) use pack::{Panels, pack};
 pub(crate) use pooling::MaxPool;
 pub(crate) use threads::Pool;
+pub use threads::Waiting;
+pub(crate) use window::Phase;
+pub use window::Window;
 pub(crate) use winograd::{Tiling, Winograd};

@@ -39,6 +39,18 @@ impl Layout {
         self.padded().iter().product::<usize>() * self.channels
     }
 
+    /// The same where it may be more than a slice can have: `None` then. The other methods are for layouts
+    /// that can be.
+    pub(crate) fn checked_length(&self) -> Option<usize> {
+        let axes = (0..3).map(|axis| {
+            self.before[axis].checked_add(self.size[axis])?.checked_add(self.after[axis])
+        });
+        let length = axes
+            .chain([Some(self.channels)])
+            .try_fold(1_usize, |all, axis| all.checked_mul(axis?))?;
+        (length <= isize::MAX as usize / size_of::<f32>()).then_some(length)
+    }
+
     /// Where the first pixel inside the border starts.
     pub(crate) fn origin(&self) -> usize {
         self.strides().iter().zip(&self.before).map(|(stride, before)| stride * before).sum()
@@ -85,6 +97,30 @@ impl Layout {
             self.before[axis] = self.before[axis].max(before[axis]);
             self.after[axis] = self.after[axis].max(after[axis]);
         }
+    }
+}
+
+/// Neighbouring channels of an activation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Channels {
+    /// The activation's.
+    pub(crate) layout: Layout,
+    /// The first of the channels.
+    pub(crate) first: usize,
+    /// How many they are.
+    pub(crate) count: usize,
+}
+
+impl Channels {
+    /// Where the channels of the first pixel inside the border start.
+    pub(crate) fn origin(&self) -> usize {
+        self.layout.origin() + self.first
+    }
+
+    /// Whether the activation has them.
+    pub(crate) fn exist(&self) -> bool {
+        let end = self.first.checked_add(self.count);
+        self.count > 0 && end.is_some_and(|end| end <= self.layout.channels)
     }
 }
 

@@ -5,6 +5,10 @@
 //! noisy and sometimes missing, into a [`TrackedPerson`] that a control loop can ask for at any
 //! time.
 //!
+//! The feature `inference`, on by default, is what makes percepts of images: networks and [the engine that
+//! runs them](engine), their weights, pre-processing, pose estimation and classification. Without it there are
+//! percepts, bodies in images and tracking.
+//!
 //! Units are SI and radians. Positions are in the world frame: x and y on the floor, z up. The
 //! person's frame has its origin on the floor below the pelvis, x forwards and y to the left.
 //!
@@ -40,17 +44,34 @@
 mod action;
 mod body;
 mod confidence;
+#[cfg(feature = "inference")]
+pub mod engine;
 mod error;
+#[cfg(feature = "inference")]
 mod file;
+#[cfg(feature = "inference")]
+mod head;
+#[cfg(feature = "inference")]
 mod kernels;
+#[cfg(feature = "inference")]
 mod labels;
+#[cfg(feature = "inference")]
 mod layout;
+#[cfg(feature = "inference")]
 mod metrics;
+#[cfg(feature = "inference")]
 mod networks;
 mod percept;
+#[cfg(feature = "inference")]
+mod pose;
+#[cfg(feature = "inference")]
 mod preprocessing;
+#[cfg(feature = "inference")]
+mod samples;
 mod surface;
+#[cfg(feature = "inference")]
 mod svm;
+#[cfg(feature = "inference")]
 mod weights;
 
 pub use action::{Action, Tool, WalkingDirection};
@@ -59,21 +80,36 @@ pub use body::{
     TrackedPerson, TrackerSettings,
 };
 pub use confidence::Confidence;
+#[cfg(feature = "inference")]
+pub use engine::{Options, Scores};
 pub use error::Error;
+#[cfg(feature = "inference")]
+pub use head::{Epoch, HeadSettings, HeadTrainer, LinearHead};
+#[cfg(feature = "inference")]
 pub use kernels::InstructionSet;
+#[cfg(feature = "inference")]
 pub use labels::ClassNames;
+#[cfg(feature = "inference")]
 pub use metrics::{ConfusionMatrix, softmax, top_k, top_k_accuracy};
+#[cfg(feature = "inference")]
 pub use networks::{
-    NetworkKind, Options, ResNet, ResNetDepth, Scores, SlowFast, SlowOnly, SlowOnlyForm,
-    SlowOnlyStream,
+    NetworkKind, OpenPoseForm, ResNet, ResNetDepth, ResNetForm, SimpleBaselineForm, SlowFast,
+    SlowFastForm, SlowOnly, SlowOnlyForm, SlowOnlyStream,
 };
 pub use percept::{Percept, RecognisedAction, RecognisedSurface};
+#[cfg(feature = "inference")]
+pub use pose::{
+    Coco18, GroupingSettings, OpenPose, Passes, PersonBox, SimpleBaseline, group_parts,
+};
+#[cfg(feature = "inference")]
 pub use preprocessing::{
     ClipSampling, Crops, Library, Preprocessing, Resize, decode_image, list_frames, read_image,
     resize_opencv, resize_pillow,
 };
 pub use surface::Surface;
+#[cfg(feature = "inference")]
 pub use svm::{Bias, LinearSvm, Loss, SvmSettings, Training};
+#[cfg(feature = "inference")]
 pub use weights::{
     Checkpoint, CheckpointError, ElementType, Format, PickleProblem, Tensor, TensorInfo,
     TensorSource, Tensors,

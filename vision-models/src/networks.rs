@@ -1,29 +1,23 @@
-//! The paper's networks.
+//! The paper's networks, and their kin.
 // Views are small, and given by value as everywhere with ndarray.
 #![allow(clippy::needless_pass_by_value)]
 
 mod backbone;
-mod graph;
-mod head;
+mod clips;
 mod kind;
-mod memory;
 mod naming;
-mod network;
-mod parameters;
-mod plan;
+mod open_pose;
 mod resnet;
-mod session;
-mod shapes;
+mod simple_baseline;
 mod slow_fast;
 mod slow_only;
 mod stream;
-#[cfg(test)]
-mod tests;
 
 pub use backbone::ResNetDepth;
 pub use kind::NetworkKind;
-pub use network::{Options, Scores};
-pub use resnet::ResNet;
-pub use slow_fast::SlowFast;
+pub use open_pose::OpenPoseForm;
+pub use resnet::{ResNet, ResNetForm};
+pub use simple_baseline::SimpleBaselineForm;
+pub use slow_fast::{SlowFast, SlowFastForm};
 pub use slow_only::{SlowOnly, SlowOnlyForm};
 pub use stream::SlowOnlyStream;

@@ -6,14 +6,15 @@ mod dual;
 mod file;
 mod settings;
 
-use std::collections::BTreeMap;
-
 use ndarray::{Array1, Array2, ArrayView1, ArrayView2, Axis};
 
 pub use dual::Training;
 pub use settings::{Bias, Loss, SvmSettings};
 
-use crate::{Error, error::Excerpt};
+use crate::{
+    Error,
+    samples::{check_classes, check_finite, check_samples},
+};
 
 /// A linear classifier: for two classes one plane, whose positive side is the second class; for
 /// more, one plane a class against the rest, and the class whose plane is farthest behind wins.
@@ -59,7 +60,7 @@ impl LinearSvm {
         settings: &SvmSettings,
     ) -> Result<(Self, Vec<Training>), Error> {
         settings.validate()?;
-        check_samples(&samples, labels, &classes)?;
+        check_samples(&samples, labels, &classes, Self::MAX_SAMPLES)?;
         let samples = samples.mapv(f64::from);
         let products = samples.dot(&samples.t());
 
@@ -158,63 +159,5 @@ impl LinearSvm {
         }
         let best = decisions.iter().enumerate().max_by(|(_, one), (_, other)| one.total_cmp(other));
         Ok(best.map_or(0, |(class, _)| class))
-    }
-}
-
-fn check_samples(
-    samples: &ArrayView2<'_, f32>,
-    labels: &[usize],
-    classes: &[String],
-) -> Result<(), Error> {
-    check_classes(classes)?;
-    let (count, features) = samples.dim();
-    let refuse = |problem| Err(Error::Samples { problem });
-    if labels.len() != count || features == 0 || count > LinearSvm::MAX_SAMPLES {
-        let most = LinearSvm::MAX_SAMPLES;
-        return refuse(format!(
-            "{count} samples of {features} features have {} labels: give one label each, at least \
-             one feature and at most {most} samples",
-            labels.len()
-        ));
-    }
-    if let Some((sample, label)) = labels.iter().enumerate().find(|(_, l)| **l >= classes.len()) {
-        let classes = classes.len();
-        return refuse(format!("sample {sample} is of class {label}, of {classes} from zero"));
-    }
-    if let Some(class) = (0..classes.len()).find(|class| !labels.contains(class)) {
-        return refuse(format!("class {class} (\"{}\") has no sample", classes[class]));
-    }
-    check_finite(samples)
-}
-
-fn check_classes(classes: &[String]) -> Result<(), Error> {
-    let refuse = |problem| Err(Error::Samples { problem });
-    if classes.len() < 2 {
-        return refuse(format!("{} classes: give at least two", classes.len()));
-    }
-    let mut seen = BTreeMap::new();
-    for (class, name) in classes.iter().enumerate() {
-        let shown = Excerpt(name);
-        if name.is_empty() {
-            return refuse(format!("class {class} has no name: give each class one"));
-        }
-        if name.trim() != name || name.contains(['\n', '\r']) {
-            return refuse(format!("the class name \"{shown}\" has spaces around it or two lines"));
-        }
-        if let Some(other) = seen.insert(name, class) {
-            return refuse(format!(
-                "classes {other} and {class} are both named \"{shown}\": give each its own name"
-            ));
-        }
-    }
-    Ok(())
-}
-
-fn check_finite(samples: &ArrayView2<'_, f32>) -> Result<(), Error> {
-    match samples.indexed_iter().find(|(_, value)| !value.is_finite()) {
-        Some(((row, column), &value)) => {
-            Err(Error::Feature { row, column, value: f64::from(value) })
-        }
-        None => Ok(()),
     }
 }

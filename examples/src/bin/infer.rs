@@ -2,7 +2,7 @@
 
 use std::{io::Write, path::PathBuf, process::ExitCode, time::Instant};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Parser;
 use examples::program::{
     self, Ending, Json, OutputFile, Program, ProgramError, Quiet, Session, Threads,
@@ -12,10 +12,12 @@ use examples::vision::{
     errors::{of_weights, open_checkpoint},
     npy::read_array,
 };
-use ndarray::{Array, Array2, Array4, Array5, ArrayD, Dimension};
+use ndarray::{Array, Array4, Array5, ArrayD, ArrayViewD, Dimension};
 use ndarray_npy::WriteNpyExt;
 use serde::Serialize;
-use vision_models::{Error, NetworkKind, Options, ResNet, Scores, SlowFast, SlowOnly};
+use vision_models::{
+    Error, NetworkKind, Options, Passes, ResNet, Scores, SimpleBaseline, SlowFast, SlowOnly,
+};
 
 /// Runs a network on an array of normalised images or clips.
 ///
@@ -40,7 +42,7 @@ struct Arguments {
     /// How often to run; the first run is not counted if there are more.
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
-    /// Where the scores go, N × classes (or features), f32, as .npy.
+    /// Where the scores go, N × classes (or features, or joints × rows × columns), f32, as .npy.
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
@@ -56,15 +58,21 @@ enum Inference {
     Images(ResNet, Array4<f32>),
     Clips(SlowOnly, Array5<f32>),
     TwoSpeeds(SlowFast, Array5<f32>),
+    Joints(Box<SimpleBaseline>, Array4<f32>),
 }
 
 impl Inference {
-    fn run(&mut self) -> Result<Scores<'_>, Error> {
-        match self {
-            Self::Images(network, images) => network.infer(images.view()),
-            Self::Clips(network, clips) => network.infer(clips.view()),
-            Self::TwoSpeeds(network, clips) => network.infer(clips.view()),
-        }
+    /// Logits, features or maps.
+    fn run(&mut self, features: bool) -> Result<ArrayViewD<'_, f32>, Error> {
+        let Scores { logits, features: pooled } = match self {
+            Self::Images(network, images) => network.infer(images.view())?,
+            Self::Clips(network, clips) => network.infer(clips.view())?,
+            Self::TwoSpeeds(network, clips) => network.infer(clips.view())?,
+            Self::Joints(network, images) => {
+                return Ok(network.heatmaps(images.view())?.into_dyn());
+            }
+        };
+        Ok(if features { pooled } else { logits }.into_dyn())
     }
 
     /// Multiplications and additions for the whole batch.
@@ -73,6 +81,7 @@ impl Inference {
             Self::Images(network, images) => (images.dim().0, network.operations()),
             Self::Clips(network, clips) => (clips.dim().0, network.operations()),
             Self::TwoSpeeds(network, clips) => (clips.dim().0, network.operations()),
+            Self::Joints(network, images) => (images.dim().0, network.operations()),
         };
         batch as f64 * operations as f64
     }
@@ -83,8 +92,8 @@ impl Inference {
 struct Timed {
     network: String,
     output: PathBuf,
-    /// Inputs, and classes or features.
-    shape: [usize; 2],
+    /// Inputs, and classes or features; of a pose network joints, rows and columns.
+    shape: Vec<usize>,
     load_s: f64,
     #[serde(flatten)]
     times: Times,
@@ -107,15 +116,15 @@ impl Program for Arguments {
         let progress = session.progress("runs", u64::from(self.repeat));
         let repeat = self.repeat as usize;
         let mut times = Vec::new();
-        let mut result = Array2::default((0, 0));
+        let mut result = ArrayD::default(vec![0]);
         while times.len() < repeat {
             if session.interrupt().requested() {
                 break;
             }
             let start = Instant::now();
-            let scores = inference.run()?;
+            let scores = inference.run(self.features)?;
             times.push(start.elapsed().as_secs_f64());
-            result = if self.features { scores.features } else { scores.logits }.to_owned();
+            result = scores.as_standard_layout().into_owned();
             progress.set(times.len() as u64);
         }
         progress.finish();
@@ -140,7 +149,7 @@ impl Program for Arguments {
             1e3 * median_s,
             1e3 * minimum_s
         )?;
-        let shape = result.dim().into();
+        let shape = result.shape().to_vec();
         let network = self.model.to_string();
         let timed = Timed { network, output: self.output, shape, load_s, times, gflop_per_s };
         session.print_json(self.json, &timed, ending)?;
@@ -173,11 +182,16 @@ impl Arguments {
         let input = read_array(&self.input)?;
         let weights = open_checkpoint(&self.weights)?;
         let of_weights = |error| of_weights(&self.weights, Accepted::All, error);
-        if let NetworkKind::ResNet(depth) = self.model {
+        if let NetworkKind::ResNet(form) = self.model {
             let images: Array4<f32> = self.of_dimension(input, "images are N × 3 × H × W")?;
             let (_, _, height, width) = images.dim();
-            let network = ResNet::load(depth, weights, [height, width], options);
+            let network = ResNet::load(form, weights, [height, width], options);
             return Ok(Inference::Images(network.map_err(of_weights)?, images));
+        }
+        if let NetworkKind::SimpleBaseline(_) = self.model {
+            let images: Array4<f32> = self.of_dimension(input, "images are N × 3 × H × W")?;
+            let network = SimpleBaseline::load(weights, Passes::One, options).map_err(of_weights)?;
+            return Ok(Inference::Joints(Box::new(network), images));
         }
         let clips: Array5<f32> = self.of_dimension(input, "clips are N × 3 × T × H × W")?;
         let (_, _, frames, height, width) = clips.dim();
@@ -185,7 +199,10 @@ impl Arguments {
             let network = SlowOnly::load(form, weights, [frames, height, width], options);
             return Ok(Inference::Clips(network.map_err(of_weights)?, clips));
         }
-        let network = SlowFast::load(weights, [height, width], options);
+        let NetworkKind::SlowFast(form) = self.model else {
+            bail!("{} does not run on one array", self.model)
+        };
+        let network = SlowFast::load(form, weights, [frames, height, width], options);
         Ok(Inference::TwoSpeeds(network.map_err(of_weights)?, clips))
     }
 

@@ -184,7 +184,9 @@ impl Arguments {
         };
         let library = match self.model {
             SlowOnlyForm::PyTorchVideo => Preprocessing::PYTORCHVIDEO,
-            SlowOnlyForm::MmAction2 | SlowOnlyForm::MmAction2Depth18 => Preprocessing::MMACTION2,
+            SlowOnlyForm::MmAction2
+            | SlowOnlyForm::MmAction2Depth18
+            | SlowOnlyForm::MmAction2Depth101 => Preprocessing::MMACTION2,
         };
         Preprocessing { crops, ..library }
     }

@@ -4,59 +4,88 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use vision_models::{
     NetworkKind,
     ResNetDepth::{self, Eighteen, Fifty, OneHundredFiftyTwo, OneHundredOne, ThirtyFour},
-    SlowOnlyForm::{self, MmAction2, MmAction2Depth18, PyTorchVideo},
+    ResNetForm, SimpleBaselineForm, SlowFastForm,
+    SlowOnlyForm::{self, MmAction2, MmAction2Depth18, MmAction2Depth101, PyTorchVideo},
 };
 
 /// Names, and what they stand for.
-type Choices<T> = &'static [(&'static str, T)];
+type Choices<T> = Vec<(&'static str, T)>;
 
-const DEPTHS: Choices<ResNetDepth> = &[
-    ("18", Eighteen),
-    ("34", ThirtyFour),
-    ("50", Fifty),
-    ("101", OneHundredOne),
-    ("152", OneHundredFiftyTwo),
-];
+fn depths() -> Choices<ResNetDepth> {
+    vec![
+        ("18", Eighteen),
+        ("34", ThirtyFour),
+        ("50", Fifty),
+        ("101", OneHundredOne),
+        ("152", OneHundredFiftyTwo),
+    ]
+}
 
-const FORMS: Choices<SlowOnlyForm> = &[
-    ("slowonly_mm", MmAction2),
-    ("slowonly_r18_mm", MmAction2Depth18),
-    ("slowonly_ptv", PyTorchVideo),
-];
+fn forms() -> Choices<SlowOnlyForm> {
+    vec![
+        ("slowonly_mm", MmAction2),
+        ("slowonly_r18_mm", MmAction2Depth18),
+        ("slowonly_r101_mm", MmAction2Depth101),
+        ("slowonly_ptv", PyTorchVideo),
+    ]
+}
 
-const NETWORKS: Choices<NetworkKind> = &[
-    ("resnet18", NetworkKind::ResNet(Eighteen)),
-    ("resnet34", NetworkKind::ResNet(ThirtyFour)),
-    ("resnet50", NetworkKind::ResNet(Fifty)),
-    ("resnet101", NetworkKind::ResNet(OneHundredOne)),
-    ("resnet152", NetworkKind::ResNet(OneHundredFiftyTwo)),
-    ("slowonly_mm", NetworkKind::SlowOnly(MmAction2)),
-    ("slowonly_r18_mm", NetworkKind::SlowOnly(MmAction2Depth18)),
-    ("slowonly_ptv", NetworkKind::SlowOnly(PyTorchVideo)),
-    ("slowfast_ptv", NetworkKind::SlowFast),
-];
+fn networks() -> Choices<NetworkKind> {
+    let resnets = [
+        ("resnet18", Eighteen.into()),
+        ("resnet34", ThirtyFour.into()),
+        ("resnet50", Fifty.into()),
+        ("resnet101", OneHundredOne.into()),
+        ("resnet152", OneHundredFiftyTwo.into()),
+        ("resnext50_32x4d", ResNetForm::RESNEXT_50_32X4D),
+        ("resnext101_32x8d", ResNetForm::RESNEXT_101_32X8D),
+        ("resnext101_64x4d", ResNetForm::RESNEXT_101_64X4D),
+        ("wide_resnet50_2", ResNetForm::WIDE_50_2),
+        ("wide_resnet101_2", ResNetForm::WIDE_101_2),
+    ];
+    let slow_fasts = [
+        ("slowfast_ptv", SlowFastForm::PyTorchVideo),
+        ("slowfast_r50_8x8_mm", SlowFastForm::MmAction2EveryFourth(Fifty)),
+        ("slowfast_r101_8x8_mm", SlowFastForm::MmAction2EveryFourth(OneHundredOne)),
+        ("slowfast_r50_4x16_mm", SlowFastForm::MmAction2EveryEighth(Fifty)),
+        ("slowfast_r101_4x16_mm", SlowFastForm::MmAction2EveryEighth(OneHundredOne)),
+    ];
+    let simple_baselines = [
+        ("simple_baseline", SimpleBaselineForm::Microsoft),
+        ("simple_baseline_mmpose0", SimpleBaselineForm::MmPose0),
+        ("simple_baseline_mmpose1", SimpleBaselineForm::MmPose1),
+    ];
+    let simple_baselines =
+        simple_baselines.map(|(name, form)| (name, NetworkKind::SimpleBaseline(form)));
+    let resnets = resnets.map(|(name, form)| (name, NetworkKind::ResNet(form)));
+    let slow_onlys = forms().into_iter().map(|(name, form)| (name, NetworkKind::SlowOnly(form)));
+    let slow_fasts = slow_fasts.map(|(name, form)| (name, NetworkKind::SlowFast(form)));
+    resnets.into_iter().chain(slow_onlys).chain(slow_fasts).chain(simple_baselines).collect()
+}
 
 /// Reads the depth of a ResNet: 18, 34, 50, 101 or 152.
 pub fn depth() -> impl TypedValueParser<Value = ResNetDepth> {
-    parser(DEPTHS, NetworkKind::ResNet)
+    parser(depths(), |depth| NetworkKind::ResNet(depth.into()))
 }
 
 /// Reads the form of a SlowOnly.
 pub fn slow_only() -> impl TypedValueParser<Value = SlowOnlyForm> {
-    parser(FORMS, NetworkKind::SlowOnly)
+    parser(forms(), NetworkKind::SlowOnly)
 }
 
 /// Reads the name of any network.
 pub fn network() -> impl TypedValueParser<Value = NetworkKind> {
-    parser(NETWORKS, |kind| kind)
+    parser(networks(), |kind| kind)
 }
 
-fn parser<T: Copy + Send + Sync>(
+fn parser<T: Copy + Send + Sync + 'static>(
     choices: Choices<T>,
     kind: fn(T) -> NetworkKind,
 ) -> impl TypedValueParser<Value = T> {
-    let values =
-        choices.iter().map(|&(name, value)| PossibleValue::new(name).help(kind(value).to_string()));
+    let values: Vec<_> = choices
+        .iter()
+        .map(|&(name, value)| PossibleValue::new(name).help(kind(value).to_string()))
+        .collect();
     PossibleValuesParser::new(values).try_map(move |given| {
         let choice = choices.iter().find(|(name, _)| *name == given);
         choice.map(|&(_, value)| value).ok_or("no such network")
@@ -77,23 +106,19 @@ pub enum Accepted {
 impl Accepted {
     /// What to try with a checkpoint of this network.
     pub fn hint(self, found: NetworkKind) -> String {
-        let option = match found {
-            NetworkKind::ResNet(depth) if self != Self::All => {
-                format!("--depth {}", name(DEPTHS, depth))
+        let depth = depths()
+            .into_iter()
+            .find_map(|(name, depth)| (found == NetworkKind::ResNet(depth.into())).then_some(name));
+        let known = networks().into_iter().find(|(_, kind)| *kind == found);
+        let Some((model, _)) = known else { return "no program takes it by a name".into() };
+        match (self, found, depth) {
+            (Self::ResNets, _, Some(depth)) => format!("try --depth {depth}"),
+            (Self::SlowOnlys, _, Some(depth)) => format!("try classify --depth {depth}"),
+            (Self::All, ..) | (Self::SlowOnlys, NetworkKind::SlowOnly(_), _) => {
+                format!("try --model {model}")
             }
-            _ => format!("--model {}", name(NETWORKS, found)),
-        };
-        match (self, found) {
-            (Self::ResNets, NetworkKind::ResNet(_))
-            | (Self::SlowOnlys, NetworkKind::SlowOnly(_))
-            | (Self::All, _) => format!("try {option}"),
-            (_, NetworkKind::ResNet(_)) => format!("try classify {option}"),
-            (_, NetworkKind::SlowOnly(_)) => format!("try recognise {option}"),
-            (_, NetworkKind::SlowFast) => format!("try infer {option}"),
+            (_, NetworkKind::SlowOnly(_), _) => format!("try recognise --model {model}"),
+            _ => format!("try infer --model {model}"),
         }
     }
-}
-
-fn name<T: Copy + PartialEq>(choices: Choices<T>, value: T) -> &'static str {
-    choices.iter().find(|(_, own)| *own == value).map_or("", |&(name, _)| name)
 }

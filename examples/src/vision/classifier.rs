@@ -51,7 +51,7 @@ impl Classifier {
 
     /// The network with its file, for messages.
     pub fn describe(&self) -> String {
-        format!("the {} of {}", NetworkKind::ResNet(self.depth), self.weights.display())
+        format!("the {} of {}", NetworkKind::ResNet(self.depth.into()), self.weights.display())
     }
 
     /// How many classes the network has.

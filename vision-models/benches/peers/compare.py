@@ -123,7 +123,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("infer", type=Path)
-    parser.add_argument("--models", nargs="+", default=["resnet50", "resnet152", "slowonly_mm"])
+    parser.add_argument("--models", nargs="+", default=["resnet50", "resnet152", "slowonly_mm", "simple_baseline"])
     parser.add_argument("--threads", nargs="+", type=int, default=[1, 2])
     parser.add_argument("--engines", nargs="+", choices=PEERS, default=list(PEERS))
     parser.add_argument("--rounds", type=int, default=7)

@@ -13,7 +13,7 @@ import torchvision
 from safetensors.torch import save_file
 from torch import nn
 
-MODELS = ("resnet50", "resnet152", "slowonly_mm")
+MODELS = ("resnet50", "resnet152", "slowonly_mm", "simple_baseline")
 
 
 class ConvNorm(nn.Module):
@@ -72,7 +72,33 @@ class SlowOnly(nn.Module):
         return self.cls_head.fc_cls(x.mean((2, 3, 4)))
 
 
+class SimpleBaseline(nn.Module):
+    """A ResNet-50 with the head of Xiao, Wu and Wei 2018, with Microsoft's names."""
+
+    def __init__(self):
+        super().__init__()
+        backbone = torchvision.models.resnet50(weights=None)
+        for name in ("conv1", "bn1", "layer1", "layer2", "layer3", "layer4"):
+            setattr(self, name, getattr(backbone, name))
+        layers = []
+        for inputs in (2048, 256, 256):
+            layers += [
+                nn.ConvTranspose2d(inputs, 256, 4, stride=2, padding=1, bias=False),
+                nn.BatchNorm2d(256),
+                nn.ReLU(),
+            ]
+        self.deconv_layers = nn.Sequential(*layers)
+        self.final_layer = nn.Conv2d(256, 17, 1)
+
+    def forward(self, x):
+        x = nn.functional.max_pool2d(torch.relu(self.bn1(self.conv1(x))), 3, 2, 1)
+        x = self.layer4(self.layer3(self.layer2(self.layer1(x))))
+        return self.final_layer(self.deconv_layers(x))
+
+
 def make(name):
+    if name == "simple_baseline":
+        return SimpleBaseline(), (1, 3, 256, 192)
     if name == "slowonly_mm":
         return SlowOnly(), (1, 3, 8, 256, 256)
     return getattr(torchvision.models, name)(weights=None), (1, 3, 224, 224)

@@ -11,5 +11,5 @@ if [ ! -d "$folder/venv" ]; then
     python3 -m venv "$folder/venv"
     "$folder/venv/bin/pip" install -r "$here/requirements.txt"
 fi
-[ -f "$folder/slowonly_mm.pt" ] || "$folder/venv/bin/python" "$here/export.py" "$folder"
+[ -f "$folder/simple_baseline.pt" ] || "$folder/venv/bin/python" "$here/export.py" "$folder"
 "$folder/venv/bin/python" "$here/compare.py" "$folder" "${CARGO_TARGET_DIR:-target}/release/infer" "$@"

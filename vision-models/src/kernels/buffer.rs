@@ -27,6 +27,12 @@ impl Buffer {
         lines.resize(count, Line([0.0; Line::FLOATS]));
         Self { lines, length }
     }
+
+    /// The same, or `None` where there is not the memory.
+    pub(crate) fn try_zeroed(length: usize) -> Option<Self> {
+        Vec::<Line>::new().try_reserve_exact(length.div_ceil(Line::FLOATS)).ok()?;
+        Some(Self::zeroed(length))
+    }
 }
 
 /// Asks for huge pages before the memory is first touched: the weights of a network lie on

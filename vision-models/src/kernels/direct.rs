@@ -1,49 +1,30 @@
 //! Convolution as a matrix product over the taps.
 
-use crate::layout::{Extent, Layout, offset, position};
+use crate::layout::{Channels, Extent, offset, position};
 
 use super::buffer::Buffer;
+use super::epilogue::Epilogue;
 use super::isa::InstructionSet;
 use super::pack::Panels;
 use super::product::{Product, Segment, Start};
 use super::shared_slice::SharedSlice;
 use super::threads::Pool;
+use super::window::{Phase, Tap};
 
 /// Pixels of a block: their inputs stay in the second-level cache while the panels go by.
 const BLOCK: usize = 96;
 /// Floats of a pixel's input that are worked off at once.
 const CHUNK: usize = 512;
 
-/// What a convolution does with its sums.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Epilogue {
-    /// Adds what the output holds (the residual connection).
-    pub(crate) add: bool,
-    /// Makes negative results zero, and NaN of those that are not finite.
-    pub(crate) relu: bool,
-}
-
-/// A convolution's window.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Window {
-    /// Frames, rows and columns of the kernel.
-    pub(crate) kernel: Extent,
-    /// Steps from one output to the next.
-    pub(crate) stride: Extent,
-    /// Zeros around the input.
-    pub(crate) padding: Extent,
-}
-
-impl Window {
-    /// The output's size for an input's, or `None` if the kernel does not fit.
-    pub(crate) fn output(&self, size: Extent) -> Option<Extent> {
-        let mut output = [0; 3];
-        for axis in 0..3 {
-            let padded = size[axis] + 2 * self.padding[axis];
-            output[axis] = padded.checked_sub(self.kernel[axis])? / self.stride[axis] + 1;
-        }
-        Some(output)
-    }
+/// What a convolution multiplies and adds, as its kernel has packed it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Operands<'a> {
+    /// Of the activation that is read.
+    pub(crate) input: &'a [f32],
+    /// The packed weights.
+    pub(crate) weights: &'a Buffer,
+    /// One for each channel of the panels.
+    pub(crate) bias: &'a [f32],
 }
 
 /// A convolution for one input size: everything but the numbers.
@@ -51,13 +32,18 @@ impl Window {
 pub(crate) struct Direct {
     isa: InstructionSet,
     panels: Panels,
-    stride: Extent,
-    input: Layout,
-    output: Layout,
-    /// First channel of the output that is written.
-    first_channel: usize,
+    input: Channels,
+    output: Channels,
+    /// Outputs along each axis.
+    size: Extent,
     /// Where the input of the first pixel starts.
     origin: usize,
+    /// Floats from the input of one pixel to that of the next, along each axis.
+    input_step: Extent,
+    /// Where the first pixel of the output starts.
+    output_origin: usize,
+    /// Floats from one pixel of the output to the next, along each axis.
+    output_step: Extent,
     chunks: Vec<Vec<Segment>>,
     depth: usize,
     /// How far a pixel's input reaches.
@@ -65,47 +51,62 @@ pub(crate) struct Direct {
 }
 
 impl Direct {
-    /// Plans the convolution of the first `inputs` channels of `input`, whose border is at least
-    /// the padding, into the channels of `output` from `first_channel` on.
+    /// Plans one phase of a convolution. Each group of the panels reads its share of the input channels.
     ///
     /// # Panics
-    /// If the border is smaller, the output has another size than the window gives, or either
-    /// layout has too few channels.
+    /// If the phase does not fit the sizes and the input's border, or the channels do not exist or are not
+    /// those of the panels.
     pub(crate) fn new(
         isa: InstructionSet,
         panels: Panels,
-        window: Window,
-        (input, inputs): (Layout, usize),
-        (output, first_channel): (Layout, usize),
+        phase: &Phase,
+        input: Channels,
+        output: Channels,
     ) -> Self {
-        assert!(input.has_border_of(window.padding, window.padding));
-        assert_eq!(window.output(input.size), Some(output.size), "{window:?} over {input:?}");
-        assert!(inputs > 0 && inputs <= input.channels);
-        assert!(first_channel + panels.channels <= output.channels);
-        let strides = input.strides();
-        let before: Extent = std::array::from_fn(|axis| input.before[axis] - window.padding[axis]);
-        let [frames, rows, columns] = window.kernel;
-        // Neighbouring pixels are one segment, unless there are channels between to leave out.
-        let (pieces, length) =
-            if inputs == input.channels { (1, columns * inputs) } else { (columns, inputs) };
+        let from = input.layout;
+        assert!(phase.fits(&from, &output.layout), "{phase:?} from {input:?} to {output:?}");
+        assert!(input.exist() && output.exist());
+        assert!(input.count.is_multiple_of(panels.groups) && output.count == panels.outputs());
+        let inputs = input.count / panels.groups;
+        let strides = from.strides();
+        // Taps are counted from the first one, so that no offset is negative.
+        let [frame_taps, row_taps, column_taps] = &phase.taps;
+        let firsts =
+            [0, 1, 2].map(|axis| phase.taps[axis].iter().map(|tap| tap.offset).min().unwrap_or(0));
+        let ahead = |axis: usize, tap: &Tap| (tap.offset - firsts[axis]).unsigned_abs();
+        let corner: Extent =
+            std::array::from_fn(|axis| from.before[axis].saturating_add_signed(firsts[axis]));
+        // Neighbouring pixels are one segment, unless there are channels or pixels between to leave out.
+        let neighbours = (0..).zip(column_taps).all(|(at, tap)| ahead(2, tap) == at);
+        let (pieces, length) = if neighbours && inputs == from.channels {
+            (&column_taps[..column_taps.len().min(1)], column_taps.len() * inputs)
+        } else {
+            (&column_taps[..], inputs)
+        };
         let mut chunks = Chunks::default();
-        for frame in 0..frames {
-            for row in 0..rows {
-                for column in 0..pieces {
-                    chunks.push(Segment { offset: offset([frame, row, column], strides), length });
+        for frame in frame_taps {
+            for row in row_taps {
+                for column in pieces {
+                    let at = [ahead(0, frame), ahead(1, row), ahead(2, column)];
+                    chunks.push(Segment { offset: offset(at, strides), length });
                 }
             }
         }
         let chunks = chunks.chunks;
         let segments = || chunks.iter().flatten();
+        let steps =
+            |step: Extent, strides: Extent| std::array::from_fn(|axis| step[axis] * strides[axis]);
+        let output_strides = output.layout.strides();
         Self {
             isa,
             panels,
-            stride: window.stride,
             input,
             output,
-            first_channel,
-            origin: offset(before, strides),
+            size: phase.size,
+            origin: offset(corner, strides) + input.first,
+            input_step: steps(phase.input_step, strides),
+            output_origin: output.origin() + offset(phase.start, output_strides),
+            output_step: steps(phase.step, output_strides),
             depth: segments().map(|segment| segment.length).sum(),
             reach: segments().map(|segment| segment.offset + segment.length).max().unwrap_or(0),
             chunks,
@@ -119,20 +120,23 @@ impl Direct {
     pub(crate) fn run(
         &self,
         pool: &mut Pool,
-        input: &[f32],
-        weights: &Buffer,
-        bias: &[f32],
+        Operands { input, weights, bias }: Operands<'_>,
         output: &mut [f32],
-        epilogue: Epilogue,
+        Epilogue { add, finish }: Epilogue<'_>,
     ) {
         let panels = self.panels;
-        assert!(weights.len() >= panels.padded() * self.depth && bias.len() >= panels.padded());
-        assert!(input.len() >= self.input.length() && output.len() >= self.output.length());
+        assert!(weights.len() >= panels.padded() * self.depth);
+        assert!(bias.len() >= panels.padded() && finish.has_slopes(panels.padded()));
+        assert!(input.len() >= self.input.layout.length());
+        assert!(output.len() >= self.output.layout.length());
         let output = SharedSlice::new(output);
-        let (blocks, groups) = self.split(pool.lanes());
-        let pixels = self.output.pixels();
-        pool.run(blocks * groups, &|_, task| {
-            let (block, group) = (task % blocks, task / blocks);
+        let (blocks, tasks) = self.split(pool.lanes());
+        let pixels: usize = self.size.iter().product();
+        // What all groups read, and what all panels write.
+        let group_inputs = self.input.count / panels.groups;
+        let reach = self.reach + self.input.count - group_inputs;
+        pool.run(blocks * tasks, &|_, task| {
+            let (block, part) = (task % blocks, task / blocks);
             let pixels = share(pixels, blocks, block);
             let mut starts = [[0; BLOCK]; 2];
             let mut first = pixels.start;
@@ -142,34 +146,28 @@ impl Direct {
                 for (index, (row, output_row)) in
                     rows.iter_mut().zip(output_rows.iter_mut()).take(count).enumerate()
                 {
-                    let at = position(first + index, self.output.size);
-                    let moved = std::array::from_fn(|axis| at[axis] * self.stride[axis]);
-                    *row = self.origin + offset(moved, self.input.strides());
-                    *output_row = self.output.origin()
-                        + offset(at, self.output.strides())
-                        + self.first_channel;
-                    assert!(*row + self.reach <= input.len());
-                    assert!(*output_row + panels.channels <= output.len());
+                    let at = position(first + index, self.size);
+                    *row = self.origin + offset(at, self.input_step);
+                    *output_row = self.output_origin + offset(at, self.output_step);
+                    assert!(*row + reach <= input.len());
+                    assert!(*output_row + panels.outputs() <= output.len());
                 }
-                for panel in share(panels.count(), groups, group) {
-                    let bias = &bias[panel * panels.width..][..panels.width];
+                for panel in share(panels.count(), tasks, part) {
+                    let start = panel * panels.width;
+                    let bias = &bias[start..][..panels.width];
                     let product = Product {
-                        input: input.as_ptr(),
+                        input: input[panels.group(panel) * group_inputs..].as_ptr(),
                         rows: &rows[..count],
                         chunks: &self.chunks,
-                        weights: weights[panel * panels.width * self.depth..].as_ptr(),
+                        weights: weights[start * self.depth..].as_ptr(),
                         width: panels.width,
                         channels: panels.channels_of(panel),
-                        output: output.at(panel * panels.width),
+                        output: output.at(panels.first(panel)),
                         output_rows: &output_rows[..count],
-                        start: if epilogue.add {
-                            Start::BiasAndOutput(bias)
-                        } else {
-                            Start::Bias(bias)
-                        },
-                        relu: epilogue.relu,
+                        start: if add { Start::BiasAndOutput(bias) } else { Start::Bias(bias) },
+                        finish: finish.of_panel(start, panels.width),
                     };
-                    // SAFETY: the rows were checked against both slices, the weights and biases
+                    // SAFETY: the rows were checked against both slices, the weights, biases and slopes
                     // against the panels; no other task has these pixels and this panel.
                     unsafe { self.isa.run(product) };
                 }
@@ -178,16 +176,15 @@ impl Direct {
         });
     }
 
-    /// Into how many blocks of pixels and groups of panels the tasks are cut: the larger of the
+    /// Into how many blocks of pixels and parts of the panels the tasks are cut: the larger of the
     /// activations and the weights is what a thread should have for itself.
     fn split(&self, lanes: usize) -> (usize, usize) {
-        let pixels = self.output.pixels();
+        let pixels: usize = self.size.iter().product();
         if lanes == 1 {
             return (1, 1);
         }
-        if self.panels.channels > pixels {
-            let groups = self.panels.count().min(2 * lanes);
-            (1, groups)
+        if self.panels.outputs() > pixels {
+            (1, self.panels.count().min(2 * lanes))
         } else {
             (pixels.div_ceil(BLOCK).next_multiple_of(lanes).min(pixels), 1)
         }

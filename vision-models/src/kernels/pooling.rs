@@ -2,32 +2,40 @@
 
 use std::ops::Range;
 
-use crate::layout::{Extent, Layout, offset, position};
+use crate::layout::{Channels, Extent, offset, position};
 
-use super::direct::{Window, share};
+use super::direct::share;
 use super::isa::{InstructionSet, Task};
 use super::shared_slice::SharedSlice;
 use super::threads::Pool;
 use super::vector::Vector;
+use super::window::Window;
 
-/// The largest value of each window, behind a ReLU: the part of a window outside the input counts
-/// as zeros, and nothing is smaller. A window with NaN gives NaN.
+/// The largest value of each window's part inside the input. A window with NaN or an infinity gives NaN.
 #[derive(Clone, Debug)]
 pub(crate) struct MaxPool {
     isa: InstructionSet,
     window: Window,
-    from: Layout,
-    to: Layout,
+    from: Channels,
+    to: Channels,
 }
 
 impl MaxPool {
-    /// Plans the pooling of `from` into the first channels of `to`.
+    /// Plans the pooling.
     ///
     /// # Panics
-    /// If `to` has another size than the window gives, or too few channels.
-    pub(crate) fn new(isa: InstructionSet, window: Window, from: Layout, to: Layout) -> Self {
-        assert_eq!(window.output(from.size), Some(to.size), "{window:?} over {from:?}");
-        assert!(to.channels >= from.channels);
+    /// If the output has another size than the window gives, the channels do not exist or are not equally
+    /// many, or a window can lie outside the input: its padding is more than half the kernel, or it is
+    /// dilated.
+    pub(crate) fn new(isa: InstructionSet, window: Window, from: Channels, to: Channels) -> Self {
+        assert_eq!(
+            window.output(from.layout.size),
+            Some(to.layout.size),
+            "{window:?} over {from:?}"
+        );
+        assert!(from.exist() && to.exist() && to.count == from.count);
+        assert!((0..3).all(|axis| 2 * window.padding[axis] <= window.kernel[axis]));
+        assert_eq!(window.dilation, [1; 3]);
         Self { isa, window, from, to }
     }
 
@@ -37,22 +45,24 @@ impl MaxPool {
     /// If a slice is shorter than its layout.
     pub(crate) fn run(&self, pool: &mut Pool, input: &[f32], output: &mut [f32]) {
         let Self { isa, from, to, .. } = *self;
-        let rows = to.size[0] * to.size[1];
-        assert!(input.len() >= from.length() && output.len() >= to.length());
+        let size = to.layout.size;
+        let rows = size[0] * size[1];
+        assert!(input.len() >= from.layout.length() && output.len() >= to.layout.length());
         let output = SharedSlice::new(output);
         let tasks = rows.min(8 * pool.lanes());
         pool.run(tasks, &|_, task| {
             for row in share(rows, tasks, task) {
-                for column in 0..to.size[2] {
-                    let at = position(row * to.size[2] + column, to.size);
+                for column in 0..size[2] {
+                    let at = position(row * size[2] + column, size);
                     let taps = [0, 1, 2].map(|axis| self.taps(axis, at[axis]));
                     let first = taps.each_ref().map(|taps| taps.start);
+                    let strides = from.layout.strides();
                     let maximum = Maximum {
-                        input: input[from.origin() + offset(first, from.strides())..].as_ptr(),
+                        input: input[from.origin() + offset(first, strides)..].as_ptr(),
                         extent: taps.map(|taps| taps.len()),
-                        strides: from.strides(),
-                        channels: from.channels,
-                        output: output.at(to.origin() + offset(at, to.strides())),
+                        strides,
+                        channels: from.count,
+                        output: output.at(to.origin() + offset(at, to.layout.strides())),
                     };
                     // SAFETY: the taps lie inside the input's layout and the pixel inside the
                     // output's, whose lengths were checked; no other task has this row.
@@ -66,7 +76,7 @@ impl MaxPool {
     fn taps(&self, axis: usize, at: usize) -> Range<usize> {
         let (kernel, padding) = (self.window.kernel[axis], self.window.padding[axis]);
         let start = at * self.window.stride[axis];
-        let end = (start + kernel).saturating_sub(padding).min(self.from.size[axis]);
+        let end = (start + kernel).saturating_sub(padding).min(self.from.layout.size[axis]);
         start.saturating_sub(padding)..end
     }
 }
@@ -83,7 +93,7 @@ struct Maximum {
     output: *mut f32,
 }
 
-/// Asks for: all channels of all pixels of the window inside the input, and of the output's pixel.
+/// Asks for: all channels of all pixels of the window, one at least, inside the input, and of the output's pixel.
 impl Task for Maximum {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
@@ -100,7 +110,7 @@ impl Task for Maximum {
         unsafe {
             for channel in (0..whole).step_by(V::LANES) {
                 let zero = V::splat(0.0);
-                let (mut largest, mut overflow) = (zero, zero);
+                let (mut largest, mut overflow) = (V::load(self.input.add(channel)), zero);
                 for tap in taps() {
                     let value = V::load(self.input.add(tap + channel));
                     largest = largest.max(value);
@@ -111,7 +121,8 @@ impl Task for Maximum {
             }
             for channel in whole..self.channels {
                 let values = taps().map(|tap| *self.input.add(tap + channel));
-                let (largest, overflow) = values.fold((0.0_f32, 0.0), |(most, sum), value| {
+                let start = (*self.input.add(channel), 0.0);
+                let (largest, overflow) = values.fold(start, |(most, sum): (f32, f32), value| {
                     (most.max(value), sum + 0.0 * value)
                 });
                 *self.output.add(channel) = largest + overflow;

@@ -6,6 +6,7 @@
 //! from where a pixel's input starts; a run of neighbouring taps and channels is a [`Segment`].
 //! One kernel therefore serves 1×1, 3×3, 7×7, strided and temporal convolutions without a copy.
 
+use super::epilogue::Finish;
 use super::isa::Task;
 use super::vector::{Vector, prefetch};
 
@@ -55,13 +56,13 @@ pub(super) struct Product<'a> {
     pub(super) output_rows: &'a [usize],
     /// What the sums start from.
     pub(super) start: Start<'a>,
-    /// Whether negative results become zero.
-    pub(super) relu: bool,
+    /// What becomes of the sums.
+    pub(super) finish: Finish<'a>,
 }
 
 /// Asks for: `rows` and `output_rows` of one length; every segment of every row inside the input;
 /// `width` weights for each float of the segments; `channels` floats of the output at every output
-/// row, which no other thread touches; biases of at least `width` floats.
+/// row, which no other thread touches; biases and slopes of at least `width` floats.
 impl Task for Product<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
@@ -88,7 +89,7 @@ unsafe fn multiply<V: Vector, const VECTORS: usize>(product: &Product) {
     let last = product.chunks.len().saturating_sub(1);
     for (index, chunk) in product.chunks.iter().enumerate() {
         let first = index == 0;
-        let relu = product.relu && index == last;
+        let finish = if index == last { product.finish } else { Finish::Keep };
         let length: usize = chunk.iter().map(|segment| segment.length).sum();
         // SAFETY: there are `width` weights for each float of the segments.
         let next = unsafe { weights.add(length * width) };
@@ -104,7 +105,7 @@ unsafe fn multiply<V: Vector, const VECTORS: usize>(product: &Product) {
             } else {
                 Ahead { start: weights, step: 0 }
             };
-            let step = Step { row, chunk, weights, ahead, first, relu };
+            let step = Step { row, chunk, weights, ahead, first, finish };
             // SAFETY: `row + rows` is at most the number of rows.
             unsafe {
                 match rows {
@@ -144,8 +145,8 @@ struct Step<'a> {
     ahead: Ahead,
     /// Whether the chunk is the first of the depth.
     first: bool,
-    /// Whether negative results become zero now.
-    relu: bool,
+    /// What becomes of the sums now.
+    finish: Finish<'a>,
 }
 
 /// `ROWS` pixels from `row` on: where their output is whole panels, straight into it, otherwise by
@@ -235,7 +236,7 @@ unsafe fn tile<V: Vector, const ROWS: usize, const VECTORS: usize>(
         }
         for (sums, output) in sums.into_iter().zip(output) {
             for (v, sum) in sums.into_iter().enumerate() {
-                let sum = if step.relu { sum.relu() } else { sum };
+                let sum = step.finish.apply(sum, v * V::LANES);
                 sum.store(output.add(v * V::LANES));
             }
         }

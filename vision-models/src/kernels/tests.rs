@@ -3,22 +3,33 @@
 use proptest::prelude::*;
 
 use super::{
-    Direct, Epilogue, InstructionSet, MaxPool, Panels, Pool, Tiling, Window, Winograd, pack,
+    Buffer, Depthwise, Direct, Epilogue, Finish, InstructionSet, MaxPool, Operands, Panels, Pool,
+    Tiling, Waiting, Window, Winograd, pack,
 };
-use crate::layout::{Extent, Layout, offset, position};
+use crate::layout::{Channels, Extent, Layout, offset, position};
 
 /// A convolution of random numbers.
 #[derive(Clone, Debug)]
 struct Case {
     window: Window,
+    transposed: bool,
     size: Extent,
     inputs: usize,
     outputs: usize,
-    /// Channels of the layouts that are not used.
+    groups: usize,
+    /// Channels of the layouts that are not used, before the first and behind the last.
     spare: usize,
-    epilogue: Epilogue,
+    add: bool,
+    activation: Activation,
     lanes: usize,
     seed: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Activation {
+    None,
+    Relu,
+    Prelu,
 }
 
 /// Numbers in [−1, 1).
@@ -38,45 +49,75 @@ impl Numbers {
     }
 }
 
-fn axis(kernel: usize, stride: usize, padding: usize) -> impl Strategy<Value = [usize; 3]> {
-    (1..=kernel, 1..=stride, 0..=padding)
-        .prop_map(|(kernel, stride, padding)| [kernel, stride, padding.min(kernel / 2)])
+fn activation() -> impl Strategy<Value = Activation> {
+    prop_oneof![Just(Activation::None), Just(Activation::Relu), Just(Activation::Prelu)]
 }
 
-fn epilogue() -> impl Strategy<Value = Epilogue> {
-    (any::<bool>(), any::<bool>()).prop_map(|(add, relu)| Epilogue { add, relu })
+prop_compose! {
+    fn window()(
+        kernel in [1..=3_usize, 1..=7, 1..=7],
+        stride in [1..=2_usize, 1..=3, 1..=3],
+        dilation in [1..=2_usize, 1..=2, 1..=3],
+        padding in [0..=2_usize, 0..=3, 0..=3],
+    ) -> Window {
+        Window { kernel, stride, padding, dilation }
+    }
 }
 
-fn direct_cases() -> impl Strategy<Value = Case> {
-    let axes = (axis(3, 2, 1), axis(7, 3, 3), axis(7, 3, 3));
-    let channels = (1..40_usize, 1..100_usize, 0..3_usize);
-    let size = [3..5_usize, 7..12, 7..13];
-    (axes, channels, size, epilogue(), 1..4_usize, any::<u64>()).prop_map(
-        |((t, y, x), (inputs, outputs, spare), size, epilogue, lanes, seed)| {
-            let part = |part: usize| [t[part], y[part], x[part]];
-            let window = Window { kernel: part(0), stride: part(1), padding: part(2) };
-            Case { window, size, inputs, outputs, spare, epilogue, lanes, seed }
-        },
-    )
+prop_compose! {
+    /// Convolutions with groups of any width.
+    fn direct_cases()(
+        window in window(),
+        size in [3..5_usize, 7..12, 7..13],
+        (groups, inputs, outputs) in prop_oneof![
+            (Just(1), 1..40_usize, 1..100_usize),
+            (1..9_usize, 1..6_usize, 1..40_usize),
+        ],
+        (spare, lanes) in (0..3_usize, 1..4_usize),
+        (add, activation, seed) in (any::<bool>(), activation(), any::<u64>()),
+    ) -> Case {
+        let (inputs, outputs) = (groups * inputs, groups * outputs);
+        let transposed = false;
+        Case { window, transposed, size, inputs, outputs, groups, spare, add, activation, lanes, seed }
+    }
 }
 
-fn winograd_cases() -> impl Strategy<Value = (Tiling, Case)> {
-    let tiling = prop_oneof![Just(Tiling::Two), Just(Tiling::Four), Just(Tiling::FourFrames)];
-    let channels = (1..4_usize, 1..10_usize, 0..20_usize);
-    let size = [1..10_usize, 1..14, 1..14];
-    (tiling, channels, size, epilogue(), 1..4_usize, any::<u64>()).prop_map(
-        |(tiling, (inputs, outputs, spare), size, epilogue, lanes, seed)| {
-            let kernel = tiling.kernel();
-            let padding = kernel.map(|taps| taps / 2);
-            let window = Window { kernel, stride: [1; 3], padding };
-            let (inputs, outputs) = (16 * inputs, 16 * outputs);
-            (tiling, Case { window, size, inputs, outputs, spare, epilogue, lanes, seed })
-        },
-    )
+prop_compose! {
+    fn transposed_cases()(
+        case in direct_cases(),
+        size in [1..3_usize, 1..6, 1..6],
+        more in [0..=2_usize, 0..=3, 0..=3],
+    ) -> Case {
+        let stride = case.window.stride;
+        // No kernel is smaller than its stride.
+        let kernel: Extent = std::array::from_fn(|axis| stride[axis] + more[axis]);
+        let padding = std::array::from_fn(|axis| case.window.padding[axis].min(kernel[axis] / 2));
+        let window = Window { kernel, stride, padding, dilation: [1; 3] };
+        Case { window, size, transposed: true, ..case }
+    }
+}
+
+prop_compose! {
+    fn depthwise_cases()(case in direct_cases(), channels in 1..70_usize) -> Case {
+        Case { inputs: channels, outputs: channels, groups: channels, ..case }
+    }
+}
+
+prop_compose! {
+    fn winograd_cases()(
+        tiling in prop_oneof![Just(Tiling::Two), Just(Tiling::Four), Just(Tiling::FourFrames)],
+        case in direct_cases(),
+        (inputs, outputs, spare) in (1..4_usize, 1..10_usize, 0..20_usize),
+        size in [1..10_usize, 1..14, 1..14],
+    ) -> (Tiling, Case) {
+        let window = Window::same(tiling.kernel());
+        let (inputs, outputs, groups) = (16 * inputs, 16 * outputs, 1);
+        (tiling, Case { window, size, inputs, outputs, groups, spare, ..case })
+    }
 }
 
 /// An activation with numbers inside its border.
-fn activation(layout: &Layout, numbers: &mut Numbers) -> Vec<f32> {
+fn activation_memory(layout: &Layout, numbers: &mut Numbers) -> Vec<f32> {
     let mut memory = vec![0.0; layout.length()];
     for pixel in 0..layout.pixels() {
         let start = layout.origin() + offset(position(pixel, layout.size), layout.strides());
@@ -85,17 +126,30 @@ fn activation(layout: &Layout, numbers: &mut Numbers) -> Vec<f32> {
     memory
 }
 
-/// The window's pixels around an output, each with the number of its tap.
+/// The pixels that a convolution or a pooling reads for an output, each with the number of its tap.
 fn taps(window: Window, size: Extent, at: Extent) -> impl Iterator<Item = (usize, Extent)> {
     (0..window.kernel.iter().product()).filter_map(move |tap| {
         let tap_at = position(tap, window.kernel);
         let mut from = [0; 3];
         for axis in 0..3 {
-            from[axis] = (at[axis] * window.stride[axis] + tap_at[axis])
+            from[axis] = (at[axis] * window.stride[axis] + tap_at[axis] * window.dilation[axis])
                 .checked_sub(window.padding[axis])?;
         }
         (0..3).all(|axis| from[axis] < size[axis]).then_some((tap, from))
     })
+}
+
+/// The same for a transposed convolution: every input is tried with every tap.
+fn transposed_taps(window: Window, size: Extent, at: Extent) -> Vec<(usize, Extent)> {
+    let pairs = (0..size.iter().product::<usize>())
+        .flat_map(|pixel| (0..window.kernel.iter().product()).map(move |tap| (pixel, tap)));
+    let hits = pairs.map(|(pixel, tap)| (tap, position(pixel, size))).filter(|&(tap, from)| {
+        let tap_at = position(tap, window.kernel);
+        (0..3).all(|axis| {
+            from[axis] * window.stride[axis] + tap_at[axis] == at[axis] + window.padding[axis]
+        })
+    });
+    hits.collect()
 }
 
 /// A case's numbers, and its result in f64 by the definition of convolution.
@@ -103,66 +157,113 @@ fn taps(window: Window, size: Extent, at: Extent) -> impl Iterator<Item = (usize
 /// Summed in single precision in any order, terms `t₁ … tₖ` of random signs pass sums of about
 /// ‖t‖ and round each of them by at most ε/2, ε = 2⁻²³: the errors' root mean square stays below
 /// `ε/2 √k ‖t‖` (Higham and Mary, A New Approach to Probabilistic Rounding Error Analysis, 2019).
-struct Operands {
+struct Numeric {
     input: Vec<f32>,
-    from: Layout,
-    to: Layout,
+    from: Channels,
+    to: Channels,
+    /// Outputs × inputs of a group × taps.
     kernel: Vec<f32>,
     bias: Vec<f32>,
+    slopes: Vec<f32>,
     output: Vec<f32>,
     expected: Vec<f64>,
     /// The bound above for each number of `expected`; 0 where nothing is to be written.
     rounding: Vec<f64>,
 }
 
-impl Operands {
+impl Numeric {
     fn new(case: &Case, after: Extent) -> Option<Self> {
-        let Case { window, size, inputs, outputs, spare, epilogue, .. } = *case;
+        let Case { window, transposed, size, inputs, outputs, groups, spare, .. } = *case;
         let mut numbers = Numbers(case.seed);
-        let mut from = Layout::dense(size, inputs + spare);
-        from.widen(window.padding, after);
-        let mut to = Layout::dense(window.output(size)?, outputs + 2 * spare);
+        let made =
+            if transposed { window.transposed_output(size)? } else { window.output(size)? };
+        if made.contains(&0) {
+            return None;
+        }
+        let mut from = Layout::dense(size, inputs + 2 * spare);
+        let phases = if transposed { window.phases(made) } else { vec![window.whole(made)] };
+        for phase in phases {
+            let [before, after] = phase.border(size);
+            from.widen(before, after);
+        }
+        from.widen([0; 3], after);
+        let mut to = Layout::dense(made, outputs + 2 * spare);
         to.widen([0, 1, 2], [1, 0, 1]);
         let count: usize = window.kernel.iter().product();
-        let input = activation(&from, &mut numbers);
-        let output = activation(&to, &mut numbers);
-        let kernel = numbers.take(outputs * inputs * count);
-        let bias = numbers.take(outputs);
-        let mut expected: Vec<f64> = output.iter().map(|&value| f64::from(value)).collect();
-        let mut rounding = vec![0.0; expected.len()];
-        for pixel in 0..to.pixels() {
-            let at = position(pixel, to.size);
+        let input = activation_memory(&from, &mut numbers);
+        let output = activation_memory(&to, &mut numbers);
+        let kernel = numbers.take(outputs * inputs / groups * count);
+        let (bias, slopes) = (numbers.take(outputs), numbers.take(outputs));
+        let from = Channels { layout: from, first: spare, count: inputs };
+        let to = Channels { layout: to, first: spare, count: outputs };
+        let (expected, rounding) =
+            (output.iter().map(|&value| f64::from(value)).collect(), vec![0.0; output.len()]);
+        let mut all = Self { input, from, to, kernel, bias, slopes, output, expected, rounding };
+        for pixel in 0..to.layout.pixels() {
+            let at = position(pixel, made);
+            let taps: Vec<_> = if transposed {
+                transposed_taps(window, size, at)
+            } else {
+                taps(window, size, at).collect()
+            };
             for channel in 0..outputs {
-                let target = to.origin() + offset(at, to.strides()) + spare + channel;
-                let (mut terms, mut sum, mut squares) = (0_u32, 0.0, 0.0);
-                let mut add = |term: f64| {
-                    terms += 1;
-                    sum += term;
-                    squares += term * term;
-                };
-                add(f64::from(bias[channel]));
-                if epilogue.add {
-                    add(expected[target]);
-                }
-                for (tap, at) in taps(window, size, at) {
-                    let start = from.origin() + offset(at, from.strides());
-                    for value in 0..inputs {
-                        let weight = kernel[(channel * inputs + value) * count + tap];
-                        add(f64::from(input[start + value]) * f64::from(weight));
-                    }
-                }
-                expected[target] = if epilogue.relu { sum.max(0.0) } else { sum };
-                rounding[target] =
-                    0.5 * f64::from(f32::EPSILON) * (f64::from(terms) * squares).sqrt();
+                all.expect(case, &taps, at, channel);
             }
         }
-        Some(Self { input, from, to, kernel, bias, output, expected, rounding })
+        Some(all)
     }
 
-    fn bias(&self, panels: Panels) -> Vec<f32> {
-        let mut bias = self.bias.clone();
-        bias.resize(panels.padded(), 0.0);
-        bias
+    /// One number of the output by the definition.
+    fn expect(&mut self, case: &Case, pixels: &[(usize, Extent)], at: Extent, channel: usize) {
+        let Case { window, inputs, outputs, groups, .. } = *case;
+        let count: usize = window.kernel.iter().product();
+        let of_group = inputs / groups;
+        let group = channel / (outputs / groups);
+        let target = self.to.origin() + offset(at, self.to.layout.strides()) + channel;
+        let (mut terms, mut sum, mut squares) = (0_u32, 0.0, 0.0);
+        let mut add = |term: f64| {
+            terms += 1;
+            sum += term;
+            squares += term * term;
+        };
+        add(f64::from(self.bias[channel]));
+        if case.add {
+            add(self.expected[target]);
+        }
+        for &(tap, at) in pixels {
+            let start =
+                self.from.origin() + offset(at, self.from.layout.strides()) + group * of_group;
+            for value in 0..of_group {
+                let weight = self.kernel[(channel * of_group + value) * count + tap];
+                add(f64::from(self.input[start + value]) * f64::from(weight));
+            }
+        }
+        self.expected[target] = match case.activation {
+            Activation::None => sum,
+            Activation::Relu => sum.max(0.0),
+            Activation::Prelu => sum.max(0.0) + f64::from(self.slopes[channel]) * sum.min(0.0),
+        };
+        self.rounding[target] = 0.5 * f64::from(f32::EPSILON) * (f64::from(terms) * squares).sqrt();
+    }
+
+    /// Runs a kernel whose bias and slopes are spread by `panels`.
+    fn run(
+        &self,
+        case: &Case,
+        panels: Panels,
+        weights: &Buffer,
+        run: impl FnOnce(Operands<'_>, &mut [f32], Epilogue<'_>),
+    ) -> Vec<f32> {
+        let (bias, slopes) = (panels.spread(&self.bias), panels.spread(&self.slopes));
+        let finish = match case.activation {
+            Activation::None => Finish::Keep,
+            Activation::Relu => Finish::Relu,
+            Activation::Prelu => Finish::Prelu(&slopes),
+        };
+        let mut output = self.output.clone();
+        let operands = Operands { input: &self.input, weights, bias: &bias };
+        run(operands, &mut output, Epilogue { add: case.add, finish });
+        output
     }
 
     /// Nothing else was written, and the results are right to `times` what rounding explains.
@@ -181,7 +282,7 @@ impl Operands {
 }
 
 fn pool(lanes: usize) -> Result<Pool, TestCaseError> {
-    Pool::new(lanes).map_err(|error| TestCaseError::fail(error.to_string()))
+    Pool::new(lanes, &[], Waiting::Spinning).map_err(|error| TestCaseError::fail(error.to_string()))
 }
 
 proptest! {
@@ -189,32 +290,41 @@ proptest! {
 
     #[test]
     fn direct_convolution_is_the_definition(case in direct_cases()) {
-        let Some(operands) = Operands::new(&case, case.window.padding) else { return Ok(()) };
+        let Some(numeric) = Numeric::new(&case, [0; 3]) else { return Ok(()) };
+        direct(&case, &numeric)?;
+    }
+
+    #[test]
+    fn transposed_convolution_is_the_definition(case in transposed_cases()) {
+        let Some(numeric) = Numeric::new(&case, [0; 3]) else { return Ok(()) };
+        direct(&case, &numeric)?;
+    }
+
+    #[test]
+    fn depthwise_convolution_is_the_definition(case in depthwise_cases()) {
+        let Some(numeric) = Numeric::new(&case, [0; 3]) else { return Ok(()) };
         let count: usize = case.window.kernel.iter().product();
+        let mut weights = Buffer::zeroed(count * case.inputs);
+        for (tap, row) in weights.chunks_exact_mut(case.inputs).enumerate() {
+            for (channel, weight) in row.iter_mut().enumerate() {
+                *weight = numeric.kernel[channel * count + tap];
+            }
+        }
+        let panels = Panels { groups: 1, channels: case.inputs, width: case.inputs };
         let mut pool = pool(case.lanes)?;
         for isa in InstructionSet::available() {
-            let panels = Panels::new(isa, case.outputs);
-            let weights = pack(panels, count * case.inputs, |output, column| {
-                for input in 0..case.inputs {
-                    for tap in 0..count {
-                        column[tap * case.inputs + input] =
-                            operands.kernel[(output * case.inputs + input) * count + tap];
-                    }
-                }
+            let phase = case.window.whole(numeric.to.layout.size);
+            let plan = Depthwise::new(isa, &phase, numeric.from, numeric.to);
+            let output = numeric.run(&case, panels, &weights, |operands, output, epilogue| {
+                plan.run(&mut pool, operands, output, epilogue);
             });
-            let (from, to) = ((operands.from, case.inputs), (operands.to, case.spare));
-            let plan = Direct::new(isa, panels, case.window, from, to);
-            let mut output = operands.output.clone();
-            let bias = operands.bias(panels);
-            plan.run(&mut pool, &operands.input, &weights, &bias, &mut output, case.epilogue);
-            // The worst of 6,400 cases: 4.7.
-            operands.check(&output, 16.0)?;
+            numeric.check(&output, 16.0)?;
         }
     }
 
     #[test]
     fn winograd_is_the_definition((tiling, case) in winograd_cases()) {
-        let Some(operands) = Operands::new(&case, tiling.after(case.size)) else { return Ok(()) };
+        let Some(numeric) = Numeric::new(&case, tiling.after(case.size)) else { return Ok(()) };
         let count: usize = case.window.kernel.iter().product();
         let mut pool = pool(case.lanes)?;
         for isa in InstructionSet::available() {
@@ -222,46 +332,41 @@ proptest! {
             let weights = Winograd::pack(panels, tiling, case.inputs, |output, input, taps| {
                 for (tap, value) in taps.iter_mut().enumerate() {
                     let index = (output * case.inputs + input) * count + tap;
-                    *value = f64::from(operands.kernel[index]);
+                    *value = f64::from(numeric.kernel[index]);
                 }
             });
-            let (from, to) = ((operands.from, case.inputs), (operands.to, case.spare));
-            let plan = Winograd::new(isa, panels, tiling, from, to, case.lanes);
+            let plan = Winograd::new(isa, panels, tiling, numeric.from, numeric.to, case.lanes);
             let mut scratch = vec![f32::NAN; plan.scratch(case.lanes)];
-            let mut output = operands.output.clone();
-            let bias = operands.bias(panels);
-            plan.run(
-                &mut pool,
-                &operands.input,
-                &weights,
-                &bias,
-                &mut output,
-                &mut scratch,
-                case.epilogue,
-            );
+            let output = numeric.run(&case, panels, &weights, |operands, output, epilogue| {
+                plan.run(&mut pool, operands, output, &mut scratch, epilogue);
+            });
             // The worst of 6,400 cases: 57. The points of F(4×4) are up to a hundred times the
             // result, and cancel.
-            operands.check(&output, 200.0)?;
+            numeric.check(&output, 200.0)?;
         }
     }
 
     #[test]
     fn max_pool_is_the_definition(case in direct_cases()) {
-        let Some(to) = case.window.output(case.size) else { return Ok(()) };
+        let padding = std::array::from_fn(|axis| case.window.padding[axis].min(case.window.kernel[axis] / 2));
+        let window = Window { padding, dilation: [1; 3], ..case.window };
+        let Some(to) = window.output(case.size) else { return Ok(()) };
         let mut numbers = Numbers(case.seed);
-        let from = Layout::dense(case.size, case.inputs);
-        let to = Layout::dense(to, case.inputs + case.spare);
-        let input: Vec<f32> = activation(&from, &mut numbers).iter().map(|v| v.abs()).collect();
+        let from = Layout::dense(case.size, case.inputs + 2 * case.spare);
+        let to = Layout::dense(to, case.inputs + 2 * case.spare);
+        let channels = |layout| Channels { layout, first: case.spare, count: case.inputs };
+        let input = activation_memory(&from, &mut numbers);
         let mut pool = pool(case.lanes)?;
         for isa in InstructionSet::available() {
             let mut output = vec![7.0; to.length()];
-            MaxPool::new(isa, case.window, from, to).run(&mut pool, &input, &mut output);
+            let plan = MaxPool::new(isa, window, channels(from), channels(to));
+            plan.run(&mut pool, &input, &mut output);
             for (index, &value) in output.iter().enumerate() {
                 let (pixel, channel) = (index / to.channels, index % to.channels);
-                let expected = if channel < case.inputs {
-                    taps(case.window, case.size, position(pixel, to.size))
+                let expected = if (case.spare..case.spare + case.inputs).contains(&channel) {
+                    taps(window, case.size, position(pixel, to.size))
                         .map(|(_, at)| input[offset(at, from.strides()) + channel])
-                        .fold(0.0, f32::max)
+                        .fold(f32::NEG_INFINITY, f32::max)
                 } else {
                     7.0
                 };
@@ -279,11 +384,64 @@ proptest! {
     }
 }
 
+/// The matrix kernel on every instruction set, with groups, and a phase after the other where the convolution
+/// is transposed.
+fn direct(case: &Case, numeric: &Numeric) -> Result<(), TestCaseError> {
+    let Case { window, inputs, outputs, groups, .. } = *case;
+    let count: usize = window.kernel.iter().product();
+    let of_group = inputs / groups;
+    let made = numeric.to.layout.size;
+    let phases = if case.transposed { window.phases(made) } else { vec![window.whole(made)] };
+    let mut pool = pool(case.lanes)?;
+    for isa in InstructionSet::available() {
+        let panels = Panels::of_groups(isa, groups, outputs / groups);
+        let mut output = numeric.output.clone();
+        for phase in &phases {
+            let taps = phase.kernel_taps(window.kernel);
+            let weights = pack(panels, taps.len() * of_group, |output, column| {
+                for input in 0..of_group {
+                    for (at, tap) in taps.iter().enumerate() {
+                        column[at * of_group + input] =
+                            numeric.kernel[(output * of_group + input) * count + tap];
+                    }
+                }
+            });
+            let plan = Direct::new(isa, panels, phase, numeric.from, numeric.to);
+            let phase = numeric.run(case, panels, &weights, |operands, output, epilogue| {
+                plan.run(&mut pool, operands, output, epilogue);
+            });
+            // Phases write pixels of their own.
+            for ((output, new), old) in output.iter_mut().zip(phase).zip(&numeric.output) {
+                if new.to_bits() != old.to_bits() {
+                    *output = new;
+                }
+            }
+        }
+        // The worst of 6,400 cases: 4.7.
+        numeric.check(&output, 16.0)?;
+    }
+    Ok(())
+}
+
+/// Threads that sleep between loops and are bound to a core work as well.
+#[test]
+fn parked_threads_on_one_core_run_every_task_once() {
+    let cores: &[usize] = if cfg!(target_os = "linux") { &[0] } else { &[] };
+    let mut pool = Pool::new(3, cores, Waiting::Parking).expect("core 0");
+    for _ in 0..20 {
+        assert!(runs(&mut pool, 3, 50).iter().all(|&count| count == 1));
+    }
+    if cfg!(target_os = "linux") {
+        let error = Pool::new(2, &[1 << 20], Waiting::Spinning).unwrap_err();
+        assert_eq!(error.to_string(), "there is no core 1048576");
+    }
+}
+
 /// As many threads as are promised start, work and end.
 #[test]
 fn the_most_threads_run_every_task_once() {
     let lanes = crate::Options::MAX_THREADS;
-    let mut pool = Pool::new(lanes).expect("so many threads");
+    let mut pool = Pool::new(lanes, &[], Waiting::Spinning).expect("so many threads");
     assert_eq!(pool.lanes(), lanes);
     assert!(runs(&mut pool, lanes, 5000).iter().all(|&count| count == 1));
 }

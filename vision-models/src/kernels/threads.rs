@@ -1,7 +1,8 @@
 //! A pool of threads that share out the tasks of one layer after another.
 //!
 //! A network is a hundred short parallel loops in a row. Between two of them the workers spin, for
-//! a wake-up costs as much as a small layer; after a while without work they sleep.
+//! a wake-up costs as much as a small layer; after a while without work they sleep. Where others need the
+//! cores, they can sleep at once.
 
 use std::{
     cell::UnsafeCell,
@@ -9,13 +10,24 @@ use std::{
         Arc,
         atomic::{AtomicBool, AtomicUsize, Ordering},
     },
-    thread::{self, JoinHandle},
+    thread::{self, JoinHandle, Thread},
 };
 
 /// How often a worker looks for work before it sleeps: some tenths of a millisecond.
 const SPINS: usize = 20_000;
 /// How often a thread looks before it lets others have the core.
 const SPINS_BEFORE_YIELD: usize = 2_000;
+
+/// What threads do while there is nothing to do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Waiting {
+    /// They look for work for some tenths of a millisecond, which takes their cores, and then sleep: the
+    /// fastest.
+    #[default]
+    Spinning,
+    /// They sleep at once, which leaves their cores to others and costs a wake-up for every layer.
+    Parking,
+}
 
 /// A loop body: the lane (which thread) and the task's number.
 type Body<'a> = &'a (dyn Fn(usize, usize) + Sync);
@@ -24,6 +36,8 @@ type Body<'a> = &'a (dyn Fn(usize, usize) + Sync);
 struct Job {
     body: Body<'static>,
     tasks: usize,
+    /// Whom the last worker wakes, if it sleeps.
+    caller: Option<Thread>,
 }
 
 /// What the caller and the workers share.
@@ -42,6 +56,7 @@ struct PoolState {
     stop: AtomicBool,
     /// Which workers sleep, or are about to.
     asleep: Vec<AtomicBool>,
+    waiting: Waiting,
 }
 
 // SAFETY: all fields but `job` are atomic. `job` is written only between loops, when `pending` is
@@ -63,11 +78,12 @@ impl std::fmt::Debug for Pool {
 }
 
 impl Pool {
-    /// A pool of this many threads, the caller's included.
+    /// A pool of this many threads, the caller's included. The others run on these cores, or on any if there
+    /// are none.
     ///
     /// # Errors
-    /// The operating system's, if it starts no thread.
-    pub(crate) fn new(lanes: usize) -> std::io::Result<Self> {
+    /// The operating system's, if it starts no thread or has not the cores.
+    pub(crate) fn new(lanes: usize, cores: &[usize], waiting: Waiting) -> std::io::Result<Self> {
         let workers = lanes.saturating_sub(1);
         let state = Arc::new(PoolState {
             epoch: AtomicUsize::new(0),
@@ -77,6 +93,7 @@ impl Pool {
             panicked: AtomicBool::new(false),
             stop: AtomicBool::new(false),
             asleep: (0..workers).map(|_| AtomicBool::new(false)).collect(),
+            waiting,
         });
         let mut pool = Self { state, workers: Vec::with_capacity(workers) };
         for worker in 0..workers {
@@ -85,6 +102,11 @@ impl Pool {
                 .name(format!("vision-models {}", worker + 1))
                 .spawn(move || work(&state, worker))?;
             pool.workers.push(handle);
+        }
+        if !cores.is_empty() {
+            for worker in &pool.workers {
+                super::affinity::restrict(worker, cores)?;
+            }
         }
         Ok(pool)
     }
@@ -109,8 +131,9 @@ impl Pool {
         // SAFETY: only the lifetime changes, and the body is called only before this returns: the
         // workers are waited for below, even if a task panics.
         let body: Body<'static> = unsafe { std::mem::transmute::<Body<'_>, Body<'static>>(body) };
+        let caller = (state.waiting == Waiting::Parking).then(thread::current);
         // SAFETY: `pending` is zero, so that no worker reads the job.
-        unsafe { *state.job.get() = Some(Job { body, tasks }) };
+        unsafe { *state.job.get() = Some(Job { body, tasks, caller }) };
         state.next.store(0, Ordering::Relaxed);
         state.pending.store(self.workers.len(), Ordering::Relaxed);
         state.epoch.fetch_add(1, Ordering::SeqCst);
@@ -146,20 +169,32 @@ impl Drop for WaitForWorkers<'_> {
     fn drop(&mut self) {
         let mut spins = 0;
         while self.0.pending.load(Ordering::Acquire) > 0 {
-            pause(&mut spins);
+            match self.0.waiting {
+                Waiting::Spinning => pause(&mut spins),
+                Waiting::Parking => thread::park(),
+            }
         }
     }
 }
 
 /// Says that a worker has finished the loop, even if a task panicked.
-struct Finish<'a>(&'a PoolState);
+struct Finish<'a> {
+    state: &'a PoolState,
+    /// A handle of its own: the job may be gone as soon as this worker is done.
+    caller: Option<Thread>,
+}
 
 impl Drop for Finish<'_> {
     fn drop(&mut self) {
         if thread::panicking() {
-            self.0.panicked.store(true, Ordering::Relaxed);
+            self.state.panicked.store(true, Ordering::Relaxed);
         }
-        self.0.pending.fetch_sub(1, Ordering::Release);
+        let left = self.state.pending.fetch_sub(1, Ordering::Release);
+        if left == 1
+            && let Some(caller) = &self.caller
+        {
+            caller.unpark();
+        }
     }
 }
 
@@ -181,10 +216,12 @@ fn work(state: &PoolState, worker: usize) {
         if state.stop.load(Ordering::Relaxed) {
             return;
         }
-        let _finish = Finish(state);
         // SAFETY: the epoch was seen to change, so the job is written, and stays until this
         // worker's `Finish`.
-        if let Some(job) = unsafe { &*state.job.get() } {
+        let job = unsafe { &*state.job.get() };
+        let caller = job.as_ref().and_then(|job| job.caller.clone());
+        let _finish = Finish { state, caller };
+        if let Some(job) = job {
             take_tasks(state, worker + 1, job.body, job.tasks);
         }
     }
@@ -194,7 +231,7 @@ fn work(state: &PoolState, worker: usize) {
 fn wait_for_work(state: &PoolState, worker: usize, seen: usize) {
     let mut spins = 0;
     while state.epoch.load(Ordering::SeqCst) == seen {
-        if spins < SPINS {
+        if spins < SPINS && state.waiting == Waiting::Spinning {
             pause(&mut spins);
             continue;
         }

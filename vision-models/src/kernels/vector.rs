@@ -35,6 +35,16 @@ pub(super) unsafe trait Vector: Copy {
             self.max(self.mul_add(zero, zero))
         }
     }
+
+    /// Negative lanes times `slope`; NaN for lanes that are NaN or infinite.
+    #[inline(always)]
+    unsafe fn prelu(self, slope: Self) -> Self {
+        // SAFETY: passed on to the caller.
+        unsafe {
+            let positive = self.relu();
+            self.sub(positive).mul_add(slope, positive)
+        }
+    }
 }
 
 /// Asks for a cache line that will be read soon; the address need not be anybody's.

@@ -1,14 +1,14 @@
 //! Residual backbones: the rows of the papers' tables.
 //!
 //! K. He, X. Zhang, S. Ren and J. Sun, "Deep residual learning for image recognition", CVPR 2016,
-//! Table 1, the stride on the 3×3 convolution of a bottleneck as in torchvision. C. Feichtenhofer,
+//! Table 1, the stride on the 3×3 convolution of a bottleneck as in torchvision. S. Xie, R. Girshick,
+//! P. Dollár, Z. Tu and K. He, "Aggregated residual transformations for deep neural networks", CVPR 2017,
+//! Table 1. S. Zagoruyko and N. Komodakis, "Wide residual networks", BMVC 2016. C. Feichtenhofer,
 //! H. Fan, J. Malik and K. He, "SlowFast networks for video recognition", ICCV 2019, Table 1.
 
-use crate::kernels::Window;
-use crate::layout::Extent;
+use crate::engine::{Activation, Convolution, Graph, Value, Window};
 
-use super::graph::{Graph, Layer, Names, Value};
-use super::naming::Naming;
+use super::naming::{Names, Naming};
 
 /// How many layers a residual network has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +26,17 @@ pub enum ResNetDepth {
 }
 
 impl ResNetDepth {
+    /// How many layers they are.
+    pub fn layers(self) -> usize {
+        match self {
+            Self::Eighteen => 18,
+            Self::ThirtyFour => 34,
+            Self::Fifty => 50,
+            Self::OneHundredOne => 101,
+            Self::OneHundredFiftyTwo => 152,
+        }
+    }
+
     /// Blocks of each stage.
     fn blocks(self) -> [usize; 4] {
         match self {
@@ -36,32 +47,42 @@ impl ResNetDepth {
         }
     }
 
-    fn has_bottlenecks(self) -> bool {
+    pub(super) fn has_bottlenecks(self) -> bool {
         !matches!(self, Self::Eighteen | Self::ThirtyFour)
     }
 }
 
 /// A residual backbone: the stem and four stages.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Backbone {
-    pub(crate) depth: ResNetDepth,
-    pub(crate) naming: Naming,
+pub(super) struct Backbone {
+    pub(super) depth: ResNetDepth,
+    pub(super) naming: Naming,
     /// Channels of the stem.
-    pub(crate) width: usize,
+    pub(super) width: usize,
+    /// Groups of the 3×3 convolution of a bottleneck.
+    pub(super) groups: usize,
+    /// Channels of such a group in the first stage, if the stem has 64 channels.
+    pub(super) group_width: usize,
     /// Frames that the stem's kernel sees.
-    pub(crate) stem_frames: usize,
+    pub(super) stem_frames: usize,
     /// Frames that the first kernel of each block sees, by stage.
-    pub(crate) frames: [usize; 4],
+    pub(super) frames: [usize; 4],
 }
 
 impl Backbone {
-    /// How many axes the checkpoint's kernels have.
-    fn axes(&self) -> usize {
-        if self.naming == Naming::Torchvision { 2 } else { 3 }
+    /// The plain form for images.
+    pub(super) fn of_images(depth: ResNetDepth, naming: Naming) -> Self {
+        let frames = [1; 4];
+        Self { depth, naming, width: 64, groups: 1, group_width: 64, stem_frames: 1, frames }
+    }
+
+    /// The slow path of SlowFast, with kernels of three frames in the last two stages.
+    pub(super) fn slow(depth: ResNetDepth, naming: Naming) -> Self {
+        Self { frames: [1, 1, 3, 3], ..Self::of_images(depth, naming) }
     }
 
     /// Channels behind a stage, counted from one; behind the stem for zero.
-    pub(crate) fn channels(&self, stage: usize) -> usize {
+    pub(super) fn channels(&self, stage: usize) -> usize {
         match stage {
             0 => self.width,
             _ if self.depth.has_bottlenecks() => self.width << (stage + 1),
@@ -69,82 +90,70 @@ impl Backbone {
         }
     }
 
-    /// 7×7, stride 2; max pool 3×3, stride 2. The last channels of the output, `spare` of them, are
-    /// left for others to write.
-    pub(crate) fn stem(&self, graph: &mut Graph, image: Value, spare: usize) -> Value {
-        let kernel = window([self.stem_frames, 7, 7], 2);
-        let x = self.layer(graph, image, self.naming.stem(), [3, self.width], kernel);
-        let pooled = graph.value(self.width + spare);
-        graph.max_pool(x, pooled, window([1, 3, 3], 2));
-        pooled
+    /// The stem and all stages.
+    pub(super) fn whole(&self, graph: &mut Graph, image: Value) -> Value {
+        let stem = self.stem(graph, image);
+        (1..=4).fold(stem, |x, stage| self.stage(graph, stage, x))
     }
 
-    /// The blocks of a stage, counted from one, with `spare` channels as above.
-    pub(crate) fn stage(
-        &self,
-        graph: &mut Graph,
-        stage: usize,
-        mut x: Value,
-        spare: usize,
-    ) -> Value {
+    /// 7×7, stride 2; max pool 3×3, stride 2.
+    pub(super) fn stem(&self, graph: &mut Graph, image: Value) -> Value {
+        let kernel = [self.stem_frames, 7, 7];
+        let stem = self.layer(self.naming.stem(), self.width, kernel).stride([1, 2, 2]);
+        let x = graph.convolution(image, stem);
+        graph.max_pool(x, Window { stride: [1, 2, 2], ..Window::same([1, 3, 3]) })
+    }
+
+    /// The blocks of a stage, counted from one.
+    pub(super) fn stage(&self, graph: &mut Graph, stage: usize, mut x: Value) -> Value {
         let outputs = self.channels(stage);
         for block in 0..self.depth.blocks()[stage - 1] {
-            let first = block == 0;
-            let inputs = if first { graph.channels[x.0] } else { outputs };
-            let stride = if first && stage > 1 { 2 } else { 1 };
-            let at = Block { stage, index: block, inputs, outputs, stride };
+            let stride = if block == 0 && stage > 1 { 2 } else { 1 };
+            let at = Block { stage, index: block, outputs, stride: [1, stride, stride] };
             let (y, last) = if self.depth.has_bottlenecks() {
                 self.bottleneck(graph, at, x)
             } else {
                 self.basic(graph, at, x)
             };
-            // The identity shortcut adds to the block's input where it lies.
-            if inputs != outputs || stride > 1 {
-                let out = graph.value(outputs + spare);
-                let names = self.naming.shortcut(stage, block);
-                let project = self.describe(names, [inputs, outputs], window([1, 1, 1], stride));
-                graph.convolve_into(x, project, out, 0, false);
-                x = out;
-            }
-            graph.convolve_add(y, last, x);
+            let shortcut = if graph.channels(x) == outputs && stride == 1 {
+                x
+            } else {
+                let project = self
+                    .layer(self.naming.shortcut(stage, block), outputs, [1, 1, 1])
+                    .stride(at.stride)
+                    .activation(Activation::None);
+                graph.convolution(x, project)
+            };
+            x = graph.residual(y, last, shortcut);
         }
         x
     }
 
-    /// t×1×1 to a quarter of the channels, 1×3×3, and last 1×1×1, for the caller to add.
-    fn bottleneck(&self, graph: &mut Graph, at: Block, x: Value) -> (Value, Layer) {
-        let Block { stage, index, inputs, outputs, stride } = at;
+    /// t×1×1 to a quarter of the channels (or what groups and their width ask for), 1×3×3, and last 1×1×1,
+    /// for the caller to add.
+    fn bottleneck(&self, graph: &mut Graph, at: Block, x: Value) -> (Value, Convolution) {
+        let Block { stage, index, outputs, stride } = at;
         let names = |number| self.naming.convolution(stage, index, number);
-        let width = outputs / 4;
+        let width = outputs / 4 * self.group_width / 64 * self.groups;
         let frames = self.frames[stage - 1];
-        let y = self.layer(graph, x, names(1), [inputs, width], window([frames, 1, 1], 1));
-        let y = self.layer(graph, y, names(2), [width, width], window([1, 3, 3], stride));
-        (y, self.describe(names(3), [width, outputs], window([1, 1, 1], 1)))
+        let y = graph.convolution(x, self.layer(names(1), width, [frames, 1, 1]));
+        let spatial = self.layer(names(2), width, [1, 3, 3]).stride(stride).groups(self.groups);
+        let y = graph.convolution(y, spatial);
+        (y, self.layer(names(3), outputs, [1, 1, 1]))
     }
 
     /// t×3×3, and last t×3×3, for the caller to add.
-    fn basic(&self, graph: &mut Graph, at: Block, x: Value) -> (Value, Layer) {
-        let Block { stage, index, inputs, outputs, stride } = at;
+    fn basic(&self, graph: &mut Graph, at: Block, x: Value) -> (Value, Convolution) {
+        let Block { stage, index, outputs, stride } = at;
         let names = |number| self.naming.convolution(stage, index, number);
-        let frames = self.frames[stage - 1];
-        let y = self.layer(graph, x, names(1), [inputs, outputs], window([frames, 3, 3], stride));
-        (y, self.describe(names(2), [outputs, outputs], window([frames, 3, 3], 1)))
+        let kernel = [self.frames[stage - 1], 3, 3];
+        let y = graph.convolution(x, self.layer(names(1), outputs, kernel).stride(stride));
+        (y, self.layer(names(2), outputs, kernel))
     }
 
     /// A convolution with its ReLU.
-    fn layer(
-        &self,
-        graph: &mut Graph,
-        input: Value,
-        names: Names,
-        channels: [usize; 2],
-        window: Window,
-    ) -> Value {
-        graph.convolve(input, self.describe(names, channels, window), true)
-    }
-
-    fn describe(&self, names: Names, [inputs, outputs]: [usize; 2], window: Window) -> Layer {
-        Layer { names, inputs, outputs, window, axes: self.axes() }
+    fn layer(&self, names: Names, outputs: usize, kernel: [usize; 3]) -> Convolution {
+        names.convolution(outputs, kernel, self.naming.axes()).activation(Activation::Relu)
     }
 }
 
@@ -153,12 +162,6 @@ impl Backbone {
 struct Block {
     stage: usize,
     index: usize,
-    inputs: usize,
     outputs: usize,
-    stride: usize,
-}
-
-/// A window that keeps the size but for its spatial stride.
-fn window(kernel: Extent, stride: usize) -> Window {
-    Window { kernel, stride: [1, stride, stride], padding: kernel.map(|taps| taps / 2) }
+    stride: [usize; 3],
 }

@@ -2,12 +2,15 @@
 
 use std::fmt;
 
-use crate::TensorSource;
+use crate::engine::{Graph, Misfit, Network, Options, Program, lower};
+use crate::{Error, TensorSource};
 
 use super::backbone::ResNetDepth;
-use super::graph::Architecture;
-use super::slow_only::SlowOnlyForm;
-use super::{resnet, slow_fast, slow_only};
+use super::open_pose::{self, OpenPoseForm};
+use super::resnet::{self, ResNetForm};
+use super::simple_baseline::{self, SimpleBaselineForm};
+use super::slow_fast::{self, SlowFastForm};
+use super::slow_only::{self, SlowOnlyForm};
 
 /// A network by its architecture and the names of its checkpoint.
 ///
@@ -20,61 +23,141 @@ use super::{resnet, slow_fast, slow_only};
 ///     checkpoint.insert(name, Tensor::new(shape, elements)?)?;
 /// }
 /// let kind = NetworkKind::of(&checkpoint);
-/// assert_eq!(kind, Some(NetworkKind::ResNet(ResNetDepth::Eighteen)));
+/// assert_eq!(kind, Some(NetworkKind::ResNet(ResNetDepth::Eighteen.into())));
 /// assert_eq!(kind.unwrap().to_string(), "ResNet-18");
 /// # Ok::<(), vision_models::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum NetworkKind {
     /// [`ResNet`](crate::ResNet).
-    ResNet(ResNetDepth),
+    ResNet(ResNetForm),
     /// [`SlowOnly`](crate::SlowOnly).
     SlowOnly(SlowOnlyForm),
     /// [`SlowFast`](crate::SlowFast).
-    SlowFast,
+    SlowFast(SlowFastForm),
+    /// [`SimpleBaseline`](crate::SimpleBaseline).
+    SimpleBaseline(SimpleBaselineForm),
+    /// [`OpenPose`](crate::OpenPose).
+    OpenPose(OpenPoseForm),
 }
 
 impl NetworkKind {
-    /// Every network of this crate.
-    pub const ALL: [Self; 9] = [
-        Self::ResNet(ResNetDepth::Eighteen),
-        Self::ResNet(ResNetDepth::ThirtyFour),
-        Self::ResNet(ResNetDepth::Fifty),
-        Self::ResNet(ResNetDepth::OneHundredOne),
-        Self::ResNet(ResNetDepth::OneHundredFiftyTwo),
-        Self::SlowOnly(SlowOnlyForm::MmAction2),
-        Self::SlowOnly(SlowOnlyForm::MmAction2Depth18),
-        Self::SlowOnly(SlowOnlyForm::PyTorchVideo),
-        Self::SlowFast,
-    ];
-
-    /// The network whose tensors these are, all of them and with their shapes, for any number of
-    /// classes; `None` if they are no known one's. Nothing but names and shapes is read.
-    pub fn of(tensors: &dyn TensorSource) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.architecture().check(tensors).is_ok())
+    /// Every network of this crate that checkpoints are known of.
+    pub fn all() -> Vec<Self> {
+        use ResNetDepth::{Eighteen, Fifty, OneHundredFiftyTwo, OneHundredOne, ThirtyFour};
+        let depths = [Eighteen, ThirtyFour, Fifty, OneHundredOne, OneHundredFiftyTwo];
+        let resnets = depths.map(ResNetForm::from).into_iter().chain([
+            ResNetForm::RESNEXT_50_32X4D,
+            ResNetForm::RESNEXT_101_32X8D,
+            ResNetForm::RESNEXT_101_64X4D,
+            ResNetForm::WIDE_50_2,
+            ResNetForm::WIDE_101_2,
+        ]);
+        let slow_onlys = [
+            SlowOnlyForm::MmAction2,
+            SlowOnlyForm::MmAction2Depth18,
+            SlowOnlyForm::MmAction2Depth101,
+            SlowOnlyForm::PyTorchVideo,
+        ];
+        let slow_fasts = [
+            SlowFastForm::PyTorchVideo,
+            SlowFastForm::MmAction2EveryFourth(Fifty),
+            SlowFastForm::MmAction2EveryFourth(OneHundredOne),
+            SlowFastForm::MmAction2EveryEighth(Fifty),
+            SlowFastForm::MmAction2EveryEighth(OneHundredOne),
+        ];
+        resnets
+            .map(Self::ResNet)
+            .chain(slow_onlys.map(Self::SlowOnly))
+            .chain(slow_fasts.map(Self::SlowFast))
+            .chain(SimpleBaselineForm::ALL.map(Self::SimpleBaseline))
+            .chain(OpenPoseForm::ALL.map(Self::OpenPose))
+            .collect()
     }
 
-    pub(super) fn architecture(self) -> Architecture {
+    /// The network whose tensors these are, all of them and with their shapes, for any number of
+    /// classes or without a head; `None` if they are no known one's. Nothing but names and shapes is read.
+    pub fn of(tensors: &dyn TensorSource) -> Option<Self> {
+        Self::all()
+            .into_iter()
+            .find(|kind| kind.program().is_ok_and(|program| program.check(tensors).is_ok()))
+    }
+
+    /// The names and shapes of the tensors that a checkpoint with this many classes must hold.
+    pub fn parameters(self, classes: usize) -> Vec<(String, Vec<usize>)> {
+        self.program().map(|program| program.expected(classes).into_tensors()).unwrap_or_default()
+    }
+
+    /// Loads the network.
+    pub(crate) fn load(
+        self,
+        tensors: Box<dyn TensorSource + '_>,
+        size: [usize; 3],
+        options: Options,
+    ) -> Result<Network, Error> {
+        options.validate()?;
+        let program = self.program()?;
+        program.check(&*tensors).map_err(|misfit| {
+            let Misfit { missing, surplus, misshapen } = misfit;
+            let found = Self::of(&*tensors);
+            Error::Weights { network: Some(self), found, missing, surplus, misshapen }
+        })?;
+        Network::of_program(program, tensors, size, options)
+    }
+
+    fn program(self) -> Result<Program, Error> {
+        lower(&self.graph())
+    }
+
+    fn graph(self) -> Graph {
         match self {
-            Self::ResNet(depth) => resnet::architecture(depth),
-            Self::SlowOnly(form) => slow_only::architecture(form),
-            Self::SlowFast => slow_fast::architecture(),
+            Self::ResNet(form) => resnet::graph(form),
+            Self::SlowOnly(form) => slow_only::graph(form),
+            Self::SlowFast(form) => slow_fast::graph(form),
+            Self::SimpleBaseline(form) => simple_baseline::graph(form),
+            Self::OpenPose(form) => open_pose::graph(form),
         }
     }
 }
 
 impl fmt::Display for NetworkKind {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.pad(match self {
-            Self::ResNet(ResNetDepth::Eighteen) => "ResNet-18",
-            Self::ResNet(ResNetDepth::ThirtyFour) => "ResNet-34",
-            Self::ResNet(ResNetDepth::Fifty) => "ResNet-50",
-            Self::ResNet(ResNetDepth::OneHundredOne) => "ResNet-101",
-            Self::ResNet(ResNetDepth::OneHundredFiftyTwo) => "ResNet-152",
-            Self::SlowOnly(SlowOnlyForm::MmAction2) => "SlowOnly-R50 of mmaction2",
-            Self::SlowOnly(SlowOnlyForm::MmAction2Depth18) => "SlowOnly-R18 of mmaction2",
-            Self::SlowOnly(SlowOnlyForm::PyTorchVideo) => "SlowOnly-R50 of PyTorchVideo",
-            Self::SlowFast => "SlowFast-R50 of PyTorchVideo",
-        })
+        let name = match *self {
+            Self::ResNet(form) => {
+                let (layers, groups, width) =
+                    (form.depth().layers(), form.groups(), form.group_width());
+                match (groups, width) {
+                    (1, 64) => format!("ResNet-{layers}"),
+                    (1, 128) => format!("Wide ResNet-{layers}-2"),
+                    _ => format!("ResNeXt-{layers} {groups}x{width}d"),
+                }
+            }
+            Self::SlowOnly(SlowOnlyForm::MmAction2) => "SlowOnly-R50 of mmaction2".into(),
+            Self::SlowOnly(SlowOnlyForm::MmAction2Depth18) => "SlowOnly-R18 of mmaction2".into(),
+            Self::SlowOnly(SlowOnlyForm::MmAction2Depth101) => "SlowOnly-R101 of mmaction2".into(),
+            Self::SlowOnly(SlowOnlyForm::PyTorchVideo) => "SlowOnly-R50 of PyTorchVideo".into(),
+            Self::SlowFast(SlowFastForm::PyTorchVideo) => "SlowFast-R50 of PyTorchVideo".into(),
+            Self::SlowFast(SlowFastForm::MmAction2EveryFourth(depth)) => {
+                format!("SlowFast-R{} 8x8 of mmaction2", depth.layers())
+            }
+            Self::SlowFast(SlowFastForm::MmAction2EveryEighth(depth)) => {
+                format!("SlowFast-R{} 4x16 of mmaction2", depth.layers())
+            }
+            Self::SimpleBaseline(SimpleBaselineForm::Microsoft) => {
+                "simple baseline of Microsoft".into()
+            }
+            Self::SimpleBaseline(SimpleBaselineForm::MmPose0) => {
+                "simple baseline of mmpose 0.x".into()
+            }
+            Self::SimpleBaseline(SimpleBaselineForm::MmPose1) => {
+                "simple baseline of mmpose 1.x".into()
+            }
+            Self::OpenPose(OpenPoseForm::Caffe) => "OpenPose body network (COCO)".into(),
+            Self::OpenPose(OpenPoseForm::Modules) => {
+                "OpenPose body network (COCO) of PyTorch".into()
+            }
+        };
+        formatter.pad(&name)
     }
 }

@@ -1,51 +1,87 @@
 //! What the layers are called in each kind of checkpoint.
 
-use super::graph::Names;
+use crate::engine::Convolution;
+
+/// What a convolution and its batch norm are called.
+#[derive(Clone, Debug)]
+pub(super) struct Names {
+    /// Of the convolution, without `.weight`.
+    convolution: String,
+    /// Of its batch norm, without `.weight`.
+    norm: String,
+}
+
+impl Names {
+    /// Names behind a common prefix.
+    pub(super) fn new(prefix: &str, convolution: &str, norm: &str) -> Self {
+        Self { convolution: format!("{prefix}{convolution}"), norm: format!("{prefix}{norm}") }
+    }
+
+    /// A convolution of these names: PyTorch's `Conv3d`, or `Conv2d` where kernels have two axes.
+    pub(super) fn convolution(self, outputs: usize, kernel: [usize; 3], axes: Axes) -> Convolution {
+        let [_, rows, columns] = kernel;
+        match axes {
+            Axes::Two => Convolution::image(self.convolution, outputs, [rows, columns]),
+            Axes::Three => Convolution::clip(self.convolution, outputs, kernel),
+        }
+        .norm(self.norm)
+    }
+}
+
+/// How many axes a checkpoint's kernels have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Axes {
+    /// Rows and columns.
+    Two,
+    /// Frames, too.
+    Three,
+}
 
 /// Whose names a checkpoint uses. Stages count from one, blocks from zero, a block's convolutions
 /// from one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Naming {
-    /// `layer1.0.conv1`
-    Torchvision,
-    /// `backbone.layer1.0.conv1.conv`
-    MmAction2,
+pub(super) enum Naming {
+    /// `layer1.0.conv1`, behind a prefix.
+    Torchvision(&'static str),
+    /// `backbone.layer1.0.conv1.conv`, the prefix being `backbone.`
+    MmAction2(&'static str),
     /// `blocks.1.res_blocks.0.branch2.conv_a`
     PyTorchVideo,
     /// `blocks.1.multipathway_blocks.0.res_blocks.0.branch2.conv_a`: one pathway of several.
     PyTorchVideoPathway(usize),
 }
 
-fn names(prefix: &str, convolution: &str, norm: &str) -> Names {
-    Names { convolution: format!("{prefix}{convolution}"), norm: format!("{prefix}{norm}") }
-}
-
 impl Naming {
+    /// How many axes the kernels have.
+    pub(super) fn axes(self) -> Axes {
+        if matches!(self, Self::Torchvision(_)) { Axes::Two } else { Axes::Three }
+    }
+
     /// The first convolution.
-    pub(crate) fn stem(self) -> Names {
+    pub(super) fn stem(self) -> Names {
         match self {
-            Self::Torchvision => names("", "conv1", "bn1"),
-            Self::MmAction2 => names("backbone.conv1.", "conv", "bn"),
+            Self::Torchvision(prefix) => Names::new(prefix, "conv1", "bn1"),
+            Self::MmAction2(prefix) => Names::new(&format!("{prefix}conv1."), "conv", "bn"),
             Self::PyTorchVideo | Self::PyTorchVideoPathway(_) => {
-                names(&self.block(0), "conv", "norm")
+                Names::new(&self.block(0), "conv", "norm")
             }
         }
     }
 
     /// The `number`-th convolution of a residual block.
-    pub(crate) fn convolution(self, stage: usize, block: usize, number: usize) -> Names {
+    pub(super) fn convolution(self, stage: usize, block: usize, number: usize) -> Names {
         match self {
-            Self::Torchvision => names(
-                &format!("layer{stage}.{block}."),
+            Self::Torchvision(prefix) => Names::new(
+                &format!("{prefix}layer{stage}.{block}."),
                 &format!("conv{number}"),
                 &format!("bn{number}"),
             ),
-            Self::MmAction2 => {
-                names(&format!("backbone.layer{stage}.{block}.conv{number}."), "conv", "bn")
+            Self::MmAction2(prefix) => {
+                Names::new(&format!("{prefix}layer{stage}.{block}.conv{number}."), "conv", "bn")
             }
             Self::PyTorchVideo | Self::PyTorchVideoPathway(_) => {
                 let letter = ["a", "b", "c"][(number - 1).min(2)];
-                names(
+                Names::new(
                     &format!("{}res_blocks.{block}.branch2.", self.block(stage)),
                     &format!("conv_{letter}"),
                     &format!("norm_{letter}"),
@@ -55,13 +91,15 @@ impl Naming {
     }
 
     /// The projection of a residual block's shortcut.
-    pub(crate) fn shortcut(self, stage: usize, block: usize) -> Names {
+    pub(super) fn shortcut(self, stage: usize, block: usize) -> Names {
         match self {
-            Self::Torchvision => names(&format!("layer{stage}.{block}.downsample."), "0", "1"),
-            Self::MmAction2 => {
-                names(&format!("backbone.layer{stage}.{block}.downsample."), "conv", "bn")
+            Self::Torchvision(prefix) => {
+                Names::new(&format!("{prefix}layer{stage}.{block}.downsample."), "0", "1")
             }
-            Self::PyTorchVideo | Self::PyTorchVideoPathway(_) => names(
+            Self::MmAction2(prefix) => {
+                Names::new(&format!("{prefix}layer{stage}.{block}.downsample."), "conv", "bn")
+            }
+            Self::PyTorchVideo | Self::PyTorchVideoPathway(_) => Names::new(
                 &format!("{}res_blocks.{block}.", self.block(stage)),
                 "branch1_conv",
                 "branch1_norm",

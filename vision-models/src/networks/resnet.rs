@@ -2,51 +2,149 @@
 
 use ndarray::ArrayView4;
 
+use crate::engine::{Graph, Network, Options, Pooling, Scores, Threads};
 use crate::{Error, TensorSource};
 
 use super::backbone::{Backbone, ResNetDepth};
-use super::graph::{Architecture, Graph};
-use super::head::Pooling;
+use super::clips::from_images;
 use super::kind::NetworkKind;
 use super::naming::Naming;
-use super::network::{Clips, Network, Options, Scores};
 
-/// A residual network in torchvision's form: features at the average pool, and class scores.
+/// The parameters of a residual network of torchvision: its depth, and the groups of its bottlenecks with
+/// their width.
+///
+/// ```
+/// use vision_models::{NetworkKind, ResNetDepth, ResNetForm};
+///
+/// assert_eq!(ResNetForm::from(ResNetDepth::Fifty).groups(), 1);
+/// assert_eq!(NetworkKind::ResNet(ResNetForm::RESNEXT_50_32X4D).to_string(), "ResNeXt-50 32x4d");
+/// let form = ResNetForm::new(ResNetDepth::OneHundredFiftyTwo, 16, 8)?;
+/// assert_eq!(NetworkKind::ResNet(form).to_string(), "ResNeXt-152 16x8d");
+/// # Ok::<(), vision_models::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ResNetForm {
+    depth: ResNetDepth,
+    groups: u16,
+    group_width: u16,
+}
+
+impl ResNetForm {
+    /// `resnext50_32x4d`.
+    pub const RESNEXT_50_32X4D: Self = Self::grouped(ResNetDepth::Fifty, 32, 4);
+    /// `resnext101_32x8d`.
+    pub const RESNEXT_101_32X8D: Self = Self::grouped(ResNetDepth::OneHundredOne, 32, 8);
+    /// `resnext101_64x4d`.
+    pub const RESNEXT_101_64X4D: Self = Self::grouped(ResNetDepth::OneHundredOne, 64, 4);
+    /// `wide_resnet50_2`.
+    pub const WIDE_50_2: Self = Self::grouped(ResNetDepth::Fifty, 1, 128);
+    /// `wide_resnet101_2`.
+    pub const WIDE_101_2: Self = Self::grouped(ResNetDepth::OneHundredOne, 1, 128);
+
+    /// A network whose bottlenecks have so many groups (the cardinality) of this width in the first stage:
+    /// torchvision's `groups` and `width_per_group`. 1 and 64 are the plain network.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for groups or widths that are zero or above 4096, and for basic blocks, which have
+    /// neither.
+    pub fn new(depth: ResNetDepth, groups: usize, group_width: usize) -> Result<Self, Error> {
+        const MOST: u16 = 4096;
+        let refuse =
+            |name, value: usize, expected| Error::Setting { name, value: value as f64, expected };
+        let narrow = |name, value: usize| {
+            let narrow = u16::try_from(value).ok().filter(|value| (1..=MOST).contains(value));
+            narrow.ok_or_else(|| refuse(name, value, "a number from 1 to 4096"))
+        };
+        let (groups, group_width) =
+            (narrow("groups", groups)?, narrow("group_width", group_width)?);
+        if !depth.has_bottlenecks() && (groups, group_width) != (1, 64) {
+            let expected = "1 group of width 64: basic blocks have no others";
+            return Err(refuse("groups", groups.into(), expected));
+        }
+        Ok(Self::grouped(depth, groups, group_width))
+    }
+
+    const fn grouped(depth: ResNetDepth, groups: u16, group_width: u16) -> Self {
+        Self { depth, groups, group_width }
+    }
+
+    /// How many layers there are.
+    pub fn depth(self) -> ResNetDepth {
+        self.depth
+    }
+
+    /// Groups of the 3×3 convolution of each bottleneck.
+    pub fn groups(self) -> usize {
+        self.groups.into()
+    }
+
+    /// Channels of such a group in the first stage; they double from stage to stage.
+    pub fn group_width(self) -> usize {
+        self.group_width.into()
+    }
+}
+
+impl From<ResNetDepth> for ResNetForm {
+    /// The plain network.
+    fn from(depth: ResNetDepth) -> Self {
+        Self::grouped(depth, 1, 64)
+    }
+}
+
+/// A residual network in torchvision's form (ResNet, ResNeXt, Wide ResNet): features at the average pool, and
+/// class scores.
 #[derive(Debug)]
 pub struct ResNet(Network);
 
 impl ResNet {
     /// The names and shapes of the tensors that a checkpoint with this many classes must hold.
-    pub fn parameters(depth: ResNetDepth, classes: usize) -> Vec<(String, Vec<usize>)> {
-        architecture(depth).expected(classes).into_tensors()
+    pub fn parameters(form: impl Into<ResNetForm>, classes: usize) -> Vec<(String, Vec<usize>)> {
+        NetworkKind::ResNet(form.into()).parameters(classes)
     }
 
     /// Takes the weights of a torchvision checkpoint and packs them for images of
-    /// `height` × `width` (other sizes run too, less fast).
+    /// `height` × `width` (other sizes run too, less fast). The linear layer is `fc` or `fc.1`, or there is
+    /// none: then there are features alone.
     ///
     /// # Errors
     /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Weight`]
     /// for one that is not finite and for negative variances, [`Error::FoldedWeights`];
-    /// [`Error::InputTooSmall`] if the images are too small; [`Error::Threads`] for a number of
-    /// threads that cannot be started.
+    /// [`Error::InputTooSmall`] and [`Error::InputTooLarge`] if the images are; [`Error::Threads`] for a
+    /// number of threads that cannot be started.
     pub fn load(
-        depth: ResNetDepth,
+        form: impl Into<ResNetForm>,
         tensors: impl TensorSource,
         [height, width]: [usize; 2],
         options: Options,
     ) -> Result<Self, Error> {
-        Network::load(NetworkKind::ResNet(depth), Box::new(tensors), [1, height, width], options)
-            .map(Self)
+        let kind = NetworkKind::ResNet(form.into());
+        kind.load(Box::new(tensors), [1, height, width], options).map(Self)
+    }
+
+    /// Plans for images of another size and keeps the plan.
+    ///
+    /// # Errors
+    /// As of [`Network::plan`].
+    pub fn plan(&mut self, [height, width]: [usize; 2]) -> Result<(), Error> {
+        self.0.plan([1, height, width])
+    }
+
+    /// Runs on other threads from now on, which networks may share.
+    ///
+    /// # Errors
+    /// As of [`Network::share_threads`].
+    pub fn share_threads(&mut self, threads: &Threads) -> Result<(), Error> {
+        self.0.share_threads(threads)
     }
 
     /// The scores of normalised images, N × 3 × height × width.
     ///
     /// # Errors
     /// [`Error::InputShape`] if there are not three channels or no images,
-    /// [`Error::InputTooSmall`] if a kernel does not fit, [`Error::NotFinite`] if a value is NaN
-    /// or infinite, [`Error::Overflow`] if activations are.
+    /// [`Error::InputTooSmall`] and [`Error::InputTooLarge`] for a size that does not fit,
+    /// [`Error::NotFinite`] if a value is NaN or infinite, [`Error::Overflow`] if activations are.
     pub fn infer(&mut self, images: ArrayView4<'_, f32>) -> Result<Scores<'_>, Error> {
-        self.0.infer(&Clips::from_images(images))
+        Ok(self.0.infer(from_images(images))?.scores())
     }
 
     /// Multiplications and additions for one image of the size that the network was loaded for.
@@ -54,7 +152,7 @@ impl ResNet {
         self.0.operations()
     }
 
-    /// How many classes there are: the width of the logits.
+    /// How many classes there are: the width of the logits. 0 for a checkpoint without a head.
     pub fn classes(&self) -> usize {
         self.0.classes()
     }
@@ -65,19 +163,12 @@ impl ResNet {
     }
 }
 
-pub(super) fn architecture(depth: ResNetDepth) -> Architecture {
-    let backbone =
-        Backbone { depth, naming: Naming::Torchvision, width: 64, stem_frames: 1, frames: [1; 4] };
-    let mut graph = Graph::default();
-    let image = graph.value(3);
-    let mut x = backbone.stem(&mut graph, image, 0);
-    for stage in 1..=4 {
-        x = backbone.stage(&mut graph, stage, x, 0);
-    }
-    Architecture {
-        graph,
-        inputs: vec![(image, 1)],
-        outputs: vec![(x, Pooling::Mean)],
-        classifier: "fc",
-    }
+pub(super) fn graph(form: ResNetForm) -> Graph {
+    let plain = Backbone::of_images(form.depth, Naming::Torchvision(""));
+    let backbone = Backbone { groups: form.groups(), group_width: form.group_width(), ..plain };
+    let mut graph = Graph::new();
+    let image = graph.input(3);
+    let x = backbone.whole(&mut graph, image);
+    graph.classify(&[(x, Pooling::Mean)], "fc");
+    graph
 }

@@ -2,133 +2,195 @@
 
 use ndarray::ArrayView5;
 
-use crate::kernels::Window;
+use crate::engine::{
+    Activation, Convolution, Frames, Graph, Network, Options, Pooling, Scores, Threads,
+};
 use crate::{Error, TensorSource};
 
 use super::backbone::{Backbone, ResNetDepth};
-use super::graph::{Architecture, Graph, Layer, Names, Value};
-use super::head::Pooling;
 use super::kind::NetworkKind;
-use super::naming::Naming;
-use super::network::{Clips, Network, Options, Scores};
+use super::naming::{Names, Naming};
 
-/// Frames of a clip: the windows of the head leave no choice.
+/// Frames of a clip of PyTorchVideo's: the windows of the head leave no choice.
 const FRAMES: usize = 32;
-/// Frames of the fast path to one of the slow path (α).
-const SLOWNESS: usize = 4;
 /// Channels of the slow path to one of the fast path (1/β).
 const THINNESS: usize = 8;
 /// Channels of a lateral connection to one of the fast path.
 const LATERAL: usize = 2;
 
-/// SlowFast-R50 in PyTorchVideo's form (`slowfast_r50`): class scores of a clip. C. Feichtenhofer,
-/// H. Fan, J. Malik and K. He, "SlowFast networks for video recognition", ICCV 2019, Table 1.
+/// Which SlowFast a checkpoint holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SlowFastForm {
+    /// PyTorchVideo's `slowfast_r50`: clips of 32 frames, of which the slow path takes eight, spread evenly
+    /// from the first to the last.
+    PyTorchVideo,
+    /// mmaction2's `8x8`: the slow path takes every fourth frame of the clip, the lateral kernels see seven.
+    MmAction2EveryFourth(ResNetDepth),
+    /// mmaction2's `4x16`: the slow path takes every eighth frame of the clip, the lateral kernels see five.
+    MmAction2EveryEighth(ResNetDepth),
+}
+
+impl SlowFastForm {
+    fn depth(self) -> ResNetDepth {
+        match self {
+            Self::PyTorchVideo => ResNetDepth::Fifty,
+            Self::MmAction2EveryFourth(depth) | Self::MmAction2EveryEighth(depth) => depth,
+        }
+    }
+
+    /// Frames of the fast path to one of the slow path (α).
+    fn slowness(self) -> usize {
+        match self {
+            Self::PyTorchVideo | Self::MmAction2EveryFourth(_) => 4,
+            Self::MmAction2EveryEighth(_) => 8,
+        }
+    }
+
+    /// Names of the slow and the fast path.
+    fn naming(self) -> [Naming; 2] {
+        match self {
+            Self::PyTorchVideo => [0, 1].map(Naming::PyTorchVideoPathway),
+            _ => ["backbone.slow_path.", "backbone.fast_path."].map(Naming::MmAction2),
+        }
+    }
+
+    /// From the fast path into the slow one, behind a stage, counted from zero for the stem.
+    fn lateral(self, stage: usize, inputs: usize) -> Convolution {
+        let outputs = LATERAL * inputs;
+        let layer = if self == Self::PyTorchVideo {
+            let prefix = format!("blocks.{stage}.multipathway_fusion.");
+            Names::new(&prefix, "conv_fast_to_slow", "norm")
+                .convolution(outputs, [7, 1, 1], Naming::PyTorchVideo.axes())
+                .activation(Activation::Relu)
+        } else {
+            let block = if stage == 0 { "conv1".to_owned() } else { format!("layer{stage}") };
+            let name = format!("backbone.slow_path.{block}_lateral.conv");
+            let frames = if self.slowness() == 8 { 5 } else { 7 };
+            Convolution::clip(name, outputs, [frames, 1, 1])
+        };
+        layer.stride([self.slowness(), 1, 1])
+    }
+}
+
+/// SlowFast: class scores of a clip. C. Feichtenhofer, H. Fan, J. Malik and K. He, "SlowFast networks for
+/// video recognition", ICCV 2019, Table 1.
 #[derive(Debug)]
-pub struct SlowFast(Network);
+pub struct SlowFast {
+    network: Network,
+    form: SlowFastForm,
+}
 
 impl SlowFast {
     /// The names and shapes of the tensors that a checkpoint with this many classes must hold.
-    pub fn parameters(classes: usize) -> Vec<(String, Vec<usize>)> {
-        architecture().expected(classes).into_tensors()
+    pub fn parameters(form: SlowFastForm, classes: usize) -> Vec<(String, Vec<usize>)> {
+        NetworkKind::SlowFast(form).parameters(classes)
     }
 
-    /// Takes the weights of a checkpoint and packs them for clips of 32 frames of
-    /// `height` × `width` (other heights and widths run too, less fast). The slow path takes eight
-    /// of the frames, spread evenly from the first to the last.
+    /// Takes the weights of a checkpoint and packs them for clips of `frames` × `height` × `width` (other
+    /// sizes run too, less fast). PyTorchVideo's have 32 frames, mmaction2's a multiple of four or eight.
     ///
     /// # Errors
     /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Weight`]
     /// for one that is not finite and for negative variances, [`Error::FoldedWeights`];
-    /// [`Error::InputTooSmall`] if the frames are too small; [`Error::Threads`] for a number of
-    /// threads that cannot be started.
+    /// [`Error::FrameCount`] for frames that the two paths cannot share; [`Error::InputTooSmall`] and
+    /// [`Error::InputTooLarge`] for clips that do not fit, [`Error::PoolTooSmall`] if the head's windows do
+    /// not; [`Error::Threads`] for a number of threads that cannot be started.
     pub fn load(
+        form: SlowFastForm,
         tensors: impl TensorSource,
-        [height, width]: [usize; 2],
+        size: [usize; 3],
         options: Options,
     ) -> Result<Self, Error> {
-        let size = [FRAMES, height, width];
-        Network::load(NetworkKind::SlowFast, Box::new(tensors), size, options).map(Self)
+        check_frames(form, size[0])?;
+        let network = NetworkKind::SlowFast(form).load(Box::new(tensors), size, options)?;
+        Ok(Self { network, form })
     }
 
-    /// The scores of normalised clips, N × 3 × 32 × height × width.
+    /// Plans for clips of another size and keeps the plan.
     ///
     /// # Errors
-    /// [`Error::InputShape`] if there are not three channels or no clips; [`Error::FrameCount`] if
-    /// the frames are not 32; [`Error::InputTooSmall`] if a kernel does not fit,
-    /// [`Error::PoolTooSmall`] if the head's windows do not; [`Error::NotFinite`] if a value is
+    /// [`Error::FrameCount`], and as of [`Network::plan`].
+    pub fn plan(&mut self, size: [usize; 3]) -> Result<(), Error> {
+        check_frames(self.form, size[0])?;
+        self.network.plan(size)
+    }
+
+    /// Runs on other threads from now on, which networks may share.
+    ///
+    /// # Errors
+    /// As of [`Network::share_threads`].
+    pub fn share_threads(&mut self, threads: &Threads) -> Result<(), Error> {
+        self.network.share_threads(threads)
+    }
+
+    /// The scores of normalised clips, N × 3 × frames × height × width.
+    ///
+    /// # Errors
+    /// [`Error::InputShape`] if there are not three channels or no clips; [`Error::FrameCount`] for frames
+    /// that the two paths cannot share; [`Error::InputTooSmall`] and [`Error::InputTooLarge`] for a size that
+    /// does not fit, [`Error::PoolTooSmall`] if the head's windows do not; [`Error::NotFinite`] if a value is
     /// NaN or infinite, [`Error::Overflow`] if activations are.
     pub fn infer(&mut self, clips: ArrayView5<'_, f32>) -> Result<Scores<'_>, Error> {
-        let frames = clips.dim().2;
-        if frames != FRAMES {
-            return Err(Error::FrameCount { frames, expected: FRAMES });
-        }
-        self.0.infer(&Clips::new(clips))
+        check_frames(self.form, clips.dim().2)?;
+        Ok(self.network.infer(clips)?.scores())
     }
 
     /// Multiplications and additions for one clip of the size that the network was loaded for.
     pub fn operations(&self) -> u64 {
-        self.0.operations()
+        self.network.operations()
     }
 
-    /// How many classes there are: the width of the logits.
+    /// How many classes there are: the width of the logits. 0 for a checkpoint without a head.
     pub fn classes(&self) -> usize {
-        self.0.classes()
+        self.network.classes()
     }
 
     /// How many features the last layer sees: the width of the features.
     pub fn features(&self) -> usize {
-        self.0.features()
+        self.network.features()
     }
 }
 
-pub(super) fn architecture() -> Architecture {
-    let depth = ResNetDepth::Fifty;
-    let path = Naming::PyTorchVideoPathway;
-    let slow = Backbone { depth, naming: path(0), width: 64, stem_frames: 1, frames: [1, 1, 3, 3] };
-    let fast = Backbone {
-        depth,
-        naming: path(1),
-        width: 64 / THINNESS,
-        stem_frames: 5,
-        frames: [3, 3, 3, 3],
+fn check_frames(form: SlowFastForm, frames: usize) -> Result<(), Error> {
+    let slowness = form.slowness();
+    let expected = match form {
+        SlowFastForm::PyTorchVideo => FRAMES,
+        _ => frames.next_multiple_of(slowness).max(slowness),
     };
-    let mut graph = Graph::default();
-    let [slow_clip, fast_clip] = [graph.value(3), graph.value(3)];
-    let mut y = fast.stem(&mut graph, fast_clip, 0);
-    let spare = LATERAL * fast.channels(0);
-    let mut x = slow.stem(&mut graph, slow_clip, spare);
+    if frames == expected { Ok(()) } else { Err(Error::FrameCount { frames, expected }) }
+}
+
+pub(super) fn graph(form: SlowFastForm) -> Graph {
+    let depth = form.depth();
+    let [slow, fast] = form.naming();
+    let slow = Backbone::slow(depth, slow);
+    let thin = Backbone::of_images(depth, fast);
+    let fast =
+        Backbone { width: slow.width / THINNESS, stem_frames: 5, frames: [3, 3, 3, 3], ..thin };
+    let mut graph = Graph::new();
+    let slowness = form.slowness();
+    let taken = match form {
+        SlowFastForm::PyTorchVideo => Frames::Spread(slowness),
+        _ => Frames::Every(slowness),
+    };
+    let slow_clip = graph.sampled_input(3, taken);
+    let fast_clip = graph.input(3);
+    let mut y = fast.stem(&mut graph, fast_clip);
+    let mut x = slow.stem(&mut graph, slow_clip);
     for stage in 1..=4 {
-        lateral(&mut graph, stage - 1, y, x);
-        y = fast.stage(&mut graph, stage, y, 0);
-        let spare = if stage < 4 { LATERAL * fast.channels(stage) } else { 0 };
-        x = slow.stage(&mut graph, stage, x, spare);
+        let lateral = form.lateral(stage - 1, graph.channels(y));
+        let lateral = graph.convolution(y, lateral);
+        let both = graph.concatenation(&[x, lateral]);
+        y = fast.stage(&mut graph, stage, y);
+        x = slow.stage(&mut graph, stage, both);
     }
-    Architecture {
-        graph,
-        inputs: vec![(slow_clip, SLOWNESS), (fast_clip, 1)],
-        outputs: vec![
-            (x, Pooling::Windows([FRAMES / SLOWNESS, 7, 7])),
-            (y, Pooling::Windows([FRAMES, 7, 7])),
-        ],
-        classifier: "blocks.6.proj",
+    match form {
+        SlowFastForm::PyTorchVideo => {
+            let windows = |frames| Pooling::Windows([frames, 7, 7]);
+            let pooled = [(x, windows(FRAMES / slowness)), (y, windows(FRAMES))];
+            graph.classify(&pooled, "blocks.6.proj");
+        }
+        _ => graph.classify(&[(y, Pooling::Mean), (x, Pooling::Mean)], "cls_head.fc_cls"),
     }
-}
-
-/// 7×1×1 with stride α from the fast path into the slow one's last channels.
-fn lateral(graph: &mut Graph, block: usize, fast: Value, slow: Value) {
-    let inputs = graph.channels[fast.0];
-    let outputs = LATERAL * inputs;
-    let prefix = format!("blocks.{block}.multipathway_fusion");
-    let layer = Layer {
-        names: Names {
-            convolution: format!("{prefix}.conv_fast_to_slow"),
-            norm: format!("{prefix}.norm"),
-        },
-        inputs,
-        outputs,
-        window: Window { kernel: [7, 1, 1], stride: [SLOWNESS, 1, 1], padding: [3, 0, 0] },
-        axes: 3,
-    };
-    let first_channel = graph.channels[slow.0] - outputs;
-    graph.convolve_into(fast, layer, slow, first_channel, true);
+    graph
 }

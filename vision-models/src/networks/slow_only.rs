@@ -2,14 +2,12 @@
 
 use ndarray::ArrayView5;
 
+use crate::engine::{Graph, Network, Options, Pooling, Scores, Threads};
 use crate::{Error, TensorSource};
 
 use super::backbone::{Backbone, ResNetDepth};
-use super::graph::{Architecture, Graph};
-use super::head::Pooling;
 use super::kind::NetworkKind;
 use super::naming::Naming;
-use super::network::{Clips, Network, Options, Scores};
 
 /// Which SlowOnly a checkpoint holds. The backbones differ in depth and names, the heads in what
 /// they pool.
@@ -19,6 +17,8 @@ pub enum SlowOnlyForm {
     MmAction2,
     /// mmaction2's with a ResNet-18.
     MmAction2Depth18,
+    /// mmaction2's with a ResNet-101.
+    MmAction2Depth101,
     /// PyTorchVideo's `slow_r50`; the mean of the windows of 8 × 7 × 7, which differs from
     /// mmaction2's unless the clip has 8 frames of 224 × 224.
     PyTorchVideo,
@@ -32,35 +32,53 @@ pub struct SlowOnly(pub(super) Network);
 impl SlowOnly {
     /// The names and shapes of the tensors that a checkpoint with this many classes must hold.
     pub fn parameters(form: SlowOnlyForm, classes: usize) -> Vec<(String, Vec<usize>)> {
-        architecture(form).expected(classes).into_tensors()
+        NetworkKind::SlowOnly(form).parameters(classes)
     }
 
     /// Takes the weights of a checkpoint and packs them for clips of `frames` × `height` × `width`
-    /// (other sizes run too, less fast). The checkpoint says how many classes there are.
+    /// (other sizes run too, less fast). The checkpoint says how many classes there are; one without a head
+    /// gives features alone.
     ///
     /// # Errors
     /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Weight`]
     /// for one that is not finite and for negative variances, [`Error::FoldedWeights`];
-    /// [`Error::InputTooSmall`] if the frames are too small; [`Error::Threads`] for a number of
-    /// threads that cannot be started.
+    /// [`Error::InputTooSmall`] and [`Error::InputTooLarge`] for clips that do not fit,
+    /// [`Error::PoolTooSmall`] if the head's windows do not; [`Error::Threads`] for a number of threads that
+    /// cannot be started.
     pub fn load(
         form: SlowOnlyForm,
         tensors: impl TensorSource,
         size: [usize; 3],
         options: Options,
     ) -> Result<Self, Error> {
-        Network::load(NetworkKind::SlowOnly(form), Box::new(tensors), size, options).map(Self)
+        NetworkKind::SlowOnly(form).load(Box::new(tensors), size, options).map(Self)
+    }
+
+    /// Plans for clips of another size and keeps the plan.
+    ///
+    /// # Errors
+    /// As of [`Network::plan`].
+    pub fn plan(&mut self, size: [usize; 3]) -> Result<(), Error> {
+        self.0.plan(size)
+    }
+
+    /// Runs on other threads from now on, which networks may share.
+    ///
+    /// # Errors
+    /// As of [`Network::share_threads`].
+    pub fn share_threads(&mut self, threads: &Threads) -> Result<(), Error> {
+        self.0.share_threads(threads)
     }
 
     /// The scores of normalised clips, N × 3 × frames × height × width.
     ///
     /// # Errors
     /// [`Error::InputShape`] if there are not three channels or no clips;
-    /// [`Error::InputTooSmall`] if a kernel does not fit, [`Error::PoolTooSmall`] if the head's
-    /// windows do not; [`Error::NotFinite`] if a value is NaN or infinite, [`Error::Overflow`] if
-    /// activations are.
+    /// [`Error::InputTooSmall`] and [`Error::InputTooLarge`] for a size that does not fit,
+    /// [`Error::PoolTooSmall`] if the head's windows do not; [`Error::NotFinite`] if a value is NaN or
+    /// infinite, [`Error::Overflow`] if activations are.
     pub fn infer(&mut self, clips: ArrayView5<'_, f32>) -> Result<Scores<'_>, Error> {
-        self.0.infer(&Clips::new(clips))
+        Ok(self.0.infer(clips)?.scores())
     }
 
     /// Multiplications and additions for one clip of the size that the network was loaded for.
@@ -68,7 +86,7 @@ impl SlowOnly {
         self.0.operations()
     }
 
-    /// How many classes there are: the width of the logits.
+    /// How many classes there are: the width of the logits. 0 for a checkpoint without a head.
     pub fn classes(&self) -> usize {
         self.0.classes()
     }
@@ -79,25 +97,26 @@ impl SlowOnly {
     }
 }
 
-pub(super) fn architecture(form: SlowOnlyForm) -> Architecture {
+pub(super) fn graph(form: SlowOnlyForm) -> Graph {
+    let mmaction2 = Naming::MmAction2("backbone.");
     let (depth, naming, classifier, pooling) = match form {
         SlowOnlyForm::MmAction2 => {
-            (ResNetDepth::Fifty, Naming::MmAction2, "cls_head.fc_cls", Pooling::Mean)
+            (ResNetDepth::Fifty, mmaction2, "cls_head.fc_cls", Pooling::Mean)
         }
         SlowOnlyForm::MmAction2Depth18 => {
-            (ResNetDepth::Eighteen, Naming::MmAction2, "cls_head.fc_cls", Pooling::Mean)
+            (ResNetDepth::Eighteen, mmaction2, "cls_head.fc_cls", Pooling::Mean)
+        }
+        SlowOnlyForm::MmAction2Depth101 => {
+            (ResNetDepth::OneHundredOne, mmaction2, "cls_head.fc_cls", Pooling::Mean)
         }
         SlowOnlyForm::PyTorchVideo => {
             let windows = Pooling::Windows([8, 7, 7]);
             (ResNetDepth::Fifty, Naming::PyTorchVideo, "blocks.5.proj", windows)
         }
     };
-    let backbone = Backbone { depth, naming, width: 64, stem_frames: 1, frames: [1, 1, 3, 3] };
-    let mut graph = Graph::default();
-    let clip = graph.value(3);
-    let mut x = backbone.stem(&mut graph, clip, 0);
-    for stage in 1..=4 {
-        x = backbone.stage(&mut graph, stage, x, 0);
-    }
-    Architecture { graph, inputs: vec![(clip, 1)], outputs: vec![(x, pooling)], classifier }
+    let mut graph = Graph::new();
+    let clip = graph.input(3);
+    let x = Backbone::slow(depth, naming).whole(&mut graph, clip);
+    graph.classify(&[(x, pooling)], classifier);
+    graph
 }

@@ -3,11 +3,9 @@
 use ndarray::{ArrayView2, ArrayView3};
 
 use crate::Error;
-use crate::layout::{Layout, offset};
+use crate::engine::{Network, Plan, Scores, Session, check_finite, copy_frame};
+use crate::layout::{Channels, offset};
 
-use super::network::{Network, Options, Scores, check_finite};
-use super::plan::Plan;
-use super::session::{Session, copy_frame};
 use super::slow_only::SlowOnly;
 
 /// SlowOnly over a sliding window of frames.
@@ -37,24 +35,23 @@ impl SlowOnlyStream {
     /// windows do not.
     pub fn new(SlowOnly(network): SlowOnly, size: [usize; 3]) -> Result<Self, Error> {
         let [frames, height, width] = size;
-        let architecture = &network.architecture;
-        let graph = &architecture.graph;
-        let cut = architecture.first_temporal_step().ok_or(Error::InputTooSmall { size })?;
-        let (value, step) = cut;
-        let (before, after) = graph.steps.split_at(step);
-        let Options { threads, instruction_set } = network.options;
+        let program = &network.program;
+        let cut = program.first_temporal_step().ok_or(Error::InputTooSmall { size })?;
+        let (cut, step) = cut;
+        let (before, after) = program.steps.split_at(step);
         let frame = Plan::new(
-            instruction_set,
-            threads,
-            graph,
+            network.options.instruction_set,
+            network.threads.count(),
+            program,
             before,
             &network.weights.layers,
-            &architecture.input_sizes([1, height, width]),
-            &[value],
+            &program.input_sizes([1, height, width]),
+            &[cut],
         )?;
-        let [_, rows, columns] = frame.outputs().next().map_or([0; 3], |(layout, _)| layout.size);
-        let window = network.plan(after, &[(value, [frames, rows, columns])])?;
-        let features = vec![0.0; architecture.features()];
+        let [_, rows, columns] =
+            frame.outputs().next().map_or([0; 3], |(channels, _)| channels.layout.size);
+        let window = network.session(after, &[(cut, [frames, rows, columns])])?;
+        let features = vec![0.0; network.features()];
         let logits = vec![0.0; network.classes()];
         Ok(Self { network, frame, window, frames, seen: 0, features, logits })
     }
@@ -66,15 +63,17 @@ impl SlowOnlyStream {
     /// value is NaN or infinite; the window stays as it was. [`Error::Overflow`] as long as a frame is in
     /// the window whose activations overflow.
     pub fn push(&mut self, frame: ArrayView3<'_, f32>) -> Result<Option<Scores<'_>>, Error> {
-        let (layout, memory) = self.frame.input(0);
-        let [_, rows, columns] = layout.size;
+        let (to, memory) = self.frame.input(0);
+        let [_, rows, columns] = to.layout.size;
         let expected = [3, rows, columns];
         if frame.shape() != expected {
             let expected = format!("3 x {rows} x {columns}");
             return Err(Error::FrameShape { shape: frame.shape().to_vec(), expected });
         }
-        copy_frame(&frame, [0, 0], 0, (layout, memory))?;
-        self.frame.run(&mut self.network.threads, &self.network.weights.layers);
+        copy_frame(&frame, [0, 0], 0, (to, memory))?;
+        let Network { threads, weights, .. } = &self.network;
+        let mut pool = threads.lock();
+        self.frame.run(&mut pool, &weights.layers);
         let (to, window) = self.window.plan.input(0);
         if let Some(from) = self.frame.outputs().next() {
             slide(from, (to, window));
@@ -83,8 +82,7 @@ impl SlowOnlyStream {
         if self.seen < self.frames {
             return Ok(None);
         }
-        let Network { threads, weights, .. } = &mut self.network;
-        self.window.run(threads, weights, &mut self.features, &mut self.logits);
+        self.window.run(&mut pool, weights, &mut self.features, &mut self.logits);
         check_finite(0, &self.features, &self.logits)?;
         let view = |data| {
             ArrayView2::from_shape((1, <[f32]>::len(data)), data)
@@ -100,16 +98,17 @@ impl SlowOnlyStream {
 }
 
 /// Moves the window on by one frame. Frames have the same layout on both sides but for the border.
-fn slide((from, frame): (&Layout, &[f32]), (to, window): (&Layout, &mut [f32])) {
-    let [stride, ..] = to.strides();
-    let first = to.before[0] * stride;
-    let last = first + (to.size[0] - 1) * stride;
+fn slide((from, frame): (&Channels, &[f32]), (to, window): (&Channels, &mut [f32])) {
+    let (layout, strides) = (to.layout, to.layout.strides());
+    let [stride, ..] = strides;
+    let first = layout.before[0] * stride;
+    let last = first + (layout.size[0] - 1) * stride;
     window.copy_within(first + stride..last + stride, first);
-    let [_, rows, columns] = from.size;
-    let line = columns * from.channels;
+    let [_, rows, columns] = from.layout.size;
+    let line = columns * from.layout.channels;
     for row in 0..rows {
-        let source = from.origin() + offset([0, row, 0], from.strides());
-        let target = to.origin() + offset([to.size[0] - 1, row, 0], to.strides());
+        let source = from.layout.origin() + offset([0, row, 0], from.layout.strides());
+        let target = layout.origin() + offset([layout.size[0] - 1, row, 0], strides);
         window[target..target + line].copy_from_slice(&frame[source..source + line]);
     }
 }

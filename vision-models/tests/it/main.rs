@@ -9,13 +9,32 @@
 
 mod actions;
 mod allocation;
+#[cfg(feature = "inference")]
 mod broken_weights;
+#[cfg(feature = "inference")]
 mod checkpoint_memory;
+#[cfg(feature = "inference")]
 mod checkpoints;
+#[cfg(feature = "inference")]
+mod engine;
+#[cfg(feature = "inference")]
+mod graphs;
+#[cfg(feature = "inference")]
+mod heads;
+#[cfg(feature = "inference")]
 mod labels;
+#[cfg(feature = "inference")]
 mod malformed_checkpoints;
+#[cfg(feature = "inference")]
 mod networks;
+#[cfg(feature = "inference")]
+mod part_grouping;
+#[cfg(feature = "inference")]
+mod pose;
+#[cfg(feature = "inference")]
 mod preprocessing;
+#[cfg(feature = "inference")]
 mod support;
+#[cfg(feature = "inference")]
 mod svm;
 mod tracker;

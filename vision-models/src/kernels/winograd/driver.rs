@@ -1,10 +1,11 @@
 //! A whole layer: which thread transforms and multiplies which tiles.
 
-use crate::layout::{Extent, Layout, offset, position};
+use crate::layout::{Channels, Extent, offset, position};
 
 use super::super::{
     buffer::Buffer,
-    direct::{Epilogue, share},
+    direct::{Operands, share},
+    epilogue::{Epilogue, Finish},
     isa::InstructionSet,
     pack::{Panels, pack},
     product::{Product, Segment, Start},
@@ -29,12 +30,8 @@ pub(crate) struct Winograd {
     isa: InstructionSet,
     panels: Panels,
     tiling: Tiling,
-    input: Layout,
-    /// Channels of the input that are used.
-    inputs: usize,
-    output: Layout,
-    /// First channel of the output that is written.
-    first_channel: usize,
+    input: Channels,
+    output: Channels,
     origin: usize,
     /// The products' only chunk: a tile's channels.
     chunks: Vec<Vec<Segment>>,
@@ -46,29 +43,28 @@ pub(crate) struct Winograd {
 }
 
 impl Winograd {
-    /// Plans the convolution of the first `inputs` channels of `input`, with padding that keeps the
-    /// size, into the channels of `output` from `first_channel` on.
+    /// Plans a convolution with padding that keeps the size.
     ///
     /// # Panics
     /// If the sizes differ, the input's border is less than half the kernel before or
-    /// [`Tiling::after`] after, the channels read or written are no multiple of 16, or either
-    /// layout has too few channels.
+    /// [`Tiling::after`] after, there are groups, or the channels do not exist, are no multiple of 16 or
+    /// not those of the panels.
     pub(crate) fn new(
         isa: InstructionSet,
         panels: Panels,
         tiling: Tiling,
-        (input, inputs): (Layout, usize),
-        (output, first_channel): (Layout, usize),
+        input: Channels,
+        output: Channels,
         lanes: usize,
     ) -> Self {
-        assert_eq!(input.size, output.size, "the padding keeps the size");
-        assert!(inputs > 0 && inputs.is_multiple_of(16) && inputs <= input.channels);
-        assert!(panels.channels > 0 && panels.padded() == panels.channels, "whole panels");
-        assert!(first_channel + panels.channels <= output.channels);
+        let (inputs, from, size) = (input.count, input.layout, output.layout.size);
+        assert_eq!(from.size, size, "the padding keeps the size");
+        assert!(input.exist() && output.exist() && inputs.is_multiple_of(16));
+        assert!(panels.groups == 1 && panels.padded() == output.count, "whole panels");
         let padding = tiling.kernel().map(|taps| taps / 2);
-        assert!(input.has_border_of(padding, tiling.after(output.size)));
-        let before: Extent = std::array::from_fn(|axis| input.before[axis] - padding[axis]);
-        let tiles: usize = tiling.tiles(output.size).iter().product();
+        assert!(from.has_border_of(padding, tiling.after(size)));
+        let before: Extent = std::array::from_fn(|axis| from.before[axis] - padding[axis]);
+        let tiles: usize = tiling.tiles(size).iter().product();
         let tile_points = tiling.points() * inputs;
         // A thread has blocks of its own where the weights are small beside the activations.
         let own = (CACHED_POINTS / tile_points).clamp(1, MAX_TILES);
@@ -84,10 +80,8 @@ impl Winograd {
             panels,
             tiling,
             input,
-            inputs,
             output,
-            first_channel,
-            origin: offset(before, input.strides()),
+            origin: offset(before, from.strides()) + input.first,
             chunks: vec![vec![Segment { offset: 0, length: inputs }]],
             blocks,
             block: tiles.div_ceil(blocks),
@@ -119,7 +113,7 @@ impl Winograd {
     }
 
     fn point_stride(&self) -> usize {
-        self.block * self.inputs + SKEW
+        self.block * self.input.count + SKEW
     }
 
     fn panel_stride(&self) -> usize {
@@ -138,24 +132,20 @@ impl Winograd {
     ///
     /// # Panics
     /// If a slice is shorter than its layout or [`Self::scratch`].
-    #[expect(clippy::too_many_arguments, reason = "the operands of a convolution")]
     pub(crate) fn run(
         &self,
         pool: &mut Pool,
-        input: &[f32],
-        weights: &Buffer,
-        bias: &[f32],
+        Operands { input, weights, bias }: Operands<'_>,
         output: &mut [f32],
         scratch: &mut [f32],
-        epilogue: Epilogue,
+        epilogue: Epilogue<'_>,
     ) {
         let panels = self.panels;
-        assert!(input.len() >= self.input.length() && output.len() >= self.output.length());
+        assert!(input.len() >= self.input.layout.length());
+        assert!(output.len() >= self.output.layout.length());
         assert!(scratch.len() >= self.scratch(pool.lanes()));
-        assert!(
-            weights.len() >= panels.padded() * self.inputs * self.tiling.points()
-                && bias.len() >= panels.padded()
-        );
+        assert!(weights.len() >= panels.padded() * self.input.count * self.tiling.points());
+        assert!(bias.len() >= panels.padded() && epilogue.finish.has_slopes(panels.padded()));
         let inputs = self.tiling.points() * self.point_stride();
         let sums = self.tiling.points() * self.panel_stride();
         let input_points = if self.cooperative { inputs } else { inputs * pool.lanes() };
@@ -164,7 +154,7 @@ impl Winograd {
             (SharedSlice::new(input_points), SharedSlice::new(sum_points));
         let layer =
             Layer { plan: self, input, weights, bias, output: SharedSlice::new(output), epilogue };
-        let tiles: usize = self.tiling.tiles(self.output.size).iter().product();
+        let tiles: usize = self.tiling.tiles(self.output.layout.size).iter().product();
         let lanes = pool.lanes();
         if self.cooperative {
             for block in 0..self.blocks {
@@ -172,7 +162,7 @@ impl Winograd {
                 let parts = (4 * lanes).min(tiles.len());
                 pool.run(parts, &|_, part| {
                     let mine = share(tiles.len(), parts, part);
-                    let points = input_points.at(mine.start * self.inputs);
+                    let points = input_points.at(mine.start * self.input.count);
                     // SAFETY: the scratch has room for a whole block; each part has its own tiles.
                     unsafe {
                         layer.transform(tiles.start + mine.start..tiles.start + mine.end, points);
@@ -208,14 +198,14 @@ struct Layer<'a> {
     weights: &'a [f32],
     bias: &'a [f32],
     output: SharedSlice<'a>,
-    epilogue: Epilogue,
+    epilogue: Epilogue<'a>,
 }
 
 impl Layer<'_> {
     /// The position of a tile's first output pixel.
     fn tile(&self, tile: usize) -> Extent {
         let outputs = self.plan.tiling.outputs();
-        let at = position(tile, self.plan.tiling.tiles(self.plan.output.size));
+        let at = position(tile, self.plan.tiling.tiles(self.plan.output.layout.size));
         std::array::from_fn(|axis| at[axis] * outputs[axis])
     }
 
@@ -223,11 +213,11 @@ impl Layer<'_> {
     /// `points` has room for these tiles at every point, and no other thread touches it.
     unsafe fn transform(&self, tiles: std::ops::Range<usize>, points: *mut f32) {
         let plan = self.plan;
-        let strides = plan.input.strides();
+        let strides = plan.input.layout.strides();
         let outputs = plan.tiling.outputs();
         let kernel = plan.tiling.kernel();
         let last = std::array::from_fn(|axis| outputs[axis] + kernel[axis] - 2);
-        let reach = offset(last, strides) + plan.inputs;
+        let reach = offset(last, strides) + plan.input.count;
         let mut starts = [0; MAX_TILES];
         let starts = &mut starts[..tiles.len()];
         for (start, tile) in starts.iter_mut().zip(tiles) {
@@ -239,7 +229,7 @@ impl Layer<'_> {
             input: self.input.as_ptr(),
             starts,
             strides,
-            channels: plan.inputs,
+            channels: plan.input.count,
             points,
             point_stride: plan.point_stride(),
         };
@@ -258,7 +248,7 @@ impl Layer<'_> {
         sums: *mut f32,
     ) {
         let plan = self.plan;
-        let (width, channels) = (plan.panels.width, plan.inputs);
+        let (width, channels) = (plan.panels.width, plan.input.count);
         let mut rows = [0; MAX_TILES];
         let mut sum_rows = [0; MAX_TILES];
         let mut targets = [Target::default(); MAX_TILES];
@@ -269,11 +259,9 @@ impl Layer<'_> {
             sum_rows[index] = index * width;
             let at = self.tile(tile);
             targets[index] = Target {
-                start: plan.output.origin()
-                    + offset(at, plan.output.strides())
-                    + plan.first_channel,
+                start: plan.output.origin() + offset(at, plan.output.layout.strides()),
                 valid: std::array::from_fn(|axis| {
-                    outputs[axis].min(plan.output.size[axis] - at[axis])
+                    outputs[axis].min(plan.output.layout.size[axis] - at[axis])
                 }),
             };
         }
@@ -292,7 +280,7 @@ impl Layer<'_> {
                 output: unsafe { sums.add(point * plan.panel_stride()) },
                 output_rows: &sum_rows[..count],
                 start: Start::Zero,
-                relu: false,
+                finish: Finish::Keep,
             };
             // SAFETY: passed on to the caller.
             unsafe { plan.isa.run(product) };
@@ -303,10 +291,13 @@ impl Layer<'_> {
             point_stride: plan.panel_stride(),
             width,
             targets: &targets[..count],
-            strides: plan.output.strides(),
+            strides: plan.output.layout.strides(),
             output: self.output.at(panel * width),
             bias: &self.bias[panel * width..][..width],
-            epilogue: self.epilogue,
+            epilogue: Epilogue {
+                finish: self.epilogue.finish.of_panel(panel * width, width),
+                ..self.epilogue
+            },
         };
         // SAFETY: the targets' valid pixels lie inside the output's layout, whose length was
         // checked, and the panel inside its channels; the rest is passed on to the caller.

@@ -4,7 +4,7 @@
 
 use crate::layout::Extent;
 
-use super::super::{direct::Epilogue, isa::Task, vector::Vector};
+use super::super::{epilogue::Epilogue, isa::Task, vector::Vector};
 use super::lines::{Four, Line, Tiling, Two};
 
 /// From activations to the points of some tiles.
@@ -128,11 +128,11 @@ pub(super) struct OutputTransform<'a> {
     /// The panel's biases.
     pub(super) bias: &'a [f32],
     /// What happens to the sums.
-    pub(super) epilogue: Epilogue,
+    pub(super) epilogue: Epilogue<'a>,
 }
 
 /// Asks for: `width` floats of every tile at every point, and of every valid pixel of every tile
-/// in the output, which no other thread touches; `width` biases.
+/// in the output, which no other thread touches; `width` biases and slopes.
 impl Task for OutputTransform<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
@@ -150,13 +150,12 @@ impl Task for OutputTransform<'_> {
 
 impl OutputTransform<'_> {
     #[inline(always)]
-    unsafe fn finish<V: Vector>(&self, value: V, bias: V, to: *mut f32) {
+    unsafe fn finish<V: Vector>(&self, value: V, bias: V, channel: usize, to: *mut f32) {
         // SAFETY: passed on to the caller.
         unsafe {
             let value = value.add(bias);
             let value = if self.epilogue.add { value.add(V::load(to)) } else { value };
-            let value = if self.epilogue.relu { value.relu() } else { value };
-            value.store(to);
+            self.epilogue.finish.apply(value, channel).store(to);
         }
     }
 
@@ -173,7 +172,7 @@ impl OutputTransform<'_> {
                         std::array::from_fn(|point| V::load(from.add(point * self.point_stride)));
                     let values = Four::output::<V>(line);
                     for (t, value) in values.into_iter().enumerate().take(target.valid[0]) {
-                        self.finish(value, bias, to.add(t * self.strides[0]));
+                        self.finish(value, bias, channel, to.add(t * self.strides[0]));
                     }
                 }
             }
@@ -210,7 +209,7 @@ impl OutputTransform<'_> {
                     for (y, line) in lines.into_iter().enumerate().take(rows) {
                         let values = L::output::<V>(line);
                         for (x, value) in values.into_iter().enumerate().take(columns) {
-                            self.finish(value, bias, to.add(y * row + x * column));
+                            self.finish(value, bias, channel, to.add(y * row + x * column));
                         }
                     }
                 }

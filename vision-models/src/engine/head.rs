@@ -1,16 +1,15 @@
-//! The end of every network: pool the last activation, then a linear layer.
-
-use crate::layout::{Layout, offset, position};
+//! The end of a classifier: pool the last activation, then a linear layer.
 
 use crate::Error;
+use crate::layout::{Channels, Layout, offset, position};
 
 /// How the last activation becomes a vector of features.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Pooling {
+pub enum Pooling {
     /// The mean over all frames, rows and columns.
     Mean,
     /// The mean of the means of all windows of this size, a step apart. The linear layer that
-    /// follows may be applied before or after, as it is affine.
+    /// follows may be applied before or after, as it is affine. Frames, rows and columns.
     Windows([usize; 3]),
 }
 
@@ -49,10 +48,11 @@ impl Pooling {
 }
 
 /// The weighted sum of all pixels.
-pub(crate) fn pool(weights: &[f32], (input, layout): (&[f32], &Layout), features: &mut [f32]) {
+pub(crate) fn pool(weights: &[f32], (input, from): (&[f32], &Channels), features: &mut [f32]) {
+    let layout = from.layout;
     features.fill(0.0);
     for (index, &weight) in weights.iter().enumerate() {
-        let start = layout.origin() + offset(position(index, layout.size), layout.strides());
+        let start = from.origin() + offset(position(index, layout.size), layout.strides());
         let pixel = &input[start..start + features.len()];
         for (feature, value) in features.iter_mut().zip(pixel) {
             *feature += weight * value;

@@ -1,0 +1,51 @@
+//! The engine that runs the networks, for networks of one's own.
+//!
+//! A [`Graph`] says which layers there are and what their weights are called; [`Network::load`] takes the
+//! weights from a checkpoint and plans the pass; [`Network::infer`] runs it. The networks of this crate are
+//! such graphs.
+//!
+//! | layer | |
+//! |---|---|
+//! | [`Graph::convolution`] | [`Convolution`]: of images or clips, strided, dilated, grouped, depthwise, transposed; bias, batch norm, [`Activation`] |
+//! | [`Graph::residual`] | a convolution that is added to an activation |
+//! | [`Graph::max_pool`] | |
+//! | [`Graph::concatenation`] | |
+//! | [`Graph::classify`] | pooled features and a linear layer |
+//!
+//! Everything has frames, rows and columns: an image is a clip of one frame. `examples/own_network.rs` writes
+//! a network for finding objects from these layers.
+
+// Views are small, and given by value as everywhere with ndarray.
+#![allow(clippy::needless_pass_by_value)]
+
+mod graph;
+mod head;
+mod layer;
+mod lowering;
+mod memory;
+mod network;
+mod options;
+mod packed;
+mod parameters;
+mod plan;
+mod program;
+mod scores;
+mod session;
+mod shapes;
+mod threads;
+mod validation;
+
+pub use crate::kernels::{Waiting, Window};
+pub use graph::{Frames, Graph, Value};
+pub use head::Pooling;
+pub use layer::{Activation, Convolution};
+pub(crate) use lowering::lower;
+pub(crate) use network::check_finite;
+pub use network::{Inference, Network};
+pub use options::Options;
+pub(crate) use parameters::Misfit;
+pub(crate) use plan::Plan;
+pub(crate) use program::Program;
+pub use scores::{RankedClass, Scores};
+pub(crate) use session::{Session, copy_frame};
+pub use threads::{ThreadSettings, Threads};

@@ -1,0 +1,305 @@
+//! A network with its weights and threads.
+
+use ndarray::{ArrayView2, ArrayView5};
+
+use crate::layout::Extent;
+use crate::{Error, TensorSource};
+
+use super::graph::Graph;
+use super::lowering::lower;
+use super::options::Options;
+use super::packed::Packed;
+use super::parameters::Misfit;
+use super::program::{Classifier, Program, Slot, Step};
+use super::scores::Scores;
+use super::session::{Session, Weights, copy_clip, copy_map};
+use super::shapes::{Algorithm, sizes};
+use super::threads::{ThreadSettings, Threads};
+
+/// A network that runs: a graph with its weights, packed, and its passes for some input sizes, planned.
+///
+/// ```
+/// use ndarray::Array5;
+/// use vision_models::engine::{Activation::Relu, Convolution, Graph, Network, Pooling};
+/// use vision_models::{Options, Tensor, Tensors};
+///
+/// let mut graph = Graph::new();
+/// let image = graph.input(3);
+/// let edges = Convolution::image("edges", 8, [3, 3]).stride([1, 2, 2]).bias().activation(Relu);
+/// let x = graph.convolution(image, edges);
+/// graph.output(x);
+/// graph.classify(&[(x, Pooling::Mean)], "classifier");
+///
+/// let mut weights = Tensors::new();
+/// for (name, shape) in Network::parameters(&graph, 2)? {
+///     let elements = vec![0.01; shape.iter().product()];
+///     weights.insert(name, Tensor::new(shape, elements)?)?;
+/// }
+/// let mut network = Network::load(&graph, weights, [1, 32, 48], Options::default())?;
+/// let image = Array5::ones((1, 3, 1, 32, 48));
+/// let inference = network.infer(image.view())?;
+/// assert_eq!(inference.map(0).map(|map| map.dim()), Some((1, 8, 1, 16, 24)));
+/// assert_eq!(inference.scores().logits.dim(), (1, 2));
+/// # Ok::<(), vision_models::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Network {
+    pub(crate) program: Program,
+    pub(crate) weights: Weights,
+    pub(crate) options: Options,
+    pub(crate) threads: Threads,
+    /// The passes for the sizes that were planned.
+    planned: Vec<(Extent, Session)>,
+    /// The pass for the last size that was not.
+    unplanned: Option<(Extent, Session)>,
+    operations: u64,
+    features: Vec<f32>,
+    logits: Vec<f32>,
+    maps: Vec<Map>,
+}
+
+/// One output of a batch, channels innermost.
+#[derive(Debug, Default)]
+struct Map {
+    size: Extent,
+    channels: usize,
+    data: Vec<f32>,
+}
+
+impl Network {
+    /// The names and shapes of the tensors that a checkpoint with this many classes must hold; of a network
+    /// without a head the classes do not matter.
+    ///
+    /// # Errors
+    /// [`Error::Layer`] for a graph that cannot be computed.
+    pub fn parameters(graph: &Graph, classes: usize) -> Result<Vec<(String, Vec<usize>)>, Error> {
+        Ok(lower(graph)?.expected(classes).into_tensors())
+    }
+
+    /// Takes the weights of a checkpoint, packs them for inputs of so many frames, rows and columns, and plans
+    /// the pass for them.
+    ///
+    /// # Errors
+    /// [`Error::Layer`] for a graph that cannot be computed; [`Error::Weights`] with every tensor that is
+    /// missing, surplus or misshapen; [`Error::Weight`] for one that is not finite and for negative variances,
+    /// [`Error::FoldedWeights`]; [`Error::InputTooSmall`] and [`Error::InputTooLarge`] for a size that does not
+    /// fit; [`Error::Threads`] for a number of threads that cannot be started.
+    pub fn load(
+        graph: &Graph,
+        tensors: impl TensorSource,
+        size: [usize; 3],
+        options: Options,
+    ) -> Result<Self, Error> {
+        let program = lower(graph)?;
+        let misfit = |Misfit { missing, surplus, misshapen }| Error::Weights {
+            network: None,
+            found: None,
+            missing,
+            surplus,
+            misshapen,
+        };
+        program.check(&tensors).map_err(misfit)?;
+        Self::of_program(program, Box::new(tensors), size, options)
+    }
+
+    /// Loads tensors that the program has checked. Compiled once for all sources of tensors.
+    pub(crate) fn of_program(
+        program: Program,
+        mut tensors: Box<dyn TensorSource + '_>,
+        size: Extent,
+        options: Options,
+    ) -> Result<Self, Error> {
+        options.validate()?;
+        let isa = options.instruction_set;
+        let inputs = program.input_sizes(size);
+        let sizes = sizes(&program, &program.steps, &inputs)?;
+        let of = |slot: Slot| sizes[slot.activation].unwrap_or_default();
+        let mut operations = 0_u64;
+        let mut layers = Vec::with_capacity(program.layers.len());
+        for step in &program.steps {
+            let Step::Convolution { layer, input, output, .. } = *step else { continue };
+            let layer = &program.layers[layer];
+            let algorithm = Algorithm::choose(layer, of(output));
+            layers.push(Packed::convolution(isa, layer, algorithm, &mut *tensors)?);
+            operations = operations.saturating_add(layer.operations(of(input), of(output)));
+        }
+        let mut classifier = None;
+        if let Some(head) = &program.classifier
+            && let Some((name, classes)) = head.find(&*tensors)
+        {
+            let features = head.features();
+            classifier = Some(Packed::linear(isa, &name, features, classes, &mut *tensors)?);
+            operations = operations.saturating_add(2 * (features * classes) as u64);
+        }
+        drop(tensors);
+        let settings = ThreadSettings { threads: options.threads, ..ThreadSettings::default() };
+        let maps = program.outputs.iter().map(|_| Map::default()).collect();
+        let mut network = Self {
+            program,
+            weights: Weights { layers, classifier },
+            options,
+            threads: Threads::new(&settings)?,
+            planned: Vec::new(),
+            unplanned: None,
+            operations,
+            features: Vec::new(),
+            logits: Vec::new(),
+            maps,
+        };
+        network.plan(size)?;
+        Ok(network)
+    }
+
+    /// Plans the pass for another size (frames, rows, columns) and keeps it beside those planned before. An
+    /// inference of a size that was never planned plans it then, and is kept until one of another such size.
+    /// Weights stay packed for the size that was loaded.
+    ///
+    /// # Errors
+    /// [`Error::InputTooSmall`], [`Error::InputTooLarge`]; [`Error::Layer`] where activations that are joined
+    /// come out in different sizes; [`Error::PoolTooSmall`] if the head's windows do not fit.
+    pub fn plan(&mut self, size: [usize; 3]) -> Result<(), Error> {
+        if self.planned.iter().all(|(planned, _)| *planned != size) {
+            let session = self.session(&self.program.steps, &self.program.input_sizes(size))?;
+            self.planned.push((size, session));
+        }
+        Ok(())
+    }
+
+    /// Runs on other threads from now on, which networks may share. All sizes are planned anew.
+    ///
+    /// # Errors
+    /// As of [`Self::plan`].
+    pub fn share_threads(&mut self, threads: &Threads) -> Result<(), Error> {
+        self.threads = threads.clone();
+        self.unplanned = None;
+        for (size, _) in std::mem::take(&mut self.planned) {
+            self.plan(size)?;
+        }
+        Ok(())
+    }
+
+    /// Multiplications and additions for one input of the size that the network was loaded for.
+    pub fn operations(&self) -> u64 {
+        self.operations
+    }
+
+    /// How many classes there are: the width of the logits. 0 for a checkpoint without a head.
+    pub fn classes(&self) -> usize {
+        self.weights.classifier.as_ref().map_or(0, |classifier| classifier.panels.outputs())
+    }
+
+    /// How many features the last layer sees: the width of the features. 0 for a network without a head.
+    pub fn features(&self) -> usize {
+        self.program.classifier.as_ref().map_or(0, Classifier::features)
+    }
+
+    /// Plans the steps from `inputs` to the ends.
+    pub(crate) fn session(
+        &self,
+        steps: &[Step],
+        inputs: &[(Slot, Extent)],
+    ) -> Result<Session, Error> {
+        let isa = self.options.instruction_set;
+        Session::new(isa, self.threads.count(), &self.program, &self.weights, steps, inputs)
+    }
+
+    /// Runs the network on a batch, N × channels × frames × rows × columns.
+    ///
+    /// # Errors
+    /// [`Error::InputShape`] if there are no inputs or other channels than the graph's;
+    /// [`Error::InputTooSmall`] if a kernel does not fit, and what else [`Self::plan`] gives for a new size;
+    /// [`Error::NotFinite`] if a value is NaN or infinite, [`Error::Overflow`] if an output is.
+    pub fn infer(&mut self, clips: ArrayView5<'_, f32>) -> Result<Inference<'_>, Error> {
+        let (count, channels, frames, rows, columns) = clips.dim();
+        let size = [frames, rows, columns];
+        let expected = self.program.inputs.first().map_or(0, |(slot, _)| slot.count);
+        if channels != expected || count == 0 {
+            return Err(Error::InputShape { shape: clips.shape().to_vec() });
+        }
+        let is_planned = self.planned.iter().any(|(planned, _)| *planned == size);
+        if !is_planned && self.unplanned.as_ref().is_none_or(|(planned, _)| *planned != size) {
+            // The memory of the size before is given back first.
+            self.unplanned = None;
+            let session = self.session(&self.program.steps, &self.program.input_sizes(size))?;
+            self.unplanned = Some((size, session));
+        }
+        let (features, classes) = (self.features(), self.classes());
+        self.features.resize(count * features, 0.0);
+        self.logits.resize(count * classes, 0.0);
+        let Self { program, weights, threads, planned, unplanned, maps, .. } = self;
+        let sessions = planned.iter_mut().chain(unplanned);
+        let session =
+            sessions.map(|(planned, session)| (*planned, session)).find(|(own, _)| *own == size);
+        let Some((_, session)) = session else {
+            return Err(Error::InputShape { shape: clips.shape().to_vec() });
+        };
+        for (map, (channels, _)) in maps.iter_mut().zip(session.maps()) {
+            (map.size, map.channels) = (channels.layout.size, channels.count);
+            map.data.resize(count * channels.layout.pixels() * channels.count, 0.0);
+        }
+        let mut pool = threads.lock();
+        for (index, clip) in clips.outer_iter().enumerate() {
+            for (input, &(_, frames)) in program.inputs.iter().enumerate() {
+                copy_clip(&clip, index, frames, session.plan.input(input))?;
+            }
+            let features = &mut self.features[index * features..][..features];
+            let logits = &mut self.logits[index * classes..][..classes];
+            session.run(&mut pool, weights, features, logits);
+            check_finite(index, features, logits)?;
+            for (map, output) in maps.iter_mut().zip(session.maps()) {
+                let length = map.data.len() / count;
+                if !copy_map(output, &mut map.data[index * length..][..length]) {
+                    return Err(Error::Overflow { input: index });
+                }
+            }
+        }
+        drop(pool);
+        let view = |width, data| {
+            ArrayView2::from_shape((count, width), data)
+                .map_err(|_| Error::InputShape { shape: clips.shape().to_vec() })
+        };
+        let scores = Scores {
+            logits: view(classes, &self.logits)?,
+            features: view(features, &self.features)?,
+        };
+        Ok(Inference { scores, maps: &self.maps, count })
+    }
+}
+
+/// Whether an input's features and scores are numbers. The kernels make NaN of what overflows, and
+/// whatever depends on it is NaN or infinite.
+///
+/// # Errors
+/// [`Error::Overflow`].
+pub(crate) fn check_finite(input: usize, features: &[f32], logits: &[f32]) -> Result<(), Error> {
+    if features.iter().chain(logits).all(|value| value.is_finite()) {
+        Ok(())
+    } else {
+        Err(Error::Overflow { input })
+    }
+}
+
+/// What a network makes of a batch.
+#[derive(Clone, Copy, Debug)]
+pub struct Inference<'a> {
+    scores: Scores<'a>,
+    maps: &'a [Map],
+    /// Inputs of the batch.
+    count: usize,
+}
+
+impl<'a> Inference<'a> {
+    /// Features and class scores: N × 0 arrays if the network has no head, or the checkpoint none.
+    pub fn scores(&self) -> Scores<'a> {
+        self.scores
+    }
+
+    /// The `index`-th output of the graph, N × channels × frames × rows × columns; `None` if there are fewer.
+    /// Channels run fastest in memory.
+    pub fn map(&self, index: usize) -> Option<ArrayView5<'a, f32>> {
+        let Map { size: [frames, rows, columns], channels, data } = self.maps.get(index)?;
+        let shape = (self.count, *frames, *rows, *columns, *channels);
+        let map = ArrayView5::from_shape(shape, data).ok()?;
+        Some(map.permuted_axes([0, 4, 1, 2, 3]))
+    }
+}

@@ -1,0 +1,249 @@
+//! Weights as the kernels read them.
+
+use crate::kernels::{Buffer, Finish, InstructionSet, Operands, Panels, Phase, Winograd, pack};
+use crate::{Error, TensorSource};
+
+use super::layer::{Activation, Convolution};
+use super::parameters::{take, take_where};
+use super::program::{Layer, slopes};
+use super::shapes::Algorithm;
+
+/// The narrowest panel: groups with fewer outputs are computed together.
+const NARROWEST: usize = 16;
+
+/// A layer ready to run.
+#[derive(Clone, Debug)]
+pub(crate) struct Packed {
+    pub(crate) algorithm: Algorithm,
+    pub(crate) panels: Panels,
+    /// One for each phase.
+    weights: Vec<Buffer>,
+    /// One for each channel of the panels.
+    bias: Vec<f32>,
+    activation: PackedActivation,
+}
+
+#[derive(Clone, Debug)]
+enum PackedActivation {
+    None,
+    Relu,
+    /// A slope for each channel of the panels.
+    Prelu(Vec<f32>),
+}
+
+impl Packed {
+    /// Takes a layer's tensors out of the checkpoint, folds the batch norm (in f64) and packs.
+    ///
+    /// # Errors
+    /// [`Error::Weight`], [`Error::FoldedWeights`], and what the source gives.
+    pub(crate) fn convolution(
+        isa: InstructionSet,
+        layer: &Layer,
+        algorithm: Algorithm,
+        tensors: &mut dyn TensorSource,
+    ) -> Result<Self, Error> {
+        let Convolution { name, outputs, .. } = &layer.convolution;
+        let kernel = take(tensors, &format!("{name}.weight"))?;
+        let Affine { scale, shift } = Affine::of(&layer.convolution, tensors)?;
+        let kernel = Kernel { layer, elements: kernel, scale };
+        let panels = if algorithm == Algorithm::Depthwise {
+            Panels { groups: 1, channels: *outputs, width: *outputs }
+        } else {
+            let together = kernel.groups_together();
+            let groups = layer.convolution.groups / together;
+            Panels::of_groups(isa, groups, outputs / groups)
+        };
+        let weights = match algorithm {
+            Algorithm::Direct => kernel.direct(panels),
+            Algorithm::Depthwise => vec![kernel.depthwise()],
+            Algorithm::Winograd(tiling) => vec![kernel.winograd(panels, tiling)],
+        };
+        let bias = panels.spread(&shift);
+        let is_finite = |values: &[f32]| values.iter().fold(true, |all, v| all & v.is_finite());
+        if !weights.iter().all(|weights| is_finite(weights)) || !is_finite(&bias) {
+            return Err(Error::FoldedWeights { layer: name.clone() });
+        }
+        let activation =
+            match (&layer.convolution.activation, slopes(&layer.convolution.activation)) {
+                (_, Some((name, shared))) => {
+                    let slopes = take(tensors, &name)?;
+                    let slopes = if shared { vec![slopes[0]; *outputs] } else { slopes };
+                    PackedActivation::Prelu(panels.spread(&slopes))
+                }
+                (Activation::Relu, None) => PackedActivation::Relu,
+                (_, None) => PackedActivation::None,
+            };
+        Ok(Self { algorithm, panels, weights, bias, activation })
+    }
+
+    /// Takes a linear layer's tensors out of the checkpoint and packs them.
+    ///
+    /// # Errors
+    /// As of [`Self::convolution`].
+    pub(crate) fn linear(
+        isa: InstructionSet,
+        name: &str,
+        inputs: usize,
+        outputs: usize,
+        tensors: &mut dyn TensorSource,
+    ) -> Result<Self, Error> {
+        let matrix = take(tensors, &format!("{name}.weight"))?;
+        let bias = take(tensors, &format!("{name}.bias"))?;
+        let panels = Panels::new(isa, outputs);
+        let weights = pack(panels, inputs, |output, column| {
+            column.copy_from_slice(&matrix[output * inputs..][..inputs]);
+        });
+        let (algorithm, activation) = (Algorithm::Direct, PackedActivation::None);
+        let bias = panels.spread(&bias);
+        Ok(Self { algorithm, panels, weights: vec![weights], bias, activation })
+    }
+
+    /// What a phase multiplies and adds.
+    pub(crate) fn operands<'a>(&'a self, phase: usize, input: &'a [f32]) -> Operands<'a> {
+        Operands { input, weights: &self.weights[phase], bias: &self.bias }
+    }
+
+    /// What becomes of the sums.
+    pub(crate) fn finish(&self) -> Finish<'_> {
+        match &self.activation {
+            PackedActivation::None => Finish::Keep,
+            PackedActivation::Relu => Finish::Relu,
+            PackedActivation::Prelu(slopes) => Finish::Prelu(slopes),
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the weights are f32")]
+fn narrow(value: f64) -> f32 {
+    value as f32
+}
+
+/// Bias and batch norm as one factor and one term for each output channel.
+struct Affine {
+    scale: Vec<f64>,
+    shift: Vec<f32>,
+}
+
+impl Affine {
+    fn of(convolution: &Convolution, tensors: &mut dyn TensorSource) -> Result<Self, Error> {
+        let bias = if convolution.bias {
+            take(tensors, &format!("{}.bias", convolution.name))?
+        } else {
+            vec![0.0; convolution.outputs]
+        };
+        let Some(norm) = &convolution.norm else {
+            return Ok(Self { scale: vec![1.0; convolution.outputs], shift: bias });
+        };
+        let mut part = |part| take(tensors, &format!("{}.{part}", norm.name));
+        let (gain, shift, mean) = (part("weight")?, part("bias")?, part("running_mean")?);
+        let variance = take_where(
+            tensors,
+            &format!("{}.running_var", norm.name),
+            |value| value.is_finite() && value >= 0.0,
+            "a finite number, zero or more: a variance",
+        )?;
+        let scale: Vec<f64> = gain
+            .iter()
+            .zip(&variance)
+            .map(|(&gain, &variance)| f64::from(gain) / (f64::from(variance) + norm.epsilon).sqrt())
+            .collect();
+        let centre = bias.iter().zip(&mean).map(|(&bias, &mean)| f64::from(bias) - f64::from(mean));
+        let shift = centre
+            .zip(&scale)
+            .zip(&shift)
+            .map(|((centre, scale), &shift)| narrow(f64::from(shift) + centre * scale))
+            .collect();
+        Ok(Self { scale, shift })
+    }
+}
+
+/// A kernel with the factor of each output channel.
+struct Kernel<'a> {
+    layer: &'a Layer,
+    elements: Vec<f32>,
+    scale: Vec<f64>,
+}
+
+impl Kernel<'_> {
+    fn taps(&self) -> usize {
+        self.layer.convolution.window.kernel.iter().product()
+    }
+
+    /// Inputs of a group.
+    fn inputs(&self) -> usize {
+        self.layer.inputs / self.layer.convolution.groups
+    }
+
+    /// How many groups are computed as one, with zeros between them, so that a panel is filled.
+    fn groups_together(&self) -> usize {
+        let Convolution { groups, outputs, .. } = self.layer.convolution;
+        let fills = |count: &usize| {
+            groups.is_multiple_of(*count) && count * (outputs / groups) >= NARROWEST
+        };
+        (1..=groups).find(fills).unwrap_or(groups)
+    }
+
+    /// Where the taps of an output's first input begin, and how far the next input's are from there.
+    fn row(&self, output: usize) -> (usize, usize) {
+        let Convolution { groups, outputs, transposed, .. } = self.layer.convolution;
+        let (of_group, inputs, taps) = (outputs / groups, self.inputs(), self.taps());
+        if transposed {
+            let first = output / of_group * inputs * of_group + output % of_group;
+            (first * taps, of_group * taps)
+        } else {
+            (output * inputs * taps, taps)
+        }
+    }
+
+    /// A matrix for each phase.
+    fn direct(&self, panels: Panels) -> Vec<Buffer> {
+        let Convolution { window, transposed, groups, outputs, .. } = self.layer.convolution;
+        // The taps of a phase are those of any size.
+        let size = window.stride;
+        let phases = if transposed { window.phases(size) } else { vec![window.whole(size)] };
+        let together = groups / panels.groups;
+        let inputs = self.inputs();
+        let matrix = |phase: &Phase| {
+            let taps = phase.kernel_taps(window.kernel);
+            let depth = together * inputs;
+            pack(panels, taps.len() * depth, |output, column| {
+                let first = output / (outputs / groups) % together * inputs;
+                let (start, step) = self.row(output);
+                let scale = self.scale[output];
+                column.fill(0.0);
+                for input in 0..inputs {
+                    let kernel = &self.elements[start + input * step..];
+                    let values = column.iter_mut().skip(first + input).step_by(depth);
+                    for (value, &tap) in values.zip(&taps) {
+                        *value = narrow(f64::from(kernel[tap]) * scale);
+                    }
+                }
+            })
+        };
+        phases.iter().map(matrix).collect()
+    }
+
+    /// A row of channels for each tap.
+    fn depthwise(&self) -> Buffer {
+        let channels = self.layer.inputs;
+        let taps = self.taps();
+        let mut weights = Buffer::zeroed(taps * channels);
+        for (tap, row) in weights.chunks_exact_mut(channels).enumerate() {
+            let kernels = self.elements.chunks_exact(taps).zip(&self.scale);
+            for (value, (kernel, scale)) in row.iter_mut().zip(kernels) {
+                *value = narrow(f64::from(kernel[tap]) * scale);
+            }
+        }
+        weights
+    }
+
+    fn winograd(&self, panels: Panels, tiling: crate::kernels::Tiling) -> Buffer {
+        Winograd::pack(panels, tiling, self.layer.inputs, |output, input, values| {
+            let (start, step) = self.row(output);
+            let kernel = &self.elements[start + input * step..];
+            for (value, &weight) in values.iter_mut().zip(kernel) {
+                *value = f64::from(weight) * self.scale[output];
+            }
+        })
+    }
+}

@@ -1,0 +1,200 @@
+//! The forward pass for one input size: where every activation lives, and what runs on it.
+
+use crate::Error;
+use crate::kernels::{
+    Buffer, Copy, Depthwise, Direct, Epilogue, InstructionSet, MaxPool, Pool, Winograd,
+};
+use crate::layout::{Channels, Extent};
+
+use super::memory::{Memory, Place, place};
+use super::packed::Packed;
+use super::program::{Program, Slot, Step};
+use super::shapes::{Algorithm, channels, layouts, sizes};
+
+/// A convolution with all that it needs but numbers.
+#[derive(Clone, Debug)]
+enum Convolution {
+    /// One for each phase.
+    Direct(Vec<Direct>),
+    Depthwise(Depthwise),
+    Winograd(Winograd),
+}
+
+/// What a step computes.
+#[derive(Clone, Debug)]
+enum Work {
+    Convolution { plan: Convolution, layer: usize, add: bool },
+    MaxPool(MaxPool),
+    Copy(Copy),
+}
+
+/// A step with the buffers that it reads and writes.
+#[derive(Clone, Debug)]
+struct Planned {
+    /// An activation whose border is made zero first.
+    clear: Option<Place>,
+    work: Work,
+    input: usize,
+    output: usize,
+}
+
+/// The steps of a network, or of a part of it, for one input size, with the memory that they work
+/// in. Running it allocates nothing.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    steps: Vec<Planned>,
+    buffers: Vec<Buffer>,
+    scratch: Buffer,
+    inputs: Vec<(Channels, usize)>,
+    outputs: Vec<(Channels, usize)>,
+}
+
+impl Plan {
+    /// Plans the steps from `inputs` to `outputs`.
+    ///
+    /// # Errors
+    /// [`Error::InputTooSmall`] if a kernel does not fit, [`Error::InputTooLarge`] if there is not the memory,
+    /// [`Error::Layer`] for a step that does not fit the others.
+    pub(crate) fn new(
+        isa: InstructionSet,
+        lanes: usize,
+        program: &Program,
+        steps: &[Step],
+        packed: &[Packed],
+        inputs: &[(Slot, Extent)],
+        outputs: &[Slot],
+    ) -> Result<Self, Error> {
+        let sizes = sizes(program, steps, inputs)?;
+        let too_large =
+            || Error::InputTooLarge { size: inputs.first().map_or([0; 3], |input| input.1) };
+        let inputs: Vec<Slot> = inputs.iter().map(|&(slot, _)| slot).collect();
+        let algorithms: Vec<Algorithm> = packed.iter().map(|packed| packed.algorithm).collect();
+        let layouts = layouts(program, steps, &sizes, &algorithms);
+        if layouts.iter().flatten().any(|layout| layout.checked_length().is_none()) {
+            return Err(too_large());
+        }
+        let Memory { places, lengths, clear } = place(steps, &layouts, &inputs, outputs);
+        let find = |slot: Slot, name: &str| -> Result<(Channels, usize), Error> {
+            let place =
+                places.get(slot.activation).copied().flatten().ok_or_else(|| Error::Layer {
+                    layer: name.into(),
+                    problem: "no step reads or writes its activation".into(),
+                })?;
+            Ok((channels(slot, place.layout), place.buffer))
+        };
+        let mut planned = Vec::with_capacity(steps.len());
+        let mut scratch = 0;
+        for (at, step) in steps.iter().enumerate() {
+            let clear = clear.iter().find(|(step, _)| *step == at).map(|&(_, place)| place);
+            let name = step.name(&program.layers);
+            let ((from, input), (to, output)) =
+                (find(step.input(), &name)?, find(step.output(), &name)?);
+            let work = match *step {
+                Step::MaxPool { window, .. } => Work::MaxPool(MaxPool::new(isa, window, from, to)),
+                Step::Copy { .. } => Work::Copy(Copy::new(from, to)),
+                Step::Convolution { layer, add, .. } => {
+                    let plan = plan(isa, lanes, (program, layer), &packed[layer], from, to);
+                    if let Convolution::Winograd(plan) = &plan {
+                        scratch = scratch.max(plan.scratch(lanes));
+                    }
+                    Work::Convolution { plan, layer, add }
+                }
+            };
+            planned.push(Planned { clear, work, input, output });
+        }
+        let ends = |slots: &[Slot], name| {
+            slots.iter().map(|&slot| find(slot, name)).collect::<Result<_, _>>()
+        };
+        let memory = |length| Buffer::try_zeroed(length).ok_or_else(too_large);
+        Ok(Self {
+            inputs: ends(&inputs, "input")?,
+            outputs: ends(outputs, "output")?,
+            steps: planned,
+            buffers: lengths.into_iter().map(memory).collect::<Result<_, _>>()?,
+            scratch: memory(scratch)?,
+        })
+    }
+
+    /// The channels and the memory of each input.
+    pub(crate) fn input(&mut self, index: usize) -> (&Channels, &mut [f32]) {
+        let (channels, buffer) = &self.inputs[index];
+        (channels, &mut self.buffers[*buffer])
+    }
+
+    /// The channels and the memory of each output.
+    pub(crate) fn outputs(&self) -> impl Iterator<Item = (&Channels, &[f32])> {
+        self.outputs.iter().map(|(channels, buffer)| (channels, &*self.buffers[*buffer]))
+    }
+
+    /// Runs all steps.
+    pub(crate) fn run(&mut self, pool: &mut Pool, packed: &[Packed]) {
+        let Self { steps, buffers, scratch, .. } = self;
+        for step in steps {
+            let Planned { clear, work, input, output } = step;
+            if let Some(Place { buffer, layout }) = clear {
+                layout.clear_border(&mut buffers[*buffer]);
+            }
+            let (input, output) = both(buffers, *input, *output);
+            match work {
+                Work::MaxPool(plan) => plan.run(pool, input, output),
+                Work::Copy(plan) => plan.run(pool, input, output),
+                Work::Convolution { plan, layer, add } => {
+                    let packed = &packed[*layer];
+                    let epilogue = Epilogue { add: *add, finish: packed.finish() };
+                    match plan {
+                        Convolution::Direct(phases) => {
+                            for (phase, plan) in phases.iter().enumerate() {
+                                plan.run(pool, packed.operands(phase, input), output, epilogue);
+                            }
+                        }
+                        Convolution::Depthwise(plan) => {
+                            plan.run(pool, packed.operands(0, input), output, epilogue);
+                        }
+                        Convolution::Winograd(plan) => {
+                            plan.run(pool, packed.operands(0, input), output, scratch, epilogue);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Plans one convolution as its weights are packed.
+fn plan(
+    isa: InstructionSet,
+    lanes: usize,
+    (program, layer): (&Program, usize),
+    packed: &Packed,
+    from: Channels,
+    to: Channels,
+) -> Convolution {
+    let super::layer::Convolution { window, transposed, .. } = program.layers[layer].convolution;
+    let made = to.layout.size;
+    match packed.algorithm {
+        Algorithm::Direct => {
+            let phases = if transposed { window.phases(made) } else { vec![window.whole(made)] };
+            let plan = |phase| Direct::new(isa, packed.panels, phase, from, to);
+            Convolution::Direct(phases.iter().map(plan).collect())
+        }
+        Algorithm::Depthwise => {
+            Convolution::Depthwise(Depthwise::new(isa, &window.whole(made), from, to))
+        }
+        Algorithm::Winograd(tiling) => {
+            Convolution::Winograd(Winograd::new(isa, packed.panels, tiling, from, to, lanes))
+        }
+    }
+}
+
+/// A step's input and output. They are two activations, and one is alive while the other is written, so that
+/// they have two buffers.
+fn both(buffers: &mut [Buffer], input: usize, output: usize) -> (&[f32], &mut [f32]) {
+    assert_ne!(input, output, "a step reads and writes one buffer");
+    if input < output {
+        let (before, from) = buffers.split_at_mut(output);
+        (&before[input], &mut from[0])
+    } else {
+        let (before, from) = buffers.split_at_mut(input);
+        (&from[0], &mut before[output])
+    }
+}

@@ -1,0 +1,212 @@
+//! A network as steps from one piece of memory to another.
+
+use crate::TensorSource;
+use crate::kernels::Window;
+use crate::layout::Extent;
+
+use super::graph::Frames;
+use super::head::Pooling;
+use super::layer::{Activation, Convolution};
+use super::parameters::{Expected, Misfit};
+
+/// Some channels of an activation: where a step reads or writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Slot {
+    /// Several values of a graph may share an activation.
+    pub(crate) activation: usize,
+    /// The first of the channels.
+    pub(crate) first: usize,
+    /// How many they are.
+    pub(crate) count: usize,
+}
+
+/// A convolution with the channels that it reads.
+#[derive(Clone, Debug)]
+pub(crate) struct Layer {
+    pub(crate) convolution: Convolution,
+    pub(crate) inputs: usize,
+}
+
+impl Layer {
+    /// Multiplications and additions for an input and an output of these sizes.
+    pub(crate) fn operations(&self, input: Extent, output: Extent) -> u64 {
+        let Convolution { window, outputs, groups, transposed, .. } = &self.convolution;
+        // A transposed convolution multiplies every input by every tap.
+        let pixels = if *transposed { input } else { output };
+        let factors =
+            pixels.into_iter().chain(window.kernel).chain([*outputs, self.inputs / groups]);
+        factors.fold(2, |product: u64, factor| product.saturating_mul(factor as u64))
+    }
+
+    /// The shape of the kernel's tensor.
+    pub(crate) fn kernel_shape(&self) -> Vec<usize> {
+        let Convolution { window, outputs, groups, transposed, axes, .. } = &self.convolution;
+        let (first, second) = if *transposed {
+            (self.inputs, outputs / groups)
+        } else {
+            (*outputs, self.inputs / groups)
+        };
+        [first, second].into_iter().chain(window.kernel[3 - axes..].iter().copied()).collect()
+    }
+}
+
+/// One step of the forward pass.
+#[derive(Clone, Debug)]
+pub(crate) enum Step {
+    /// output = activation(layer(input) \[+ output\])
+    Convolution { layer: usize, input: Slot, output: Slot, add: bool },
+    /// The largest value of each window.
+    MaxPool { window: Window, input: Slot, output: Slot },
+    /// output = input
+    Copy { input: Slot, output: Slot },
+}
+
+impl Step {
+    pub(crate) fn input(&self) -> Slot {
+        match *self {
+            Self::Convolution { input, .. }
+            | Self::MaxPool { input, .. }
+            | Self::Copy { input, .. } => input,
+        }
+    }
+
+    pub(crate) fn output(&self) -> Slot {
+        match *self {
+            Self::Convolution { output, .. }
+            | Self::MaxPool { output, .. }
+            | Self::Copy { output, .. } => output,
+        }
+    }
+
+    /// What errors call the step.
+    pub(crate) fn name(&self, layers: &[Layer]) -> String {
+        match *self {
+            Self::Convolution { layer, .. } => layers[layer].convolution.name.clone(),
+            Self::MaxPool { .. } => "max pool".into(),
+            Self::Copy { .. } => "concatenation".into(),
+        }
+    }
+
+    /// The size of the output for the input's; `None` if a kernel does not fit.
+    pub(crate) fn size(&self, layers: &[Layer], size: Extent) -> Option<Extent> {
+        match *self {
+            Self::Convolution { layer, .. } => layers[layer].convolution.output(size),
+            Self::MaxPool { window, .. } => window.output(size),
+            Self::Copy { .. } => Some(size),
+        }
+    }
+
+    /// Whether the step looks at several frames at once.
+    fn is_temporal(&self, layers: &[Layer]) -> bool {
+        match *self {
+            Self::Convolution { layer, .. } => layers[layer].convolution.window.kernel[0] > 1,
+            Self::MaxPool { window, .. } => window.kernel[0] > 1,
+            Self::Copy { .. } => false,
+        }
+    }
+}
+
+/// The linear layer behind the features.
+#[derive(Clone, Debug)]
+pub(crate) struct Classifier {
+    /// What is pooled.
+    pub(crate) pooled: Vec<(Slot, Pooling)>,
+    /// What the layer is called.
+    pub(crate) name: String,
+}
+
+impl Classifier {
+    /// How many features there are.
+    pub(crate) fn features(&self) -> usize {
+        self.pooled.iter().map(|(slot, _)| slot.count).sum()
+    }
+
+    /// What the layer is called in this checkpoint, and how many classes it has; `None` in one without it.
+    pub(crate) fn find(&self, tensors: &dyn TensorSource) -> Option<(String, usize)> {
+        let prefix = format!("{}.", self.name);
+        let behind_dropout = format!("{}.1", self.name);
+        let classes = |name: &str| {
+            let shape = tensors.shape(&format!("{name}.weight"));
+            // A layer of no classes is misshapen.
+            shape
+                .and_then(|shape| shape.first().copied())
+                .filter(|&classes| classes > 0)
+                .unwrap_or(1)
+        };
+        if tensors.shape(&format!("{behind_dropout}.weight")).is_some() {
+            return Some((behind_dropout.clone(), classes(&behind_dropout)));
+        }
+        let is_there = tensors.names().iter().any(|name| name.starts_with(&prefix));
+        is_there.then(|| (self.name.clone(), classes(&self.name)))
+    }
+}
+
+/// A network, ready to be planned.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Program {
+    /// The channels of each activation.
+    pub(crate) channels: Vec<usize>,
+    pub(crate) layers: Vec<Layer>,
+    pub(crate) steps: Vec<Step>,
+    pub(crate) inputs: Vec<(Slot, Frames)>,
+    pub(crate) outputs: Vec<Slot>,
+    pub(crate) classifier: Option<Classifier>,
+}
+
+impl Program {
+    /// The tensors of the layers.
+    fn expected_layers(&self) -> Expected {
+        let mut expected = Expected::default();
+        for layer in &self.layers {
+            expected.convolution(layer);
+        }
+        expected
+    }
+
+    /// The tensors of a checkpoint with this many classes.
+    pub(crate) fn expected(&self, classes: usize) -> Expected {
+        let mut expected = self.expected_layers();
+        if let Some(classifier) = &self.classifier {
+            expected.linear(&classifier.name, classifier.features(), classes);
+        }
+        expected
+    }
+
+    /// Holds a checkpoint against what this network takes.
+    pub(crate) fn check(&self, tensors: &dyn TensorSource) -> Result<(), Misfit> {
+        let mut expected = self.expected_layers();
+        if let Some(classifier) = &self.classifier
+            && let Some((name, classes)) = classifier.find(tensors)
+        {
+            expected.linear(&name, classifier.features(), classes);
+        }
+        expected.check(tensors)
+    }
+
+    /// Frames, rows and columns of each input for a clip of this size.
+    pub(crate) fn input_sizes(&self, [frames, rows, columns]: Extent) -> Vec<(Slot, Extent)> {
+        let size = |&(slot, taken): &(Slot, Frames)| (slot, [taken.taken(frames), rows, columns]);
+        self.inputs.iter().map(size).collect()
+    }
+
+    /// Everything that lives on behind the last step.
+    pub(crate) fn ends(&self) -> Vec<Slot> {
+        let pooled = self.classifier.iter().flat_map(|classifier| &classifier.pooled);
+        self.outputs.iter().copied().chain(pooled.map(|&(slot, _)| slot)).collect()
+    }
+
+    /// What the first step reads whose kernel sees several frames, and which step that is: before it, each
+    /// frame is on its own.
+    pub(crate) fn first_temporal_step(&self) -> Option<(Slot, usize)> {
+        let at = self.steps.iter().position(|step| step.is_temporal(&self.layers))?;
+        Some((self.steps[at].input(), at))
+    }
+}
+
+/// Whether a layer's activation has tensors, and what they are called.
+pub(crate) fn slopes(activation: &Activation) -> Option<(String, bool)> {
+    match activation {
+        Activation::Prelu { name, shared } => Some((format!("{name}.weight"), *shared)),
+        Activation::None | Activation::Relu => None,
+    }
+}

@@ -1,0 +1,78 @@
+//! How a head is trained.
+
+use crate::Error;
+
+/// Settings of stochastic gradient descent.
+///
+/// ```
+/// use vision_models::HeadSettings;
+///
+/// let settings = HeadSettings { epochs: 20, ..HeadSettings::default() };
+/// assert_eq!(settings.learning_rate, 0.001);
+/// assert!(settings.validate().is_ok());
+/// assert!(HeadSettings { dropout: 1.0, ..settings }.validate().is_err());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeadSettings {
+    /// Length of a step along the gradient; 0.001 (paper, Sec. "Experiment 1").
+    pub learning_rate: f64,
+    /// Share of the last step that is taken again; 0.9.
+    pub momentum: f64,
+    /// Weight of ½|w|² beside the mean cross-entropy; 0.
+    pub weight_decay: f64,
+    /// Probability that a feature of a sample is left out of a step; 0.5. The others are scaled up, so
+    /// that nothing changes when the head is used.
+    pub dropout: f64,
+    /// Samples a step; 32.
+    pub batch: usize,
+    /// How often all samples are gone through; 100.
+    pub epochs: usize,
+    /// Seed of the first weights, the order of the samples and what is left out.
+    pub seed: u64,
+}
+
+impl Default for HeadSettings {
+    fn default() -> Self {
+        Self {
+            learning_rate: 0.001,
+            momentum: 0.9,
+            weight_decay: 0.0,
+            dropout: 0.5,
+            batch: 32,
+            epochs: 100,
+            seed: 1,
+        }
+    }
+}
+
+impl HeadSettings {
+    /// Checks every setting.
+    ///
+    /// # Errors
+    /// [`Error::Setting`].
+    pub fn validate(&self) -> Result<(), Error> {
+        let within = |value: f64, least: f64, below: f64| (least..below).contains(&value);
+        let checks = [
+            (
+                "learning_rate",
+                self.learning_rate,
+                self.learning_rate > 0.0 && self.learning_rate.is_finite(),
+                "a positive finite number",
+            ),
+            ("momentum", self.momentum, within(self.momentum, 0.0, 1.0), "from 0 to below 1"),
+            (
+                "weight_decay",
+                self.weight_decay,
+                within(self.weight_decay, 0.0, f64::INFINITY),
+                "a finite number from 0",
+            ),
+            ("dropout", self.dropout, within(self.dropout, 0.0, 1.0), "from 0 to below 1"),
+            ("batch", self.batch as f64, self.batch > 0, "at least one"),
+            ("epochs", self.epochs as f64, self.epochs > 0, "at least one"),
+        ];
+        match checks.into_iter().find(|(_, _, right, _)| !right) {
+            Some((name, value, _, expected)) => Err(Error::Setting { name, value, expected }),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Which pixels of the input make a pixel of the output.
+
+use crate::layout::{Extent, Layout};
+
+/// The window of a convolution or a pooling. Frames come first, then rows and columns; an image is a clip of
+/// one frame.
+///
+/// ```
+/// use vision_models::engine::Window;
+///
+/// // 3 × 3, every other row and column, as in the stem of a residual network.
+/// let window = Window { stride: [1, 2, 2], ..Window::same([1, 3, 3]) };
+/// assert_eq!(window.output([1, 112, 112]), Some([1, 56, 56]));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Frames, rows and columns of the kernel.
+    pub kernel: Extent,
+    /// Steps from one output to the next; of a transposed convolution, steps in the output from one input to
+    /// the next.
+    pub stride: Extent,
+    /// Zeros around the input; of a transposed convolution, what is cut off around the output.
+    pub padding: Extent,
+    /// Steps from one tap to the next.
+    pub dilation: Extent,
+}
+
+impl Window {
+    /// A window of stride one with a padding that keeps the size, for kernels of odd lengths.
+    pub const fn same(kernel: [usize; 3]) -> Self {
+        let [frames, rows, columns] = kernel;
+        let padding = [frames / 2, rows / 2, columns / 2];
+        Self { kernel, stride: [1; 3], padding, dilation: [1; 3] }
+    }
+
+    /// The output's frames, rows and columns for an input's; `None` if the kernel does not fit, or if the
+    /// sizes are beyond all memory.
+    pub fn output(&self, size: [usize; 3]) -> Option<[usize; 3]> {
+        let mut output = [0; 3];
+        for axis in 0..3 {
+            let padded = size[axis].checked_add(self.padding[axis].checked_mul(2)?)?;
+            let room = padded.checked_sub(self.span(axis)?)?;
+            output[axis] = room.checked_div(self.stride[axis])?.checked_add(1)?;
+        }
+        Some(output)
+    }
+
+    /// The same for a transposed convolution.
+    pub fn transposed_output(&self, size: [usize; 3]) -> Option<[usize; 3]> {
+        let mut output = [0; 3];
+        for axis in 0..3 {
+            let last = size[axis].checked_sub(1)?.checked_mul(self.stride[axis])?;
+            let whole = last.checked_add(self.span(axis)?)?;
+            output[axis] = whole.checked_sub(self.padding[axis].checked_mul(2)?)?;
+        }
+        Some(output)
+    }
+
+    /// From the first tap to the last, both included.
+    fn span(&self, axis: usize) -> Option<usize> {
+        self.kernel[axis].checked_sub(1)?.checked_mul(self.dilation[axis])?.checked_add(1)
+    }
+
+    /// The one phase of a convolution: every output.
+    pub(crate) fn whole(&self, output: Extent) -> Phase {
+        let taps = [0, 1, 2].map(|axis| {
+            let place = |kernel: usize| Tap {
+                kernel,
+                offset: (kernel * self.dilation[axis]).cast_signed()
+                    - self.padding[axis].cast_signed(),
+            };
+            (0..self.kernel[axis]).map(place).collect()
+        });
+        let (start, step) = ([0; 3], [1; 3]);
+        Phase { size: output, start, step, input_step: self.stride, taps }
+    }
+
+    /// The phases of a transposed convolution: the outputs that lie a stride apart see the same taps, so that
+    /// each phase is a convolution of stride one whose outputs are spread.
+    ///
+    /// With stride s and padding p, output o gets tap t of input i where s i + d t − p = o.
+    pub(crate) fn phases(&self, output: Extent) -> Vec<Phase> {
+        let count: usize = self.stride.iter().product();
+        let phase = |index: usize| {
+            let [_, rows, columns] = self.stride;
+            let start = [index / (rows * columns), index / columns % rows, index % columns];
+            let size = std::array::from_fn(|axis| {
+                output[axis].saturating_sub(start[axis]).div_ceil(self.stride[axis])
+            });
+            let taps = [0, 1, 2].map(|axis| {
+                let stride = self.stride[axis].cast_signed();
+                let mut taps: Vec<Tap> = (0..self.kernel[axis])
+                    .filter_map(|kernel| {
+                        let tap = (kernel * self.dilation[axis]).cast_signed();
+                        let ahead = (start[axis] + self.padding[axis]).cast_signed() - tap;
+                        let offset = ahead / stride;
+                        (ahead % stride == 0).then_some(Tap { kernel, offset })
+                    })
+                    .collect();
+                taps.sort_by_key(|tap| tap.offset);
+                taps
+            });
+            Phase { size, start, step: self.stride, input_step: [1; 3], taps }
+        };
+        (0..count).map(phase).collect()
+    }
+}
+
+/// A tap of a kernel along one axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Tap {
+    /// Its index in the kernel.
+    pub(crate) kernel: usize,
+    /// What it reads, from where the output's input starts.
+    pub(crate) offset: isize,
+}
+
+/// Outputs that see the same taps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Phase {
+    /// How many outputs there are along each axis.
+    pub(crate) size: Extent,
+    /// The first output.
+    pub(crate) start: Extent,
+    /// From one output to the next.
+    pub(crate) step: Extent,
+    /// From one output's input to the next one's.
+    pub(crate) input_step: Extent,
+    /// The taps along each axis.
+    pub(crate) taps: [Vec<Tap>; 3],
+}
+
+impl Phase {
+    /// The index in the kernel of every tap, columns running fastest.
+    pub(crate) fn kernel_taps(&self, [_, rows, columns]: Extent) -> Vec<usize> {
+        let [frame_taps, row_taps, column_taps] = &self.taps;
+        let mut indices = Vec::with_capacity(frame_taps.len() * row_taps.len() * column_taps.len());
+        for frame in frame_taps {
+            for row in row_taps {
+                for column in column_taps {
+                    indices.push((frame.kernel * rows + row.kernel) * columns + column.kernel);
+                }
+            }
+        }
+        indices
+    }
+
+    /// The zeros that an input of this size needs before and after.
+    pub(crate) fn border(&self, size: Extent) -> [Extent; 2] {
+        let before = std::array::from_fn(|axis| {
+            let first = self.taps[axis].iter().map(|tap| tap.offset).min().unwrap_or(0);
+            first.min(0).unsigned_abs()
+        });
+        let after = std::array::from_fn(|axis| {
+            let last = self.taps[axis].iter().map(|tap| tap.offset).max().unwrap_or(0);
+            let start = (self.size[axis].saturating_sub(1) * self.input_step[axis]).cast_signed();
+            usize::try_from(start + last + 1 - size[axis].cast_signed()).unwrap_or(0)
+        });
+        [before, after]
+    }
+
+    /// Whether the outputs lie inside an output of this size, and their taps inside the input with its
+    /// border.
+    pub(super) fn fits(&self, input: &Layout, output: &Layout) -> bool {
+        let [before, after] = self.border(input.size);
+        let inside = |axis: usize| {
+            let last = self.start[axis] + self.size[axis].saturating_sub(1) * self.step[axis];
+            self.size[axis] == 0 || last < output.size[axis]
+        };
+        input.has_border_of(before, after) && (0..3).all(inside)
+    }
+}

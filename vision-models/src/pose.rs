@@ -1,0 +1,14 @@
+//! People's joints in an image, by networks.
+// Views are small, and given by value as everywhere with ndarray.
+#![allow(clippy::needless_pass_by_value)]
+
+mod grouping;
+mod open_pose;
+mod person_box;
+mod sampling;
+mod simple_baseline;
+
+pub use grouping::{Coco18, GroupingSettings, group_parts};
+pub use open_pose::OpenPose;
+pub use person_box::PersonBox;
+pub use simple_baseline::{Passes, SimpleBaseline};

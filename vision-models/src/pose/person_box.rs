@@ -1,0 +1,53 @@
+//! Where a person is in an image.
+
+use crate::Error;
+
+/// The rectangle around a person, in pixels; the centre of the pixel at the top left is at 0, 0.
+///
+/// ```
+/// use vision_models::PersonBox;
+///
+/// let person = PersonBox { left: 200.0, top: 80.0, width: 120.0, height: 340.0 };
+/// assert!(person.validate().is_ok());
+/// assert!(PersonBox { width: 0.0, ..person }.validate().is_err());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PersonBox {
+    /// The left edge.
+    pub left: f64,
+    /// The upper edge.
+    pub top: f64,
+    /// From left to right.
+    pub width: f64,
+    /// From top to bottom.
+    pub height: f64,
+}
+
+impl PersonBox {
+    /// Boxes are not larger than this, nor farther away (pixels).
+    const MAX_PIXELS: f64 = 1e6;
+
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// [`Error::PersonBox`] for numbers that are not finite or above a million, and for boxes without an area.
+    pub fn validate(&self) -> Result<(), Error> {
+        let Self { left, top, width, height } = *self;
+        let near =
+            [left, top, width, height].into_iter().all(|value| value.abs() <= Self::MAX_PIXELS);
+        if near && width > 0.0 && height > 0.0 {
+            return Ok(());
+        }
+        let expected = "finite numbers of at most a million pixels, width and height above zero";
+        Err(Error::PersonBox { left, top, width, height, expected })
+    }
+
+    /// Whether a part of it lies in an image of so many rows and columns.
+    pub(super) fn overlaps(&self, [height, width]: [usize; 2]) -> bool {
+        let Self { left, top, .. } = *self;
+        left < width as f64
+            && top < height as f64
+            && left + self.width > 0.0
+            && top + self.height > 0.0
+    }
+}

@@ -1,0 +1,78 @@
+//! What training takes: samples, their classes and the classes' names, checked.
+
+use std::collections::BTreeMap;
+
+use ndarray::ArrayView2;
+
+use crate::{Error, error::Excerpt};
+
+/// Checks samples × features, of which `labels` says the classes as indices into `classes`; each
+/// class has a sample, and there are no more than `most`.
+pub(crate) fn check_samples(
+    samples: &ArrayView2<'_, f32>,
+    labels: &[usize],
+    classes: &[String],
+    most: usize,
+) -> Result<(), Error> {
+    check_classes(classes)?;
+    let (count, features) = samples.dim();
+    let refuse = |problem| Err(Error::Samples { problem });
+    if labels.len() != count || features == 0 || count > most {
+        return refuse(format!(
+            "{count} samples of {features} features have {} labels: give one label each, at least \
+             one feature and at most {most} samples",
+            labels.len()
+        ));
+    }
+    check_labels(labels, classes)?;
+    if let Some(class) = (0..classes.len()).find(|class| !labels.contains(class)) {
+        return refuse(format!("class {class} (\"{}\") has no sample", classes[class]));
+    }
+    check_finite(samples)
+}
+
+/// Each label is the index of a class.
+pub(crate) fn check_labels(labels: &[usize], classes: &[String]) -> Result<(), Error> {
+    match labels.iter().enumerate().find(|(_, label)| **label >= classes.len()) {
+        Some((sample, label)) => {
+            let classes = classes.len();
+            let problem = format!("sample {sample} is of class {label}, of {classes} from zero");
+            Err(Error::Samples { problem })
+        }
+        None => Ok(()),
+    }
+}
+
+/// At least two classes, each with a name of its own in one line.
+pub(crate) fn check_classes(classes: &[String]) -> Result<(), Error> {
+    let refuse = |problem| Err(Error::Samples { problem });
+    if classes.len() < 2 {
+        return refuse(format!("{} classes: give at least two", classes.len()));
+    }
+    let mut seen = BTreeMap::new();
+    for (class, name) in classes.iter().enumerate() {
+        let shown = Excerpt(name);
+        if name.is_empty() {
+            return refuse(format!("class {class} has no name: give each class one"));
+        }
+        if name.trim() != name || name.contains(['\n', '\r']) {
+            return refuse(format!("the class name \"{shown}\" has spaces around it or two lines"));
+        }
+        if let Some(other) = seen.insert(name, class) {
+            return refuse(format!(
+                "classes {other} and {class} are both named \"{shown}\": give each its own name"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// No feature is NaN or infinite.
+pub(crate) fn check_finite(samples: &ArrayView2<'_, f32>) -> Result<(), Error> {
+    match samples.indexed_iter().find(|(_, value)| !value.is_finite()) {
+        Some(((row, column), &value)) => {
+            Err(Error::Feature { row, column, value: f64::from(value) })
+        }
+        None => Ok(()),
+    }
+}
