@@ -22,8 +22,9 @@ use super::tolerances::{DOUBTFUL, ROUNDING};
 use crate::linalg::list::List;
 use crate::linalg::vector::norm;
 use crate::problem::source::ConstraintSource;
+use level_search::Dropped;
 use ratio_test::Candidate;
-use signs::Signs;
+use signs::{Signs, WrongRows};
 
 pub(crate) use level_search::{End, Goal};
 
@@ -64,6 +65,9 @@ pub(crate) struct ActiveSet {
     kept: List<usize>,
     /// Rows of the level at hand that stay because an objective above would move x far without them.
     kept_for_objectives: List<usize>,
+    /// Rows that have just become inactive, and those that should.
+    dropped: List<Dropped>,
+    wrong: WrongRows,
     /// Rows of an objective that the end of its search makes inactive, and what they were.
     released: List<(usize, Activity)>,
     /// The largest ‖x‖ of this solve.
@@ -97,6 +101,8 @@ impl ActiveSet {
             candidates: List::with_capacity(count),
             kept: List::with_capacity(count),
             kept_for_objectives: List::with_capacity(count),
+            dropped: List::with_capacity(count),
+            wrong: WrongRows::with_capacity(count),
             released: List::with_capacity(count),
             farthest: 0.0,
             data,
