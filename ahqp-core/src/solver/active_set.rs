@@ -215,6 +215,23 @@ impl ActiveSet {
         self.factorisation.eliminate_from(self.factorisation.groups.len() - 1);
     }
 
+    /// Sees which rows of an objective are violated, where no direction is left to change that.
+    pub(crate) fn take_as_they_are(&mut self, rows: Range<usize>) {
+        self.data.multiply(rows.clone(), &self.x, &mut self.value);
+        for id in rows {
+            let violation = self.violation(id);
+            self.activity[id] = if self.data.is_equality(id) {
+                Activity::Equal
+            } else if self.is_closed(id, violation) {
+                Activity::Inactive
+            } else if violation > 0.0 {
+                Activity::Upper
+            } else {
+                Activity::Lower
+            };
+        }
+    }
+
     /// Takes the last group out: rows whose violation was minimised.
     pub(crate) fn remove_soft(&mut self, rows: Range<usize>) {
         self.factorisation.pop_group();
