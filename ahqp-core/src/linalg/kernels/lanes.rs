@@ -57,9 +57,9 @@ mod x86 {
 
     use super::Lanes;
     use std::arch::x86_64::{
-        __m256d, __m256i, _mm_add_pd, _mm_add_sd, _mm_cvtsd_f64, _mm_unpackhi_pd, _mm256_add_pd,
-        _mm256_castpd256_pd128, _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_hadd_pd,
-        _mm256_loadu_pd, _mm256_loadu_si256, _mm256_maskload_pd, _mm256_permute2f128_pd,
+        __m256d, _mm_add_pd, _mm_add_sd, _mm_cvtsd_f64, _mm_unpackhi_pd, _mm256_add_pd,
+        _mm256_castpd_si256, _mm256_castpd256_pd128, _mm256_extractf128_pd, _mm256_fmadd_pd,
+        _mm256_hadd_pd, _mm256_loadu_pd, _mm256_maskload_pd, _mm256_permute2f128_pd,
         _mm256_set1_pd, _mm256_storeu_pd,
     };
 
@@ -83,15 +83,19 @@ mod x86 {
 
         #[inline(always)]
         fn load_part(from: &[f64]) -> Self {
-            const ALL: i64 = -1;
-            const MASKS: [[i64; 4]; 5] =
-                [[0; 4], [ALL, 0, 0, 0], [ALL, ALL, 0, 0], [ALL, ALL, ALL, 0], [ALL; 4]];
+            const ALL: f64 = f64::from_bits(u64::MAX);
+            const MASKS: [[f64; 4]; 5] = [
+                [0.0; 4],
+                [ALL, 0.0, 0.0, 0.0],
+                [ALL, ALL, 0.0, 0.0],
+                [ALL, ALL, ALL, 0.0],
+                [ALL; 4],
+            ];
             let mask = &MASKS[from.len().min(4)];
-            // SAFETY: the machine has AVX (see the type); the mask is four whole numbers, the
-            // instruction reads no more than the numbers of `from` for which it is set, and neither
-            // load asks for alignment.
+            // SAFETY: the machine has AVX (see the type); the mask is four numbers, of those of `from`
+            // only the ones for which it is set are read, and neither load asks for alignment.
             unsafe {
-                let mask = _mm256_loadu_si256(mask.as_ptr().cast::<__m256i>());
+                let mask = _mm256_castpd_si256(_mm256_loadu_pd(mask.as_ptr()));
                 Self(_mm256_maskload_pd(from.as_ptr(), mask))
             }
         }
