@@ -1,11 +1,11 @@
 //! The primal active-set method within one level, from a point where every hard row in play holds.
 //!
 //! Each iteration goes to the minimum with the active rows held. It stops at the first row in the way,
-//! which becomes active. Where none is, a row whose multiplier has the wrong sign becomes inactive
+//! which becomes active. Where none is, rows whose multipliers have the wrong sign become inactive
 //! (Nocedal & Wright, Numerical Optimization, algorithm 16.3; the violations of soft rows are variables
-//! that are never formed). The objective never rises. When it stalls, rows are taken by least index,
-//! which cannot cycle (Bland). A row that becomes inactive leaves its bound with the next step; one that
-//! stops that step was let go by rounding, and stays until x moves.
+//! that are never formed). The objective never rises. When it stalls, one row at a time is let go, and
+//! rows are taken by least index, which cannot cycle (Bland). A row that becomes inactive alone leaves its
+//! bound with the next step; one that stops that step was let go by rounding, and stays until x moves.
 
 use std::ops::Range;
 
