@@ -349,6 +349,10 @@ impl Solver {
             return Ok(LevelEnd::OutOfBudget);
         }
         self.set.place_hard(level, constraints);
+        if self.set.is_decided() {
+            self.set.take_as_they_are(objective);
+            return Ok(LevelEnd::Solved);
+        }
         let goal = is_minimised.then(|| Goal::Rows(objective.clone()));
         if let Some(goal) = &goal {
             self.set.place_soft(level, objective);

@@ -22,8 +22,9 @@ use super::tolerances::{DOUBTFUL, ROUNDING};
 use crate::linalg::list::List;
 use crate::linalg::vector::norm;
 use crate::problem::source::ConstraintSource;
+use level_search::Dropped;
 use ratio_test::Candidate;
-use signs::Signs;
+use signs::{Signs, WrongRows};
 
 pub(crate) use level_search::{End, Goal};
 
@@ -64,6 +65,9 @@ pub(crate) struct ActiveSet {
     kept: List<usize>,
     /// Rows of the level at hand that stay because an objective above would move x far without them.
     kept_for_objectives: List<usize>,
+    /// Rows that have just become inactive, and those that should.
+    dropped: List<Dropped>,
+    wrong: WrongRows,
     /// Rows of an objective that the end of its search makes inactive, and what they were.
     released: List<(usize, Activity)>,
     /// The largest ‖x‖ of this solve.
@@ -97,6 +101,8 @@ impl ActiveSet {
             candidates: List::with_capacity(count),
             kept: List::with_capacity(count),
             kept_for_objectives: List::with_capacity(count),
+            dropped: List::with_capacity(count),
+            wrong: WrongRows::with_capacity(count),
             released: List::with_capacity(count),
             farthest: 0.0,
             data,
@@ -207,6 +213,23 @@ impl ActiveSet {
         self.factorisation.push_group(level, Purpose::Minimised, linear_of);
         self.factorisation.push_active(&self.data, &self.activity, rows);
         self.factorisation.eliminate_from(self.factorisation.groups.len() - 1);
+    }
+
+    /// Sees which rows of an objective are violated, where no direction is left to change that.
+    pub(crate) fn take_as_they_are(&mut self, rows: Range<usize>) {
+        self.data.multiply(rows.clone(), &self.x, &mut self.value);
+        for id in rows {
+            let violation = self.violation(id);
+            self.activity[id] = if self.data.is_equality(id) {
+                Activity::Equal
+            } else if self.is_closed(id, violation) {
+                Activity::Inactive
+            } else if violation > 0.0 {
+                Activity::Upper
+            } else {
+                Activity::Lower
+            };
+        }
     }
 
     /// Takes the last group out: rows whose violation was minimised.

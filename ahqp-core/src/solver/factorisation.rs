@@ -229,6 +229,17 @@ impl Factorisation {
         data.multiply(self.n..data.len(), &self.x, &mut self.known);
     }
 
+    /// Makes hard rows of those in the last group, of an objective, if all of them are pivots: they are
+    /// met then. Returns true if it did.
+    pub(crate) fn hold_met_group(&mut self) -> bool {
+        let Some(group) = self.groups.last_mut() else { return false };
+        let is_met = group.rank == group.end - group.start && group.linear_of.is_none();
+        if is_met {
+            group.purpose = Purpose::Held;
+        }
+        is_met
+    }
+
     /// Opens an empty group behind the others.
     pub(crate) fn push_group(&mut self, level: usize, purpose: Purpose, linear_of: Option<usize>) {
         let (start, first_pivot) = (self.stacked.len(), self.pivots.len());

@@ -14,7 +14,8 @@ use crate::linalg::vector::{add_scaled, norm};
 pub(crate) enum Residuals {
     /// Those of the rows at x.
     AtPoint,
-    /// Those that balance each other: of heavy rows they may be far below the rounding of a x.
+    /// Those that balance each other, where these are known better than those at x: of heavy rows they
+    /// may be far below the rounding of a x.
     Balanced,
 }
 
@@ -81,17 +82,15 @@ impl Multipliers {
         let Group { level, start, end, rank, first_pivot, linear_of, .. } =
             factorisation.groups[group];
         (self.group, self.pivots) = (Some(group), factorisation.closed()..first_pivot);
-        // Balanced, the residuals of the pivots are those that balance the others along the
-        // coordinates that the level decides; without others there are none.
-        let first = if residuals == Residuals::Balanced { rank } else { 0 };
-        if linear_of.is_none() && end - start == first {
+        // Without others the pivots are met.
+        if residuals == Residuals::Balanced && linear_of.is_none() && end - start == rank {
             return false;
         }
         let x_norm = norm(&value[..data.n]);
         let residual = &mut self.residual[..end - start];
         let rounding = &mut self.residual_rounding[..end - start];
         let mut any = linear_of.is_some();
-        for (i, &id) in factorisation.stacked[start..end].iter().enumerate().skip(first) {
+        for (i, &id) in factorisation.stacked[start..end].iter().enumerate() {
             let bound = active_bound(data, activity, id);
             residual[i] = value[id] - bound;
             rounding[i] = data.rounding(id, x_norm);

@@ -4,6 +4,8 @@
 pub(super) trait Lanes: Copy {
     fn splat(value: f64) -> Self;
     fn load(from: &[f64; 4]) -> Self;
+    /// The first up to four numbers of a slice, and zeros behind them.
+    fn load_part(from: &[f64]) -> Self;
     fn store(self, to: &mut [f64; 4]);
     /// self · b + c.
     fn multiply_add(self, b: Self, c: Self) -> Self;
@@ -26,6 +28,10 @@ impl Lanes for Portable {
 
     fn load(from: &[f64; 4]) -> Self {
         Self(*from)
+    }
+
+    fn load_part(from: &[f64]) -> Self {
+        Self(std::array::from_fn(|i| from.get(i).copied().unwrap_or(0.0)))
     }
 
     fn store(self, to: &mut [f64; 4]) {
@@ -52,8 +58,9 @@ mod x86 {
     use super::Lanes;
     use std::arch::x86_64::{
         __m256d, _mm_add_pd, _mm_add_sd, _mm_cvtsd_f64, _mm_unpackhi_pd, _mm256_add_pd,
-        _mm256_castpd256_pd128, _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_hadd_pd,
-        _mm256_loadu_pd, _mm256_permute2f128_pd, _mm256_set1_pd, _mm256_storeu_pd,
+        _mm256_castpd_si256, _mm256_castpd256_pd128, _mm256_extractf128_pd, _mm256_fmadd_pd,
+        _mm256_hadd_pd, _mm256_loadu_pd, _mm256_maskload_pd, _mm256_permute2f128_pd,
+        _mm256_set1_pd, _mm256_storeu_pd,
     };
 
     /// For AVX2 with fused multiply-add. Values may be made only where both are known to be there.
@@ -72,6 +79,25 @@ mod x86 {
             // SAFETY: the machine has AVX (see the type); the four numbers read are `from`'s, and
             // the instruction asks for no alignment.
             Self(unsafe { _mm256_loadu_pd(from.as_ptr()) })
+        }
+
+        #[inline(always)]
+        fn load_part(from: &[f64]) -> Self {
+            const ALL: f64 = f64::from_bits(u64::MAX);
+            const MASKS: [[f64; 4]; 5] = [
+                [0.0; 4],
+                [ALL, 0.0, 0.0, 0.0],
+                [ALL, ALL, 0.0, 0.0],
+                [ALL, ALL, ALL, 0.0],
+                [ALL; 4],
+            ];
+            let mask = &MASKS[from.len().min(4)];
+            // SAFETY: the machine has AVX (see the type); the mask is four numbers, of those of `from`
+            // only the ones for which it is set are read, and neither load asks for alignment.
+            unsafe {
+                let mask = _mm256_castpd_si256(_mm256_loadu_pd(mask.as_ptr()));
+                Self(_mm256_maskload_pd(from.as_ptr(), mask))
+            }
         }
 
         #[inline(always)]

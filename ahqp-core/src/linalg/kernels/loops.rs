@@ -289,17 +289,15 @@ fn dots<L: Lanes>(rows: [&[f64]; 4], v: &[f64]) -> [f64; 4] {
         sc = x.multiply_add(L::load(r), sc);
         sd = x.multiply_add(L::load(s), sd);
     }
-    if rest.is_empty() {
-        return L::sums([sa, sb, sc, sd]);
+    if !rest.is_empty() {
+        let [p, q, r, s] = rows.map(|row| &row[v.len() - rest.len()..v.len()]);
+        let x = L::load_part(rest);
+        sa = x.multiply_add(L::load_part(p), sa);
+        sb = x.multiply_add(L::load_part(q), sb);
+        sc = x.multiply_add(L::load_part(r), sc);
+        sd = x.multiply_add(L::load_part(s), sd);
     }
-    let mut total = [sa.sum(), sb.sum(), sc.sum(), sd.sum()];
-    let done = v.len() - rest.len();
-    for (sum, row) in total.iter_mut().zip(rows) {
-        for (x, y) in rest.iter().zip(&row[done..]) {
-            *sum += x * y;
-        }
-    }
-    total
+    L::sums([sa, sb, sc, sd])
 }
 
 #[inline(always)]
@@ -314,8 +312,10 @@ fn dot<L: Lanes>(a: &[f64], b: &[f64]) -> f64 {
     for (p, r) in a1.iter().zip(b1) {
         first = L::load(p).multiply_add(L::load(r), first);
     }
-    let tail: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
-    first.sum() + second.sum() + tail
+    if !a_rest.is_empty() {
+        second = L::load_part(a_rest).multiply_add(L::load_part(b_rest), second);
+    }
+    first.sum() + second.sum()
 }
 
 #[inline(always)]

@@ -27,9 +27,13 @@ impl ActiveSet {
             }
         }
         if let Some(goal @ Goal::Rows(rows)) = goal {
-            self.release_unneeded(goal, rows.clone());
+            if self.factorisation.hold_met_group() {
+                self.residual[rows.clone()].fill(0.0);
+            } else {
+                self.release_unneeded(goal, rows.clone());
+            }
             let rows = rows.clone();
-            if rows.clone().any(|id| self.activity[id] == Activity::Inactive) {
+            if rows.clone().any(|id| !self.fixed[id]) {
                 self.in_play.push(rows);
             }
         }

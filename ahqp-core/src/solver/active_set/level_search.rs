@@ -1,11 +1,11 @@
 //! The primal active-set method within one level, from a point where every hard row in play holds.
 //!
 //! Each iteration goes to the minimum with the active rows held. It stops at the first row in the way,
-//! which becomes active. Where none is, a row whose multiplier has the wrong sign becomes inactive
+//! which becomes active. Where none is, rows whose multipliers have the wrong sign become inactive
 //! (Nocedal & Wright, Numerical Optimization, algorithm 16.3; the violations of soft rows are variables
-//! that are never formed). The objective never rises. When it stalls, rows are taken by least index,
-//! which cannot cycle (Bland). A row that becomes inactive leaves its bound with the next step; one that
-//! stops that step was let go by rounding, and stays until x moves.
+//! that are never formed). The objective never rises. When it stalls, one row at a time is let go, and
+//! rows are taken by least index, which cannot cycle (Bland). A row that becomes inactive alone leaves its
+//! bound with the next step; one that stops that step was let go by rounding, and stays until x moves.
 
 use std::ops::Range;
 
@@ -57,7 +57,8 @@ impl ActiveSet {
     pub(crate) fn search(&mut self, goal: &Goal) -> End {
         self.kept.clear();
         self.kept_for_objectives.clear();
-        let (mut stalled, mut dropped): (_, Option<Dropped>) = (0, None);
+        self.dropped.clear();
+        let mut stalled = 0;
         let mut bounds_may_hide_light_rows = true;
         loop {
             if self.allowance.is_spent(self.iterations) {
@@ -67,12 +68,10 @@ impl ActiveSet {
             // Least index first cannot cycle, but is slow: only after a stall.
             let choice = if stalled > self.data.n { Choice::First } else { Choice::Steepest };
             let has_minimum = self.set_direction(goal);
-            if let Some(row) = dropped
-                && row.frees_objectives_above
+            if self.dropped.iter().any(|row| row.frees_objectives_above)
                 && self.factorisation.moves_objectives_above(SETTLED * (1.0 + norm(&self.x)))
             {
-                dropped = None;
-                self.take_back(goal, &row);
+                self.take_back(goal);
                 continue;
             }
             let full = if has_minimum { 1.0 } else { f64::INFINITY };
@@ -88,24 +87,28 @@ impl ActiveSet {
                 stalled += 1;
             }
             if let Some((id, bound)) = blocking {
-                if stalled > 0 && dropped.is_some_and(|row| row.id == id) {
+                if stalled > 0 && self.dropped.len() == 1 && self.dropped[0].id == id {
                     self.kept.push(id);
                 }
-                dropped = None;
+                if stalled > 0 {
+                    self.dropped.retain(|row| row.id != id);
+                } else {
+                    self.dropped.clear();
+                }
                 self.activate(goal, id, bound);
                 continue;
             }
+            self.dropped.clear();
             if !has_minimum {
                 return End::Unbounded;
             }
-            let Some(id) = self.row_to_drop(goal, choice) else {
+            if !self.drop_rows(goal, choice, stalled > 0) {
                 if bounds_may_hide_light_rows && self.take_bounds_out(goal) {
                     bounds_may_hide_light_rows = false;
                     continue;
                 }
                 return End::Optimal;
-            };
-            dropped = Some(self.drop_row(goal, id));
+            }
         }
     }
 
@@ -177,15 +180,19 @@ impl ActiveSet {
         Dropped { id, state, group, frees_objectives_above }
     }
 
-    /// Makes a row active again without which an objective above would move x: that objective needs the
-    /// row, by a multiplier that rounding hides. It stays to the end of the search.
-    fn take_back(&mut self, goal: &Goal, row: &Dropped) {
-        if goal.has_row(row.id) {
-            self.residual[row.id] = 0.0;
+    /// Makes rows active again without which an objective above would move x: that objective needs them,
+    /// by multipliers that rounding hides. They stay to the end of the search.
+    fn take_back(&mut self, goal: &Goal) {
+        while let Some(row) = self.dropped.pop() {
+            if row.frees_objectives_above {
+                if goal.has_row(row.id) {
+                    self.residual[row.id] = 0.0;
+                }
+                self.activity[row.id] = row.state;
+                self.factorisation.add(&self.data, &self.activity, row.id, row.group);
+                self.kept_for_objectives.push(row.id);
+            }
         }
-        self.activity[row.id] = row.state;
-        self.factorisation.add(&self.data, &self.activity, row.id, row.group);
-        self.kept_for_objectives.push(row.id);
     }
 
     /// aᵢx − bound of an active row.
@@ -202,36 +209,47 @@ impl ActiveSet {
             && self.factorisation.take_bounds_out(&self.data, &self.activity)
     }
 
-    /// The row whose multiplier is most wrong, or the first with a wrong one; none at the optimum.
-    fn row_to_drop(&mut self, goal: &Goal, choice: Choice) -> Option<usize> {
+    /// Makes rows inactive whose multipliers are most wrong: several, or one where that may lead round in
+    /// circles. Returns false if there are none: at the optimum.
+    fn drop_rows(&mut self, goal: &Goal, choice: Choice, one: bool) -> bool {
         self.has_gradient = self.balance(goal);
         if !self.has_gradient {
-            return None;
+            return false;
         }
         // Most rows that should go are far above rounding: how much that is need not be known then.
-        if choice == Choice::Steepest
-            && let Some(id) = self.most_wrong()
-        {
-            return Some(id);
+        self.wrong.clear();
+        if choice == Choice::Steepest {
+            self.find_clearly_wrong();
+            if one { self.wrong.keep_largest() } else { self.wrong.keep_large() }
         }
-        self.smallest_wrong(choice)
+        if self.wrong.is_empty() {
+            self.find_wrong();
+            match choice {
+                Choice::Steepest => self.wrong.keep_largest(),
+                Choice::First => self.wrong.keep_first(),
+            }
+        }
+        for index in 0..self.wrong.len() {
+            let row = self.drop_row(goal, self.wrong[index].0);
+            self.dropped.push(row);
+        }
+        !self.wrong.is_empty()
     }
 
-    /// The row with the wrong sign and the largest force, if that is far above rounding.
-    fn most_wrong(&self) -> Option<usize> {
-        let (mut largest, mut worst) = (self.multipliers.clear_force(&self.factorisation), None);
+    /// Finds the rows with a wrong sign whose forces are far above rounding.
+    fn find_clearly_wrong(&mut self) {
+        let clear = self.multipliers.clear_force(&self.factorisation);
         let residuals = self.multipliers.residuals(&self.factorisation);
         let rows = residuals.map(|(id, residual, _)| (id, residual));
         for (id, multiplier) in rows.chain(self.multipliers.pairs(&self.factorisation)) {
             let force = multiplier.abs() * self.data.norm(id);
-            if force > largest
+            if force > clear
                 && self.activity[id].has_wrong_sign(multiplier, 0.0)
                 && self.may_drop(id)
             {
-                (largest, worst) = (force, Some(id));
+                self.wrong.push((id, force));
             }
         }
-        worst
     }
 
     /// The gradient of the goal at x, balanced. Returns false if there is none but rounding.
@@ -258,20 +276,16 @@ impl ActiveSet {
         is_inequality && !self.fixed[id] && !is_kept
     }
 
-    /// The row to drop, multipliers judged by their own rounding.
-    fn smallest_wrong(&mut self, choice: Choice) -> Option<usize> {
+    /// Finds the rows with a wrong sign, multipliers judged by their own rounding.
+    fn find_wrong(&mut self) {
         let Self { data, factorisation, multipliers, .. } = self;
         multipliers.set_rounding(data, factorisation);
         let residuals = self.multipliers.residuals(&self.factorisation);
         let rows = residuals.chain(self.multipliers.with_rounding(&self.factorisation));
-        let wrong = rows.filter(|&(id, multiplier, rounding)| {
-            self.activity[id].has_wrong_sign(multiplier, rounding) && self.may_drop(id)
-        });
-        let forces = wrong.map(|(id, multiplier, _)| (id, multiplier.abs() * self.data.norm(id)));
-        let worst = match choice {
-            Choice::Steepest => forces.max_by(|a, b| a.1.total_cmp(&b.1)),
-            Choice::First => forces.min_by_key(|&(id, _)| id),
-        };
-        worst.map(|(id, _)| id)
+        for (id, multiplier, rounding) in rows {
+            if self.activity[id].has_wrong_sign(multiplier, rounding) && self.may_drop(id) {
+                self.wrong.push((id, multiplier.abs() * self.data.norm(id)));
+            }
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! Signs of multipliers.
 
+use std::ops::{Deref, DerefMut};
+
 use crate::linalg::list::List;
 use crate::solver::activity::Activity;
 use crate::solver::tolerances::RELEASED;
@@ -12,8 +14,7 @@ pub(super) struct Signs {
     settled: Vec<bool>,
     /// How many those are.
     pub(super) unsettled: usize,
-    /// Rows whose sign is wrong, and their multipliers times their norms.
-    wrong: List<(usize, f64)>,
+    wrong: WrongRows,
     /// Rows whose activity the check at hand has changed.
     pub(super) changed: List<usize>,
 }
@@ -23,7 +24,7 @@ impl Signs {
         Self {
             settled: vec![false; rows],
             unsettled: 0,
-            wrong: List::with_capacity(rows),
+            wrong: WrongRows::with_capacity(rows),
             changed: List::with_capacity(rows),
         }
     }
@@ -63,15 +64,60 @@ impl Signs {
 
     /// Lets go of the rows that are most wrong; how many.
     pub(super) fn release(&mut self, activity: &mut [Activity]) -> usize {
-        let most = self.wrong.iter().fold(0.0_f64, |most, &(_, force)| most.max(force));
         let before = self.changed.len();
-        for &(id, force) in &self.wrong {
-            if force >= RELEASED * most {
-                activity[id] = Activity::Inactive;
-                self.changed.push(id);
-            }
+        self.wrong.keep_large();
+        for &(id, _) in self.wrong.iter() {
+            activity[id] = Activity::Inactive;
+            self.changed.push(id);
         }
         self.wrong.clear();
         self.changed.len() - before
+    }
+}
+
+/// Rows whose sign is wrong, with their forces: multipliers times norms.
+#[derive(Debug, Clone)]
+pub(super) struct WrongRows(List<(usize, f64)>);
+
+impl WrongRows {
+    pub(super) fn with_capacity(rows: usize) -> Self {
+        Self(List::with_capacity(rows))
+    }
+
+    fn largest(&self) -> f64 {
+        self.iter().fold(0.0, |largest, &(_, force)| largest.max(force))
+    }
+
+    /// Keeps those whose forces are a large part of the largest.
+    pub(super) fn keep_large(&mut self) {
+        let least = RELEASED * self.largest();
+        self.retain(|&(_, force)| force >= least);
+    }
+
+    /// Keeps the one with the largest force.
+    pub(super) fn keep_largest(&mut self) {
+        let largest = self.largest();
+        self.retain(|&(_, force)| force == largest);
+        self.truncate(1);
+    }
+
+    /// Keeps the first row of the problem.
+    pub(super) fn keep_first(&mut self) {
+        let first = self.iter().map(|&(id, _)| id).min();
+        self.retain(|&(id, _)| Some(id) == first);
+    }
+}
+
+impl Deref for WrongRows {
+    type Target = List<(usize, f64)>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl DerefMut for WrongRows {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.0
     }
 }

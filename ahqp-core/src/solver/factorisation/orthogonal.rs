@@ -192,6 +192,21 @@ impl Orthogonal {
         }
     }
 
+    /// Takes the unit vector at `place` into the coordinates of Q; `vector` is zero. Those before `first`
+    /// stay zero where it is explicit.
+    pub(super) fn turn_unit(&mut self, vector: &mut [f64], place: usize, first: usize) {
+        if self.form == Form::Explicit {
+            let entries = self.columns[first * self.stride..].iter().skip(place);
+            let coordinates = &mut vector[first..self.size];
+            for (to, from) in coordinates.iter_mut().zip(entries.step_by(self.stride)) {
+                *to = *from;
+            }
+        } else {
+            vector[place] = 1.0;
+            self.turn(vector, first);
+        }
+    }
+
     /// The coordinates from `first` on of a vector, where Q is explicit.
     pub(super) fn turn_part(&self, vector: &[f64], first: usize, out: &mut [f64]) {
         multiply_rows(&self.columns[first * self.stride..], self.stride, vector, out);

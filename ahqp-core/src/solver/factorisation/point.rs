@@ -313,8 +313,8 @@ impl Factorisation {
     }
 
     /// Replaces the residuals of a group's pivots by those that balance the others, and the linear
-    /// term, along the coordinates that the group decides, as they do at its minimum. A heavy row's
-    /// residual may be far below the rounding of its own terms. `rounding` is that in the residuals;
+    /// term, along the coordinates that the group decides, as they do at its minimum, where these are
+    /// known better. A heavy row's residual may be far below the rounding of its own terms. `rounding` is that in the residuals;
     /// both are in the order of the stack.
     pub(crate) fn balance_group(
         &self,
@@ -339,7 +339,10 @@ impl Factorisation {
                 sum_rounding += entry.abs() * rounding + of_entry * residual.abs();
             }
             let own = self.rows[(start + pivot) * self.stride + coordinate];
-            (residual[pivot], rounding[pivot]) = (-sum / own, sum_rounding / own.abs());
+            // Where rows nearly depend on each other, a residual at x is known better.
+            if sum_rounding < rounding[pivot] * own.abs() {
+                (residual[pivot], rounding[pivot]) = (-sum / own, sum_rounding / own.abs());
+            }
         }
     }
 

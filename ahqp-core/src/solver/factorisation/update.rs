@@ -95,9 +95,7 @@ impl Factorisation {
         self.orthogonal.begin_change();
         self.expect_change(group);
         let mut row = std::mem::take(&mut self.turned);
-        let target = active_bound(data, activity, id) - self.gather(data, id, &mut row);
-        row[k..].fill(0.0);
-        self.orthogonal.turn(&mut row, self.closed);
+        let target = active_bound(data, activity, id) - self.turn_row(data, id, &mut row);
         let at = self.make_room(data, group, &mut row[..k], data.norm(id));
         if let Ok(at) = at {
             self.rows[at * n..at * n + k].copy_from_slice(&row[..k]);
@@ -395,12 +393,13 @@ impl Factorisation {
         })
     }
 
-    /// A row over the free variables; returns what the others add to it.
-    fn gather(&self, data: &ProblemData, id: usize, row: &mut [f64]) -> f64 {
+    /// A row in the coordinates; returns what the variables at a bound add to it.
+    fn turn_row(&mut self, data: &ProblemData, id: usize, row: &mut [f64]) -> f64 {
+        row.fill(0.0);
         match data.row(id).coefficients() {
             Coefficients::Unit(variable) => {
-                for (entry, &free) in row.iter_mut().zip(&self.free) {
-                    *entry = f64::from(u8::from(free == variable));
+                if let Some(place) = self.free.iter().position(|&free| free == variable) {
+                    self.orthogonal.turn_unit(row, place, self.closed);
                 }
                 0.0
             }
@@ -408,6 +407,7 @@ impl Factorisation {
                 for (entry, &variable) in row.iter_mut().zip(&self.free) {
                     *entry = coefficients[variable];
                 }
+                self.orthogonal.turn(row, self.closed);
                 self.bounded.iter().map(|&i| coefficients[i] * self.x[i]).sum()
             }
         }
