@@ -56,6 +56,13 @@ fn inference_does_not_allocate() {
     network.infer(images.view()).unwrap();
     assert_eq!(allocations(|| assert!(network.infer(images.view()).is_ok())), 0);
 
+    // Sizes that are planned take turns for free.
+    let others: Array4<f32> = input((2, 3, 40, 72));
+    network.plan([40, 72]).unwrap();
+    network.infer(others.view()).unwrap();
+    assert_eq!(allocations(|| assert!(network.infer(images.view()).is_ok())), 0);
+    assert_eq!(allocations(|| assert!(network.infer(others.view()).is_ok())), 0);
+
     let form = SlowOnlyForm::MmAction2Depth18;
     let clips: Array5<f32> = input((1, 3, 4, 48, 48));
     let load = || {

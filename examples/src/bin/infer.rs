@@ -190,7 +190,8 @@ impl Arguments {
         }
         if let NetworkKind::SimpleBaseline(_) = self.model {
             let images: Array4<f32> = self.of_dimension(input, "images are N × 3 × H × W")?;
-            let network = SimpleBaseline::load(weights, Passes::One, options).map_err(of_weights)?;
+            let network =
+                SimpleBaseline::load(weights, Passes::One, options).map_err(of_weights)?;
             return Ok(Inference::Joints(Box::new(network), images));
         }
         let clips: Array5<f32> = self.of_dimension(input, "clips are N × 3 × T × H × W")?;
