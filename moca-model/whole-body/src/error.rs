@@ -348,6 +348,10 @@ pub enum Error {
         robot: String,
     },
 
+    /// Data have not seen a configuration.
+    #[error("the data have not been given a configuration yet; call Data::pose first")]
+    NeverPosed,
+
     /// An id comes from another model.
     #[error("the id of a {element} is of another model than `{robot}`; ask this model for it")]
     ForeignId {
@@ -492,6 +496,15 @@ pub enum Error {
     /// A level has no tasks.
     #[error("level `{level}` has no tasks; push at least one")]
     EmptyLevel {
+        /// The level.
+        level: String,
+    },
+
+    /// A level has rows and quadratics to minimise.
+    #[error(
+        "level `{level}` has tasks of rows and quadratic ones; push them on levels of their own"
+    )]
+    MixedLevel {
         /// The level.
         level: String,
     },

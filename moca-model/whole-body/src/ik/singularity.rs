@@ -31,7 +31,7 @@ use crate::vector::{dot, subtract};
 /// them are computed: of row r along a direction of level k, Tₖ (R rᵀ − L lᵀ), R being the rows of
 /// that level, L and l the coordinates along the directions above, and Tₖ the inverse of the Cholesky
 /// factor of its G.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct SingularityDamping {
     threshold: f64,
     /// How many rows all levels have.

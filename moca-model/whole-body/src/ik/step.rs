@@ -3,9 +3,9 @@
 use ahqp_core::{LevelId, Objective, Status};
 
 use super::differential::Ik;
-use super::task_level::TaskId;
 use crate::error::Error;
 use crate::limits::joint_intervals::{End, Last, LimitKind};
+use crate::stack::task_level::TaskId;
 
 /// The velocity of one step, and what limited it.
 ///
@@ -24,7 +24,7 @@ pub struct LevelReport<'a> {
     /// Its name.
     pub name: &'a str,
     /// √(Σ wᵢ dᵢ²), dᵢ being how far row i is from its range: zero where all its tasks have the
-    /// velocities that they ask for.
+    /// velocities that they ask for. Zero for quadratics.
     pub slack: f64,
 }
 
@@ -97,10 +97,10 @@ impl<'a> Step<'a> {
     /// The levels of tasks, highest priority first.
     pub fn levels(&self) -> impl Iterator<Item = LevelReport<'a>> + use<'a> {
         let (ik, x) = (self.ik, self.variables());
-        ik.levels.iter().filter_map(move |entry| {
-            let level = ik.stack.level(entry.id).ok()?;
+        let stacked = ik.stack.stacked().filter(|(entry, _)| Some(entry.id) != ik.limits);
+        stacked.map(move |(entry, level)| {
             let slack = level.violation(x).unwrap_or(f64::NAN);
-            Some(LevelReport { id: entry.id, name: &entry.tasks.name, slack })
+            LevelReport { id: entry.id, name: &entry.tasks.name, slack }
         })
     }
 
@@ -109,12 +109,11 @@ impl<'a> Step<'a> {
     /// # Errors
     /// [`Error::UnknownTask`].
     pub fn slack<T>(&self, task: TaskId<T>) -> Result<f64, Error> {
-        let mut levels = self.ik.levels.iter();
-        let found = levels.find_map(|entry| Some((entry.id, entry.tasks.rows_of(task.number)?)));
-        let (id, range) = found.ok_or(Error::UnknownTask)?;
-        let Objective::LeastSquares(rows) = self.ik.stack.level(id)?.objective() else {
-            return Ok(0.0);
-        };
+        let mut levels = self.ik.stack.stacked();
+        let found =
+            levels.find_map(|(entry, level)| Some((level, entry.tasks.rows_of(task.number)?)));
+        let (level, range) = found.ok_or(Error::UnknownTask)?;
+        let Objective::LeastSquares(rows) = level.objective() else { return Ok(0.0) };
         let x = self.variables();
         let squares = range.filter_map(|index| {
             let (lower, upper) = (rows.lower().get(index)?, rows.upper().get(index)?);
@@ -142,32 +141,29 @@ impl<'a> Step<'a> {
             let last =
                 Last { velocity: velocity - ik.acceleration[entry] * ik.period, acceleration };
             let kind = ik.intervals.kind(entry, end, last, ik.period);
-            Some(ActiveLimit { entry, name: &ik.names[entry], kind, end })
+            Some(ActiveLimit { entry, name: &ik.stack.names()[entry], kind, end })
         })
     }
 
     /// The rows of limits and ranges that are at a bound.
     pub fn active_rows(&self) -> impl Iterator<Item = ActiveRow<'a>> + use<'a> {
-        let (ik, x) = (self.ik, self.variables());
-        ik.limits.iter().chain(&ik.levels).flat_map(move |entry| {
-            let level = ik.stack.level(entry.id).ok();
-            let rows = level.map(|level| match level.objective() {
-                Objective::LeastSquares(rows) => rows,
-                _ => level.constraints(),
-            });
-            rows.into_iter().flat_map(move |rows| {
-                rows.iter().enumerate().filter_map(move |(row, (coefficients, lower, upper))| {
-                    let value: f64 = coefficients.iter().zip(x).map(|(a, x)| a * x).sum();
-                    let near = |bound: f64| (value - bound).abs() <= 1e-9 * (1e-3 + bound.abs());
-                    let end = match (near(lower), near(upper)) {
-                        _ if lower == upper => return None,
-                        (_, true) => End::Upper,
-                        (true, _) => End::Lower,
-                        _ => return None,
-                    };
-                    let task = entry.tasks.task_name(row);
-                    Some(ActiveRow { level: &entry.tasks.name, task, row, end })
-                })
+        let x = self.variables();
+        let levels = self.ik.stack.stacked();
+        let rows = levels.flat_map(|(entry, level)| {
+            let named = entry.tasks.named_rows(level);
+            named.map(move |(rows, names)| (&*entry.tasks.name, rows, names))
+        });
+        rows.flat_map(move |(level, rows, names)| {
+            rows.iter().enumerate().filter_map(move |(row, (coefficients, lower, upper))| {
+                let value: f64 = coefficients.iter().zip(x).map(|(a, x)| a * x).sum();
+                let near = |bound: f64| (value - bound).abs() <= 1e-9 * (1e-3 + bound.abs());
+                let end = match (near(lower), near(upper)) {
+                    _ if lower == upper => return None,
+                    (_, true) => End::Upper,
+                    (true, _) => End::Lower,
+                    _ => return None,
+                };
+                Some(ActiveRow { level, task: names(row), row, end })
             })
         })
     }

@@ -88,7 +88,7 @@ impl Random {
 pub(crate) type Recorded = Arc<Mutex<Vec<(Vec<f64>, f64, f64)>>>;
 
 /// A task of a user's own: another task, and a record of what it writes.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Recording<T> {
     pub(crate) task: T,
     pub(crate) rows: Recorded,
@@ -101,7 +101,7 @@ impl<T: Task> Recording<T> {
     }
 }
 
-impl<T: Task> Task for Recording<T> {
+impl<T: Task + Clone> Task for Recording<T> {
     fn dimension(&self, model: &Model) -> usize {
         self.task.dimension(model)
     }
@@ -126,7 +126,11 @@ impl<T: Task> Task for Recording<T> {
 }
 
 /// The rows that a task writes at q.
-pub(crate) fn rows_at<T: Task>(model: &Model, task: T, q: &[f64]) -> Vec<(Vec<f64>, f64, f64)> {
+pub(crate) fn rows_at<T: Task + Clone>(
+    model: &Model,
+    task: T,
+    q: &[f64],
+) -> Vec<(Vec<f64>, f64, f64)> {
     let (task, rows) = Recording::new(task);
     let mut builder = Ik::builder(model);
     builder.push("task", task);
