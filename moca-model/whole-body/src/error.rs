@@ -448,6 +448,16 @@ pub enum Error {
         robot: String,
     },
 
+    /// A differential base has joints with jerk limits.
+    #[error(
+        "the base of robot `{robot}` has jerk limits along the world's axes, with which it cannot turn \
+         without moving sideways; leave them out"
+    )]
+    SidewaysJerk {
+        /// The robot's name in the URDF.
+        robot: String,
+    },
+
     /// A parameter is out of its range.
     #[error("{what} is {value}; it must be {expected}")]
     Parameter {

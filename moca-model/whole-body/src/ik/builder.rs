@@ -12,7 +12,7 @@ use crate::tasks::quadratic::QuadraticTask;
 use crate::tasks::task::{Limit, Task};
 use crate::tasks::variables::{VariableLayout, Variables};
 
-/// The name of the level of hard limits.
+/// The name of the level of hard limits, which no other has.
 const LIMITS: &str = "limits";
 
 /// Collects the levels of an [`Ik`], highest priority first; see there for an example.
@@ -94,6 +94,7 @@ impl IkBuilder {
         if self.levels.is_empty() {
             return Err(Error::NoLevels);
         }
+        self.levels.iter().try_for_each(expect_other_name)?;
         let has_limits = !self.limits.is_empty();
         let limits = has_limits.then_some(self.limits);
         let levels = limits.into_iter().chain(self.levels).collect();
@@ -111,4 +112,12 @@ impl IkBuilder {
         ik.hold(q)?;
         Ok(ik)
     }
+}
+
+/// An error for a level with the name of the limits.
+pub(super) fn expect_other_name(level: &TaskLevel) -> Result<(), Error> {
+    if level.name() == LIMITS {
+        return Err(Error::NameTaken { element: "level", name: LIMITS.to_owned() });
+    }
+    Ok(())
 }

@@ -2,6 +2,7 @@
 
 use ahqp_core::{LevelId, Place};
 
+use super::builder::expect_other_name;
 use super::differential::Ik;
 use crate::error::Error;
 use crate::stack::task_level::TaskLevel;
@@ -28,6 +29,7 @@ impl Ik {
         place: Place,
         duration: f64,
     ) -> Result<LevelId, Error> {
+        expect_other_name(&level)?;
         let place = match (place, self.limits) {
             (Place::Top, Some(limits)) => Place::Below(limits),
             (Place::Above(level), _) => Place::Above(self.expect_level(level)?),

@@ -2,7 +2,7 @@
 
 use std::any::Any;
 
-use ahqp_core::{Budget, LevelId, VelocityInterval};
+use ahqp_core::{Budget, Level, LevelId, Objective, Rows, VelocityInterval};
 use nalgebra::Isometry3;
 
 use super::builder::IkBuilder;
@@ -82,11 +82,18 @@ pub struct Ik {
     pub(super) displacement: Vec<f64>,
     pub(super) period: f64,
     pub(super) singularity: SingularityDamping,
-    /// How many levels, from the first, hold all those that are damped.
-    damped: usize,
+    /// What the levels ask that the damping looks at, from the first to the last damped one.
+    asked: Vec<AskedRows>,
     anticipation: Anticipation,
     /// A velocity that all limits admit.
     admitted: Vec<f64>,
+}
+
+/// The rows of a level as its tasks wrote them, where damping has changed them.
+#[derive(Debug, Clone)]
+pub(super) struct AskedRows {
+    rows: Rows,
+    counts: bool,
 }
 
 impl Ik {
@@ -112,7 +119,7 @@ impl Ik {
             period: 1e-3,
             anticipation: Anticipation::new(rest.len()),
             singularity: SingularityDamping::new(0.0, &[], stack.names().len()),
-            damped: 0,
+            asked: Vec::new(),
             admitted: rest,
             limits: if has_limits { stack.levels().next().map(|(id, _)| id) } else { None },
             model,
@@ -126,12 +133,18 @@ impl Ik {
     /// Sizes the damping for the levels that there are.
     pub(super) fn make_room(&mut self) {
         let damped = self.stack.stacked().map(|(level, _)| level.tasks.is_damped);
-        self.damped =
-            damped.enumerate().filter(|(_, is)| *is).last().map_or(0, |(last, _)| last + 1);
-        let levels = self.stack.stacked().take(self.damped);
-        let rows: Vec<usize> = levels.map(|(level, _)| level.tasks.row_count()).collect();
-        let threshold = self.settings.singularity_threshold;
-        self.singularity = SingularityDamping::new(threshold, &rows, self.stack.names().len());
+        let last = damped.enumerate().filter(|(_, is)| *is).last().map_or(0, |(last, _)| last + 1);
+        let levels = self.stack.stacked().take(last);
+        let counts: Vec<usize> = levels.map(|(level, _)| level.tasks.row_count()).collect();
+        let (threshold, columns) = (self.settings.singularity_threshold, self.stack.names().len());
+        self.singularity = SingularityDamping::new(threshold, &counts, columns);
+        let asked = counts.into_iter().map(|count| {
+            let mut rows = Rows::zeros(count, columns);
+            // Of the right size and positive: no error is possible. The room for them is there then.
+            let _ = rows.set_weights(&vec![1.0; count]);
+            AskedRows { rows, counts: false }
+        });
+        self.asked = asked.collect();
     }
 
     /// The velocities for the next `period` \[s\], with the robot at the configuration `q` and the
@@ -192,16 +205,16 @@ impl Ik {
         let (velocity, acceleration) = (&self.velocity, &self.acceleration);
         let (intervals, anticipation) = (&self.intervals, &mut self.anticipation);
         let (singularity, admitted) = (&mut self.singularity, &mut self.admitted);
-        let (has_limits, damped) = (self.limits.is_some(), self.damped);
+        let (has_limits, asked) = (self.limits.is_some(), &mut self.asked);
         self.stack.write_with(&mut posed, velocity, period, |index, level| {
             if has_limits && index == 0 {
                 let rows = level.constraints_mut();
                 anticipation.narrow(rows, velocity, acceleration, intervals, period);
                 widen(rows, &intervals.now, admitted);
-            } else if index < damped
+            } else if let Some(asked) = asked.get_mut(index)
                 && let Ok(rows) = level.rows_mut()
             {
-                singularity.damp(rows);
+                asked.counts = singularity.damp(rows, &mut asked.rows);
             }
         })
     }
@@ -321,6 +334,15 @@ impl Ik {
             all.copy_from_slice(own);
         }
         Ok(())
+    }
+
+    /// The rows that the tasks of a level ask for; nothing for other levels.
+    pub(super) fn asked_rows<'a>(&'a self, index: usize, level: &'a Level) -> Option<&'a Rows> {
+        match (self.asked.get(index), level.objective()) {
+            (Some(asked), _) if asked.counts => Some(&asked.rows),
+            (_, Objective::LeastSquares(rows)) => Some(rows),
+            _ => None,
+        }
     }
 
     /// The ids of the levels with their names, highest priority first, without those that are being

@@ -1,6 +1,8 @@
 //! What a step gave.
 
-use ahqp_core::{LevelId, Objective, Status};
+use std::ops::Range;
+
+use ahqp_core::{LevelId, Rows, Status};
 
 use super::differential::Ik;
 use crate::error::Error;
@@ -24,7 +26,8 @@ pub struct LevelReport<'a> {
     /// Its name.
     pub name: &'a str,
     /// √(Σ wᵢ dᵢ²), dᵢ being how far row i is from its range: zero where all its tasks have the
-    /// velocities that they ask for. Zero for quadratics.
+    /// velocities that they ask for, which near singular configurations they may not get. Zero for
+    /// quadratics.
     pub slack: f64,
 }
 
@@ -97,9 +100,11 @@ impl<'a> Step<'a> {
     /// The levels of tasks, highest priority first.
     pub fn levels(&self) -> impl Iterator<Item = LevelReport<'a>> + use<'a> {
         let (ik, x) = (self.ik, self.variables());
-        let stacked = ik.stack.stacked().filter(|(entry, _)| Some(entry.id) != ik.limits);
-        stacked.map(move |(entry, level)| {
-            let slack = level.violation(x).unwrap_or(f64::NAN);
+        let stacked = ik.stack.stacked().enumerate();
+        let tasks = stacked.filter(|(_, (entry, _))| Some(entry.id) != ik.limits);
+        tasks.map(move |(index, (entry, level))| {
+            let rows = ik.asked_rows(index, level);
+            let slack = rows.map_or(0.0, |rows| violation(rows, 0..rows.len(), x));
             LevelReport { id: entry.id, name: &entry.tasks.name, slack }
         })
     }
@@ -109,19 +114,13 @@ impl<'a> Step<'a> {
     /// # Errors
     /// [`Error::UnknownTask`].
     pub fn slack<T>(&self, task: TaskId<T>) -> Result<f64, Error> {
-        let mut levels = self.ik.stack.stacked();
-        let found =
-            levels.find_map(|(entry, level)| Some((level, entry.tasks.rows_of(task.number)?)));
-        let (level, range) = found.ok_or(Error::UnknownTask)?;
-        let Objective::LeastSquares(rows) = level.objective() else { return Ok(0.0) };
-        let x = self.variables();
-        let squares = range.filter_map(|index| {
-            let (lower, upper) = (rows.lower().get(index)?, rows.upper().get(index)?);
-            let value: f64 = rows.row(index)?.iter().zip(x).map(|(a, x)| a * x).sum();
-            let distance = (lower - value).max(value - upper).max(0.0);
-            Some(rows.weight(index) * distance * distance)
+        let mut levels = self.ik.stack.stacked().enumerate();
+        let found = levels.find_map(|(index, (entry, level))| {
+            let range = entry.tasks.rows_of(task.number)?;
+            Some((self.ik.asked_rows(index, level)?, range))
         });
-        Ok(squares.sum::<f64>().sqrt())
+        let (rows, range) = found.ok_or(Error::UnknownTask)?;
+        Ok(violation(rows, range, self.variables()))
     }
 
     /// The joints whose velocities are at an end of what their limits allow, each with the limit.
@@ -167,4 +166,15 @@ impl<'a> Step<'a> {
             })
         })
     }
+}
+
+/// √(Σ wᵢ dᵢ²) of some rows, dᵢ being how far row i is from its range.
+fn violation(rows: &Rows, range: Range<usize>, x: &[f64]) -> f64 {
+    let squares = range.filter_map(|index| {
+        let (lower, upper) = (rows.lower().get(index)?, rows.upper().get(index)?);
+        let value: f64 = rows.row(index)?.iter().zip(x).map(|(a, x)| a * x).sum();
+        let distance = (lower - value).max(value - upper).max(0.0);
+        Some(rows.weight(index) * distance * distance)
+    });
+    squares.sum::<f64>().sqrt()
 }

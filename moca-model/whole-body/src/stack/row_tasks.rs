@@ -80,7 +80,10 @@ impl RowTasks {
             let written = entry.named.task.write(input, &mut own);
             written.map_err(|error| in_task(error, &entry.named.name, level))?;
         }
-        Ok(rows.set_weights(&self.weights)?)
+        if rows.weights() != Some(&self.weights) {
+            rows.set_weights(&self.weights)?;
+        }
+        Ok(())
     }
 
     pub(super) fn hold(&mut self, level: &str, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {

@@ -117,7 +117,7 @@ impl Task for AugmentedFrameTask {
             if gain * period > 1.0 + 1e-9 {
                 return Err(Error::GainTooHigh { gain, period });
             }
-            rows.set_coefficients(row, jacobian.row(axis).iter());
+            rows.set_jacobian_row(row, jacobian, axis);
             let (got, own) = (variable + 1, rows.row_mut(row));
             let (what, expected) =
                 ("the list of variables up to those of the desired twist", own.len());

@@ -67,7 +67,7 @@ impl PoseQuantity for FramePose {
     ) -> Result<(), Error> {
         let jacobian = input.jacobian(self.frame, self.axes)?;
         for (row, axis) in coordinates.iter().enumerate() {
-            rows.set_coefficients(row, jacobian.row(axis).iter());
+            rows.set_jacobian_row(row, jacobian, axis);
         }
         Ok(())
     }

@@ -58,7 +58,7 @@ impl VectorQuantity for FrameOrientation {
     ) -> Result<(), Error> {
         let jacobian = input.jacobian(self.0, Axes::World)?;
         for (row, axis) in axes.enumerate() {
-            rows.set_coefficients(row, jacobian.row(3 + axis).iter());
+            rows.set_jacobian_row(row, jacobian, 3 + axis);
         }
         Ok(())
     }

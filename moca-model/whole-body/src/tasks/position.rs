@@ -68,7 +68,7 @@ impl VectorQuantity for FramePosition {
     ) -> Result<(), Error> {
         let jacobian = input.jacobian(self.0, Axes::World)?;
         for (row, axis) in axes.enumerate() {
-            rows.set_coefficients(row, jacobian.row(axis).iter());
+            rows.set_jacobian_row(row, jacobian, axis);
         }
         Ok(())
     }

@@ -53,7 +53,7 @@ impl PoseQuantity for RelativePose {
     ) -> Result<(), Error> {
         let jacobian = input.relative_jacobian(self.reference, self.frame)?;
         for (row, axis) in coordinates.iter().enumerate() {
-            rows.set_coefficients(row, jacobian.row(axis).iter());
+            rows.set_jacobian_row(row, jacobian, axis);
         }
         Ok(())
     }

@@ -11,22 +11,22 @@ pub(crate) fn panda() -> Model {
     Model::from_urdf(urdf, &Description::default()).unwrap()
 }
 
+/// A Panda whose joints may have this share of their accelerations.
+pub(crate) fn panda_of_acceleration(share: f64) -> Model {
+    let urdf = include_str!("../../../examples/urdf/panda.urdf");
+    let model = panda();
+    let limits = model.joints().iter().zip(model.limits()).map(|(joint, limits)| {
+        let acceleration = Some(share * limits.acceleration);
+        (joint.name.clone(), LimitOverride { acceleration, ..LimitOverride::default() })
+    });
+    let description = Description { limits: limits.collect(), ..Description::default() };
+    Model::from_urdf(urdf, &description).unwrap()
+}
+
 pub(crate) fn two_arms() -> Model {
     let urdf = include_str!("../../../examples/urdf/two_arms.urdf");
-    let wheels = |velocity, acceleration| LimitOverride {
-        velocity: Some(velocity),
-        acceleration: Some(acceleration),
-        ..LimitOverride::default()
-    };
-    let description = Description {
-        base: Base::Planar,
-        limits: vec![
-            ("base_x".into(), wheels(1.0, 1.0)),
-            ("base_y".into(), wheels(1.0, 1.0)),
-            ("base_yaw".into(), wheels(2.0, 3.0)),
-        ],
-        ..Description::default()
-    };
+    let (linear, angular) = (LimitOverride::of_speed(1.0, 1.0), LimitOverride::of_speed(2.0, 3.0));
+    let description = Description::on_planar_base(linear, angular);
     Model::from_urdf(urdf, &description).unwrap()
 }
 
