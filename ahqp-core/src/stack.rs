@@ -94,7 +94,7 @@ pub enum Place {
 /// assert_eq!(before, 1.0);
 /// # Ok::<(), ahqp_core::Error>(())
 /// ```
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct ContinuousStack {
     data: Data,
     blend: Blend,

@@ -171,12 +171,27 @@ impl SoftWorkspace {
         desired: &Isometry3<f64>,
         level: &mut Level,
     ) -> Result<(), Error> {
-        check_pose(desired)?;
-        self.check_room(workspace, surroundings)?;
         let rows = match self.softening.slack {
             Slack::Shared => level.constraints_mut(),
             Slack::RowWise => level.rows_mut()?,
         };
+        self.write_rows(workspace, surroundings, desired, rows)
+    }
+
+    /// As [`write_within`](Self::write_within), into [`capacity`](Self::capacity) rows that stand
+    /// by themselves: constraints where slacks are shared, else rows to be minimised.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn write_rows(
+        &self,
+        workspace: &Workspace,
+        surroundings: Option<&Surroundings>,
+        desired: &Isometry3<f64>,
+        rows: &mut Rows,
+    ) -> Result<(), Error> {
+        check_pose(desired)?;
+        self.check_room(workspace, surroundings)?;
         check_size("the level's rows", rows.len(), self.capacity())?;
         check_size("the level's columns", rows.columns(), self.state.len())?;
         rows.set_free();

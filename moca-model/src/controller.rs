@@ -1,6 +1,6 @@
 //! The control loop: percepts in at camera rate, commands out once a millisecond.
 
-use ahqp_core::{Limits, Status, VelocityInterval, integrate_pose, pose_error};
+use ahqp_core::{Limits, Status, VelocityInterval, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Fault, LoopClock, Softening};
 use nalgebra::{Isometry3, Vector6};
@@ -15,7 +15,7 @@ use crate::robot::kinematics::Kinematics;
 use crate::safety::{Safety, SafetyInput};
 use crate::settings::{ControllerSettings, DesiredMotion, Goal};
 use crate::shared_space::SharedSpace;
-use crate::stack::{GoalTerms, StackInput, StackSettings, TaskStack};
+use crate::stack::{CollaborationStack, GoalTerms, StackInput, StackSettings};
 
 /// Ergonomic collaboration with a person: AHQP over the robot, the shared workspace and the
 /// person's ergonomics.
@@ -48,7 +48,7 @@ pub struct Controller {
     leash: Leash,
     space: SharedSpace,
     safety: Safety,
-    stack: TaskStack,
+    stack: CollaborationStack,
     joint_limits: Vec<Limits>,
     desired_limits: [Limits; 6],
     /// Of the joints, then of ẋ_d.
@@ -80,7 +80,7 @@ impl Controller {
         let bodies = &settings.safety.bodies;
         let robot = Kinematics::new(model, &settings.tool, bodies, configuration)?;
         let n = configuration.len();
-        let layout = TaskStack::layout(n);
+        let layout = CollaborationStack::layout(n);
         let mut safety = Safety::new(layout, settings.safety.clone(), settings.period)?;
         let clock = LoopClock::new(settings.period, settings.clock)?;
         let rest = vec![0.0; n];
@@ -98,7 +98,7 @@ impl Controller {
             posture: settings.posture.clone(),
             budget: settings.budget,
         };
-        let stack = TaskStack::new(n, stack, safety.bound(&robot, &rest, &rest)?)?;
+        let stack = CollaborationStack::new(&robot, &stack, safety.bound(&robot, &rest, &rest)?)?;
         let tool = *robot.world_from_tool();
         Ok(Self {
             space: SharedSpace::new(&settings, &tool)?,
@@ -213,7 +213,7 @@ impl Controller {
         self.advance_speed(elapsed);
         self.advance_activation(elapsed);
         self.write_intervals(elapsed, configuration);
-        match self.solve(configuration) {
+        match self.solve() {
             Ok(Status::Solved) => {}
             Ok(_) => self.report(Fault::IterationLimit),
             Err(_) => {
@@ -273,28 +273,28 @@ impl Controller {
         write_intervals(&self.desired_limits, &[0.0; 6], twist, self.speed, times, desired);
     }
 
-    fn solve(&mut self, configuration: &[f64]) -> Result<Status, Error> {
-        let error = pose_error(&self.command.desired, self.robot.world_from_tool());
+    fn solve(&mut self) -> Result<Status, Error> {
         let comfort = self.comfort.placed(&self.space.person_frame()?);
         let ergonomics = self.space.person().map(|_| &comfort);
-        let solution = self.stack.solve(&StackInput {
-            jacobian: self.robot.jacobian(),
-            error: &error,
+        let velocity = &self.command.joint_velocity;
+        let safety = self.safety.bound(&self.robot, velocity, &self.braking)?;
+        let input = StackInput {
             desired: &self.command.desired,
-            configuration,
             workspace: self.space.workspace(),
             goal: GoalTerms {
                 ergonomics,
                 drift: self.space.person_velocity(),
                 activation: self.command.activation,
             },
+            velocity,
             intervals: &self.intervals,
             returns: &self.returns,
-            safety: self.safety.bound(&self.robot, &self.command.joint_velocity, &self.braking)?,
-        })?;
+            safety,
+        };
+        let solution = self.stack.solve(&mut self.robot, &input)?;
         let status = solution.status();
         self.command.outcome = Outcome::Solved(status);
-        let (joints, rest) = solution.best().split_at(configuration.len());
+        let (joints, rest) = solution.best().split_at(self.braking.len());
         let (desired, slack) = rest.split_at(6);
         self.command.joint_velocity.copy_from_slice(joints);
         self.command.desired_twist.copy_from_slice(desired);

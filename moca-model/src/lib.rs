@@ -47,7 +47,7 @@ pub use safety::{PersonBodySettings, Safety, SafetyInput, SafetyRows, SafetySett
 pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings, StaleSettings};
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
-pub use stack::{GoalTerms, PostureTask, StackInput, StackSettings, TaskStack};
+pub use stack::{CollaborationStack, GoalTerms, PostureSettings, StackInput, StackSettings};
 pub use whole_body;
 
 /// The examples of the book's page on this crate.

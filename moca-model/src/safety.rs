@@ -16,7 +16,7 @@ use crate::robot::kinematics::Kinematics;
 use person_bodies::PersonBodies;
 pub use settings::{PersonBodySettings, SafetySettings};
 
-/// The rows of the safety levels, for [`TaskStack`](crate::TaskStack).
+/// The rows of the safety levels, for [`CollaborationStack`](crate::CollaborationStack).
 #[derive(Debug, Clone, Copy)]
 pub struct SafetyRows<'a> {
     /// Hard: the tool's speed near people. Braking is always admitted.

@@ -12,7 +12,7 @@ use crate::leash::LeashSettings;
 use crate::motion_limits::MecanumBase;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_HOME, MOCA_TOOL};
 use crate::safety::SafetySettings;
-use crate::stack::PostureTask;
+use crate::stack::PostureSettings;
 
 /// What the third level of the stack minimises while person and robot work together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -144,7 +144,7 @@ pub struct ControllerSettings {
     /// The wheel limit, for robots whose first three joints are a mecanum base. Default MOCA's.
     pub base: Option<MecanumBase>,
     /// The posture of the fourth level.
-    pub posture: PostureTask,
+    pub posture: PostureSettings,
     /// What solving the stack may cost a tick; where it runs out, [`Fault::IterationLimit`](hrsw::Fault::IterationLimit) says so,
     /// limits hold, and the next tick goes on. Default: the solver's iterations, in any time.
     pub budget: Budget,
@@ -179,7 +179,7 @@ impl Default for ControllerSettings {
             desired: DesiredMotion::default(),
             space: SpaceSettings::default(),
             base: Some(MecanumBase::default()),
-            posture: PostureTask {
+            posture: PostureSettings {
                 configuration: MOCA_HOME.to_vec(),
                 gain: base(0.0, 1.0),
                 weight: base(0.5, 1.0),

@@ -1,103 +1,62 @@
 //! The stack of tasks: safety, the paper's Sec. III-E (inverse kinematics, workspace, then
 //! ergonomics or its benchmark), and a posture for what is left.
 
-use ahqp_core::{
-    AugmentedClik, AugmentedState, Budget, Hierarchy, Level, LevelId, PoseAxes, Rows, Settings,
-    Solution, Solver, VelocityInterval,
-};
-use ergo_map::ErgonomicsQuadratic;
-use hrsw::{SoftWorkspace, Softening, Workspace};
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Matrix6xX, Vector3, Vector6};
+mod goal;
+mod settings;
+
+use ahqp_core::{AugmentedState, Budget, Rows, Settings, Solution, VelocityInterval};
+use hrsw::{Slack, SoftWorkspace, Workspace};
+use nalgebra::Isometry3;
+use whole_body::{AugmentedFrameTask, TaskId, TaskLevel, TaskStack, VariableLayout, VelocityTask};
 
 use crate::error::Error;
 use crate::motion_limits::MecanumBase;
+use crate::robot::kinematics::Kinematics;
 use crate::safety::SafetyRows;
+use goal::GoalTask;
+pub use goal::GoalTerms;
+pub use settings::{PostureSettings, StackSettings};
 
-/// The levels, by priority.
-#[derive(Debug, Clone, Copy)]
-struct Levels {
-    speed_cap: LevelId,
-    separation: LevelId,
-    own_bodies: LevelId,
-    returns: LevelId,
-    kinematics: LevelId,
-    workspace: LevelId,
-    goal: LevelId,
-    posture: LevelId,
-}
-
-/// What the third level minimises.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GoalTerms<'a> {
-    /// The person's ergonomics in the world, τ seconds ahead.
-    pub ergonomics: Option<&'a ErgonomicsQuadratic>,
-    /// The velocity at which the person walks, world axes \[m/s\]: fed forward, so that the
-    /// optimum does not lag behind a walking person.
-    pub drift: Vector3<f64>,
-    /// From 0, the benchmark min ‖ẋ_d‖², to 1, ergonomics alone; between, both so weighted.
-    pub activation: f64,
-}
-
-/// How the joints spread what no other level decides.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PostureTask {
-    /// Preferred configuration \[m or rad\]; joints without a gain ignore it.
-    pub configuration: Vec<f64>,
-    /// Rate at which a joint returns to it \[1/s\]; zero for joints that should just rest.
-    pub gain: Vec<f64>,
-    /// Weight of a joint against the others \[-\].
-    pub weight: Vec<f64>,
-}
-
-/// What does not change from tick to tick.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StackSettings {
-    /// The diagonal of K_p \[1/s\].
-    pub gain: Vector6<f64>,
-    /// Δt of the inverse kinematics \[s\].
-    pub period: f64,
-    /// τ of workspace and goal \[s\].
-    pub horizon: f64,
-    /// How the workspace gives way.
-    pub softening: Softening,
-    /// The wheel limit.
-    pub base: Option<MecanumBase>,
-    /// The last level.
-    pub posture: PostureTask,
-    /// What the solve of a tick may cost.
-    pub budget: Budget,
-}
-
-/// The hierarchy of the levels and its solver; sized once, rewritten each tick.
+/// The stack of a robot that works with a person, made of tasks of
+/// [`whole_body`]; sized once, rewritten each tick.
+///
+/// The variables are χ = [q̇; ẋ_d; s]: see [`AugmentedState`].
 #[derive(Debug, Clone)]
-pub struct TaskStack {
+pub struct CollaborationStack {
     state: AugmentedState,
-    hierarchy: Hierarchy,
-    levels: Levels,
-    solver: Solver,
-    clik: AugmentedClik,
+    stack: TaskStack,
+    tasks: Tasks,
     soft: SoftWorkspace,
-    base: Option<MecanumBase>,
-    posture: PostureTask,
-    horizon: f64,
+    workspace_rows: Rows,
+    base: Option<(MecanumBase, Rows)>,
+    period: f64,
     budget: Budget,
+}
+
+/// The tasks, by priority.
+#[derive(Debug, Clone, Copy)]
+struct Tasks {
+    speed_cap: Option<TaskId<VelocityTask>>,
+    separation: Option<TaskId<VelocityTask>>,
+    wheels: Option<TaskId<VelocityTask>>,
+    own_bodies: Option<TaskId<VelocityTask>>,
+    returns: TaskId<VelocityTask>,
+    kinematics: TaskId<AugmentedFrameTask>,
+    workspace: TaskId<VelocityTask>,
+    goal: TaskId<GoalTask>,
 }
 
 /// What a tick asks of the stack.
 #[derive(Debug, Clone, Copy)]
 pub struct StackInput<'a> {
-    /// J, 6 × n.
-    pub jacobian: &'a Matrix6xX<f64>,
-    /// x_d(t−1) − x_a \[m, rad\].
-    pub error: &'a Vector6<f64>,
     /// x_d(t−1).
     pub desired: &'a Isometry3<f64>,
-    /// q \[m or rad\].
-    pub configuration: &'a [f64],
     /// The shared workspace.
     pub workspace: &'a Workspace,
     /// The third level.
     pub goal: GoalTerms<'a>,
+    /// q̇ commanded last, n \[m/s or rad/s\].
+    pub velocity: &'a [f64],
     /// Velocities that the joints may take, then those of ẋ_d.
     pub intervals: &'a [VelocityInterval],
     /// Velocities that bring joints back within their position limits; infinite ends for those
@@ -107,38 +66,74 @@ pub struct StackInput<'a> {
     pub safety: SafetyRows<'a>,
 }
 
-impl TaskStack {
-    /// For n = `joints`, with blocks of the sizes of `safety`.
+impl CollaborationStack {
+    /// For a robot, with blocks of the sizes of `safety`.
     ///
     /// # Errors
     /// Parameters out of range, or a posture of another size.
     pub fn new(
-        joints: usize,
-        settings: StackSettings,
+        robot: &Kinematics,
+        settings: &StackSettings,
         safety: SafetyRows<'_>,
     ) -> Result<Self, Error> {
         let StackSettings { gain, period, horizon, softening, base, posture, budget } = settings;
-        let state = Self::layout(joints);
-        let clik = AugmentedClik::new(state, PoseAxes::ALL, gain, period)?;
-        let soft = SoftWorkspace::with_softening(state, horizon, softening)?;
+        let (model, joints) = (robot.model(), robot.jacobian().ncols());
         posture.check(joints)?;
-        let mut hierarchy = Hierarchy::new(state.len())?;
-        let wheels = base.map_or(Rows::zeros(0, state.len()), |base| base.rows(state));
-        let separation = Level::least_squares(safety.separation.clone());
-        let zero = (DMatrix::zeros(state.len(), state.len()), DVector::zeros(state.len()));
-        let mut push = |name, level: Level| hierarchy.push(level.named(name));
-        let levels = Levels {
-            speed_cap: push("speed cap", Level::constraints_only(safety.cap.clone()))?,
-            separation: push("separation", separation.with_constraints(wheels))?,
-            own_bodies: push("own bodies", Level::least_squares(safety.own.clone()))?,
-            returns: push("return into the limits", Level::least_squares(return_rows(state)?))?,
-            kinematics: push("inverse kinematics", Level::least_squares(clik.rows()))?,
-            workspace: push("shared workspace", soft.level()?)?,
-            goal: push("goal", Level::quadratic(zero.0, zero.1)?)?,
-            posture: push("posture", Level::least_squares(posture.rows(state)?))?,
+        let state = Self::layout(joints);
+        let mut variables = VariableLayout::new(model);
+        let desired = variables.add("desired twist", state.task);
+        let slack = variables.add("slack", state.slack);
+        let soft = SoftWorkspace::with_softening(state, *horizon, *softening)?;
+        let base = base.map(|base| (base, base.rows(state)));
+
+        let mut speed_cap = TaskLevel::new("speed cap");
+        let mut separation = TaskLevel::new("separation");
+        let mut own_bodies = TaskLevel::new("own bodies");
+        let mut returns = TaskLevel::new("return into the limits");
+        let mut kinematics = TaskLevel::new("inverse kinematics");
+        let mut workspace = TaskLevel::new("shared workspace");
+        let mut goal = TaskLevel::new("goal");
+        let mut rest = TaskLevel::new("posture");
+        let augmented = AugmentedFrameTask::new(robot.tool(), &desired).with_gains(*gain);
+        let workspace_rows = Rows::zeros(soft.capacity(), state.len());
+        let bounds = VelocityTask::from_rows(&workspace_rows);
+        // Rows that there are none of have no task.
+        let task = |rows: &Rows| (!rows.is_empty()).then(|| VelocityTask::from_rows(rows));
+        let wheels = base.as_ref().and_then(|(_, rows)| task(rows));
+        let tasks = Tasks {
+            speed_cap: task(safety.cap).map(|task| speed_cap.constrain("speed cap", task)),
+            separation: task(safety.separation).map(|task| separation.push("people", task)),
+            wheels: wheels.map(|task| separation.constrain("wheels", task)),
+            own_bodies: task(safety.own).map(|task| own_bodies.push("own bodies", task)),
+            returns: returns.push("return", entries(0..joints)?),
+            kinematics: kinematics.push("tool", augmented),
+            workspace: match softening.slack {
+                Slack::Shared => {
+                    let mut slacks = entries(slack.range())?;
+                    for (row, weight) in softening.weights.iter().enumerate() {
+                        slacks.set_weight(row, *weight)?;
+                    }
+                    workspace.push("slack", slacks);
+                    workspace.constrain("workspace", bounds)
+                }
+                Slack::RowWise => workspace.push("workspace", bounds),
+            },
+            goal: goal.push_quadratic("goal", GoalTask::new(desired, *horizon)),
         };
-        let solver = Solver::new(&hierarchy, Settings::default())?;
-        Ok(Self { state, hierarchy, levels, solver, clik, soft, base, posture, horizon, budget })
+        rest.push("posture", posture.task()?);
+        let mut levels =
+            vec![speed_cap, separation, own_bodies, returns, kinematics, workspace, goal, rest];
+        levels.retain(|level| !level.is_empty());
+        Ok(Self {
+            stack: TaskStack::new(model, &variables, levels, Settings::default())?,
+            workspace_rows,
+            state,
+            tasks,
+            soft,
+            base,
+            period: *period,
+            budget: *budget,
+        })
     }
 
     /// The layout of χ for n = `joints`.
@@ -151,130 +146,72 @@ impl TaskStack {
         self.state
     }
 
-    /// Writes the tick's data and solves.
+    /// Gives the tasks what they need for the tick, and solves, with the robot at its configuration.
     ///
     /// # Errors
     /// Data that are not finite or do not fit; the problem itself is always feasible.
-    pub fn solve(&mut self, input: &StackInput<'_>) -> Result<&Solution, Error> {
-        self.write_bounds(input.intervals);
-        self.write_safety(input)?;
-        self.write_kinematics(input)?;
-        let level = self.hierarchy.level_mut(self.levels.workspace)?;
-        self.soft.write(input.workspace, input.desired, level)?;
-        self.write_goal(&input.goal, input.desired)?;
-        self.write_posture(input.configuration)?;
-        Ok(self.solver.solve_within(&self.hierarchy, self.budget)?)
+    pub fn solve(
+        &mut self,
+        robot: &mut Kinematics,
+        input: &StackInput<'_>,
+    ) -> Result<&Solution, Error> {
+        self.set_bounds(input.intervals);
+        self.set_safety(robot, input)?;
+        let Self { stack, tasks, soft, workspace_rows, .. } = self;
+        stack.task_mut(tasks.kinematics)?.set_desired(*input.desired)?;
+        soft.write_rows(input.workspace, None, input.desired, workspace_rows)?;
+        stack.task_mut(tasks.workspace)?.copy_from(workspace_rows)?;
+        stack.task_mut(tasks.goal)?.set(&input.goal, &input.desired.translation.vector)?;
+        stack.write(&mut robot.posed()?, input.velocity, self.period)?;
+        Ok(stack.solve(self.period, self.budget)?)
     }
 
-    fn write_bounds(&mut self, intervals: &[VelocityInterval]) {
-        let (lower, upper) = self.hierarchy.bounds_mut();
+    fn set_bounds(&mut self, intervals: &[VelocityInterval]) {
+        let (lower, upper) = self.stack.bounds_mut();
         for ((lower, upper), interval) in lower.iter_mut().zip(upper).zip(intervals) {
             *lower = interval.lower;
             *upper = interval.upper;
         }
     }
 
-    fn write_kinematics(&mut self, input: &StackInput<'_>) -> Result<(), Error> {
-        let rows = self.hierarchy.rows_mut(self.levels.kinematics)?;
-        Ok(self.clik.write(input.jacobian, input.error, rows)?)
-    }
-
-    fn write_safety(&mut self, input: &StackInput<'_>) -> Result<(), Error> {
-        let (hierarchy, levels) = (&mut self.hierarchy, &self.levels);
-        hierarchy.rows_mut(levels.own_bodies)?.copy_from(input.safety.own)?;
-        hierarchy.constraints_mut(levels.speed_cap)?.copy_from(input.safety.cap)?;
-        hierarchy.rows_mut(levels.separation)?.copy_from(input.safety.separation)?;
-        if let (Some(base), Some(&yaw)) = (&self.base, input.configuration.get(2)) {
-            base.write(yaw, input.intervals, hierarchy.constraints_mut(levels.separation)?)?;
+    fn set_safety(&mut self, robot: &mut Kinematics, input: &StackInput<'_>) -> Result<(), Error> {
+        let Self { stack, tasks, base, .. } = self;
+        copy(stack, tasks.speed_cap, input.safety.cap)?;
+        copy(stack, tasks.separation, input.safety.separation)?;
+        copy(stack, tasks.own_bodies, input.safety.own)?;
+        if let Some((base, rows)) = base {
+            let yaw = robot.posed()?.configuration().get(2).copied().unwrap_or_default();
+            base.write(yaw, input.intervals, rows)?;
+            copy(stack, tasks.wheels, rows)?;
         }
-        let rows = hierarchy.rows_mut(levels.returns)?;
-        for (bound, interval) in rows.lower_mut().iter_mut().zip(input.returns) {
-            *bound = interval.lower;
-        }
-        for (bound, interval) in rows.upper_mut().iter_mut().zip(input.returns) {
-            *bound = interval.upper;
-        }
-        Ok(())
-    }
-
-    /// activation · e_s(x_d + τ (ẋ_d − drift)) + (1 − activation) ‖ẋ_d‖², over ẋ_d.
-    fn write_goal(&mut self, goal: &GoalTerms<'_>, desired: &Isometry3<f64>) -> Result<(), Error> {
-        let ergonomics = match goal.ergonomics {
-            Some(quadratic) if goal.activation > 0.0 => {
-                let ahead = desired.translation.vector - goal.drift * self.horizon;
-                Some(quadratic.task_terms(&ahead, self.horizon)?)
-            }
-            _ => None,
-        };
-        let share = if ergonomics.is_some() { goal.activation.min(1.0) } else { 0.0 };
-        let (curvature, slope) = ergonomics
-            .map_or((Matrix3::zeros(), Vector3::zeros()), |terms| (terms.hessian, terms.gradient));
-        let velocity = self.state.desired_velocity().start;
-        let (hessian, gradient) = self.hierarchy.quadratic_mut(self.levels.goal)?;
-        for i in 0..6 {
-            let at = velocity + i;
-            hessian[(at, at)] = 2.0 * (1.0 - share);
-            gradient[at] = if i < 3 { share * slope[i] } else { 0.0 };
-        }
-        for i in 0..3 {
-            for j in 0..3 {
-                let benchmark = if i == j { 2.0 * (1.0 - share) } else { 0.0 };
-                hessian[(velocity + i, velocity + j)] = share * curvature[(i, j)] + benchmark;
-            }
-        }
-        Ok(())
-    }
-
-    fn write_posture(&mut self, configuration: &[f64]) -> Result<(), Error> {
-        let rows = self.hierarchy.rows_mut(self.levels.posture)?;
-        let task = &self.posture;
-        let rates = task
-            .configuration
-            .iter()
-            .zip(configuration)
-            .zip(task.gain.iter().zip(&task.weight))
-            .map(|((goal, now), (gain, weight))| weight * gain * (goal - now));
-        for (i, rate) in rates.enumerate() {
-            rows.lower_mut()[i] = rate;
-            rows.upper_mut()[i] = rate;
+        let returns = stack.task_mut(tasks.returns)?;
+        for (row, interval) in input.returns.iter().enumerate() {
+            returns.set_range(row, interval.lower, interval.upper)?;
         }
         Ok(())
     }
 }
 
-/// The joints' velocities, within bounds still to be written.
-fn return_rows(state: AugmentedState) -> Result<Rows, Error> {
-    let matrix = DMatrix::identity(state.joints, state.len());
-    Ok(Rows::equalities(&matrix, &DVector::zeros(state.joints))?)
+/// Gives a task, if there is one, the rows of the tick.
+fn copy(
+    stack: &mut TaskStack,
+    task: Option<TaskId<VelocityTask>>,
+    rows: &Rows,
+) -> Result<(), Error> {
+    match task {
+        Some(task) => Ok(stack.task_mut(task)?.copy_from(rows)?),
+        None => Ok(()),
+    }
 }
 
-impl PostureTask {
-    fn check(&self, joints: usize) -> Result<(), Error> {
-        for (what, values) in [
-            ("posture.configuration", &self.configuration),
-            ("posture.gain", &self.gain),
-            ("posture.weight", &self.weight),
-        ] {
-            if values.len() != joints {
-                return Err(Error::JointCount { what, found: values.len(), expected: joints });
-            }
-            if let Some(&value) = values.iter().find(|value| !value.is_finite()) {
-                return Err(Error::Setting { name: what, value, expected: "finite" });
-            }
-        }
-        for (name, values) in [("posture.gain", &self.gain), ("posture.weight", &self.weight)] {
-            if let Some(&value) = values.iter().find(|&&value| value < 0.0) {
-                return Err(Error::Setting { name, value, expected: "not negative" });
-            }
-        }
-        Ok(())
+/// One row for each of these variables, at zero.
+fn entries(variables: std::ops::Range<usize>) -> Result<VelocityTask, Error> {
+    let mut task = VelocityTask::new(variables.len());
+    let mut row = vec![0.0; variables.end];
+    for (index, variable) in variables.enumerate() {
+        row.fill(0.0);
+        row[variable] = 1.0;
+        task.set_row(index, &row, 0.0, 0.0)?;
     }
-
-    fn rows(&self, state: AugmentedState) -> Result<Rows, Error> {
-        let n = state.joints;
-        let matrix = DMatrix::from_fn(n, state.len(), |i, j| {
-            if i == j { self.weight.get(i).copied().unwrap_or_default() } else { 0.0 }
-        });
-        Ok(Rows::equalities(&matrix, &DVector::zeros(n))?)
-    }
+    Ok(task)
 }

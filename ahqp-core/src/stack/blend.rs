@@ -9,7 +9,7 @@ use crate::linalg::list::List;
 use crate::problem::ids::LevelId;
 use crate::solver::settings::Settings;
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Blend {
     pub(super) changes: List<Change>,
     /// One for each set of changes made: bit i of the index is change i.

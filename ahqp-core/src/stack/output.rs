@@ -16,7 +16,7 @@ use crate::solver::solution::Solution;
 use crate::solver::status::Status;
 
 /// min ‖x − blend‖² within the bounds of variables and output and the hard constraints.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Output {
     problem: Hierarchy,
     level: LevelId,

@@ -24,7 +24,7 @@ pub(super) struct Entry {
 }
 
 /// All levels in one order, some of them active, with a solver of their own.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Plan {
     pub(super) order: Vec<Entry>,
     /// The problem without its levels: those are lent by the data for each solve, in exchange

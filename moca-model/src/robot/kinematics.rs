@@ -2,7 +2,7 @@
 
 use hrsw::RobotBody;
 use nalgebra::{Isometry3, Matrix6xX};
-use whole_body::{Axes, Data, FrameId, Model};
+use whole_body::{Axes, Data, FrameId, Model, Posed};
 
 use super::bodies::{LinkCapsule, RobotBodies};
 use crate::error::{Error, check_plain};
@@ -67,6 +67,19 @@ impl Kinematics {
         self.world_from_tool = posed.world_from(self.tool)?;
         posed.jacobian_into(self.tool, Axes::World, &mut self.jacobian)?;
         self.bodies.place(&posed)
+    }
+
+    /// The robot at its configuration, for tasks to read.
+    ///
+    /// # Errors
+    /// None: there is a configuration from the beginning.
+    pub fn posed(&mut self) -> Result<Posed<'_>, Error> {
+        Ok(self.data.posed(&self.model)?)
+    }
+
+    /// The frame of the tool.
+    pub fn tool(&self) -> FrameId {
+        self.tool
     }
 
     /// The robot.

@@ -22,27 +22,22 @@ fn main() -> Result<(), Error> {
         }
     }
     let mut stand = TaskLevel::new("stand");
-    let stands = [("left", feet[0]), ("right", feet[1])]
-        .map(|(name, foot)| (stand.push(name, FrameTask::new(foot)), foot));
+    stand.push("left", FrameTask::new(feet[0]));
+    stand.push("right", FrameTask::new(feet[1]));
     let mut builder = Ik::builder(&model);
     builder.push_level(stand);
     let axes = [Axis::X, Axis::Y];
     let balance = builder.push("balance", CentreOfMassTask::new(&model).with_axes(&axes));
     let reach = builder.push("reach", PositionTask::new(hand));
-    let posture = builder.push("posture", PostureTask::new());
-    let mut ik = builder.build()?;
-    for (task, foot) in stands {
-        let pose = ik.pose(&q, foot)?;
-        ik.task_mut(task)?.set_target(pose)?;
-    }
+    builder.push("posture", PostureTask::new());
+    let mut ik = builder.build_at(&q)?; // the feet, and the posture, stay as they are there
     let middle = nalgebra::center(
         &ik.pose(&q, feet[0])?.translation.vector.into(),
         &ik.pose(&q, feet[1])?.translation.vector.into(),
     );
     ik.task_mut(balance)?.set_target(middle)?;
     let goal = ik.pose(&q, hand)?.translation.vector + Vector3::new(0.25, 0.1, -0.4);
-    ik.task_mut(reach)?.set_target(goal.into())?;
-    ik.task_mut(posture)?.set_target(&q)?;
+    ik.task_mut(reach)?.set_target(goal)?;
     let start = ik.pose(&q, feet[0])?;
     for _ in 0..6000 {
         ik.step(&q, 1e-3)?.integrate(&mut q)?;

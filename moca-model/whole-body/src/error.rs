@@ -348,6 +348,10 @@ pub enum Error {
         robot: String,
     },
 
+    /// Data have not seen a configuration.
+    #[error("the data have not been given a configuration yet; call Data::pose first")]
+    NeverPosed,
+
     /// An id comes from another model.
     #[error("the id of a {element} is of another model than `{robot}`; ask this model for it")]
     ForeignId {
@@ -444,6 +448,16 @@ pub enum Error {
         robot: String,
     },
 
+    /// A differential base has joints with jerk limits.
+    #[error(
+        "the base of robot `{robot}` has jerk limits along the world's axes, with which it cannot turn \
+         without moving sideways; leave them out"
+    )]
+    SidewaysJerk {
+        /// The robot's name in the URDF.
+        robot: String,
+    },
+
     /// A parameter is out of its range.
     #[error("{what} is {value}; it must be {expected}")]
     Parameter {
@@ -492,6 +506,15 @@ pub enum Error {
     /// A level has no tasks.
     #[error("level `{level}` has no tasks; push at least one")]
     EmptyLevel {
+        /// The level.
+        level: String,
+    },
+
+    /// A level has rows and quadratics to minimise.
+    #[error(
+        "level `{level}` has tasks of rows and quadratic ones; push them on levels of their own"
+    )]
+    MixedLevel {
         /// The level.
         level: String,
     },

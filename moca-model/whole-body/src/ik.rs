@@ -8,4 +8,3 @@ pub(crate) mod leash;
 pub(crate) mod settings;
 mod singularity;
 pub(crate) mod step;
-pub(crate) mod task_level;

@@ -6,7 +6,8 @@
 //! has not been computed cannot be read.
 //!
 //! An [`Ik`] turns levels of [`Task`]s into velocities within all limits; a [`Commanded`] turns
-//! those into commands for a robot that may be held.
+//! those into commands for a robot that may be held. Both stand on a [`TaskStack`], levels over q̇ and
+//! further variables within bounds of your own.
 //!
 //! SI units, radians. Twists and accelerations are linear then angular, forces are forces then
 //! moments, all of a frame's origin in axes parallel to the world's unless [`Axes::Local`] is asked
@@ -49,21 +50,23 @@ mod kinematics;
 mod limits;
 mod robot;
 mod spatial;
+mod stack;
 mod state;
 mod tasks;
 mod urdf;
 mod vector;
 
-pub use ahqp_core::{Budget, LevelId, Place, PoseAxes, Status, VelocityInterval};
+pub use ahqp_core::{
+    Budget, LevelId, Place, PoseAxes, Settings, Solution, Status, VelocityInterval,
+};
 pub use dynamics::external::ExternalWrench;
 pub use error::Error;
-pub use ik::builder::{IkBuilder, Variables};
+pub use ik::builder::IkBuilder;
 pub use ik::commanded::{Command, Commanded};
 pub use ik::differential::Ik;
 pub use ik::leash::Leash;
 pub use ik::settings::IkSettings;
 pub use ik::step::{ActiveLimit, ActiveRow, LevelReport, Step};
-pub use ik::task_level::{TaskId, TaskLevel};
 pub use kinematics::jacobian::Axes;
 pub use limits::frame_velocity::FrameVelocityLimit;
 pub use limits::joint_intervals::{End, LimitKind};
@@ -75,25 +78,32 @@ pub use robot::joint::{Joint, JointId, JointKind, MimicJoint};
 pub use robot::limits::{JointLimits, LimitOverride, MissingAcceleration, UnusableLimits};
 pub use robot::model::Model;
 pub use robot::warning::{InertiaFault, Warning};
+pub use stack::task_level::{TaskId, TaskLevel};
+pub use stack::task_stack::TaskStack;
 pub use state::data::Data;
 pub use state::moving::Moving;
 pub use state::payload::{Payload, PayloadId};
 pub use state::posed::Posed;
+pub use tasks::augmented_frame::AugmentedFrameTask;
 pub use tasks::axis::AxisTask;
-pub use tasks::centre_of_mass::CentreOfMassTask;
+pub use tasks::centre_of_mass::{CentreOfMass, CentreOfMassTask};
 pub use tasks::damping::DampingTask;
 pub use tasks::feedback::Feedback;
-pub use tasks::frame_pose::FrameTask;
+pub use tasks::frame_pose::{FramePose, FrameTask};
 pub use tasks::input::TaskInput;
 pub use tasks::joint_coupling::JointCouplingTask;
 pub use tasks::manipulability::ManipulabilityTask;
 pub use tasks::mask::Axis;
-pub use tasks::orientation::OrientationTask;
-pub use tasks::position::PositionTask;
+pub use tasks::orientation::{FrameOrientation, OrientationTask};
+pub use tasks::pose_task::{PoseQuantity, PoseTask};
+pub use tasks::position::{FramePosition, PositionTask};
 pub use tasks::posture::PostureTask;
-pub use tasks::relative_frame::RelativeFrameTask;
+pub use tasks::quadratic::{CloneQuadraticTask, QuadraticTask, TaskQuadratic};
+pub use tasks::relative_frame::{RelativeFrameTask, RelativePose};
 pub use tasks::rows::TaskRows;
-pub use tasks::task::{Limit, Task};
+pub use tasks::task::{CloneTask, Limit, Task};
+pub use tasks::variables::{VariableLayout, Variables};
+pub use tasks::vector_task::{VectorQuantity, VectorTask};
 pub use tasks::velocity::VelocityTask;
 
 /// The example of the crate's front page.

@@ -1,107 +1,86 @@
 //! Levels that come, go and change places while the robot moves.
 
-use std::sync::Arc;
+use ahqp_core::{LevelId, Place};
 
-use ahqp_core::{Level, LevelId, Place};
-
+use super::builder::expect_other_name;
 use super::differential::Ik;
-use super::task_level::{LIMITS, LevelTasks, StackedLevel, TaskLevel};
 use crate::error::Error;
-use crate::urdf::names::nearest;
+use crate::stack::task_level::TaskLevel;
 
-/// Changes take effect over a chosen time, along a minimum-jerk curve, so that velocities stay
-/// continuous: see [`ContinuousStack`](ahqp_core::ContinuousStack). Meanwhile all limits hold. These
-/// calls allocate; the steps between them do not.
+/// Changes take effect over a chosen time, so that velocities stay continuous, and limits hold
+/// meanwhile: see [`TaskStack`](crate::TaskStack). These calls allocate; the steps between them do
+/// not.
 impl Ik {
-    /// The id of a level.
+    /// See [`TaskStack::level_id`](crate::TaskStack::level_id).
     ///
     /// # Errors
-    /// [`Error::UnknownLevel`], with the most similar names first.
+    /// As there.
     pub fn level_id(&self, name: &str) -> Result<LevelId, Error> {
-        let found = self.levels().find(|(_, other)| *other == name);
-        found.map(|(id, _)| id).ok_or_else(|| Error::UnknownLevel {
-            name: name.to_owned(),
-            known: nearest(name, self.levels().map(|(_, name)| name)),
-        })
+        self.stack.level_id(name)
     }
 
-    /// Inserts a level within `duration` \[s\]. Targets of its tasks must be set before the next
-    /// step.
+    /// See [`TaskStack::insert`](crate::TaskStack::insert). The limits stay above all levels.
     ///
     /// # Errors
-    /// [`Error::EmptyLevel`], [`Error::NameTaken`], [`Error::InTask`], and those of
-    /// [`ContinuousStack::insert`](ahqp_core::ContinuousStack::insert). Nothing has changed then.
+    /// As there.
     pub fn insert(
         &mut self,
         level: TaskLevel,
         place: Place,
         duration: f64,
     ) -> Result<LevelId, Error> {
-        let tasks = LevelTasks::new(level, &self.model)?;
-        if self.levels().any(|(_, name)| *name == *tasks.name) || *tasks.name == *LIMITS {
-            return Err(Error::NameTaken { element: "level", name: tasks.name.to_string() });
-        }
-        // The limits stay above all levels.
-        let place = match (place, self.levels().next()) {
-            (Place::Top, Some((highest, _))) => Place::Above(highest),
+        expect_other_name(&level)?;
+        let place = match (place, self.limits) {
+            (Place::Top, Some(limits)) => Place::Below(limits),
+            (Place::Above(level), _) => Place::Above(self.expect_level(level)?),
             (place, _) => place,
         };
-        let rows = tasks.rows(self.names.len())?;
-        let level = Level::least_squares(rows).named(Arc::clone(&tasks.name));
         let id = self.stack.insert(level, place, duration)?;
-        self.levels.push(StackedLevel { id, tasks });
-        self.tidy();
+        self.make_room();
         Ok(id)
     }
 
-    /// Removes a level within `duration` \[s\].
+    /// See [`TaskStack::remove`](crate::TaskStack::remove).
     ///
     /// # Errors
-    /// Those of [`ContinuousStack::remove`](ahqp_core::ContinuousStack::remove). Nothing has changed
-    /// then.
+    /// As there.
     pub fn remove(&mut self, level: LevelId, duration: f64) -> Result<(), Error> {
-        self.expect_level(level)?;
-        self.stack.remove(level, duration)?;
-        self.tidy();
+        self.stack.remove(self.expect_level(level)?, duration)?;
+        self.make_room();
         Ok(())
     }
 
-    /// Lets two levels change places within `duration` \[s\].
+    /// See [`TaskStack::swap`](crate::TaskStack::swap).
     ///
     /// # Errors
-    /// Those of [`ContinuousStack::swap`](ahqp_core::ContinuousStack::swap). Nothing has changed then.
+    /// As there.
     pub fn swap(&mut self, one: LevelId, other: LevelId, duration: f64) -> Result<(), Error> {
-        self.expect_level(one)?;
-        self.expect_level(other)?;
-        self.stack.swap(one, other, duration)?;
-        self.tidy();
+        self.stack.swap(self.expect_level(one)?, self.expect_level(other)?, duration)?;
+        self.make_room();
         Ok(())
     }
 
-    /// Moves the activation of a level to a value from 0, where it has no influence, to 1, within
-    /// `duration` \[s\].
+    /// See [`TaskStack::activate`](crate::TaskStack::activate).
     ///
     /// # Errors
-    /// Those of [`ContinuousStack::activate`](ahqp_core::ContinuousStack::activate). Nothing has
-    /// changed then.
+    /// As there.
     pub fn activate(
         &mut self,
         level: LevelId,
         activation: f64,
         duration: f64,
     ) -> Result<(), Error> {
-        self.expect_level(level)?;
-        self.stack.activate(level, activation, duration)?;
-        self.tidy();
+        self.stack.activate(self.expect_level(level)?, activation, duration)?;
+        self.make_room();
         Ok(())
     }
 
-    /// The activation of a level, from 0 to 1.
+    /// See [`TaskStack::activation`](crate::TaskStack::activation).
     ///
     /// # Errors
-    /// [`Error::Hierarchy`] when its removal is over.
+    /// As there.
     pub fn activation(&self, level: LevelId) -> Result<f64, Error> {
-        Ok(self.stack.activation(level)?)
+        self.stack.activation(level)
     }
 
     /// Whether a change is under way.
@@ -110,20 +89,10 @@ impl Ik {
     }
 
     /// The limits are no level that could be changed.
-    fn expect_level(&self, level: LevelId) -> Result<(), Error> {
-        if self.levels.iter().any(|own| own.id == level) {
-            Ok(())
-        } else {
-            Err(ahqp_core::Error::NoSuchLevel { level }.into())
+    fn expect_level(&self, level: LevelId) -> Result<LevelId, Error> {
+        if self.limits == Some(level) {
+            return Err(ahqp_core::Error::NoSuchLevel { level }.into());
         }
-    }
-
-    /// Lets go of levels that are gone, and brings the others into their order.
-    fn tidy(&mut self) {
-        let stack = &self.stack;
-        self.levels.retain(|level| stack.level(level.id).is_ok());
-        let place = |level: &StackedLevel| stack.ids().position(|id| id == level.id);
-        self.levels.sort_by_key(|level| place(level).unwrap_or(usize::MAX));
-        self.make_room();
+        Ok(level)
     }
 }

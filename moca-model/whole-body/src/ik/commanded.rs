@@ -11,8 +11,8 @@ use crate::error::Error;
 /// - Commands obey the position, velocity, acceleration and jerk limits whatever the tasks ask,
 ///   and whatever is measured; a joint that starts outside its limits returns.
 /// - No joint's command is farther from the measured position than the [`Leash`] once the robot is
-///   held; a robot that stops suddenly at the speed v is overrun by the braking distance within the
-///   limits, v²/(2a) and what the jerk adds.
+///   held, and never farther than [`Leash::bound`], which adds what a robot that stops suddenly at
+///   full speed is overrun by.
 /// - A tick that cannot be computed brakes every joint within acceleration and jerk, and says why.
 ///
 /// ```

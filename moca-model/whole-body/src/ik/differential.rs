@@ -1,25 +1,24 @@
 //! Differential inverse kinematics with strict priorities.
 
-use std::sync::Arc;
+use std::any::Any;
 
-use ahqp_core::{Budget, ContinuousStack, LevelId, VelocityInterval};
-
+use ahqp_core::{Budget, Level, LevelId, Objective, Rows, VelocityInterval};
 use nalgebra::Isometry3;
 
-use super::builder::{IkBuilder, Variables};
+use super::builder::IkBuilder;
 use super::settings::IkSettings;
 use super::singularity::SingularityDamping;
 use super::step::Step;
-use super::task_level::{StackedLevel, TaskId};
 use crate::error::{Error, check_size};
 use crate::limits::anticipation::Anticipation;
 use crate::limits::common_point::widen;
 use crate::limits::joint_intervals::JointIntervals;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
+use crate::stack::task_level::TaskId;
+use crate::stack::task_stack::TaskStack;
 use crate::state::data::Data;
-use crate::tasks::input::{JacobianMemory, TaskInput};
-use crate::tasks::task::Task;
+use crate::tasks::variables::Variables;
 
 /// Differential inverse kinematics of one robot: velocities that do what levels of tasks ask, each
 /// level as well as those above it allow, within the limits of all joints.
@@ -67,19 +66,15 @@ use crate::tasks::task::Task;
 /// assert_eq!(step.active_limits().count(), 0);
 /// # Ok::<(), whole_body::Error>(())
 /// ```
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Ik {
     pub(super) model: Model,
     data: Data,
     pub(super) settings: IkSettings,
-    pub(super) stack: ContinuousStack,
-    /// By priority; those that are being removed come last.
-    pub(super) levels: Vec<StackedLevel>,
-    /// At most one.
-    pub(super) limits: Option<StackedLevel>,
+    pub(super) stack: TaskStack,
+    /// The level of hard limits, if there are any; it is the first.
+    pub(super) limits: Option<LevelId>,
     pub(super) intervals: JointIntervals,
-    /// Of all variables.
-    pub(super) names: Vec<Arc<str>>,
     pub(super) velocity: Vec<f64>,
     pub(super) acceleration: Vec<f64>,
     /// Of the step before.
@@ -87,10 +82,18 @@ pub struct Ik {
     pub(super) displacement: Vec<f64>,
     pub(super) period: f64,
     pub(super) singularity: SingularityDamping,
+    /// What the levels ask that the damping looks at, from the first to the last damped one.
+    asked: Vec<AskedRows>,
     anticipation: Anticipation,
-    jacobian: JacobianMemory,
     /// A velocity that all limits admit.
     admitted: Vec<f64>,
+}
+
+/// The rows of a level as its tasks wrote them, where damping has changed them.
+#[derive(Debug, Clone)]
+pub(super) struct AskedRows {
+    rows: Rows,
+    counts: bool,
 }
 
 impl Ik {
@@ -102,10 +105,8 @@ impl Ik {
     pub(super) fn new(
         model: Model,
         settings: IkSettings,
-        stack: ContinuousStack,
-        levels: Vec<StackedLevel>,
-        limits: Option<StackedLevel>,
-        names: Vec<Arc<str>>,
+        stack: TaskStack,
+        has_limits: bool,
     ) -> Result<Self, Error> {
         let rest = vec![0.0; model.velocity_count()];
         let mut ik = Self {
@@ -117,15 +118,13 @@ impl Ik {
             displacement: rest.clone(),
             period: 1e-3,
             anticipation: Anticipation::new(rest.len()),
-            jacobian: JacobianMemory::new(rest.len()),
-            singularity: SingularityDamping::new(0.0, &[], names.len()),
+            singularity: SingularityDamping::new(0.0, &[], stack.names().len()),
+            asked: Vec::new(),
             admitted: rest,
+            limits: if has_limits { stack.levels().next().map(|(id, _)| id) } else { None },
             model,
             settings,
             stack,
-            levels,
-            limits,
-            names,
         };
         ik.make_room();
         Ok(ik)
@@ -133,11 +132,19 @@ impl Ik {
 
     /// Sizes the damping for the levels that there are.
     pub(super) fn make_room(&mut self) {
-        let last = self.levels.iter().rposition(|level| level.tasks.is_damped);
-        let levels = self.levels.iter().take(last.map_or(0, |last| last + 1));
-        let rows: Vec<usize> = levels.map(|level| level.tasks.row_count()).collect();
-        let threshold = self.settings.singularity_threshold;
-        self.singularity = SingularityDamping::new(threshold, &rows, self.names.len());
+        let damped = self.stack.stacked().map(|(level, _)| level.tasks.is_damped);
+        let last = damped.enumerate().filter(|(_, is)| *is).last().map_or(0, |(last, _)| last + 1);
+        let levels = self.stack.stacked().take(last);
+        let counts: Vec<usize> = levels.map(|(level, _)| level.tasks.row_count()).collect();
+        let (threshold, columns) = (self.settings.singularity_threshold, self.stack.names().len());
+        self.singularity = SingularityDamping::new(threshold, &counts, columns);
+        let asked = counts.into_iter().map(|count| {
+            let mut rows = Rows::zeros(count, columns);
+            // Of the right size and positive: no error is possible. The room for them is there then.
+            let _ = rows.set_weights(&vec![1.0; count]);
+            AskedRows { rows, counts: false }
+        });
+        self.asked = asked.collect();
     }
 
     /// The velocities for the next `period` \[s\], with the robot at the configuration `q` and the
@@ -176,7 +183,7 @@ impl Ik {
             }
         }
         self.write(q, period, intervals)?;
-        self.stack.solve_within(period, self.settings.budget)?;
+        self.stack.solve(period, self.settings.budget)?;
         self.read(period);
         Ok(Step { ik: self })
     }
@@ -191,33 +198,25 @@ impl Ik {
         let mut posed = self.data.pose(&self.model, q)?;
         self.intervals.update(q, &self.velocity, &self.acceleration, period);
         self.intervals.narrow(narrower);
-        write_bounds(self.stack.bounds_mut(), &self.intervals.cruising);
-        write_bounds(self.stack.output_bounds_mut(), &self.intervals.now);
-        self.jacobian.forget();
-        let mut input = TaskInput::new(&mut posed, &self.velocity, period, &mut self.jacobian);
-        if let Some(StackedLevel { id, tasks }) = &mut self.limits {
-            let rows = self.stack.constraints_mut(*id)?;
-            tasks.write(&mut input, rows)?;
-            let (velocity, acceleration) = (&self.velocity, &self.acceleration);
-            let (joints, anticipation) = (&self.intervals, &mut self.anticipation);
-            anticipation.narrow(rows, velocity, acceleration, joints, period);
-            widen(rows, &self.intervals.now, &mut self.admitted);
-        }
+        let solver = self.stack.solver_mut();
+        write_bounds(solver.bounds_mut(), &self.intervals.cruising);
+        write_bounds(solver.output_bounds_mut(), &self.intervals.now);
         self.singularity.begin();
-        let last_damped = self.levels.iter().rposition(|level| level.tasks.is_damped);
-        for (index, StackedLevel { id, tasks }) in self.levels.iter_mut().enumerate() {
-            let changing = self.stack.is_changing();
-            match self.stack.activation(*id) {
-                Ok(activation) if activation > 0.0 || changing => {}
-                _ => continue,
+        let (velocity, acceleration) = (&self.velocity, &self.acceleration);
+        let (intervals, anticipation) = (&self.intervals, &mut self.anticipation);
+        let (singularity, admitted) = (&mut self.singularity, &mut self.admitted);
+        let (has_limits, asked) = (self.limits.is_some(), &mut self.asked);
+        self.stack.write_with(&mut posed, velocity, period, |index, level| {
+            if has_limits && index == 0 {
+                let rows = level.constraints_mut();
+                anticipation.narrow(rows, velocity, acceleration, intervals, period);
+                widen(rows, &intervals.now, admitted);
+            } else if let Some(asked) = asked.get_mut(index)
+                && let Ok(rows) = level.rows_mut()
+            {
+                asked.counts = singularity.damp(rows, &mut asked.rows);
             }
-            let rows = self.stack.rows_mut(*id)?;
-            tasks.write(&mut input, rows)?;
-            if last_damped.is_some_and(|last| index <= last) {
-                self.singularity.damp(rows);
-            }
-        }
-        Ok(())
+        })
     }
 
     fn read(&mut self, period: f64) {
@@ -269,9 +268,18 @@ impl Ik {
     ///
     /// # Errors
     /// [`Error::UnknownTask`] for the id of another stack, or of a level that was removed.
-    pub fn task_mut<T: Task>(&mut self, id: TaskId<T>) -> Result<&mut T, Error> {
-        let mut levels = self.levels.iter_mut().chain(&mut self.limits);
-        levels.find_map(|level| level.tasks.task_mut(id)).ok_or(Error::UnknownTask)
+    pub fn task_mut<T: Any>(&mut self, id: TaskId<T>) -> Result<&mut T, Error> {
+        self.stack.task_mut(id)
+    }
+
+    /// Lets tasks whose targets were never set keep what they find at the configuration `q`: the
+    /// pose that a frame has there, that posture.
+    ///
+    /// # Errors
+    /// Those of [`Data::pose`] on q; [`Error::InTask`].
+    pub fn hold(&mut self, q: &[f64]) -> Result<(), Error> {
+        let mut posed = self.data.pose(&self.model, q)?;
+        self.stack.hold(&mut posed)
     }
 
     /// Where a frame is in the world at a configuration: for a target to start from.
@@ -328,14 +336,19 @@ impl Ik {
         Ok(())
     }
 
+    /// The rows that the tasks of a level ask for; nothing for other levels.
+    pub(super) fn asked_rows<'a>(&'a self, index: usize, level: &'a Level) -> Option<&'a Rows> {
+        match (self.asked.get(index), level.objective()) {
+            (Some(asked), _) if asked.counts => Some(&asked.rows),
+            (_, Objective::LeastSquares(rows)) => Some(rows),
+            _ => None,
+        }
+    }
+
     /// The ids of the levels with their names, highest priority first, without those that are being
     /// removed.
     pub fn levels(&self) -> impl Iterator<Item = (LevelId, &str)> {
-        let named = |id| {
-            let level = self.levels.iter().find(|level| level.id == id)?;
-            Some((id, &*level.tasks.name))
-        };
-        self.stack.ids().filter_map(named)
+        self.stack.levels().filter(|(id, _)| Some(*id) != self.limits)
     }
 }
 

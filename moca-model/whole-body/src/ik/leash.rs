@@ -4,6 +4,7 @@ use ahqp_core::{AcceleratedState, JerkLimits, Limits, VelocityInterval};
 
 use crate::error::Error;
 use crate::robot::joint::JointKind;
+use crate::robot::limits::JointLimits;
 use crate::robot::model::Model;
 
 /// The largest following errors, |q* − q| of each joint.
@@ -28,6 +29,32 @@ impl Default for Leash {
 }
 
 impl Leash {
+    /// How far the command of a joint with these limits can be from the measured position, whatever
+    /// the robot does \[rad or m\]: the leash, and for a robot that stops suddenly at full speed v what
+    /// is covered until that is known, v · filter time, and until the command has come to rest,
+    /// v²/(2a) + v a/j. Infinite where the speed or the acceleration is not limited.
+    ///
+    /// ```
+    /// use whole_body::{JointKind, JointLimits, Leash};
+    ///
+    /// let elbow = JointLimits { velocity: 2.0, acceleration: 10.0, ..JointLimits::UNLIMITED };
+    /// let most = Leash::default().bound(JointKind::Revolute, &elbow);
+    /// assert!((most - (0.1 + 2.0 * 0.02 + 0.2)).abs() < 1e-12);
+    /// ```
+    pub fn bound(&self, kind: JointKind, limits: &JointLimits) -> f64 {
+        let length = match kind {
+            JointKind::Floating => return f64::INFINITY,
+            JointKind::Prismatic => self.prismatic,
+            JointKind::Revolute | JointKind::Continuous => self.revolute,
+        };
+        let JointLimits { velocity, acceleration, jerk, .. } = *limits;
+        if velocity.is_infinite() || acceleration.is_infinite() {
+            return f64::INFINITY;
+        }
+        let time = self.filter_time + 0.5 * velocity / acceleration + acceleration / jerk;
+        length + velocity * time
+    }
+
     /// Checks the ranges.
     ///
     /// # Errors

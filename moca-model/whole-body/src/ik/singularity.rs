@@ -1,29 +1,42 @@
 //! Damping of targets near singular configurations.
 
+mod eigen;
+#[cfg(test)]
+mod tests;
+
 use std::ops::Range;
 
 use ahqp_core::Rows;
 
+use eigen::eigenvectors;
+
 use crate::vector::{dot, subtract};
 
-/// Takes from the targets of levels what their rows reach only by very large velocities.
+/// Takes from the targets of levels what their rows reach only by very large velocities, and hands
+/// directions that a level loses over to the levels below.
 ///
 /// Level by level, highest priority first, the rows are scaled to norm one and freed of what the
 /// rows above determine; G = P Pᵀ then has the squared singular values σ² of what is left to the
 /// level, and p² = 1/tr G⁻¹ is a lower bound of the least. Where p is above the threshold σ₀ nothing
-/// changes. Below, with W the weights of the scaled rows over the largest, the part (μ² (W^½ G W^½ +
-/// μ²)⁻¹)³ of what is missing to the targets is given up: damped least
-/// squares (Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement and Control 108, 1986),
-/// iterated twice so that well-conditioned directions keep all but (μ/σ)⁶ of their targets (King and
-/// Chillingworth, Numerical Functional Analysis and Optimization 1(5), 1979), and
+/// changes. Below, with W the weights of the scaled rows over the largest and uₖ, σₖ² the eigenvectors
+/// and eigenvalues of W^½ G W^½, of what is missing to the targets along uₖ the part
+/// (μ²/(σₖ² + μ²))³ is given up: damped least squares (Nakamura and Hanafusa, Journal of Dynamic
+/// Systems, Measurement and Control 108, 1986), iterated twice so that well-conditioned directions
+/// keep all but (μ/σ)⁶ of their targets (King and Chillingworth, Numerical Functional Analysis and
+/// Optimization 1(5), 1979), and
 ///
 /// > μ² = ((σ₀/12)² + ((‖r‖/2v)² + ‖r‖/κ) max(0, 1 − v²/s²)) (1 − p²/σ₀²),
 ///
 /// r being what is missing to the scaled targets, s = ‖L⁻¹r‖ the speed that they take and v = 1
 /// rad/s: near a singular configuration a fast target is given up to where joints need not go
 /// faster than about v, and κ = 5 1/s bounds how fast their velocities change with the configuration,
-/// so that they can stop there. All is continuous in the rows. Rows that
-/// contradict each other keep their weighted compromise.
+/// so that they can stop there. Rows that contradict each other keep their weighted compromise.
+///
+/// A level that keeps a direction as an equality up to σ = 0 would let go of it at once there, and
+/// take it back as soon as the levels below have moved: the robot trembles. So where p < 3σ₀/10 the
+/// rows are turned along the uₖ, which leaves the weighted squares as they are, and those of σₖ < σ₀/10
+/// become ranges, within which the levels below move at up to v_f (1 − 10 σₖ/σ₀), v_f = 0.05 rad/s,
+/// times min(1, (9 − 100 p²/σ₀²)/8). All is continuous in the configuration.
 ///
 /// The levels stay rows with other targets: priorities and limits are not touched.
 ///
@@ -31,7 +44,7 @@ use crate::vector::{dot, subtract};
 /// them are computed: of row r along a direction of level k, Tₖ (R rᵀ − L lᵀ), R being the rows of
 /// that level, L and l the coordinates along the directions above, and Tₖ the inverse of the Cholesky
 /// factor of its G.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct SingularityDamping {
     threshold: f64,
     /// How many rows all levels have.
@@ -59,6 +72,12 @@ pub(super) struct SingularityDamping {
     factor: Vec<f64>,
     inverse: Vec<f64>,
     given_up: Vec<f64>,
+    /// By direction uₖ: its coordinates along the rows.
+    vectors: Vec<f64>,
+    /// The rows along the directions uₖ, and their targets.
+    turned: Vec<f64>,
+    turned_targets: Vec<f64>,
+    turned_weights: Vec<f64>,
 }
 
 /// A row of which less than the root of this is left belongs to the levels below.
@@ -73,7 +92,13 @@ const RATE: f64 = 5.0;
 /// Of the threshold, the least damping of a singular level.
 const LEAST: f64 = 1.0 / 12.0;
 /// How often the damping is applied.
-const ORDER: usize = 3;
+const ORDER: i32 = 3;
+/// Of the threshold, the singular value below which a direction is handed over.
+const HANDOVER: f64 = 0.1;
+/// Of that, where p is when rows begin to be turned.
+const GATE: f64 = 3.0;
+/// How fast levels below may move along a direction that is lost \[rad/s, m/s\].
+const FREE_SPEED: f64 = 0.05;
 
 impl SingularityDamping {
     /// For levels of so many rows each, over so many variables.
@@ -96,6 +121,10 @@ impl SingularityDamping {
             factor: vec![0.0; most * most],
             inverse: vec![0.0; most * most],
             given_up: vec![0.0; most],
+            vectors: vec![0.0; most * most],
+            turned: vec![0.0; most * columns],
+            turned_targets: vec![0.0; most],
+            turned_weights: vec![0.0; most],
         }
     }
 
@@ -104,25 +133,31 @@ impl SingularityDamping {
         self.done.clear();
     }
 
-    /// Damps the targets of the next level. A level with ranges, or for which there is no room, is
+    /// Damps the targets of the next level. Returns true if that changed them; what was asked is in
+    /// `asked`, rows of the same size, then. A level with ranges, or for which there is no room, is
     /// left as it is.
-    pub(super) fn damp(&mut self, rows: &mut Rows) {
+    pub(super) fn damp(&mut self, rows: &mut Rows, asked: &mut Rows) -> bool {
         let first = self.done.last().map_or(0, |above| above.end);
         let m = rows.len();
         let fits =
             m <= self.most && first + m <= self.total && self.done.len() < self.done.capacity();
         let equalities = rows.lower().iter().eq(rows.upper());
-        if self.threshold == 0.0 || !fits || !equalities {
-            return;
+        if self.threshold == 0.0 || m == 0 || !fits || !equalities {
+            return false;
         }
         let span = first..first + m;
         self.load(rows, &span);
         let closeness = 1.0 / (self.invert_factor(m) * self.threshold * self.threshold);
-        if closeness < 1.0 {
+        let is_singular = closeness < 1.0 && asked.copy_from(rows).is_ok();
+        if is_singular {
             self.give_up(m, closeness, rows);
         }
-        self.take(&span);
+        // Nothing below the last level asks for its directions.
+        if span.end < self.total {
+            self.take(&span);
+        }
         self.done.push(span);
+        is_singular
     }
 
     /// Scales the rows, and computes their coordinates, G and what is missing to the targets.
@@ -217,8 +252,31 @@ impl SingularityDamping {
 
     /// Gives up what takes large velocities.
     fn give_up(&mut self, m: usize, closeness: f64, rows: &mut Rows) {
-        self.weigh(m, rows);
+        let heaviest = self.weigh(m, rows);
         let square = self.damping(m) * (1.0 - closeness);
+        let lost = closeness / (GATE * HANDOVER).powi(2);
+        let is_lost = lost < 1.0 && (0..m).all(|row| rows.weight(row) > 0.0);
+        if is_lost {
+            eigenvectors(&mut self.gram[..m * m], m, &mut self.vectors[..m * m]);
+            self.damp_along_vectors(m, square);
+        } else {
+            self.damp_by_factor(m, square);
+        }
+        for i in 0..m {
+            let part = self.given_up[i] / self.scales[i];
+            self.residual[i] -= part;
+            self.given_up[i] = part * self.norms[i];
+        }
+        subtract(rows.lower_mut(), 1.0, &self.given_up);
+        subtract(rows.upper_mut(), 1.0, &self.given_up);
+        if is_lost {
+            let share = (1.0 - lost) * GATE * GATE / (GATE * GATE - 1.0);
+            self.hand_over(m, heaviest, share.min(1.0), rows);
+        }
+    }
+
+    /// What is given up, by (μ² (W^½ G W^½ + μ²)⁻¹)³.
+    fn damp_by_factor(&mut self, m: usize, square: f64) {
         let (system, missing) = (&mut self.gram[..m * m], &mut self.given_up[..m]);
         system.iter_mut().step_by(m + 1).for_each(|entry| *entry += square);
         factorise(system, m);
@@ -233,17 +291,54 @@ impl SingularityDamping {
                 *part *= square;
             }
         }
-        for i in 0..m {
-            let part = self.given_up[i] / self.scales[i];
-            self.residual[i] -= part;
-            self.given_up[i] = part * self.norms[i];
-        }
-        subtract(rows.lower_mut(), 1.0, &self.given_up);
-        subtract(rows.upper_mut(), 1.0, &self.given_up);
     }
 
-    /// Weighs G.
-    fn weigh(&mut self, m: usize, rows: &Rows) {
+    /// The same where the eigenvectors are known.
+    fn damp_along_vectors(&mut self, m: usize, square: f64) {
+        self.given_up[..m].fill(0.0);
+        for (k, vector) in self.vectors[..m * m].chunks_exact(m).enumerate() {
+            let weighted = vector.iter().zip(&self.residual).zip(&self.scales);
+            let missing: f64 = weighted.map(|((u, r), scale)| u * r * scale).sum();
+            let eigenvalue = self.gram[k * m + k].max(0.0);
+            let part = missing * (square / (square + eigenvalue)).powi(ORDER);
+            subtract(&mut self.given_up[..m], -part, vector);
+        }
+    }
+
+    /// Turns the rows along the directions, and makes ranges of those that are lost, so wide as a
+    /// `share` says.
+    fn hand_over(&mut self, m: usize, heaviest: f64, share: f64, rows: &mut Rows) {
+        let columns = rows.columns();
+        self.turned[..m * columns].fill(0.0);
+        for (vector, (turned, target)) in self
+            .vectors
+            .chunks_exact(m)
+            .zip(self.turned.chunks_exact_mut(columns).zip(&mut self.turned_targets))
+        {
+            *target = 0.0;
+            for (i, (row, own, _)) in rows.iter().enumerate() {
+                let factor = vector[i] * self.scales[i] / self.norms[i];
+                subtract(turned, -factor, row);
+                *target += factor * own;
+            }
+        }
+        let handover = HANDOVER * self.threshold;
+        for k in 0..m {
+            let sigma = self.gram[k * m + k].max(0.0).sqrt();
+            let room = FREE_SPEED * share * (1.0 - sigma / handover).max(0.0) * sigma;
+            if let Ok(row) = rows.row_mut(k) {
+                row.copy_from_slice(&self.turned[k * columns..][..columns]);
+            }
+            let target = self.turned_targets[k];
+            (rows.lower_mut()[k], rows.upper_mut()[k]) = (target - room, target + room);
+        }
+        self.turned_weights[..m].fill(heaviest);
+        // Of the size of the rows, and positive: no error is possible.
+        let _ = rows.set_weights(&self.turned_weights[..m]);
+    }
+
+    /// Weighs G, and returns the largest weight of a scaled row.
+    fn weigh(&mut self, m: usize, rows: &Rows) -> f64 {
         let heaviness = |norms: &[f64], row: usize| rows.weight(row) * norms[row] * norms[row];
         let largest = (0..m).map(|row| heaviness(&self.norms, row)).fold(0.0, f64::max);
         for row in 0..m {
@@ -255,6 +350,7 @@ impl SingularityDamping {
                 self.gram[i * m + j] *= self.scales[i] * self.scales[j];
             }
         }
+        largest
     }
 
     /// Takes the directions of the rows, and what the level does along them.
@@ -290,96 +386,5 @@ fn solve(factor: &[f64], b: &mut [f64]) {
         let (before, own) = b.split_at_mut(i);
         own[0] /= row[i];
         subtract(before, own[0], &row[..i]);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::{DMatrix, DVector};
-    use proptest::prelude::*;
-
-    fn damped(a: &DMatrix<f64>, b: &[f64]) -> Rows {
-        let mut rows = Rows::equalities(a, b).unwrap();
-        let mut damping = SingularityDamping::new(0.1, &[a.nrows()], a.ncols());
-        damping.begin();
-        damping.damp(&mut rows);
-        rows
-    }
-
-    proptest! {
-        #[test]
-        fn targets_are_given_up_along_singular_directions(
-            entries in prop::collection::vec(-1.0..1.0_f64, 3 * 6),
-            b in prop::collection::vec(-1.0..1.0_f64, 3), closeness in 1e-6..1.0_f64,
-        ) {
-            let mut a = DMatrix::from_row_slice(3, 6, &entries);
-            let near = a.row(0) + a.row(2) * closeness;
-            a.set_row(2, &near);
-            prop_assume!(a.row_iter().all(|row| row.norm() > 0.1));
-            let rows = damped(&a, &b);
-            // By the singular value decomposition of the rows as they weigh, for w = 1.
-            let scale = DVector::from_iterator(3, a.row_iter().map(|row| row.norm()));
-            let unit = DMatrix::from_fn(3, 6, |i, j| a[(i, j)] / scale[i]);
-            let inverses = unit.singular_values().map(|sigma| 1.0 / (sigma * sigma));
-            let closeness = 1.0 / (inverses.sum() * 0.01);
-            let right = DVector::from_iterator(3, b.iter().zip(&scale).map(|(b, scale)| b / scale));
-            let speed = (unit.clone().pseudo_inverse(1e-12).unwrap() * &right).norm_squared();
-            let mu = (0.1_f64 / 12.0).powi(2)
-                + (0.25 * right.norm_squared() + right.norm() / 5.0)
-                    * (1.0 - 1.0 / speed.max(1.0));
-            let svd = (&a / scale.max()).svd(true, false);
-            let u = svd.u.unwrap();
-            let mut parts = u.transpose() * DVector::from_column_slice(&b);
-            for (part, sigma) in parts.iter_mut().zip(&svd.singular_values) {
-                let square = mu * (1.0 - closeness).max(0.0);
-                *part *= 1.0 - (square / (square + sigma * sigma)).powi(3);
-            }
-            let expected = u * parts;
-            let found = DVector::from_column_slice(rows.lower());
-            prop_assert!((found - expected).norm() < 1e-7);
-        }
-
-        #[test]
-        fn a_well_conditioned_level_keeps_its_targets(
-            b in prop::collection::vec(-1.0..1.0_f64, 2), angle in 0.3..2.8_f64,
-        ) {
-            let a = DMatrix::from_row_slice(2, 3, &[1.0, 0.0, 0.0, angle.cos(), angle.sin(), 0.0]);
-            let rows = damped(&a, &b);
-            prop_assert_eq!(rows.lower(), &b[..]);
-        }
-
-        #[test]
-        fn what_a_level_above_determines_is_damped_below(
-            gap in 0.0..0.01_f64, b in -1.0..1.0_f64,
-        ) {
-            let mut damping = SingularityDamping::new(0.1, &[1, 1], 2);
-            damping.begin();
-            let mut above = Rows::equalities(&DMatrix::from_row_slice(1, 2, &[1.0, 0.0]), &[0.5]).unwrap();
-            let below = DMatrix::from_row_slice(1, 2, &[1.0, gap]);
-            let mut below = Rows::equalities(&below, &[b]).unwrap();
-            damping.damp(&mut above);
-            damping.damp(&mut below);
-            prop_assert_eq!(above.lower()[0], 0.5);
-            // x₀ = 0.5; what x₁ must add is damped.
-            let needed = (below.lower()[0] - 0.5) / gap.max(1e-12);
-            prop_assert!(needed.abs() <= 3.0);
-        }
-
-        #[test]
-        fn rows_that_contradict_each_other_keep_their_compromise(
-            weight in 0.01..100.0_f64, one in -1.0..1.0_f64, other in -1.0..1.0_f64,
-        ) {
-            let a = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 2.0, 0.0]);
-            let mut rows = Rows::equalities(&a, &[one, 2.0 * other]).unwrap();
-            rows.set_weights(&[weight, 0.25]).unwrap();
-            let mut damping = SingularityDamping::new(0.1, &[2], 2);
-            damping.begin();
-            damping.damp(&mut rows);
-            // With rows of norm one the second weighs 0.25 · 4.
-            let found = (weight * rows.lower()[0] + rows.lower()[1] * 0.5) / (weight + 1.0);
-            let expected = (weight * one + other) / (weight + 1.0);
-            prop_assert!((found - expected).abs() < 1e-6, "{found} for {expected}");
-        }
     }
 }

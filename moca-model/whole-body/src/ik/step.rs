@@ -1,11 +1,13 @@
 //! What a step gave.
 
-use ahqp_core::{LevelId, Objective, Status};
+use std::ops::Range;
+
+use ahqp_core::{LevelId, Rows, Status};
 
 use super::differential::Ik;
-use super::task_level::TaskId;
 use crate::error::Error;
 use crate::limits::joint_intervals::{End, Last, LimitKind};
+use crate::stack::task_level::TaskId;
 
 /// The velocity of one step, and what limited it.
 ///
@@ -24,7 +26,8 @@ pub struct LevelReport<'a> {
     /// Its name.
     pub name: &'a str,
     /// √(Σ wᵢ dᵢ²), dᵢ being how far row i is from its range: zero where all its tasks have the
-    /// velocities that they ask for.
+    /// velocities that they ask for, which near singular configurations they may not get. Zero for
+    /// quadratics.
     pub slack: f64,
 }
 
@@ -97,10 +100,12 @@ impl<'a> Step<'a> {
     /// The levels of tasks, highest priority first.
     pub fn levels(&self) -> impl Iterator<Item = LevelReport<'a>> + use<'a> {
         let (ik, x) = (self.ik, self.variables());
-        ik.levels.iter().filter_map(move |entry| {
-            let level = ik.stack.level(entry.id).ok()?;
-            let slack = level.violation(x).unwrap_or(f64::NAN);
-            Some(LevelReport { id: entry.id, name: &entry.tasks.name, slack })
+        let stacked = ik.stack.stacked().enumerate();
+        let tasks = stacked.filter(|(_, (entry, _))| Some(entry.id) != ik.limits);
+        tasks.map(move |(index, (entry, level))| {
+            let rows = ik.asked_rows(index, level);
+            let slack = rows.map_or(0.0, |rows| violation(rows, 0..rows.len(), x));
+            LevelReport { id: entry.id, name: &entry.tasks.name, slack }
         })
     }
 
@@ -109,20 +114,13 @@ impl<'a> Step<'a> {
     /// # Errors
     /// [`Error::UnknownTask`].
     pub fn slack<T>(&self, task: TaskId<T>) -> Result<f64, Error> {
-        let mut levels = self.ik.levels.iter();
-        let found = levels.find_map(|entry| Some((entry.id, entry.tasks.rows_of(task.number)?)));
-        let (id, range) = found.ok_or(Error::UnknownTask)?;
-        let Objective::LeastSquares(rows) = self.ik.stack.level(id)?.objective() else {
-            return Ok(0.0);
-        };
-        let x = self.variables();
-        let squares = range.filter_map(|index| {
-            let (lower, upper) = (rows.lower().get(index)?, rows.upper().get(index)?);
-            let value: f64 = rows.row(index)?.iter().zip(x).map(|(a, x)| a * x).sum();
-            let distance = (lower - value).max(value - upper).max(0.0);
-            Some(rows.weight(index) * distance * distance)
+        let mut levels = self.ik.stack.stacked().enumerate();
+        let found = levels.find_map(|(index, (entry, level))| {
+            let range = entry.tasks.rows_of(task.number)?;
+            Some((self.ik.asked_rows(index, level)?, range))
         });
-        Ok(squares.sum::<f64>().sqrt())
+        let (rows, range) = found.ok_or(Error::UnknownTask)?;
+        Ok(violation(rows, range, self.variables()))
     }
 
     /// The joints whose velocities are at an end of what their limits allow, each with the limit.
@@ -142,33 +140,41 @@ impl<'a> Step<'a> {
             let last =
                 Last { velocity: velocity - ik.acceleration[entry] * ik.period, acceleration };
             let kind = ik.intervals.kind(entry, end, last, ik.period);
-            Some(ActiveLimit { entry, name: &ik.names[entry], kind, end })
+            Some(ActiveLimit { entry, name: &ik.stack.names()[entry], kind, end })
         })
     }
 
     /// The rows of limits and ranges that are at a bound.
     pub fn active_rows(&self) -> impl Iterator<Item = ActiveRow<'a>> + use<'a> {
-        let (ik, x) = (self.ik, self.variables());
-        ik.limits.iter().chain(&ik.levels).flat_map(move |entry| {
-            let level = ik.stack.level(entry.id).ok();
-            let rows = level.map(|level| match level.objective() {
-                Objective::LeastSquares(rows) => rows,
-                _ => level.constraints(),
-            });
-            rows.into_iter().flat_map(move |rows| {
-                rows.iter().enumerate().filter_map(move |(row, (coefficients, lower, upper))| {
-                    let value: f64 = coefficients.iter().zip(x).map(|(a, x)| a * x).sum();
-                    let near = |bound: f64| (value - bound).abs() <= 1e-9 * (1e-3 + bound.abs());
-                    let end = match (near(lower), near(upper)) {
-                        _ if lower == upper => return None,
-                        (_, true) => End::Upper,
-                        (true, _) => End::Lower,
-                        _ => return None,
-                    };
-                    let task = entry.tasks.task_name(row);
-                    Some(ActiveRow { level: &entry.tasks.name, task, row, end })
-                })
+        let x = self.variables();
+        let levels = self.ik.stack.stacked();
+        let rows = levels.flat_map(|(entry, level)| {
+            let named = entry.tasks.named_rows(level);
+            named.map(move |(rows, names)| (&*entry.tasks.name, rows, names))
+        });
+        rows.flat_map(move |(level, rows, names)| {
+            rows.iter().enumerate().filter_map(move |(row, (coefficients, lower, upper))| {
+                let value: f64 = coefficients.iter().zip(x).map(|(a, x)| a * x).sum();
+                let near = |bound: f64| (value - bound).abs() <= 1e-9 * (1e-3 + bound.abs());
+                let end = match (near(lower), near(upper)) {
+                    _ if lower == upper => return None,
+                    (_, true) => End::Upper,
+                    (true, _) => End::Lower,
+                    _ => return None,
+                };
+                Some(ActiveRow { level, task: names(row), row, end })
             })
         })
     }
+}
+
+/// √(Σ wᵢ dᵢ²) of some rows, dᵢ being how far row i is from its range.
+fn violation(rows: &Rows, range: Range<usize>, x: &[f64]) -> f64 {
+    let squares = range.filter_map(|index| {
+        let (lower, upper) = (rows.lower().get(index)?, rows.upper().get(index)?);
+        let value: f64 = rows.row(index)?.iter().zip(x).map(|(a, x)| a * x).sum();
+        let distance = (lower - value).max(value - upper).max(0.0);
+        Some(rows.weight(index) * distance * distance)
+    });
+    squares.sum::<f64>().sqrt()
 }

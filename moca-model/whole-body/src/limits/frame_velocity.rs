@@ -13,6 +13,9 @@ use crate::tasks::task::{Limit, Task};
 /// Limits how fast a frame moves along, and turns about, each of three axes: |Jᵢ q̇| ≤ limitᵢ.
 ///
 /// A speed limit s of any direction is met by s/√3 along each axis.
+///
+/// Axes turn as the robot moves, and joints need time to change their accelerations: 5 % of the limit
+/// are kept for what is added until they have.
 #[derive(Debug, Clone)]
 pub struct FrameVelocityLimit {
     frame: FrameId,
@@ -58,6 +61,9 @@ impl FrameVelocityLimit {
     }
 }
 
+/// Of a limit, what tasks may use.
+const USED: f64 = 0.95;
+
 fn check(limits: &Vector6<f64>) -> Result<(), Error> {
     match limits.iter().find(|limit| limit.is_nan() || **limit <= 0.0) {
         None => Ok(()),
@@ -89,8 +95,8 @@ impl Task for FrameVelocityLimit {
     ) -> Result<(), Error> {
         let jacobian = input.jacobian(self.frame, self.axes)?;
         for (row, (axis, limit)) in self.limited().enumerate() {
-            rows.set_coefficients(row, jacobian.row(axis).iter());
-            rows.set_range(row, -limit, limit);
+            rows.set_jacobian_row(row, jacobian, axis);
+            rows.set_range(row, -USED * limit, USED * limit);
         }
         Ok(())
     }

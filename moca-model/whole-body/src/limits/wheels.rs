@@ -12,9 +12,11 @@ use crate::tasks::task::{Limit, Task};
 /// Limits how fast each wheel of a planar base turns: |c · (v_x, v_y, ω)| ≤ speed, the velocity
 /// being in the base's own axes.
 ///
-/// It holds exactly where the base's joints have acceleration limits and no jerk limits. Jerk
-/// limits along the world's axes keep a base that turns from taking its velocity along at once; the
-/// wheels then exceed their speed by what is missing.
+/// Jerk limits along the world's axes keep a base that turns from taking its velocity along at
+/// once. Where the base's joints have them, the limit is therefore one that turning does not change:
+/// every wheel keeps its speed whichever way the base looks, |c_xy| ‖v_xy‖ + |c_ω ω| ≤ speed, by a
+/// polygon of 16 sides. Mecanum wheels then lose up to 30 % of their speed along the base's axes. A
+/// base that cannot move sideways cannot have such joints: it is refused.
 ///
 /// ```
 /// use whole_body::WheelLimit;
@@ -76,9 +78,39 @@ impl WheelLimit {
     }
 }
 
+/// Sides of the polygon that stands for a circle, half of them: its rows have two sides.
+const SIDES: u32 = 8;
+
+/// Of a limit, what tasks may use where jerks are limited: several rows at once are come to rest at
+/// with that precision.
+const USED: f64 = 0.98;
+
+/// Whether joints of the base have jerk limits.
+fn has_jerk_limits(model: &Model) -> bool {
+    model.limits().iter().take(3).any(|limits| limits.jerk.is_finite())
+}
+
+impl WheelLimit {
+    /// Rows that hold for every yaw, in world axes, each with its bound.
+    fn rows_of_any_yaw(&self) -> impl Iterator<Item = (Vector3<f64>, f64)> {
+        // Of all wheels the one that is at its limit first, going straight and turning.
+        let most = |part: fn(&Vector3<f64>) -> f64| {
+            let parts = self.wheels.iter().map(|wheel| part(&wheel.coefficients) / wheel.speed);
+            parts.fold(0.0, f64::max)
+        };
+        let (straight, turning) = (most(|c| c.xy().norm()), most(|c| c.z.abs()));
+        (0..SIDES).flat_map(move |side| {
+            let half = std::f64::consts::FRAC_PI_2 / f64::from(SIDES);
+            let (sine, cosine) = (2.0 * half * f64::from(side)).sin_cos();
+            let along = straight / half.cos();
+            [turning, -turning].map(|turn| (Vector3::new(along * cosine, along * sine, turn), USED))
+        })
+    }
+}
+
 impl Task for WheelLimit {
-    fn dimension(&self, _model: &Model) -> usize {
-        self.wheels.len()
+    fn dimension(&self, model: &Model) -> usize {
+        if has_jerk_limits(model) { 2 * SIDES as usize } else { self.wheels.len() }
     }
 
     fn validate(&self, model: &Model) -> Result<(), Error> {
@@ -93,6 +125,9 @@ impl Task for WheelLimit {
                 let (what, expected) = ("the speed of a wheel", "positive and finite");
                 return Err(Error::Parameter { what, value: wheel.speed, expected });
             }
+            if !drives && has_jerk_limits(model) {
+                return Err(Error::SidewaysJerk { robot: model.name().to_owned() });
+            }
         }
         Ok(())
     }
@@ -106,6 +141,13 @@ impl Task for WheelLimit {
         input: &mut TaskInput<'_, '_>,
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error> {
+        if has_jerk_limits(input.posed().model()) {
+            for (row, (coefficients, speed)) in self.rows_of_any_yaw().enumerate() {
+                rows.set_coefficients(row, coefficients.iter());
+                rows.set_range(row, -speed, speed);
+            }
+            return Ok(());
+        }
         let yaw = input.posed().configuration().get(2).copied().unwrap_or_default();
         let (sine, cosine) = yaw.sin_cos();
         for (row, wheel) in self.wheels.iter().enumerate() {

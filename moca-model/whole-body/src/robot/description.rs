@@ -57,6 +57,24 @@ pub struct Description {
     pub gravity: Vector3<f64>,
 }
 
+impl Description {
+    /// The whole URDF on a planar base with these limits along x and y, and of its yaw.
+    ///
+    /// ```
+    /// use whole_body::{Description, LimitOverride};
+    ///
+    /// let linear = LimitOverride::of_speed(1.0, 0.6); // m/s, m/s²
+    /// let angular = LimitOverride::of_speed(2.0, 1.5); // rad/s, rad/s²
+    /// let description = Description::on_planar_base(linear, angular);
+    /// assert_eq!(description.limits[2].0, "base_yaw");
+    /// ```
+    pub fn on_planar_base(linear: LimitOverride, angular: LimitOverride) -> Self {
+        let limits = [("base_x", linear), ("base_y", linear), ("base_yaw", angular)];
+        let limits = limits.map(|(joint, limit)| (joint.to_owned(), limit)).to_vec();
+        Self { base: Base::Planar, limits, ..Self::default() }
+    }
+}
+
 impl Default for Description {
     fn default() -> Self {
         Self {

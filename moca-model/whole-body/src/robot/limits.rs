@@ -75,6 +75,14 @@ pub struct LimitOverride {
     pub effort: Option<f64>,
 }
 
+impl LimitOverride {
+    /// Of the speed \[rad/s or m/s\] and the acceleration \[rad/s² or m/s²\].
+    pub fn of_speed(velocity: f64, acceleration: f64) -> Self {
+        let (velocity, acceleration) = (Some(velocity), Some(acceleration));
+        Self { velocity, acceleration, ..Self::default() }
+    }
+}
+
 /// What becomes of limits of a URDF that cannot be meant: an empty range, a speed or effort that
 /// is not positive, no limits at all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

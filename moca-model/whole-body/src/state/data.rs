@@ -21,6 +21,8 @@ use crate::spatial::{Pose, Spatial};
 #[derive(Debug, Clone)]
 pub struct Data {
     pub(crate) model: u64,
+    /// Whether there has been a configuration.
+    pub(crate) is_posed: bool,
     pub(crate) q: Vec<f64>,
     pub(crate) v: Vec<f64>,
     /// By body: its pose in the world.
@@ -77,6 +79,7 @@ impl Data {
         let still = BodyMotion { velocity: Spatial::ZERO, bias: Spatial::ZERO };
         Self {
             model: model.tag,
+            is_posed: false,
             q: model.neutral(),
             v: vec![0.0; model.velocities],
             poses: vec![Pose::identity(); bodies],

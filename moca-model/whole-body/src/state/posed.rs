@@ -52,6 +52,20 @@ impl Data {
             _ => Pose::identity(),
         };
         place(model, &mut self.poses, &root, q);
+        self.is_posed = true;
+        Ok(Posed { model, data: self })
+    }
+
+    /// The robot at the configuration that [`pose`](Self::pose) was given last; without computing
+    /// it again.
+    ///
+    /// # Errors
+    /// [`Error::ForeignData`]; [`Error::NeverPosed`] before the first configuration.
+    pub fn posed<'a>(&'a mut self, model: &'a Model) -> Result<Posed<'a>, Error> {
+        self.check(model)?;
+        if !self.is_posed {
+            return Err(Error::NeverPosed);
+        }
         Ok(Posed { model, data: self })
     }
 }

@@ -89,6 +89,14 @@ impl Task for AxisTask {
         model.expect_moving(self.frame)
     }
 
+    fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
+        if self.target.is_none() {
+            let rotation = input.posed().placement(self.frame)?.rotation;
+            self.target = Some(rotation * self.axis);
+        }
+        Ok(())
+    }
+
     fn write(
         &mut self,
         input: &mut TaskInput<'_, '_>,

@@ -5,10 +5,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::feedback::Feedback;
 use super::input::TaskInput;
-use super::mask::{Axis, VectorMask};
 use super::rows::TaskRows;
-use super::task::Task;
-use crate::error::{Error, check_finite};
+use super::vector_task::{VectorQuantity, VectorTask};
+use crate::error::Error;
 use crate::kinematics::jacobian::Axes;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
@@ -18,100 +17,48 @@ use crate::robot::model::Model;
 /// \[rad/s\].
 ///
 /// See [`PositionTask`](crate::PositionTask) for an example.
-#[derive(Debug, Clone)]
-pub struct OrientationTask {
-    frame: FrameId,
-    target: Option<(UnitQuaternion<f64>, Vector3<f64>)>,
-    feedback: Feedback,
-    mask: VectorMask,
-}
+pub type OrientationTask = VectorTask<FrameOrientation>;
+
+/// The orientation of a frame.
+#[derive(Debug, Clone, Copy)]
+pub struct FrameOrientation(FrameId);
 
 impl OrientationTask {
     /// Of `frame`, about all axes; the target is to be set before the first step.
     pub fn new(frame: FrameId) -> Self {
-        Self { frame, target: None, feedback: Feedback::ANGULAR, mask: VectorMask::default() }
-    }
-
-    /// With this gain \[1/s\] instead of that of [`Feedback::ANGULAR`].
-    #[must_use]
-    pub fn with_gain(mut self, gain: f64) -> Self {
-        self.feedback.gain = gain;
-        self
-    }
-
-    /// With this feedback instead of [`Feedback::ANGULAR`].
-    #[must_use]
-    pub fn with_feedback(mut self, feedback: Feedback) -> Self {
-        self.feedback = feedback;
-        self
-    }
-
-    /// About these axes of the world only.
-    #[must_use]
-    pub fn with_axes(mut self, axes: &[Axis]) -> Self {
-        self.mask.choose(axes);
-        self
-    }
-
-    /// With weights of the three axes against the other rows of the level.
-    #[must_use]
-    pub fn with_weights(mut self, weights: Vector3<f64>) -> Self {
-        self.mask.weights = weights;
-        self
-    }
-
-    /// The orientation of the frame in the world that is wanted.
-    ///
-    /// # Errors
-    /// [`Error::NotFinite`]; the target is then as before.
-    pub fn set_target(&mut self, orientation: UnitQuaternion<f64>) -> Result<(), Error> {
-        self.set_moving_target(orientation, Vector3::zeros())
-    }
-
-    /// The orientation that is wanted, and the angular velocity at which it turns, in world axes
-    /// \[rad/s\].
-    ///
-    /// # Errors
-    /// [`Error::NotFinite`]; the target is then as before.
-    pub fn set_moving_target(
-        &mut self,
-        orientation: UnitQuaternion<f64>,
-        angular_velocity: Vector3<f64>,
-    ) -> Result<(), Error> {
-        for value in orientation.coords.iter().chain(&angular_velocity) {
-            check_finite(*value, || "a number of the target".to_owned())?;
-        }
-        self.target = Some((orientation, angular_velocity));
-        Ok(())
+        Self::of(FrameOrientation(frame))
     }
 }
 
-impl Task for OrientationTask {
-    fn dimension(&self, _model: &Model) -> usize {
-        self.mask.len()
-    }
+impl VectorQuantity for FrameOrientation {
+    type Value = UnitQuaternion<f64>;
+    const FEEDBACK: Feedback = Feedback::ANGULAR;
 
     fn validate(&self, model: &Model) -> Result<(), Error> {
-        self.feedback.validate()?;
-        self.mask.validate()?;
-        model.expect_moving(self.frame)
+        model.expect_moving(self.0)
     }
 
-    fn write(
+    fn numbers(value: &UnitQuaternion<f64>) -> impl Iterator<Item = f64> {
+        value.coords.iter().copied()
+    }
+
+    fn value(&self, input: &TaskInput<'_, '_>) -> Result<UnitQuaternion<f64>, Error> {
+        Ok(input.posed().world_from(self.0)?.rotation)
+    }
+
+    fn difference(target: &UnitQuaternion<f64>, actual: &UnitQuaternion<f64>) -> Vector3<f64> {
+        rotation_log(&(target * actual.inverse()))
+    }
+
+    fn write_jacobian(
         &mut self,
+        axes: impl Iterator<Item = usize>,
         input: &mut TaskInput<'_, '_>,
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error> {
-        let (target, velocity) = self.target.ok_or(Error::TargetMissing)?;
-        self.feedback.check_period(input.period())?;
-        let actual = input.posed().world_from(self.frame)?.rotation;
-        let error = self.mask.apply(&rotation_log(&(target * actual.inverse())));
-        let velocity = velocity + self.feedback.velocity(&error);
-        let jacobian = input.jacobian(self.frame, Axes::World)?;
-        for (row, axis) in self.mask.iter().enumerate() {
-            rows.set_coefficients(row, jacobian.row(3 + axis).iter());
-            rows.set_target(row, velocity[axis]);
-            rows.set_weight(row, self.mask.weights[axis]);
+        let jacobian = input.jacobian(self.0, Axes::World)?;
+        for (row, axis) in axes.enumerate() {
+            rows.set_jacobian_row(row, jacobian, 3 + axis);
         }
         Ok(())
     }

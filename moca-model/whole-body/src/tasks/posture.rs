@@ -18,6 +18,8 @@ pub struct PostureTask {
     joints: Joints,
     target: Option<Vec<f64>>,
     feedback: Feedback,
+    /// One a joint in the order of the rows, or none.
+    gains: Vec<f64>,
     /// One a joint in the order of the rows; missing ones are 1.
     weights: Vec<f64>,
 }
@@ -31,7 +33,8 @@ enum Joints {
 impl PostureTask {
     /// Of all joints; the target is to be set before the first step.
     pub fn new() -> Self {
-        Self { joints: Joints::All, target: None, feedback: Feedback::JOINT, weights: Vec::new() }
+        let (gains, weights) = (Vec::new(), Vec::new());
+        Self { joints: Joints::All, target: None, feedback: Feedback::JOINT, gains, weights }
     }
 
     /// Of these joints only.
@@ -52,6 +55,14 @@ impl PostureTask {
     #[must_use]
     pub fn with_feedback(mut self, feedback: Feedback) -> Self {
         self.feedback = feedback;
+        self
+    }
+
+    /// With gains of the joints \[1/s\], in the order of the rows, instead of one for all; a joint
+    /// whose gain is zero just rests.
+    #[must_use]
+    pub fn with_gains(mut self, gains: &[f64]) -> Self {
+        self.gains = gains.to_vec();
         self
     }
 
@@ -111,11 +122,25 @@ impl Task for PostureTask {
         if !self.weights.is_empty() {
             check_size("the list of weights", self.weights.len(), self.dimension(model))?;
         }
+        if let Some(&value) = self.gains.iter().find(|gain| !(**gain >= 0.0 && gain.is_finite())) {
+            let (what, expected) = ("a gain", "finite and not negative [1/s]");
+            return Err(Error::Parameter { what, value, expected });
+        }
+        if !self.gains.is_empty() {
+            check_size("the list of gains", self.gains.len(), self.dimension(model))?;
+        }
         Ok(())
     }
 
     fn is_damped(&self) -> bool {
         false
+    }
+
+    fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
+        if self.target.is_none() {
+            self.target = Some(input.posed().configuration().to_vec());
+        }
+        Ok(())
     }
 
     fn write(
@@ -124,14 +149,20 @@ impl Task for PostureTask {
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error> {
         let target = self.target.as_ref().ok_or(Error::TargetMissing)?;
-        self.feedback.check_period(input.period())?;
+        let period = input.period();
+        self.feedback.check_period(period)?;
         let (model, q) = (input.posed().model(), input.posed().configuration());
         check_size("the posture", target.len(), q.len())?;
         for (row, (position, velocity)) in self.entries(model).enumerate() {
             if let Some(entry) = rows.row_mut(row).get_mut(velocity) {
                 *entry = 1.0;
             }
-            rows.set_target(row, self.feedback.speed(target[position] - q[position]));
+            let mut feedback = self.feedback;
+            if let Some(gain) = self.gains.get(row) {
+                feedback.gain = *gain;
+                feedback.check_period(period)?;
+            }
+            rows.set_target(row, feedback.speed(target[position] - q[position]));
             rows.set_weight(row, self.weights.get(row).copied().unwrap_or(1.0));
         }
         Ok(())

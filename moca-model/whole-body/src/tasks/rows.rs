@@ -1,6 +1,7 @@
 //! The rows of one task within those of its level.
 
 use ahqp_core::Rows;
+use nalgebra::Matrix6xX;
 
 /// Where a task writes its rows: a part of the rows of its level.
 ///
@@ -53,6 +54,14 @@ impl<'a> TaskRows<'a> {
     ) {
         let own = self.row_mut(row).iter_mut();
         own.zip(coefficients).for_each(|(own, coefficient)| *own = *coefficient);
+    }
+
+    /// Writes a row of a Jacobian, by columns as it is stored.
+    pub(crate) fn set_jacobian_row(&mut self, row: usize, jacobian: &Matrix6xX<f64>, axis: usize) {
+        let columns = jacobian.as_slice().as_chunks::<6>().0;
+        for (own, column) in self.row_mut(row).iter_mut().zip(columns) {
+            *own = column[axis];
+        }
     }
 
     /// Makes a row an equality `a q̇ = target`.

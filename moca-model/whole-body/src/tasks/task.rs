@@ -18,7 +18,7 @@ use crate::robot::model::Model;
 /// use whole_body::{Error, FrameId, Model, Task, TaskInput, TaskRows, Axes};
 ///
 /// /// Keeps a frame above the height z = 0.
-/// #[derive(Debug)]
+/// #[derive(Debug, Clone)]
 /// struct AboveTheFloor(FrameId);
 ///
 /// impl Task for AboveTheFloor {
@@ -34,7 +34,7 @@ use crate::robot::model::Model;
 ///     }
 /// }
 /// ```
-pub trait Task: Any + Debug + Send {
+pub trait Task: Any + CloneTask + Debug + Send + Sync {
     /// How many rows it writes for this robot; it must not change afterwards.
     fn dimension(&self, model: &Model) -> usize;
 
@@ -52,6 +52,15 @@ pub trait Task: Any + Debug + Send {
         true
     }
 
+    /// Takes what it finds for its target, unless it has one; see
+    /// [`IkBuilder::build_at`](crate::IkBuilder::build_at). A task without a target does nothing.
+    ///
+    /// # Errors
+    /// What keeps it from finding it.
+    fn hold(&mut self, _input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
+        Ok(())
+    }
+
     /// Writes its rows for a configuration. They are zero, with targets of zero and weights of one,
     /// when this is called.
     ///
@@ -62,6 +71,18 @@ pub trait Task: Any + Debug + Send {
         input: &mut TaskInput<'_, '_>,
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error>;
+}
+
+/// A clone behind a box, for stacks that are cloned. Every task that is [`Clone`] has it.
+pub trait CloneTask {
+    /// The clone.
+    fn clone_task(&self) -> Box<dyn Task>;
+}
+
+impl<T: Task + Clone> CloneTask for T {
+    fn clone_task(&self) -> Box<dyn Task> {
+        Box::new(self.clone())
+    }
 }
 
 /// A task whose rows always admit rest, lower ≤ 0 ≤ upper, so that it can be a hard limit too; see

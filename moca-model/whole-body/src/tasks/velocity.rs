@@ -1,5 +1,7 @@
 //! Rows that the caller writes.
 
+use ahqp_core::Rows;
+
 use super::input::TaskInput;
 use super::mask::check_weights;
 use super::rows::TaskRows;
@@ -46,7 +48,19 @@ impl VelocityTask {
         Self { rows: vec![free; rows] }
     }
 
-    /// Writes a row: the coefficients of q̇ (missing ones are zero), and its bounds, of which one
+    /// With these rows, to be [copied](Self::copy_from) over later.
+    pub fn from_rows(rows: &Rows) -> Self {
+        let own = rows.iter().enumerate().map(|(index, (row, lower, upper))| OwnRow {
+            coefficients: row.to_vec(),
+            lower,
+            upper,
+            weight: rows.weight(index),
+        });
+        Self { rows: own.collect() }
+    }
+
+    /// Writes a row: the coefficients of q̇ and of further variables behind it (missing ones are
+    /// zero), and its bounds, of which one
     /// or both may be infinite. Allocates only the first time.
     ///
     /// # Errors
@@ -62,13 +76,38 @@ impl VelocityTask {
         for value in coefficients {
             check_finite(*value, || format!("a coefficient of row {row}"))?;
         }
-        if lower.is_nan() || upper.is_nan() || lower > upper || lower == f64::INFINITY {
-            return Err(Error::RowRange { row, lower, upper });
-        }
+        check_range(row, lower, upper)?;
         let own = self.row(row)?;
         own.coefficients.clear();
         own.coefficients.extend_from_slice(coefficients);
         (own.lower, own.upper) = (lower, upper);
+        Ok(())
+    }
+
+    /// Other bounds of a row.
+    ///
+    /// # Errors
+    /// As [`set_row`](Self::set_row).
+    pub fn set_range(&mut self, row: usize, lower: f64, upper: f64) -> Result<(), Error> {
+        check_range(row, lower, upper)?;
+        let own = self.row(row)?;
+        (own.lower, own.upper) = (lower, upper);
+        Ok(())
+    }
+
+    /// Takes all rows, with their bounds and weights, from those of another crate, such as the
+    /// distances of `hrsw`. Allocates only where it had none of that size.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`] unless there are as many; what is not finite is an error of the step.
+    pub fn copy_from(&mut self, rows: &Rows) -> Result<(), Error> {
+        check_size("the rows to copy", rows.len(), self.rows.len())?;
+        for (index, (own, (row, lower, upper))) in self.rows.iter_mut().zip(rows.iter()).enumerate()
+        {
+            own.coefficients.clear();
+            own.coefficients.extend_from_slice(row);
+            (own.lower, own.upper, own.weight) = (lower, upper, rows.weight(index));
+        }
         Ok(())
     }
 
@@ -100,6 +139,14 @@ impl VelocityTask {
     }
 }
 
+/// An error unless the bounds leave something between them.
+fn check_range(row: usize, lower: f64, upper: f64) -> Result<(), Error> {
+    if lower.is_nan() || upper.is_nan() || lower > upper || lower == f64::INFINITY {
+        return Err(Error::RowRange { row, lower, upper });
+    }
+    Ok(())
+}
+
 impl Task for VelocityTask {
     fn dimension(&self, _model: &Model) -> usize {
         self.rows.len()
@@ -111,11 +158,11 @@ impl Task for VelocityTask {
 
     fn write(
         &mut self,
-        input: &mut TaskInput<'_, '_>,
+        _input: &mut TaskInput<'_, '_>,
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error> {
-        let size = input.posed().model().velocity_count();
         for (index, own) in self.rows.iter().enumerate() {
+            let size = rows.row_mut(index).len();
             if own.coefficients.len() > size {
                 check_size("a row", own.coefficients.len(), size)?;
             }

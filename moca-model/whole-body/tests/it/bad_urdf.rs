@@ -128,6 +128,7 @@ fn what_a_robot_does_not_need_is_ignored() {
 fn elements_and_attributes_that_are_missing_or_wrong() {
     for (from, to, words) in [
         ("<parent link=\"panda_link3\"/>", "", ["panda_joint4", "<parent"]),
+        ("<parent link=\"panda_link3\"/>", "<parent/>", ["<parent>", "`link`"]),
         ("<child link=\"panda_link4\"/>", "<child/>", ["<child>", "`link`"]),
         ("<mass value=\"0.73\"/>", "", ["panda_hand", "<mass"]),
     ] {
@@ -143,6 +144,8 @@ fn elements_and_attributes_that_are_missing_or_wrong() {
         ("<origin xyz=\"0 0 0.333\"/>", "<origin xyz=\"0 0 nan\"/>", "nan"),
         ("<origin xyz=\"0 0 0.333\"/>", "<origin xyz=\"0 1e308 0\"/>", "1e308"),
         ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"1e308 0 0\"/>", "1e308"),
+        ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 nan 1\"/>", "nan"),
+        ("<origin xyz=\"-0.003141 -0.02872 0.003495\"/>", "<origin xyz=\"0 inf 0\"/>", "inf"),
         ("ixx=\"0.001\"", "ixx=\"NaN\"", "`ixx` of <inertia>"),
         ("upper=\"1.7628\"", "upper=\"high\"", "`upper` of <limit>"),
     ] {

@@ -2,7 +2,9 @@
 
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use whole_body::{Commanded, Error, Ik, Leash, Model, PositionTask, PostureTask, TaskId};
+use whole_body::{
+    Commanded, Error, Ik, JointKind, Leash, Model, PositionTask, PostureTask, TaskId,
+};
 
 use crate::support::pose;
 use crate::support::stacks::{PERIOD, Random, panda};
@@ -84,6 +86,39 @@ proptest! {
         // Let go, the robot goes on.
         let apart = measured.iter().zip(robot.position()).map(|(a, b)| (a - b).abs());
         prop_assert!(apart.fold(0.0, f64::max) < 0.1);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// A robot that stops at any moment, at once.
+    #[test]
+    fn a_sudden_stop_is_overrun_by_no_more_than_the_bound(seed in any::<u64>(), begin in 50..900_u32) {
+        let model = panda();
+        let hand = model.frame_id("panda_hand_tcp").unwrap();
+        let (mut robot, position) = robot(&model);
+        let mut random = Random(seed);
+        let shift = Vector3::from_fn(|_, _| random.within(-0.8, 0.8));
+        let goal = pose(&model, &HOME, hand).translation.vector + shift;
+        robot.ik_mut().task_mut(position).unwrap().set_target(goal).unwrap();
+        let bounds = model.limits().iter().map(|limits| {
+            Leash::default().bound(JointKind::Revolute, limits)
+        });
+        let bounds: Vec<f64> = bounds.collect();
+        let mut measured = HOME.to_vec();
+        for tick in 0..1800 {
+            let command = robot.step(&measured, PERIOD);
+            for ((measured, commanded), bound) in measured.iter_mut().zip(command.position).zip(&bounds) {
+                prop_assert!((commanded - *measured).abs() <= *bound);
+                if tick < begin {
+                    *measured += (commanded - *measured) * PERIOD / 0.02;
+                }
+            }
+        }
+        // In the end it waits at the leash.
+        let apart = measured.iter().zip(robot.position()).map(|(a, b)| (a - b).abs());
+        prop_assert!(apart.fold(0.0, f64::max) <= 0.1 + 1e-6);
     }
 }
 

@@ -172,3 +172,101 @@ fn a_step_names_what_limits_it() {
         assert!(seen.contains(&first(kind)), "{kind:?} in {seen:?}");
     }
 }
+
+/// Levels that minimise quadratics, with hard constraints, over variables beside q̇.
+mod quadratics {
+    use nalgebra::{Matrix1, Vector1};
+    use whole_body::{
+        Budget, Data, Error, QuadraticTask, TaskInput, TaskLevel, TaskQuadratic, TaskStack,
+        VariableLayout, Variables,
+    };
+
+    use super::*;
+
+    /// ½ (x − target)².
+    #[derive(Debug, Clone)]
+    struct Near {
+        variable: Variables,
+        target: f64,
+    }
+
+    impl QuadraticTask for Near {
+        fn write(
+            &mut self,
+            _input: &mut TaskInput<'_, '_>,
+            quadratic: &mut TaskQuadratic<'_>,
+        ) -> Result<(), Error> {
+            let range = self.variable.range();
+            quadratic.add(range, &Matrix1::new(1.0), &Vector1::new(-self.target))
+        }
+    }
+
+    #[test]
+    fn are_added_within_constraints_and_traded_against_velocities() {
+        let model = panda();
+        let mut layout = VariableLayout::new(&model);
+        let variable = layout.add("rate", 1);
+        let mut near = TaskLevel::new("near");
+        let one = near.push_quadratic("one", Near { variable: variable.clone(), target: 3.0 });
+        near.push_quadratic("other", Near { variable: variable.clone(), target: 5.0 });
+        // q̇₀ − x = 0, and x ≤ 3.5.
+        let mut rows = VelocityTask::new(2);
+        rows.set_row(0, &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0], 0.0, 0.0).unwrap();
+        rows.set_row(1, &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], f64::NEG_INFINITY, 3.5).unwrap();
+        near.constrain("tied", rows);
+        let levels = vec![near];
+        let mut stack =
+            TaskStack::new(&model, &layout, levels, whole_body::Settings::default()).unwrap();
+        let mut data = Data::new(&model);
+        let mut solve = |stack: &mut TaskStack| {
+            let mut posed = data.pose(&model, &model.neutral()).unwrap();
+            stack.write(&mut posed, &[0.0; 7], PERIOD).unwrap();
+            let x = stack.solve(PERIOD, Budget::default()).unwrap().best().to_vec();
+            (x[0], x[7])
+        };
+        let (velocity, rate) = solve(&mut stack);
+        assert!((velocity - 3.5).abs() < 1e-9 && (rate - 3.5).abs() < 1e-9);
+        // A clone has its own targets, under the same ids.
+        let mut clone = stack.clone();
+        clone.task_mut(one).unwrap().target = 0.0;
+        let (velocity, rate) = solve(&mut clone);
+        assert!((velocity - 2.5).abs() < 1e-9 && (rate - 2.5).abs() < 1e-9);
+        assert!((solve(&mut stack).0 - 3.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn stand_on_levels_of_their_own() {
+        let model = panda();
+        let mut builder = Ik::builder(&model);
+        let variable = builder.variables("rate", 1);
+        let mut level = TaskLevel::new("mixed");
+        level.push_quadratic("near", Near { variable, target: 1.0 });
+        level.push("posture", PostureTask::new());
+        builder.push_level(level);
+        let error = builder.build().unwrap_err();
+        assert!(matches!(error, Error::MixedLevel { .. }), "{error}");
+        assert!(error.to_string().contains("mixed"));
+    }
+}
+
+/// Tasks whose targets were not set keep what they find; those that were set keep them.
+#[test]
+fn build_at_holds_what_has_no_target() {
+    let model = panda();
+    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
+    let start = pose(&model, &q, hand);
+    let mut builder = Ik::builder(&model);
+    let mut reach = PositionTask::new(hand);
+    reach.set_target(start.translation.vector + Vector3::new(0.0, 0.1, 0.0)).unwrap();
+    builder.push("reach", reach);
+    builder.push("orientation", OrientationTask::new(hand));
+    builder.push("posture", PostureTask::new());
+    let mut ik = builder.build_at(&q).unwrap();
+    for _ in 0..2000 {
+        ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
+    }
+    let end = pose(&model, &q, hand);
+    assert!((end.translation.vector - start.translation.vector).y - 0.1 < 1e-6);
+    assert!(end.rotation.angle_to(&start.rotation) < 1e-6);
+}

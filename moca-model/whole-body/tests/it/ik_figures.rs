@@ -1,10 +1,11 @@
 //! The figures that the documentation states: a Panda on a circle.
 
 use nalgebra::{Point3, Vector3};
-use whole_body::{Ik, OrientationTask, PositionTask, PostureTask};
+use whole_body::{Ik, Model, OrientationTask, PositionTask, PostureTask};
 
+use crate::support::monitor::Monitor;
 use crate::support::pose;
-use crate::support::stacks::{PERIOD, panda};
+use crate::support::stacks::{PERIOD, panda, panda_of_acceleration};
 
 const HOME: [f64; 7] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
 
@@ -26,11 +27,14 @@ fn smooth(s: f64) -> f64 {
 
 /// Circles of 0.1 m in the y-z plane: up to speed within a second, from 6 to 6.5 s down to a tenth.
 fn circle(time_of_round: f64) -> Errors {
-    let model = panda();
+    circle_of(&panda(), time_of_round)
+}
+
+fn circle_of(model: &Model, time_of_round: f64) -> Errors {
     let hand = model.frame_id("panda_hand_tcp").unwrap();
     let mut q = HOME.to_vec();
-    let start = pose(&model, &q, hand);
-    let mut builder = Ik::builder(&model);
+    let start = pose(model, &q, hand);
+    let mut builder = Ik::builder(model);
     let position = builder.push("position", PositionTask::new(hand));
     let orientation = builder.push("orientation", OrientationTask::new(hand));
     let posture = builder.push("posture", PostureTask::new());
@@ -44,6 +48,7 @@ fn circle(time_of_round: f64) -> Errors {
         late_orientation: 0.0,
         saturated: 0,
     };
+    let mut monitor = Monitor::new(model, &q);
     let mut angle = 0.0_f64;
     for tick in 0..8500 {
         let time = f64::from(tick) * PERIOD;
@@ -51,7 +56,7 @@ fn circle(time_of_round: f64) -> Errors {
             * (smooth(time) - 0.9 * smooth((time - 6.0) / 0.5));
         let (sine, cosine) = angle.sin_cos();
         let target = start.translation.vector + 0.1 * Vector3::new(0.0, sine, cosine - 1.0);
-        let now = pose(&model, &q, hand);
+        let now = pose(model, &q, hand);
         let apart = (now.translation.vector - target).norm();
         let turned = now.rotation.angle_to(&start.rotation);
         errors.position = errors.position.max(apart);
@@ -66,6 +71,7 @@ fn circle(time_of_round: f64) -> Errors {
         let step = ik.step(&q, PERIOD).unwrap();
         errors.saturated += step.active_limits().count();
         step.integrate(&mut q).unwrap();
+        monitor.check(&q);
         angle += rate * PERIOD;
     }
     errors
@@ -98,4 +104,16 @@ fn where_joints_saturate_the_position_comes_first() {
             "{round}: {errors:?}"
         );
     }
+}
+
+/// At 1 s a round, joints whose accelerations are limited to 0.7 of a Panda's saturate; limited to a
+/// half they cannot keep the position either.
+#[test]
+fn where_accelerations_saturate_the_position_comes_first() {
+    let errors = circle_of(&panda_of_acceleration(0.7), 1.0);
+    assert!(errors.saturated > 1000, "{errors:?}");
+    assert!(errors.position < 5e-4 && errors.orientation > 0.02, "{errors:?}");
+    assert!(errors.late_orientation < 1e-3 && errors.late_position < 1e-4, "{errors:?}");
+    let errors = circle_of(&panda_of_acceleration(0.5), 1.0);
+    assert!(errors.late_orientation < 1e-3 && errors.late_position < 1e-4, "{errors:?}");
 }

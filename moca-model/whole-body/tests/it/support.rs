@@ -1,5 +1,6 @@
 //! Random trees, written as URDF, with states.
 
+pub(crate) mod monitor;
 pub(crate) mod stacks;
 
 use std::fmt::Write as _;

@@ -11,22 +11,22 @@ pub(crate) fn panda() -> Model {
     Model::from_urdf(urdf, &Description::default()).unwrap()
 }
 
+/// A Panda whose joints may have this share of their accelerations.
+pub(crate) fn panda_of_acceleration(share: f64) -> Model {
+    let urdf = include_str!("../../../examples/urdf/panda.urdf");
+    let model = panda();
+    let limits = model.joints().iter().zip(model.limits()).map(|(joint, limits)| {
+        let acceleration = Some(share * limits.acceleration);
+        (joint.name.clone(), LimitOverride { acceleration, ..LimitOverride::default() })
+    });
+    let description = Description { limits: limits.collect(), ..Description::default() };
+    Model::from_urdf(urdf, &description).unwrap()
+}
+
 pub(crate) fn two_arms() -> Model {
     let urdf = include_str!("../../../examples/urdf/two_arms.urdf");
-    let wheels = |velocity, acceleration| LimitOverride {
-        velocity: Some(velocity),
-        acceleration: Some(acceleration),
-        ..LimitOverride::default()
-    };
-    let description = Description {
-        base: Base::Planar,
-        limits: vec![
-            ("base_x".into(), wheels(1.0, 1.0)),
-            ("base_y".into(), wheels(1.0, 1.0)),
-            ("base_yaw".into(), wheels(2.0, 3.0)),
-        ],
-        ..Description::default()
-    };
+    let (linear, angular) = (LimitOverride::of_speed(1.0, 1.0), LimitOverride::of_speed(2.0, 3.0));
+    let description = Description::on_planar_base(linear, angular);
     Model::from_urdf(urdf, &description).unwrap()
 }
 
@@ -88,7 +88,7 @@ impl Random {
 pub(crate) type Recorded = Arc<Mutex<Vec<(Vec<f64>, f64, f64)>>>;
 
 /// A task of a user's own: another task, and a record of what it writes.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Recording<T> {
     pub(crate) task: T,
     pub(crate) rows: Recorded,
@@ -101,7 +101,7 @@ impl<T: Task> Recording<T> {
     }
 }
 
-impl<T: Task> Task for Recording<T> {
+impl<T: Task + Clone> Task for Recording<T> {
     fn dimension(&self, model: &Model) -> usize {
         self.task.dimension(model)
     }
@@ -126,7 +126,11 @@ impl<T: Task> Task for Recording<T> {
 }
 
 /// The rows that a task writes at q.
-pub(crate) fn rows_at<T: Task>(model: &Model, task: T, q: &[f64]) -> Vec<(Vec<f64>, f64, f64)> {
+pub(crate) fn rows_at<T: Task + Clone>(
+    model: &Model,
+    task: T,
+    q: &[f64],
+) -> Vec<(Vec<f64>, f64, f64)> {
     let (task, rows) = Recording::new(task);
     let mut builder = Ik::builder(model);
     builder.push("task", task);

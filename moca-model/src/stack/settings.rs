@@ -1,0 +1,75 @@
+//! What does not change from tick to tick.
+
+use ahqp_core::Budget;
+use hrsw::Softening;
+use nalgebra::Vector6;
+use whole_body::{Feedback, PostureTask};
+
+use crate::error::Error;
+use crate::motion_limits::MecanumBase;
+
+/// How the joints spread what no other level decides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PostureSettings {
+    /// Preferred configuration \[m or rad\]; joints without a gain ignore it.
+    pub configuration: Vec<f64>,
+    /// Rate at which a joint returns to it \[1/s\]; zero for joints that should just rest.
+    pub gain: Vec<f64>,
+    /// Weight of a joint against the others \[-\].
+    pub weight: Vec<f64>,
+}
+
+/// What does not change from tick to tick.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StackSettings {
+    /// The diagonal of K_p \[1/s\].
+    pub gain: Vector6<f64>,
+    /// Δt of the inverse kinematics \[s\].
+    pub period: f64,
+    /// τ of workspace and goal \[s\].
+    pub horizon: f64,
+    /// How the workspace gives way.
+    pub softening: Softening,
+    /// The wheel limit.
+    pub base: Option<MecanumBase>,
+    /// The last level.
+    pub posture: PostureSettings,
+    /// What the solve of a tick may cost.
+    pub budget: Budget,
+}
+
+impl PostureSettings {
+    pub(super) fn check(&self, joints: usize) -> Result<(), Error> {
+        for (what, values) in [
+            ("posture.configuration", &self.configuration),
+            ("posture.gain", &self.gain),
+            ("posture.weight", &self.weight),
+        ] {
+            if values.len() != joints {
+                return Err(Error::JointCount { what, found: values.len(), expected: joints });
+            }
+            if let Some(&value) = values.iter().find(|value| !value.is_finite()) {
+                return Err(Error::Setting { name: what, value, expected: "finite" });
+            }
+        }
+        for (name, values) in [("posture.gain", &self.gain), ("posture.weight", &self.weight)] {
+            if let Some(&value) = values.iter().find(|&&value| value < 0.0) {
+                return Err(Error::Setting { name, value, expected: "not negative" });
+            }
+        }
+        Ok(())
+    }
+
+    /// wᵢ q̇ᵢ = wᵢ gainᵢ (goalᵢ − qᵢ).
+    pub(super) fn task(&self) -> Result<PostureTask, Error> {
+        let squares: Vec<f64> = self.weight.iter().map(|weight| weight * weight).collect();
+        // Straight to the goal: the joints' limits alone decide how fast it may be left again.
+        let feedback = Feedback { deceleration: f64::INFINITY, ..Feedback::JOINT };
+        let mut task = PostureTask::new()
+            .with_feedback(feedback)
+            .with_gains(&self.gain)
+            .with_weights(&squares);
+        task.set_target(&self.configuration)?;
+        Ok(task)
+    }
+}

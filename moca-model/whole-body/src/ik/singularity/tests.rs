@@ -1,0 +1,131 @@
+//! Damping against singular value decompositions.
+
+use nalgebra::{DMatrix, DVector};
+use proptest::prelude::*;
+
+use super::*;
+
+fn damping(levels: &[usize], columns: usize) -> SingularityDamping {
+    let mut damping = SingularityDamping::new(0.1, levels, columns);
+    damping.begin();
+    damping
+}
+
+/// The rows after damping, and whether it changed them.
+fn damped(a: &DMatrix<f64>, b: &[f64]) -> (Rows, bool) {
+    let (mut rows, mut asked) = (Rows::equalities(a, b).unwrap(), Rows::equalities(a, b).unwrap());
+    let changed = damping(&[a.nrows()], a.ncols()).damp(&mut rows, &mut asked);
+    (rows, changed)
+}
+
+/// Aᵀ W A and Aᵀ W b of rows, b being the middle of their ranges.
+fn normal_equations(rows: &Rows) -> (DMatrix<f64>, DVector<f64>) {
+    let n = rows.columns();
+    let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    for (index, (row, lower, upper)) in rows.iter().enumerate() {
+        let row = DVector::from_column_slice(row);
+        matrix += rows.weight(index) * &row * row.transpose();
+        right += rows.weight(index) * 0.5 * (lower + upper) * row;
+    }
+    (matrix, right)
+}
+
+/// Half the width of the widest range.
+fn widest(rows: &Rows) -> f64 {
+    rows.iter().map(|(_, lower, upper)| 0.5 * (upper - lower)).fold(0.0, f64::max)
+}
+
+proptest! {
+    #[test]
+    fn targets_are_given_up_along_singular_directions(
+        entries in prop::collection::vec(-1.0..1.0_f64, 3 * 6),
+        b in prop::collection::vec(-1.0..1.0_f64, 3), closeness in 1e-6..1.0_f64,
+    ) {
+        let mut a = DMatrix::from_row_slice(3, 6, &entries);
+        let near = a.row(0) + a.row(2) * closeness;
+        a.set_row(2, &near);
+        prop_assume!(a.row_iter().all(|row| row.norm() > 0.1));
+        let (rows, _) = damped(&a, &b);
+        // By the singular value decomposition of the rows as they weigh, for w = 1.
+        let scale = DVector::from_iterator(3, a.row_iter().map(|row| row.norm()));
+        let unit = DMatrix::from_fn(3, 6, |i, j| a[(i, j)] / scale[i]);
+        let inverses = unit.singular_values().map(|sigma| 1.0 / (sigma * sigma));
+        let closeness = 1.0 / (inverses.sum() * 0.01);
+        let right = DVector::from_iterator(3, b.iter().zip(&scale).map(|(b, scale)| b / scale));
+        let speed = (unit.clone().pseudo_inverse(1e-12).unwrap() * &right).norm_squared();
+        let mu = (0.1_f64 / 12.0).powi(2)
+            + (0.25 * right.norm_squared() + right.norm() / 5.0) * (1.0 - 1.0 / speed.max(1.0));
+        let svd = (&a / scale.max()).svd(true, false);
+        let u = svd.u.unwrap();
+        let mut parts = u.transpose() * DVector::from_column_slice(&b);
+        for (part, sigma) in parts.iter_mut().zip(&svd.singular_values) {
+            let square = mu * (1.0 - closeness).max(0.0);
+            *part *= 1.0 - (square / (square + sigma * sigma)).powi(3);
+        }
+        let (matrix, found) = normal_equations(&rows);
+        prop_assert!((matrix - a.transpose() * &a).norm() < 1e-7);
+        prop_assert!((found - a.transpose() * u * parts).norm() < 1e-7);
+        // Only what is nearly lost is handed over.
+        let least = svd.singular_values.min();
+        let share = ((9.0 - closeness / 0.01) / 8.0).clamp(0.0, 1.0);
+        let room = 0.05 * share * least * (1.0 - least / 0.01).max(0.0);
+        prop_assert!((widest(&rows) - room).abs() < 1e-7);
+    }
+
+    #[test]
+    fn a_well_conditioned_level_keeps_its_targets(
+        b in prop::collection::vec(-1.0..1.0_f64, 2), angle in 0.3..2.8_f64,
+    ) {
+        let a = DMatrix::from_row_slice(2, 3, &[1.0, 0.0, 0.0, angle.cos(), angle.sin(), 0.0]);
+        let (rows, changed) = damped(&a, &b);
+        prop_assert_eq!(rows, Rows::equalities(&a, &b).unwrap());
+        prop_assert!(!changed);
+    }
+
+    #[test]
+    fn what_a_level_above_determines_is_damped_below(
+        gap in 1e-9..0.01_f64, b in -1.0..1.0_f64,
+    ) {
+        let mut damping = damping(&[1, 1], 2);
+        let mut above = Rows::equalities(&DMatrix::from_row_slice(1, 2, &[1.0, 0.0]), &[0.5]).unwrap();
+        let mut below = Rows::equalities(&DMatrix::from_row_slice(1, 2, &[1.0, gap]), &[b]).unwrap();
+        let mut asked = above.clone();
+        damping.damp(&mut above, &mut asked);
+        prop_assert!(damping.damp(&mut below, &mut asked));
+        prop_assert_eq!(above.lower()[0], 0.5);
+        prop_assert_eq!(asked.lower()[0], b);
+        // x₀ = 0.5; what x₁ must add is damped, and may be more or less at will.
+        let row = below.row(0).unwrap();
+        for bound in [below.lower()[0], below.upper()[0]] {
+            prop_assert!(((bound - 0.5 * row[0]) / row[1]).abs() <= 3.1);
+        }
+    }
+
+    #[test]
+    fn rows_that_contradict_each_other_keep_their_compromise(
+        weight in 0.01..100.0_f64, one in -1.0..1.0_f64, other in -1.0..1.0_f64,
+    ) {
+        let a = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 2.0, 0.0]);
+        let mut rows = Rows::equalities(&a, &[one, 2.0 * other]).unwrap();
+        rows.set_weights(&[weight, 0.25]).unwrap();
+        let mut asked = rows.clone();
+        damping(&[2], 2).damp(&mut rows, &mut asked);
+        // With rows of norm one the second weighs 0.25 · 4.
+        let (matrix, right) = normal_equations(&rows);
+        let found = right[0] / matrix[(0, 0)];
+        let expected = (weight * one + other) / (weight + 1.0);
+        prop_assert!((found - expected).abs() < 1e-6, "{found} for {expected}");
+    }
+
+    #[test]
+    fn eigenvectors_take_a_matrix_apart(entries in prop::collection::vec(-1.0..1.0_f64, 5 * 5)) {
+        let half = DMatrix::from_row_slice(5, 5, &entries);
+        let matrix = &half * half.transpose();
+        let (mut values, mut vectors) = (matrix.as_slice().to_vec(), vec![0.0; 25]);
+        eigenvectors(&mut values, 5, &mut vectors);
+        let vectors = DMatrix::from_row_slice(5, 5, &vectors);
+        let values = DMatrix::from_diagonal(&DMatrix::from_row_slice(5, 5, &values).diagonal());
+        prop_assert!((vectors.transpose() * values * &vectors - matrix).norm() < 1e-12);
+        prop_assert!((&vectors * vectors.transpose() - DMatrix::identity(5, 5)).norm() < 1e-12);
+    }
+}

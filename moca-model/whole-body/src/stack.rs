@@ -1,0 +1,5 @@
+mod changes;
+mod level_tasks;
+mod row_tasks;
+pub(crate) mod task_level;
+pub(crate) mod task_stack;

@@ -1,0 +1,117 @@
+//! Tasks whose rows stand one behind the other.
+
+use std::any::Any;
+use std::ops::Range;
+
+use ahqp_core::Rows;
+
+use super::task_level::Named;
+use crate::error::Error;
+use crate::robot::model::Model;
+use crate::tasks::input::TaskInput;
+use crate::tasks::rows::TaskRows;
+use crate::tasks::task::Task;
+
+/// Tasks with their places in the rows of a level.
+#[derive(Debug, Clone)]
+pub(super) struct RowTasks {
+    entries: Vec<TaskEntry>,
+    weights: Vec<f64>,
+}
+
+#[derive(Debug, Clone)]
+struct TaskEntry {
+    named: Named<dyn Task>,
+    first: usize,
+    count: usize,
+}
+
+impl RowTasks {
+    /// Checks the tasks and gives each its rows.
+    pub(super) fn new(
+        tasks: Vec<Named<dyn Task>>,
+        level: &str,
+        model: &Model,
+    ) -> Result<Self, Error> {
+        let mut entries = Vec::with_capacity(tasks.len());
+        let mut first = 0;
+        for named in tasks {
+            let count = named.task.dimension(model);
+            let check = named.task.validate(model);
+            let check = check.and(if count > 0 { Ok(()) } else { Err(Error::NoRows) });
+            check.map_err(|error| in_task(error, &named.name, level))?;
+            entries.push(TaskEntry { named, first, count });
+            first += count;
+        }
+        Ok(Self { entries, weights: vec![1.0; first] })
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.weights.len()
+    }
+
+    pub(super) fn is_damped(&self) -> bool {
+        self.entries.iter().any(|entry| entry.named.task.is_damped())
+    }
+
+    /// Zero rows over so many variables, with the tasks' names.
+    pub(super) fn rows(&self, columns: usize) -> Result<Rows, Error> {
+        let names = self.entries.iter().flat_map(|entry| {
+            let name = &entry.named.name;
+            (0..entry.count).map(move |row| {
+                if entry.count == 1 { name.to_string() } else { format!("{name} {row}") }
+            })
+        });
+        let mut rows = Rows::zeros(self.len(), columns).with_names(names.collect::<Vec<_>>())?;
+        rows.set_weights(&self.weights)?;
+        Ok(rows)
+    }
+
+    /// Lets each task write its rows.
+    pub(super) fn write(
+        &mut self,
+        level: &str,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut Rows,
+    ) -> Result<(), Error> {
+        for entry in &mut self.entries {
+            let mut own = TaskRows::new(rows, &mut self.weights, entry.first, entry.count);
+            own.clear();
+            let written = entry.named.task.write(input, &mut own);
+            written.map_err(|error| in_task(error, &entry.named.name, level))?;
+        }
+        if rows.weights() != Some(&self.weights) {
+            rows.set_weights(&self.weights)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn hold(&mut self, level: &str, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
+        for TaskEntry { named, .. } in &mut self.entries {
+            named.task.hold(input).map_err(|error| in_task(error, &named.name, level))?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn task_mut(&mut self, number: u64) -> Option<&mut dyn Any> {
+        let entry = self.entries.iter_mut().find(|entry| entry.named.number == number)?;
+        Some(entry.named.task.as_mut())
+    }
+
+    /// The rows of a task.
+    pub(super) fn rows_of(&self, number: u64) -> Option<Range<usize>> {
+        let entry = self.entries.iter().find(|entry| entry.named.number == number)?;
+        Some(entry.first..entry.first + entry.count)
+    }
+
+    /// The name of the task that a row belongs to.
+    pub(super) fn task_name(&self, row: usize) -> &str {
+        let entry = self.entries.iter().find(|entry| row < entry.first + entry.count);
+        entry.map_or("", |entry| &entry.named.name)
+    }
+}
+
+#[cold]
+pub(super) fn in_task(error: Error, task: &str, level: &str) -> Error {
+    Error::InTask { task: task.to_owned(), level: level.to_owned(), source: Box::new(error) }
+}

@@ -1,0 +1,195 @@
+//! Levels of tasks and their solver.
+
+use std::any::Any;
+use std::sync::Arc;
+
+use ahqp_core::{Budget, ContinuousStack, Hierarchy, Level, LevelId, Settings, Solution};
+
+use super::level_tasks::{LevelTasks, StackedLevel};
+use super::task_level::{TaskId, TaskLevel};
+
+use crate::error::Error;
+use crate::robot::model::Model;
+use crate::state::posed::Posed;
+use crate::tasks::input::{JacobianMemory, TaskInput};
+use crate::tasks::variables::VariableLayout;
+
+/// Levels of tasks over q̇ and further variables, and their solver: lexicographically minimise the
+/// levels, highest priority first, within bounds that the caller gives and the constraints of the
+/// levels.
+///
+/// An [`Ik`](crate::Ik) is such a stack within the limits of a robot. Take the stack itself where
+/// bounds come from elsewhere, or tasks trade velocities against other variables.
+///
+/// ```
+/// use whole_body::{Budget, Data, PostureTask, TaskLevel, TaskStack, VariableLayout};
+/// # use whole_body::{Description, Model};
+/// # let model = Model::from_urdf(r#"<robot name="one"><link name="base"/><link name="tip"/>
+/// #   <joint name="hinge" type="continuous"><parent link="base"/><child link="tip"/></joint>
+/// #   </robot>"#, &Description::default())?;
+/// let mut level = TaskLevel::new("posture");
+/// let posture = level.push("posture", PostureTask::new());
+/// let mut stack =
+///     TaskStack::new(&model, &VariableLayout::new(&model), vec![level], Default::default())?;
+/// stack.task_mut(posture)?.set_target(&[0.5])?;
+///
+/// let mut data = Data::new(&model);
+/// let (lower, upper) = stack.bounds_mut();
+/// (lower[0], upper[0]) = (-0.1, 0.1); // rad/s
+/// stack.write(&mut data.pose(&model, &[0.0])?, &[0.0], 1e-3)?;
+/// assert!((stack.solve(1e-3, Budget::default())?.best()[0] - 0.1).abs() < 1e-12);
+/// # Ok::<(), whole_body::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct TaskStack {
+    pub(super) model: Model,
+    pub(super) solver: ContinuousStack,
+    /// By priority; those that are being removed come last.
+    pub(super) levels: Vec<StackedLevel>,
+    /// Of all variables.
+    names: Vec<Arc<str>>,
+    jacobian: JacobianMemory,
+}
+
+impl TaskStack {
+    /// Of these levels, highest priority first, over the variables of a layout. Bounds are infinite
+    /// at first.
+    ///
+    /// # Errors
+    /// [`Error::EmptyLevel`], [`Error::MixedLevel`], [`Error::NameTaken`]; [`Error::InTask`] for a
+    /// task that this robot cannot do; those of the solver's settings.
+    pub fn new(
+        model: &Model,
+        variables: &VariableLayout,
+        levels: Vec<TaskLevel>,
+        settings: Settings,
+    ) -> Result<Self, Error> {
+        let names = variables.names().to_vec();
+        let mut hierarchy = Hierarchy::new(names.len())?;
+        hierarchy.name_variables(names.iter().cloned())?;
+        let mut stacked: Vec<StackedLevel> = Vec::with_capacity(levels.len());
+        for level in levels {
+            let tasks = LevelTasks::new(level, model)?;
+            if stacked.iter().any(|other| other.tasks.name == tasks.name) {
+                return Err(Error::NameTaken { element: "level", name: tasks.name.to_string() });
+            }
+            stacked.push(StackedLevel { id: hierarchy.push(tasks.level(names.len())?)?, tasks });
+        }
+        Ok(Self {
+            solver: ContinuousStack::new(&hierarchy, settings)?,
+            jacobian: JacobianMemory::new(model.velocity_count()),
+            model: model.clone(),
+            levels: stacked,
+            names,
+        })
+    }
+
+    /// The bounds of all variables, to rewrite in place: `(lower, upper)`.
+    pub fn bounds_mut(&mut self) -> (&mut [f64], &mut [f64]) {
+        self.solver.bounds_mut()
+    }
+
+    /// Lets the tasks write their data for a robot at a configuration that has moved at `velocity`
+    /// (of the size of q̇), for the next `period` \[s\]. Allocates nothing, unless it returns an
+    /// error.
+    ///
+    /// # Errors
+    /// [`Error::ForeignData`] for another robot; [`Error::WrongSize`] for the velocity;
+    /// [`Error::InTask`], with the names of task and level, such as a target that was never set.
+    pub fn write(
+        &mut self,
+        posed: &mut Posed<'_>,
+        velocity: &[f64],
+        period: f64,
+    ) -> Result<(), Error> {
+        posed.data.check(&self.model)?;
+        crate::error::check_size("q̇", velocity.len(), self.model.velocity_count())?;
+        self.write_with(posed, velocity, period, |_, _| {})
+    }
+
+    /// The same, telling `each` of every level that was written, highest priority first.
+    pub(crate) fn write_with(
+        &mut self,
+        posed: &mut Posed<'_>,
+        velocity: &[f64],
+        period: f64,
+        mut each: impl FnMut(usize, &mut Level),
+    ) -> Result<(), Error> {
+        self.jacobian.forget();
+        let mut input = TaskInput::new(posed, velocity, period, &mut self.jacobian);
+        let changing = self.solver.is_changing();
+        for (index, StackedLevel { id, tasks }) in self.levels.iter_mut().enumerate() {
+            match self.solver.activation(*id) {
+                Ok(activation) if activation > 0.0 || changing => {}
+                _ => continue,
+            }
+            let level = self.solver.level_mut(*id)?;
+            tasks.write(&mut input, level)?;
+            each(index, level);
+        }
+        Ok(())
+    }
+
+    /// Lets tasks whose targets were never set keep what they find.
+    ///
+    /// # Errors
+    /// [`Error::ForeignData`] for another robot; [`Error::InTask`].
+    pub fn hold(&mut self, posed: &mut Posed<'_>) -> Result<(), Error> {
+        posed.data.check(&self.model)?;
+        self.jacobian.forget();
+        let mut input = TaskInput::new(posed, &[], 0.0, &mut self.jacobian);
+        self.levels.iter_mut().try_for_each(|level| level.tasks.hold(&mut input))
+    }
+
+    /// The variables that are best for what was written, `period` seconds after the last solution,
+    /// as far as a budget allows: q̇, then the further variables. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::Hierarchy`] for data that are not finite, or constraints that cannot hold together.
+    pub fn solve(&mut self, period: f64, budget: Budget) -> Result<&Solution, Error> {
+        Ok(self.solver.solve_within(period, budget)?)
+    }
+
+    /// The last solution; none before the first.
+    pub fn solution(&self) -> Option<&Solution> {
+        self.solver.solution()
+    }
+
+    /// A task, to set its target.
+    ///
+    /// # Errors
+    /// [`Error::UnknownTask`] for the id of another stack, or of a level that was removed.
+    pub fn task_mut<T: Any>(&mut self, id: TaskId<T>) -> Result<&mut T, Error> {
+        let found = self.levels.iter_mut().find_map(|level| level.tasks.task_mut(id.number));
+        found.and_then(|task| task.downcast_mut()).ok_or(Error::UnknownTask)
+    }
+
+    /// The robot.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The names of all variables: joints, then further ones.
+    pub fn names(&self) -> &[Arc<str>] {
+        &self.names
+    }
+
+    /// The ids of the levels with their names, highest priority first, without those that are being
+    /// removed.
+    pub fn levels(&self) -> impl Iterator<Item = (LevelId, &str)> {
+        let named = |id| {
+            let level = self.levels.iter().find(|level| level.id == id)?;
+            Some((id, &*level.tasks.name))
+        };
+        self.solver.ids().filter_map(named)
+    }
+
+    /// The levels with their tasks and data, those that are being removed among them.
+    pub(crate) fn stacked(&self) -> impl Iterator<Item = (&StackedLevel, &Level)> {
+        self.levels.iter().filter_map(|entry| Some((entry, self.solver.level(entry.id).ok()?)))
+    }
+
+    pub(crate) fn solver_mut(&mut self) -> &mut ContinuousStack {
+        &mut self.solver
+    }
+}

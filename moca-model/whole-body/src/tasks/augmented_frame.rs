@@ -1,0 +1,130 @@
+//! A frame after a desired pose whose velocity is itself a variable.
+
+use ahqp_core::{PoseAxes, pose_error};
+use nalgebra::{Isometry3, Vector6};
+
+use super::input::TaskInput;
+use super::rows::TaskRows;
+use super::task::Task;
+use super::variables::Variables;
+use crate::error::{Error, check_finite, check_size};
+use crate::kinematics::jacobian::Axes;
+use crate::robot::frame::FrameId;
+use crate::robot::model::Model;
+
+/// The augmented closed-loop inverse kinematics of Tassi et al.: the frame follows a desired pose
+/// x_d whose velocity ẋ_d is a further variable, for levels below to choose:
+/// J q̇ − (I + K_p Δt) ẋ_d = K_p (x_d − x) (the paper's eq. 4), Δt being the period of the step. Up
+/// to six rows, in world axes, linear \[m/s\] then angular \[rad/s\].
+///
+/// ```
+/// use nalgebra::Isometry3;
+/// use whole_body::{AugmentedFrameTask, VariableLayout};
+/// # use whole_body::{Description, Model};
+/// # let model = Model::from_urdf(r#"<robot name="slide"><link name="base"/><link name="hand"/>
+/// #   <joint name="j" type="prismatic"><parent link="base"/><child link="hand"/><axis xyz="1 0 0"/>
+/// #   <limit lower="0" upper="1" velocity="1" effort="1"/></joint></robot>"#, &Description::default())?;
+/// let mut layout = VariableLayout::new(&model);
+/// let desired = layout.add("desired twist", 6);
+/// let mut task = AugmentedFrameTask::new(model.frame_id("hand")?, &desired);
+/// task.set_desired(Isometry3::translation(0.4, 0.0, 0.0))?; // x_d of the tick before
+/// # Ok::<(), whole_body::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct AugmentedFrameTask {
+    frame: FrameId,
+    desired_twist: Variables,
+    desired: Option<Isometry3<f64>>,
+    gains: Vector6<f64>,
+    coordinates: PoseAxes,
+}
+
+impl AugmentedFrameTask {
+    /// Of `frame`, in all coordinates, with ẋ_d as these variables and gains of 20 1/s; x_d is to be
+    /// set before the first step.
+    pub fn new(frame: FrameId, desired_twist: &Variables) -> Self {
+        let (gains, coordinates) = (Vector6::repeat(20.0), PoseAxes::ALL);
+        Self { frame, desired_twist: desired_twist.clone(), desired: None, gains, coordinates }
+    }
+
+    /// With the diagonal of K_p \[1/s\], each at most one over the period.
+    #[must_use]
+    pub fn with_gains(mut self, gains: Vector6<f64>) -> Self {
+        self.gains = gains;
+        self
+    }
+
+    /// These coordinates only; ẋ_d has one variable for each.
+    #[must_use]
+    pub fn with_coordinates(mut self, coordinates: PoseAxes) -> Self {
+        self.coordinates = coordinates;
+        self
+    }
+
+    /// x_d of the tick before; the next one is where ẋ_d takes it
+    /// ([`integrate_pose`](ahqp_core::integrate_pose)).
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; it is then as before.
+    pub fn set_desired(&mut self, pose: Isometry3<f64>) -> Result<(), Error> {
+        for value in pose.translation.vector.iter().chain(pose.rotation.coords.iter()) {
+            check_finite(*value, || "a number of the desired pose".to_owned())?;
+        }
+        self.desired = Some(pose);
+        Ok(())
+    }
+}
+
+impl Task for AugmentedFrameTask {
+    fn dimension(&self, _model: &Model) -> usize {
+        self.coordinates.len()
+    }
+
+    fn validate(&self, model: &Model) -> Result<(), Error> {
+        let gains = self.coordinates.iter().map(|axis| self.gains[axis]);
+        if let Some(value) = gains.into_iter().find(|gain| !(*gain > 0.0 && gain.is_finite())) {
+            let (what, expected) = ("a gain", "positive and finite [1/s]");
+            return Err(Error::Parameter { what, value, expected });
+        }
+        let variables = self.desired_twist.range().len();
+        check_size("the desired twist", variables, self.coordinates.len())?;
+        model.expect_moving(self.frame)
+    }
+
+    fn is_damped(&self) -> bool {
+        false
+    }
+
+    fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
+        if self.desired.is_none() {
+            self.desired = Some(input.posed().world_from(self.frame)?);
+        }
+        Ok(())
+    }
+
+    fn write(
+        &mut self,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<(), Error> {
+        let desired = self.desired.ok_or(Error::TargetMissing)?;
+        let period = input.period();
+        let error = pose_error(&desired, &input.posed().world_from(self.frame)?);
+        let jacobian = input.jacobian(self.frame, Axes::World)?;
+        let twist = self.desired_twist.range();
+        for (row, (axis, variable)) in self.coordinates.iter().zip(twist).enumerate() {
+            let gain = self.gains[axis];
+            if gain * period > 1.0 + 1e-9 {
+                return Err(Error::GainTooHigh { gain, period });
+            }
+            rows.set_jacobian_row(row, jacobian, axis);
+            let (got, own) = (variable + 1, rows.row_mut(row));
+            let (what, expected) =
+                ("the list of variables up to those of the desired twist", own.len());
+            let entry = own.get_mut(variable).ok_or(Error::WrongSize { what, expected, got })?;
+            *entry = -(1.0 + gain * period);
+            rows.set_target(row, gain * error[axis]);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,167 @@
+//! A pose of the robot at a target.
+
+use std::fmt::Debug;
+
+use ahqp_core::{PoseAxes, pose_error};
+use nalgebra::{Isometry3, Vector6};
+
+use super::feedback::Feedback;
+use super::input::TaskInput;
+use super::mask::check_weights;
+use super::rows::TaskRows;
+use super::task::Task;
+use crate::error::{Error, check_finite};
+use crate::robot::model::Model;
+
+/// A pose that joints change: of a frame in the world, or in another frame.
+pub trait PoseQuantity: Clone + Debug + Send + Sync + 'static {
+    /// Checks what can be checked without a state.
+    ///
+    /// # Errors
+    /// What makes it impossible to control for this robot.
+    fn validate(&self, model: &Model) -> Result<(), Error>;
+
+    /// The pose now.
+    ///
+    /// # Errors
+    /// An id of another robot.
+    fn value(&self, input: &TaskInput<'_, '_>) -> Result<Isometry3<f64>, Error>;
+
+    /// Takes a twist or an error from the axes in which the pose is given to those of the rows.
+    fn turn(&self, _actual: &Isometry3<f64>, _vector: &mut Vector6<f64>) {}
+
+    /// Writes the rows of its Jacobian for the chosen coordinates, in their order.
+    ///
+    /// # Errors
+    /// An id of another robot.
+    fn write_jacobian(
+        &self,
+        coordinates: PoseAxes,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<(), Error>;
+}
+
+/// Brings a pose to a target: J q̇ = ẋ_d + feedback(x_d − x), the error being [`pose_error`]
+/// (Siciliano et al. 2009, Sec. 3.7). Up to six rows, linear \[m/s\] then angular \[rad/s\].
+/// [`FrameTask`](crate::FrameTask) and [`RelativeFrameTask`](crate::RelativeFrameTask) are of this
+/// kind.
+#[derive(Debug, Clone)]
+pub struct PoseTask<Q: PoseQuantity> {
+    pub(super) quantity: Q,
+    target: Option<(Isometry3<f64>, Vector6<f64>)>,
+    linear: Feedback,
+    angular: Feedback,
+    pub(super) coordinates: PoseAxes,
+    weights: Vector6<f64>,
+}
+
+impl<Q: PoseQuantity> PoseTask<Q> {
+    pub(super) fn of(quantity: Q) -> Self {
+        Self {
+            quantity,
+            target: None,
+            linear: Feedback::LINEAR,
+            angular: Feedback::ANGULAR,
+            coordinates: PoseAxes::ALL,
+            weights: Vector6::repeat(1.0),
+        }
+    }
+
+    /// With this gain \[1/s\] of position and orientation.
+    #[must_use]
+    pub fn with_gain(mut self, gain: f64) -> Self {
+        (self.linear.gain, self.angular.gain) = (gain, gain);
+        self
+    }
+
+    /// With these feedbacks of position and orientation instead of [`Feedback::LINEAR`] and
+    /// [`Feedback::ANGULAR`].
+    #[must_use]
+    pub fn with_feedback(mut self, linear: Feedback, angular: Feedback) -> Self {
+        (self.linear, self.angular) = (linear, angular);
+        self
+    }
+
+    /// With weights of the six coordinates against the other rows of the level.
+    #[must_use]
+    pub fn with_weights(mut self, weights: Vector6<f64>) -> Self {
+        self.weights = weights;
+        self
+    }
+
+    /// The pose that is wanted.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; the target is then as before.
+    pub fn set_target(&mut self, pose: Isometry3<f64>) -> Result<(), Error> {
+        self.set_moving_target(pose, Vector6::zeros())
+    }
+
+    /// The pose that is wanted, and the twist at which it moves, in the axes in which it is given.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; the target is then as before.
+    pub fn set_moving_target(
+        &mut self,
+        pose: Isometry3<f64>,
+        twist: Vector6<f64>,
+    ) -> Result<(), Error> {
+        let turn = pose.rotation.coords;
+        for value in pose.translation.vector.iter().chain(turn.iter()).chain(&twist) {
+            check_finite(*value, || "a number of the target".to_owned())?;
+        }
+        self.target = Some((pose, twist));
+        Ok(())
+    }
+
+    /// The twist that takes the chosen coordinates of an error away.
+    fn twist(&self, error: &Vector6<f64>) -> Vector6<f64> {
+        let mut chosen = Vector6::zeros();
+        self.coordinates.iter().for_each(|axis| chosen[axis] = error[axis]);
+        let linear = self.linear.velocity(&chosen.fixed_rows::<3>(0).into_owned());
+        let angular = self.angular.velocity(&chosen.fixed_rows::<3>(3).into_owned());
+        Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+    }
+}
+
+impl<Q: PoseQuantity> Task for PoseTask<Q> {
+    fn dimension(&self, _model: &Model) -> usize {
+        self.coordinates.len()
+    }
+
+    fn validate(&self, model: &Model) -> Result<(), Error> {
+        self.linear.validate()?;
+        self.angular.validate()?;
+        check_weights(self.weights.as_slice())?;
+        self.quantity.validate(model)
+    }
+
+    fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
+        if self.target.is_none() {
+            self.target = Some((self.quantity.value(input)?, Vector6::zeros()));
+        }
+        Ok(())
+    }
+
+    fn write(
+        &mut self,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<(), Error> {
+        let (target, mut twist) = self.target.ok_or(Error::TargetMissing)?;
+        self.linear.check_period(input.period())?;
+        self.angular.check_period(input.period())?;
+        let actual = self.quantity.value(input)?;
+        let mut error = pose_error(&target, &actual);
+        self.quantity.turn(&actual, &mut error);
+        self.quantity.turn(&actual, &mut twist);
+        twist += self.twist(&error);
+        self.quantity.write_jacobian(self.coordinates, input, rows)?;
+        for (row, axis) in self.coordinates.iter().enumerate() {
+            rows.set_target(row, twist[axis]);
+            rows.set_weight(row, self.weights[axis]);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,160 @@
+//! A vector of the robot at a target.
+
+use std::fmt::Debug;
+
+use nalgebra::Vector3;
+
+use super::feedback::Feedback;
+use super::input::TaskInput;
+use super::mask::{Axis, VectorMask};
+use super::rows::TaskRows;
+use super::task::Task;
+use crate::error::{Error, check_finite};
+use crate::robot::model::Model;
+
+/// Something of a robot that has three coordinates in world axes, and moves with the joints: a
+/// place, or an orientation with the rotation vector as the difference of two.
+pub trait VectorQuantity: Clone + Debug + Send + Sync + 'static {
+    /// Its value.
+    type Value: Copy + Debug + Send + Sync + 'static;
+    /// How fast its errors vanish, unless the task says otherwise.
+    const FEEDBACK: Feedback;
+
+    /// Checks what can be checked without a state.
+    ///
+    /// # Errors
+    /// What makes it impossible to control for this robot.
+    fn validate(&self, model: &Model) -> Result<(), Error>;
+
+    /// The numbers of a value, to be checked.
+    fn numbers(value: &Self::Value) -> impl Iterator<Item = f64>;
+
+    /// Its value now.
+    ///
+    /// # Errors
+    /// An id of another robot.
+    fn value(&self, input: &TaskInput<'_, '_>) -> Result<Self::Value, Error>;
+
+    /// The way from `actual` to `target` \[m or rad\].
+    fn difference(target: &Self::Value, actual: &Self::Value) -> Vector3<f64>;
+
+    /// Writes the rows of its Jacobian along the chosen axes, in their order.
+    ///
+    /// # Errors
+    /// An id of another robot.
+    fn write_jacobian(
+        &mut self,
+        axes: impl Iterator<Item = usize>,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<(), Error>;
+}
+
+/// Brings a vector of the robot to a target: J q̇ = ẏ_d + feedback(y_d − y). Up to three rows, in
+/// world axes. [`PositionTask`](crate::PositionTask), [`OrientationTask`](crate::OrientationTask)
+/// and [`CentreOfMassTask`](crate::CentreOfMassTask) are of this kind.
+#[derive(Debug, Clone)]
+pub struct VectorTask<Q: VectorQuantity> {
+    quantity: Q,
+    target: Option<(Q::Value, Vector3<f64>)>,
+    feedback: Feedback,
+    mask: VectorMask,
+}
+
+impl<Q: VectorQuantity> VectorTask<Q> {
+    /// Of this quantity, along all axes; the target is to be set before the first step.
+    pub fn of(quantity: Q) -> Self {
+        Self { quantity, target: None, feedback: Q::FEEDBACK, mask: VectorMask::default() }
+    }
+
+    /// With this gain \[1/s\].
+    #[must_use]
+    pub fn with_gain(mut self, gain: f64) -> Self {
+        self.feedback.gain = gain;
+        self
+    }
+
+    /// With this feedback instead of [`Feedback::LINEAR`] for lengths, [`Feedback::ANGULAR`] for
+    /// angles.
+    #[must_use]
+    pub fn with_feedback(mut self, feedback: Feedback) -> Self {
+        self.feedback = feedback;
+        self
+    }
+
+    /// Along, or about, these axes of the world only.
+    #[must_use]
+    pub fn with_axes(mut self, axes: &[Axis]) -> Self {
+        self.mask.choose(axes);
+        self
+    }
+
+    /// With weights of the three axes against the other rows of the level.
+    #[must_use]
+    pub fn with_weights(mut self, weights: Vector3<f64>) -> Self {
+        self.mask.weights = weights;
+        self
+    }
+
+    /// What is wanted, in the world \[m\].
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; the target is then as before.
+    pub fn set_target(&mut self, target: impl Into<Q::Value>) -> Result<(), Error> {
+        self.set_moving_target(target, Vector3::zeros())
+    }
+
+    /// What is wanted, in the world, and how fast that moves \[m/s\] or turns \[rad/s\], in world axes.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; the target is then as before.
+    pub fn set_moving_target(
+        &mut self,
+        target: impl Into<Q::Value>,
+        velocity: Vector3<f64>,
+    ) -> Result<(), Error> {
+        let target = target.into();
+        for value in Q::numbers(&target).chain(velocity.iter().copied()) {
+            check_finite(value, || "a number of the target".to_owned())?;
+        }
+        self.target = Some((target, velocity));
+        Ok(())
+    }
+}
+
+impl<Q: VectorQuantity> Task for VectorTask<Q> {
+    fn dimension(&self, _model: &Model) -> usize {
+        self.mask.len()
+    }
+
+    fn validate(&self, model: &Model) -> Result<(), Error> {
+        self.feedback.validate()?;
+        self.mask.validate()?;
+        self.quantity.validate(model)
+    }
+
+    fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
+        if self.target.is_none() {
+            self.target = Some((self.quantity.value(input)?, Vector3::zeros()));
+        }
+        Ok(())
+    }
+
+    fn write(
+        &mut self,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<(), Error> {
+        let (target, velocity) = self.target.ok_or(Error::TargetMissing)?;
+        self.feedback.check_period(input.period())?;
+        let actual = self.quantity.value(input)?;
+        let error = self.mask.apply(&Q::difference(&target, &actual));
+        let velocity = velocity + self.feedback.velocity(&error);
+        self.quantity.write_jacobian(self.mask.iter(), input, rows)?;
+        for (row, axis) in self.mask.iter().enumerate() {
+            rows.set_target(row, velocity[axis]);
+            rows.set_weight(row, self.mask.weights[axis]);
+        }
+        Ok(())
+    }
+}
