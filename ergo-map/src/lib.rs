@@ -48,6 +48,7 @@ mod error;
 mod joints;
 mod kinematics;
 mod map;
+mod measured_posture;
 mod person;
 mod person_frame;
 mod placement;
@@ -68,6 +69,7 @@ pub use map::{
     ErgonomicsMap, MapNode, MapOptions, MapSample, MeasuredOptions, MeasuredSample, Validation,
     read_samples,
 };
+pub use measured_posture::{JointPositions, MeasuredPosture};
 pub use person::{Person, Segments};
 pub use person_frame::PersonFrame;
 pub use placement::{Placement, PlacementLimits};

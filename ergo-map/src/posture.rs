@@ -46,6 +46,24 @@ impl Posture {
     /// Number of angles.
     pub const LEN: usize = 14;
 
+    /// Names of the angles in the order of the fields.
+    pub const NAMES: [&'static str; Self::LEN] = [
+        "trunk_flexion",
+        "trunk_side",
+        "trunk_twist",
+        "neck_flexion",
+        "neck_side",
+        "neck_twist",
+        "knee_flexion",
+        "upper_arm_flexion",
+        "upper_arm_abduction",
+        "upper_arm_rotation",
+        "elbow_flexion",
+        "wrist_flexion",
+        "wrist_deviation",
+        "wrist_twist",
+    ];
+
     /// The angles in the order in which the fields are declared.
     pub fn to_array(&self) -> [f64; Self::LEN] {
         [
@@ -107,22 +125,9 @@ impl Posture {
     /// # Errors
     /// [`crate::Error::NotFinite`] or [`crate::Error::OutOfRange`] names the first that is not.
     pub fn validate(&self) -> Result<()> {
-        const NAMES: [&str; Posture::LEN] = [
-            "trunk_flexion",
-            "trunk_side",
-            "trunk_twist",
-            "neck_flexion",
-            "neck_side",
-            "neck_twist",
-            "knee_flexion",
-            "upper_arm_flexion",
-            "upper_arm_abduction",
-            "upper_arm_rotation",
-            "elbow_flexion",
-            "wrist_flexion",
-            "wrist_deviation",
-            "wrist_twist",
-        ];
-        NAMES.into_iter().zip(self.to_array()).try_for_each(|(name, q)| angle(name, q).map(drop))
+        Self::NAMES
+            .into_iter()
+            .zip(self.to_array())
+            .try_for_each(|(name, q)| angle(name, q).map(drop))
     }
 }

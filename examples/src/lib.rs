@@ -3,13 +3,16 @@
 pub mod ergonomics;
 mod excerpt;
 pub mod follow;
+pub mod frames;
 pub mod hqp_file;
 pub mod hqp_solving;
 pub mod ik;
 pub mod limits;
+pub mod perception;
 pub mod program;
 mod random;
 pub mod recording;
+pub mod rendering;
 pub mod report;
 pub mod sheets;
 pub mod simulation;

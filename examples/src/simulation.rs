@@ -38,7 +38,7 @@ pub use motion::Gait;
 pub use path::{WalkingPath, Waypoint};
 pub use perception::{FRAME_RATE, Perception};
 pub use person::{Joints, Person};
-pub use settings::WalkerSettings;
+pub use settings::{Occupation, WalkerSettings};
 pub use transport::Transport;
 pub use walker::{Truth, Walker};
 pub use wanderer::Wanderer;

@@ -65,6 +65,72 @@ pub enum Error {
         /// The values that are right.
         expected: &'static str,
     },
+    /// A depth image whose depths do not fill it.
+    #[error(
+        "a depth image of {} × {} pixels was given {found} depths: give one for each pixel",
+        .size[0], .size[1]
+    )]
+    DepthSize {
+        /// Width and height (pixels).
+        size: [usize; 2],
+        /// How many depths were given.
+        found: usize,
+    },
+    /// An image of another size than the camera's.
+    #[error(
+        "the depth image has {} × {} pixels, and the camera's intrinsics are for {} × {}: give depth \
+         that is aligned to the colour image, and the intrinsics of that size",
+        .found[0], .found[1], .expected[0], .expected[1]
+    )]
+    ImageSize {
+        /// Width and height of the image (pixels).
+        found: [usize; 2],
+        /// Width and height of the intrinsics (pixels).
+        expected: [usize; 2],
+    },
+    /// A camera pose that is none.
+    #[error("the camera's pose is not finite or has no direction: give a rigid motion")]
+    CameraPose,
+    /// A camera whose image would be upside down.
+    #[error(
+        "the camera is upside down: the bottom of its image points {:.0}° away from the floor; turn \
+         the images, or correct the camera's pose", angle.to_degrees()
+    )]
+    UpsideDown {
+        /// Between the image's downward direction and down (rad).
+        angle: f64,
+    },
+    /// Gravity that the camera's pose contradicts.
+    #[error(
+        "gravity as the camera measures it is {:.0}° away from down as its pose has it, more than \
+         {:.0}°: correct the camera's pose", angle.to_degrees(), limit.to_degrees()
+    )]
+    Gravity {
+        /// Between measured gravity and down (rad).
+        angle: f64,
+        /// The most that is accepted (rad).
+        limit: f64,
+    },
+    /// A file that is not `OpenPose`'s JSON.
+    #[error(
+        "no OpenPose JSON: {problem}; give an object with \"people\", each with \"pose_keypoints_2d\" of \
+         75 (BODY_25) or 54 (COCO-18) numbers x, y, confidence"
+    )]
+    OpenPose {
+        /// What was found, and where.
+        problem: String,
+    },
+    /// A percept that arrived before it was taken.
+    #[error(
+        "a percept of time {time} s arrived at {arrived} s, before it was taken: give both times on \
+         one clock"
+    )]
+    Arrival {
+        /// When the camera took the frame (s).
+        time: f64,
+        /// When the percept arrived (s).
+        arrived: f64,
+    },
     /// A checkpoint that is not the network's. The message has the first few names only.
     #[cfg(feature = "inference")]
     #[error("{}", WeightsMessage { network, found, lists: [missing, surplus, misshapen] })]

@@ -43,6 +43,7 @@
 
 mod action;
 mod body;
+mod camera;
 mod confidence;
 #[cfg(feature = "inference")]
 pub mod engine;
@@ -57,6 +58,7 @@ mod kernels;
 mod labels;
 #[cfg(feature = "inference")]
 mod layout;
+mod lifting;
 #[cfg(feature = "inference")]
 mod metrics;
 #[cfg(feature = "inference")]
@@ -76,9 +78,13 @@ mod weights;
 
 pub use action::{Action, Tool, WalkingDirection};
 pub use body::{
-    Body, Body25, BodyTracker, ImageBody, ImageKeypoint, Keypoint, StatureEstimate, TrackStatus,
+    Body, Body25, BodySegment, BodyTracker, ImageBody, ImageKeypoint, Keypoint, People,
+    PeopleSettings, PersonId, PersonTrack, SegmentLength, StatureEstimate, TrackStatus,
     TrackedPerson, TrackerSettings,
 };
+#[cfg(feature = "inference")]
+pub use camera::read_depth;
+pub use camera::{Camera, DepthImage, DepthNoise, Intrinsics};
 pub use confidence::Confidence;
 #[cfg(feature = "inference")]
 pub use engine::{Options, Scores};
@@ -89,6 +95,7 @@ pub use head::{Epoch, HeadSettings, HeadTrainer, LinearHead};
 pub use kernels::InstructionSet;
 #[cfg(feature = "inference")]
 pub use labels::ClassNames;
+pub use lifting::{Lifter, LiftingSettings, SkinDepths};
 #[cfg(feature = "inference")]
 pub use metrics::{ConfusionMatrix, softmax, top_k, top_k_accuracy};
 #[cfg(feature = "inference")]

@@ -12,6 +12,7 @@ mod body;
 mod continuous;
 mod map;
 mod measured;
+mod measured_posture;
 mod placement;
 mod predict;
 mod quadratic;

@@ -1,23 +1,48 @@
-//! Simulates a walking person and writes what the camera reports as a recording.
+//! Simulates a walking person and writes what perception reports as a recording, or what the camera
+//! sees as frames.
 
-use std::{io::Write, path::PathBuf, process::ExitCode};
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
+use anyhow::{Result, bail};
 use clap::Parser;
-use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Seed, Session};
+use examples::frames::FramesWriter;
+use examples::program::{
+    self, Ending, Json, OutputFile, Program, Quiet, Seed, Session, check_folder,
+};
 use examples::recording::Writer;
-use examples::simulation::{CameraSettings, Walker, WalkerSettings, WalkingPath};
+use examples::rendering::{Film, PoseEstimator, Shot, SkeletonSettings, Viewpoint};
+use examples::simulation::{CameraSettings, Occupation, Walker, WalkerSettings, WalkingPath};
 use serde::Serialize;
 use vision_models::Tool;
 
-/// Simulates a person who works with the robot, and records what perception reports.
+/// Simulates a person who works with the robot, and records what perception reports, or what a camera
+/// sees.
 ///
-/// Without options but --output it makes the recording that `follow` plays by default.
+/// Without options but --output it makes the recording that `follow` plays by default. With --frames it
+/// renders colour and depth images, skeletons and the truth, for `perceive`.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
     /// Where the recording goes (JSON Lines).
-    #[arg(long, short, value_name = "FILE")]
-    output: PathBuf,
+    #[arg(long, short, value_name = "FILE", required_unless_present = "frames")]
+    output: Option<PathBuf>,
+    /// Render what the camera sees into this folder: colour and depth images, skeletons in OpenPose's
+    /// JSON, and the truth as a recording.
+    #[arg(long, value_name = "FOLDER", conflicts_with = "output")]
+    frames: Option<PathBuf>,
+    /// Where the camera stands: facing the person, behind the robot, or beside the workplace.
+    #[arg(long, default_value = "facing", value_parser = viewpoint, requires = "frames")]
+    view: Viewpoint,
+    /// Width and height of the rendered images (pixels).
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = size, requires = "frames")]
+    size: [usize; 2],
+    /// Standard deviation of the skeletons' joints, each axis, in images 640 pixels wide (pixels).
+    #[arg(long, value_name = "PIXELS", default_value_t = SkeletonSettings::default().pixel_sigma, requires = "frames")]
+    pixel_noise: f64,
     /// The person's stature (m).
     #[arg(long, value_name = "METRES", default_value_t = WalkerSettings::default().stature, allow_negative_numbers = true)]
     stature: f64,
@@ -25,6 +50,12 @@ struct Options {
     /// points on the floor (m) such as "1.4,0 2.4,0 2.4,-1", or a file with one point a line.
     #[arg(long, default_value = "stations", value_parser = WalkingPath::from_argument)]
     path: WalkingPath,
+    /// The person only walks along the path, with empty hands.
+    #[arg(long)]
+    walk: bool,
+    /// How fast the person walks (m/s), in place of 0.8 to come and go and 0.3 to lead the robot.
+    #[arg(long, value_name = "M/S", allow_negative_numbers = true)]
+    speed: Option<f64>,
     /// How long to record (s).
     #[arg(long, value_name = "SECONDS", default_value_t = WalkerSettings::default().duration, allow_negative_numbers = true)]
     duration: f64,
@@ -51,12 +82,29 @@ struct Options {
     quiet: Quiet,
 }
 
-fn tool(name: &str) -> Result<Tool, &'static str> {
+fn tool(name: &str) -> std::result::Result<Tool, &'static str> {
     match name {
         "drill" => Ok(Tool::Drill),
         "polisher" => Ok(Tool::Polisher),
         _ => Err("give drill or polisher"),
     }
+}
+
+fn viewpoint(name: &str) -> std::result::Result<Viewpoint, &'static str> {
+    match name {
+        "facing" => Ok(Viewpoint::Facing),
+        "beside" => Ok(Viewpoint::Beside),
+        _ => Err("give facing or beside"),
+    }
+}
+
+fn size(text: &str) -> std::result::Result<[usize; 2], &'static str> {
+    let sides = text
+        .split_once('x')
+        .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    sides
+        .filter(|sides: &[usize; 2]| sides.iter().all(|side| (32..=4096).contains(side)))
+        .ok_or("give a width and a height of 32 to 4096 pixels, such as 640x480")
 }
 
 /// The line of `--json`.
@@ -71,12 +119,14 @@ impl Program for Options {
         self.quiet
     }
 
-    fn run(self, session: &mut Session) -> anyhow::Result<Ending> {
-        let Self { json, .. } = self;
-        let walker = Walker::new(WalkerSettings {
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        let json = self.json;
+        let settings = WalkerSettings {
             stature: self.stature,
             path: self.path,
             tool: self.tool,
+            occupation: if self.walk { Occupation::Walking } else { Occupation::Working },
+            speed: self.speed,
             duration: self.duration,
             seed: self.seed.seed,
             camera: CameraSettings {
@@ -86,31 +136,77 @@ impl Program for Options {
                 vanishings: self.vanish,
                 ..CameraSettings::default()
             },
-        })?;
-        let file = OutputFile::create(&self.output)?;
-        let mut writer = Writer::new(file, &walker.header())?;
-        let progress = session.progress("recording", walker.expected_frames());
-        let mut frames = 0;
-        let mut ending = Ending::Complete;
-        for percept in walker {
-            writer.write(&percept)?;
-            frames += 1;
-            progress.set(frames);
-            if session.interrupt().requested() {
-                ending = Ending::Partial;
-                break;
-            }
-        }
-        progress.finish();
-        let output = match ending {
-            Ending::Partial => writer.finish_partial()?.keep_partial()?,
-            _ => writer.finish()?.keep().map(|()| self.output)?,
         };
+        let recorded = match (self.frames, self.output) {
+            (Some(folder), _) => {
+                let film = Film::new(settings, self.view, self.size, self.pixel_noise)?;
+                film_frames(film, &folder, session)?
+            }
+            (None, Some(output)) => record(Walker::new(settings)?, output, session)?,
+            (None, None) => bail!("give --output or --frames"),
+        };
+        let (recorded, ending) = recorded;
         let partial = if ending == Ending::Partial { ", interrupted" } else { "" };
+        let Recorded { output, frames } = &recorded;
         writeln!(session.output(), "{}: {frames} camera frames{partial}", output.display())?;
-        session.print_json(json, &Recorded { output, frames }, ending)?;
+        session.print_json(json, &recorded, ending)?;
         Ok(ending)
     }
+}
+
+/// What perception reports, as a recording.
+fn record(walker: Walker, output: PathBuf, session: &Session) -> Result<(Recorded, Ending)> {
+    let file = OutputFile::create(&output)?;
+    let mut writer = Writer::new(file, &walker.header())?;
+    let progress = session.progress("recording", walker.expected_frames());
+    let mut frames = 0;
+    let mut ending = Ending::Complete;
+    for percept in walker {
+        writer.write(&percept)?;
+        frames += 1;
+        progress.set(frames);
+        if session.interrupt().requested() {
+            ending = Ending::Partial;
+            break;
+        }
+    }
+    progress.finish();
+    let output = match ending {
+        Ending::Partial => writer.finish_partial()?.keep_partial()?,
+        _ => writer.finish()?.keep().map(|()| output)?,
+    };
+    Ok((Recorded { output, frames }, ending))
+}
+
+/// What the camera sees, as a folder of frames with the truth.
+fn film_frames(film: Film, folder: &Path, session: &Session) -> Result<(Recorded, Ending)> {
+    check_folder(folder)?;
+    let mut writer = FramesWriter::create(folder, film.camera())?;
+    let truth = OutputFile::create(folder.join("truth.jsonl"))?;
+    let mut truth = Writer::new(truth, &film.header())?;
+    let progress = session.progress("frames", film.expected_frames());
+    let mut frames = 0;
+    let mut ending = Ending::Complete;
+    for shot in film {
+        let Shot { entry, image, depth, skeleton, truth: percept } = shot?;
+        let people: Vec<_> = skeleton.into_iter().collect();
+        writer.write(&entry, &image, &depth, &PoseEstimator::json(&people))?;
+        truth.write(&percept)?;
+        frames += 1;
+        progress.set(frames);
+        if session.interrupt().requested() {
+            ending = Ending::Partial;
+            break;
+        }
+    }
+    progress.finish();
+    if ending == Ending::Partial {
+        truth.finish_partial()?.keep_partial()?;
+    } else {
+        writer.finish()?;
+        truth.finish()?.keep()?;
+    }
+    Ok((Recorded { output: folder.to_owned(), frames }, ending))
 }
 
 fn main() -> ExitCode {

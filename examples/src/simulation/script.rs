@@ -2,13 +2,12 @@
 
 use std::{collections::VecDeque, f64::consts::PI};
 
+use super::{
+    Occupation, WalkerSettings, Waypoint, activity::Activity, motion::Goal, path::WORKPLACE,
+    person::Person,
+};
 use nalgebra::{Point2, Vector2};
 use rand_chacha::ChaCha8Rng;
-use vision_models::Tool;
-
-use super::{
-    WalkerSettings, Waypoint, activity::Activity, motion::Goal, path::WORKPLACE, person::Person,
-};
 
 /// Where the person stands at first, in the world (m).
 pub(super) const START: Point2<f64> = Point2::new(3.2, 0.0);
@@ -16,10 +15,10 @@ pub(super) const START: Point2<f64> = Point2::new(3.2, 0.0);
 /// The heading that faces the robot's first place (rad).
 pub(super) const TOWARDS_ROBOT: f64 = PI;
 
-/// Coming and going (m/s).
+/// Coming and going, unless another speed is asked for (m/s).
 const WALKING_SPEED: f64 = 0.8;
 
-/// Leading the robot (m/s).
+/// Leading the robot, unless another speed is asked for (m/s).
 const LEADING_SPEED: f64 = 0.3;
 
 /// So much before the end of the recording the person begins to leave (s).
@@ -43,7 +42,11 @@ pub(super) struct Script {
     to_come: VecDeque<Step>,
     way: Vec<Waypoint>,
     stage: Stage,
-    tool: Tool,
+    /// Coming and going, and leading (m/s).
+    walking_speed: f64,
+    leading_speed: f64,
+    /// What the person does on the way.
+    leading: Activity,
     pace: f64,
     duration: f64,
 }
@@ -59,21 +62,34 @@ impl Script {
     /// `pace` scales the time that each step takes.
     pub(super) fn new(settings: &WalkerSettings, pace: f64, draw: &mut ChaCha8Rng) -> Self {
         let tool = settings.tool;
+        let walking_speed = settings.speed.unwrap_or(WALKING_SPEED);
+        let leading_speed = settings.speed.unwrap_or(LEADING_SPEED);
         let goal =
-            Goal { floor: WORKPLACE, heading: TOWARDS_ROBOT, speed: WALKING_SPEED, stop: true };
+            Goal { floor: WORKPLACE, heading: TOWARDS_ROBOT, speed: walking_speed, stop: true };
         let at_workplace = |activity, dwell| Step { goal, activity, dwell: dwell * pace };
+        let (first, to_come, leading) = match settings.occupation {
+            Occupation::Working => {
+                let steps = VecDeque::from([
+                    at_workplace(Activity::DeliverObject, 3.0),
+                    at_workplace(Activity::PickUp(tool), 2.5),
+                    at_workplace(Activity::HoldTool(tool), 1.5),
+                    at_workplace(Activity::Use(tool), 5.0),
+                ]);
+                (at_workplace(Activity::CarryObject, 0.3), steps, Activity::Use(tool))
+            }
+            Occupation::Walking => {
+                (at_workplace(Activity::Walk, 0.0), VecDeque::new(), Activity::Walk)
+            }
+        };
         Self {
-            step: at_workplace(Activity::CarryObject, 0.3),
+            step: first,
             arrived: None,
-            to_come: VecDeque::from([
-                at_workplace(Activity::DeliverObject, 3.0),
-                at_workplace(Activity::PickUp(tool), 2.5),
-                at_workplace(Activity::HoldTool(tool), 1.5),
-                at_workplace(Activity::Use(tool), 5.0),
-            ]),
+            to_come,
+            leading,
             way: settings.path.waypoints(draw),
             stage: Stage::Arriving,
-            tool,
+            walking_speed,
+            leading_speed,
             pace,
             duration: settings.duration,
         }
@@ -112,10 +128,10 @@ impl Script {
         let goal = Goal {
             floor: waypoint.floor,
             heading: waypoint.heading,
-            speed: LEADING_SPEED,
+            speed: self.leading_speed,
             stop: waypoint.dwell > 0.0,
         };
-        Step { goal, activity: Activity::Use(self.tool), dwell: waypoint.dwell * self.pace }
+        Step { goal, activity: self.leading, dwell: waypoint.dwell * self.pace }
     }
 
     /// Lays the tool down here and walks away from the robot's first place.
@@ -123,14 +139,18 @@ impl Script {
         let here = Goal {
             floor: person.floor(),
             heading: person.heading(),
-            speed: WALKING_SPEED,
+            speed: self.walking_speed,
             stop: true,
         };
         let away =
             Goal { floor: person.floor() + Vector2::new(2.5, 0.0), heading: 2.0 * PI, ..here };
-        VecDeque::from([
-            Step { goal: here, activity: Activity::PutDown(self.tool), dwell: 2.5 * self.pace },
-            Step { goal: away, activity: Activity::Walk, dwell: 0.0 },
-        ])
+        let put_down = match self.leading {
+            Activity::Use(tool) => {
+                Some(Step { goal: here, activity: Activity::PutDown(tool), dwell: 2.5 * self.pace })
+            }
+            _ => None,
+        };
+        let away = Step { goal: away, activity: Activity::Walk, dwell: 0.0 };
+        put_down.into_iter().chain([away]).collect()
     }
 }

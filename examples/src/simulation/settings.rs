@@ -4,6 +4,15 @@ use vision_models::Tool;
 
 use super::{CameraSettings, WalkerError, WalkingPath};
 
+/// What the person has come for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Occupation {
+    /// To deliver the object, and to work on it with the tool while leading the robot.
+    Working,
+    /// Only to walk along the path, with empty hands.
+    Walking,
+}
+
 /// Who walks where, and how well the camera sees it. The defaults make the recording that the
 /// repository ships.
 ///
@@ -22,6 +31,10 @@ pub struct WalkerSettings {
     pub path: WalkingPath,
     /// What the person works with. Default [`Tool::Drill`].
     pub tool: Tool,
+    /// What the person has come for. Default [`Occupation::Working`].
+    pub occupation: Occupation,
+    /// How fast the person walks (m/s). By default 0.8 to come and go and 0.3 to lead the robot.
+    pub speed: Option<f64>,
     /// Of the recording (s). The person goes along the path again and again until it is time to
     /// leave. Default 56.
     pub duration: f64,
@@ -37,6 +50,8 @@ impl Default for WalkerSettings {
             stature: 1.75,
             path: WalkingPath::Stations,
             tool: Tool::Drill,
+            occupation: Occupation::Working,
+            speed: None,
             duration: 56.0,
             seed: 1,
             camera: CameraSettings::default(),
@@ -58,6 +73,9 @@ impl WalkerSettings {
             }
         };
         in_range("stature", self.stature, 1.0, 2.3, "1 to 2.3 m")?;
+        if let Some(speed) = self.speed {
+            in_range("speed", speed, 0.1, 2.0, "0.1 to 2 m/s")?;
+        }
         in_range("duration", self.duration, 0.0, 3600.0, "0 to 3600 s")?;
         in_range("noise", self.camera.noise, 0.0, 10.0, "a factor of 0 to 10")?;
         let largest = self.camera.largest_error;

@@ -13,7 +13,7 @@ use super::path::WalkingPath;
 use super::perception::{FRAME_RATE, Perception};
 use super::person::Person;
 use super::script::{self, Script};
-use super::settings::WalkerSettings;
+use super::settings::{Occupation, WalkerSettings};
 use crate::random;
 use crate::recording::Header;
 
@@ -61,6 +61,8 @@ impl Walker {
             stature: draw.random_range(1.5..2.0),
             path: WalkingPath::Random,
             tool: if draw.random_bool(0.5) { Tool::Drill } else { Tool::Polisher },
+            occupation: Occupation::Working,
+            speed: None,
             duration: 15.0,
             seed,
             camera: CameraSettings {
@@ -86,7 +88,10 @@ impl Walker {
                 script::START,
                 script::TOWARDS_ROBOT,
                 Gait::NATURAL,
-                Activity::CarryObject,
+                match settings.occupation {
+                    Occupation::Working => Activity::CarryObject,
+                    Occupation::Walking => Activity::Walk,
+                },
             ),
             perception: Perception::new(settings.camera, settings.duration, settings.tool, eyes),
             settings,
@@ -102,6 +107,11 @@ impl Walker {
     /// The settings.
     pub fn settings(&self) -> &WalkerSettings {
         &self.settings
+    }
+
+    /// The person, as they are in the frame that came last.
+    pub fn person(&self) -> &Person {
+        &self.person
     }
 
     /// How many frames the camera takes, lost ones included.

@@ -15,6 +15,7 @@ mod hqp;
 mod ik;
 mod infer;
 mod limits;
+mod perceive;
 mod programs;
 mod reba;
 mod recognise;

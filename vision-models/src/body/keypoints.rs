@@ -1,6 +1,6 @@
 //! The twenty-five keypoints of `OpenPose`'s `BODY_25` model.
 
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Matrix3, Point3};
 
 use crate::Confidence;
 
@@ -138,10 +138,10 @@ pub struct Keypoint {
 }
 
 /// A person in one camera frame: each of the twenty-five joints where it was seen, in the world
-/// frame. The default has none.
+/// frame, with the covariance of its position where it was measured. The default has none.
 ///
 /// ```
-/// use nalgebra::Point3;
+/// use nalgebra::{Matrix3, Point3};
 /// use vision_models::{Body, Body25, Confidence, Keypoint};
 ///
 /// let mut body = Body::default();
@@ -150,16 +150,20 @@ pub struct Keypoint {
 /// assert_eq!(body.get(Body25::Nose), Some(nose));
 /// assert_eq!(body.get(Body25::Neck), None);
 /// assert_eq!(body.iter().count(), 1);
+/// // Known to 2 cm, each axis.
+/// body.set_measured(Body25::Nose, nose, Matrix3::identity() * 0.02_f64.powi(2));
+/// assert!(body.covariance(Body25::Nose).is_some());
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Body {
     keypoints: [Option<Keypoint>; Body25::COUNT],
+    covariances: [Option<Matrix3<f64>>; Body25::COUNT],
 }
 
 impl Body {
-    /// A body from its keypoints in the order of [`Body25::ALL`].
+    /// A body from its keypoints in the order of [`Body25::ALL`], without covariances.
     pub fn new(keypoints: [Option<Keypoint>; Body25::COUNT]) -> Self {
-        Self { keypoints }
+        Self { keypoints, ..Self::default() }
     }
 
     /// The joint, if it was seen.
@@ -167,9 +171,24 @@ impl Body {
         self.keypoints[joint.index()]
     }
 
-    /// Sets a joint, or removes it.
+    /// The covariance of the joint's position in the world frame (m²), where it is known.
+    pub fn covariance(&self, joint: Body25) -> Option<Matrix3<f64>> {
+        self.covariances[joint.index()]
+    }
+
+    /// Sets a joint without a covariance, or removes it.
     pub fn set(&mut self, joint: Body25, keypoint: Option<Keypoint>) {
         self.keypoints[joint.index()] = keypoint;
+        self.covariances[joint.index()] = None;
+    }
+
+    /// Sets a joint and the covariance of its position (m²). One that is not finite, or has a
+    /// variance that is not positive, is left out.
+    pub fn set_measured(&mut self, joint: Body25, keypoint: Keypoint, covariance: Matrix3<f64>) {
+        let sound = covariance.iter().all(|value| value.is_finite())
+            && covariance.diagonal().iter().all(|&variance| variance > 0.0);
+        self.keypoints[joint.index()] = Some(keypoint);
+        self.covariances[joint.index()] = sound.then_some(covariance);
     }
 
     /// The keypoints in the order of [`Body25::ALL`].
@@ -189,8 +208,15 @@ impl Body {
     /// camera's frame come into the world's.
     #[must_use]
     pub fn transformed(&self, motion: &Isometry3<f64>) -> Self {
-        Self::new(self.keypoints.map(|keypoint| {
-            keypoint.map(|keypoint| Keypoint { position: motion * keypoint.position, ..keypoint })
-        }))
+        let rotation = *motion.rotation.to_rotation_matrix().matrix();
+        Self {
+            keypoints: self.keypoints.map(|keypoint| {
+                keypoint
+                    .map(|keypoint| Keypoint { position: motion * keypoint.position, ..keypoint })
+            }),
+            covariances: self.covariances.map(|covariance| {
+                covariance.map(|covariance| rotation * covariance * rotation.transpose())
+            }),
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Where the person is.
 
-use nalgebra::{Isometry3, Point2, Translation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Isometry3, Matrix2, Point2, Translation3, UnitQuaternion, Vector2, Vector3};
 
 /// How well the person's pose is known.
 ///
@@ -31,7 +31,7 @@ impl TrackStatus {
 /// world, how they move, and how old that is.
 ///
 /// ```
-/// use nalgebra::{Point2, Point3, Vector2};
+/// use nalgebra::{Matrix2, Point2, Point3, Vector2};
 /// use vision_models::{TrackedPerson, TrackStatus};
 ///
 /// let person = TrackedPerson {
@@ -39,6 +39,8 @@ impl TrackStatus {
 ///     heading: std::f64::consts::PI,
 ///     velocity: Vector2::new(-0.5, 0.0),
 ///     heading_rate: 0.0,
+///     floor_covariance: Matrix2::identity() * 0.02_f64.powi(2),
+///     velocity_covariance: Matrix2::identity() * 0.1_f64.powi(2),
 ///     age: 0.02,
 ///     heading_age: 0.02,
 ///     status: TrackStatus::Tracked,
@@ -59,6 +61,10 @@ pub struct TrackedPerson {
     pub velocity: Vector2<f64>,
     /// Zero once the heading is held (rad/s).
     pub heading_rate: f64,
+    /// Covariance of `floor` (m²).
+    pub floor_covariance: Matrix2<f64>,
+    /// Covariance of `velocity` as long as the person is not lost (m²/s²).
+    pub velocity_covariance: Matrix2<f64>,
     /// Time since the position was last measured (s).
     pub age: f64,
     /// Time since the heading was last measured (s).

@@ -1,6 +1,6 @@
 //! The parameters of the tracker.
 
-use super::filter::Noise;
+use super::filter::{Measurement, Motion};
 use crate::Error;
 
 /// The parameters of a [`BodyTracker`](crate::BodyTracker). The defaults are for a depth camera at
@@ -18,14 +18,24 @@ use crate::Error;
 pub struct TrackerSettings {
     /// Keypoints with less confidence are as good as missing. Default 0.3.
     pub least_confidence: f64,
-    /// Standard deviation of the pelvis' measured floor position, each axis (m). Default 0.03.
+    /// Standard deviation of the pelvis' measured floor position, each axis, where its covariance is
+    /// not known (m). Default 0.03.
     pub position_sigma: f64,
-    /// Spectral density of the person's acceleration (m²/s³): more follows sooner, less smooths
-    /// more. Default 0.1, which with the other defaults is a bandwidth of 7 rad/s.
+    /// Spectral density of the person's acceleration (m²/s³), where covariances are not known: more
+    /// follows sooner, less smooths more. Default 0.1, which with the other defaults is a bandwidth
+    /// of 7 rad/s.
     pub acceleration_density: f64,
+    /// The same where covariances are known, and nothing has to be smoothed away that they do not
+    /// say: accelerations of 1 to 2 m/s² that last half a second (m²/s³). Default 1.
+    pub measured_density: f64,
+    /// Of the joints of the trunk and the head (m²/s³). Default 1.
+    pub trunk_density: f64,
+    /// Of the other joints (m²/s³). Default 8.
+    pub limb_density: f64,
     /// Nobody is faster (m/s). Default 3.
     pub max_speed: f64,
-    /// Standard deviation of the measured heading (rad). Default 0.08.
+    /// Standard deviation of the measured heading, where covariances are not known (rad). Default
+    /// 0.08.
     pub heading_sigma: f64,
     /// Spectral density of the heading's acceleration (rad²/s³). Default 0.5.
     pub turning_density: f64,
@@ -34,6 +44,16 @@ pub struct TrackerSettings {
     /// A measurement more standard deviations than this away from what is expected is an outlier.
     /// Default 5.
     pub gate: f64,
+    /// The same for positions whose covariances are known. Default 3.5.
+    pub measured_gate: f64,
+    /// The probability that noise alone is as far from what is expected as a measurement has to be,
+    /// in each of the frames in which a person seems to be elsewhere, to count as a jump. Default
+    /// 1e-9.
+    pub jump_probability: f64,
+    /// How long errors last: measured joints are wrong by nearly the same from frame to frame, so
+    /// that several frames tell less than as many independent ones. Covariances grow by
+    /// (1 + ρ)/(1 - ρ) with ρ = exp(-interval/time) (s). Default 0.05.
+    pub correlation_time: f64,
     /// How many frames in a row have to agree before a person is taken up, at the start, after a
     /// loss, or in place of a track from which they are outliers. Default 4.
     pub acquire_frames: u32,
@@ -57,11 +77,17 @@ impl Default for TrackerSettings {
             least_confidence: 0.3,
             position_sigma: 0.03,
             acceleration_density: 0.1,
+            measured_density: 1.0,
+            trunk_density: 1.0,
+            limb_density: 8.0,
             max_speed: 3.0,
             heading_sigma: 0.08,
             turning_density: 0.5,
             max_turning_rate: 4.0,
             gate: 5.0,
+            measured_gate: 3.5,
+            jump_probability: 1e-9,
+            correlation_time: 0.05,
             acquire_frames: 4,
             acquire_radius: 0.3,
             tracked_age: 0.12,
@@ -88,11 +114,18 @@ impl TrackerSettings {
         in_range("least_confidence", self.least_confidence, 0.0, 1.0, "a value in [0, 1]")?;
         scale("position_sigma", self.position_sigma)?;
         scale("acceleration_density", self.acceleration_density)?;
+        scale("measured_density", self.measured_density)?;
+        scale("trunk_density", self.trunk_density)?;
+        scale("limb_density", self.limb_density)?;
         scale("max_speed", self.max_speed)?;
         scale("heading_sigma", self.heading_sigma)?;
         scale("turning_density", self.turning_density)?;
         scale("max_turning_rate", self.max_turning_rate)?;
         scale("gate", self.gate)?;
+        scale("measured_gate", self.measured_gate)?;
+        let probability = self.jump_probability;
+        in_range("jump_probability", probability, 1e-300, 1.0, "a probability in [1e-300, 1]")?;
+        in_range("correlation_time", self.correlation_time, 0.0, 10.0, "a time in [0, 10] s")?;
         in_range("acquire_frames", self.acquire_frames.into(), 1.0, 1e3, "1 to 1000 frames")?;
         scale("acquire_radius", self.acquire_radius)?;
         in_range("coast_limit", self.coast_limit, 0.0, 0.5, "a time in [0, 0.5] s")?;
@@ -106,19 +139,52 @@ impl TrackerSettings {
         in_range("turn_limit", self.turn_limit, 0.0, 0.5, "a time in [0, 0.5] s")
     }
 
-    pub(super) fn position_noise(&self) -> Noise {
-        Noise {
-            density: self.acceleration_density,
-            sigma: self.position_sigma,
-            max_speed: self.max_speed,
+    /// How the person walks, as positions with or without covariances tell.
+    pub(super) fn walking(&self, measured: bool) -> Motion {
+        let density = if measured { self.measured_density } else { self.acceleration_density };
+        Motion { density, max_speed: self.max_speed }
+    }
+
+    /// How a joint of the trunk or of a limb moves.
+    pub(super) fn joint(&self, of_trunk: bool) -> Motion {
+        if of_trunk {
+            Motion { density: self.trunk_density, max_speed: self.max_speed }
+        } else {
+            Motion { density: self.limb_density, max_speed: 2.0 * self.max_speed }
         }
     }
 
-    pub(super) fn heading_noise(&self) -> Noise {
-        Noise {
-            density: self.turning_density,
-            sigma: self.heading_sigma,
-            max_speed: self.max_turning_rate,
-        }
+    pub(super) fn turning(&self) -> Motion {
+        Motion { density: self.turning_density, max_speed: self.max_turning_rate }
+    }
+
+    /// A heading, with the standard deviation of one frame where no variance is known.
+    pub(super) fn heading(&self, angle: f64, variance: Option<f64>) -> Measurement<1> {
+        let variance = variance.unwrap_or(self.heading_sigma.powi(2));
+        Measurement { position: [angle].into(), covariance: [[variance]].into() }
+    }
+
+    /// The square of the distance beyond which a measurement is an outlier.
+    pub(super) fn outlier_distance(&self) -> f64 {
+        self.gate.powi(2)
+    }
+
+    /// The same of a position.
+    pub(super) fn position_outlier_distance(&self, measured: bool) -> f64 {
+        if measured { self.measured_gate.powi(2) } else { self.outlier_distance() }
+    }
+
+    /// The square of the distance beyond which measurements may be a jump. Of two axes, distances
+    /// beyond d have the probability exp(-d²/2); of one, less.
+    pub(super) fn jump_distance(&self) -> f64 {
+        self.outlier_distance().max(-2.0 * self.jump_probability.ln())
+    }
+
+    /// Of a covariance, by errors that last over several frames: the variance of the mean of many
+    /// frames whose errors have the correlation ρ from one to the next, over that of independent
+    /// ones.
+    pub(super) fn inflation(&self, interval: f64) -> f64 {
+        let correlation = (-interval.max(1e-3) / self.correlation_time.max(1e-9)).exp();
+        (1.0 + correlation) / (1.0 - correlation)
     }
 }

@@ -1,22 +1,28 @@
 //! From noisy bodies to a pose that the control loop can use.
 
-use nalgebra::{Point2, Vector1, Vector2, vector};
+use nalgebra::Point2;
 
 use super::{
-    filter::ConstantVelocity,
-    heading::Seen,
+    filter::Measurement,
+    identity::Identity,
+    lean::Lean,
+    lengths::{SegmentLength, StatureEstimate},
     pose::{TrackStatus, TrackedPerson},
+    seen::{Heading, Seen},
+    segment::BodySegment,
     settings::TrackerSettings,
-    stature::{StatureEstimate, StatureMean},
+    track::{Candidate, Track, nearest_branch},
 };
 use crate::{Error, Percept};
 
 /// Follows one person through the camera's frames.
 ///
-/// Floor position and heading each have a Kalman filter of nearly constant velocity. Measurements
-/// outside the gate are left out; when they persist for some frames and agree with one another, the
-/// person really is there and the track starts again. Without measurements the person is coasted
-/// along at constant velocity for at most half a second and is then lost.
+/// Floor position and heading each have a Kalman filter of nearly constant velocity, whose
+/// measurements have the covariances of the body's joints where these are known. Measurements
+/// outside the gate are left out; when they persist for some frames, agree with one another and are
+/// too far away for noise, the person really is there and the track starts again. Without
+/// measurements the person is coasted along at constant velocity for at most half a second and is
+/// then lost. Lengths of segments measured after that tell whether it is another person.
 ///
 /// [`update`](Self::update) takes each percept as it comes; [`predict`](Self::predict) says where
 /// the person is now, at any rate, and allocates nothing. Joints that are missing, doubtful or not
@@ -36,27 +42,9 @@ pub struct BodyTracker {
     last_time: Option<f64>,
     track: Option<Track>,
     candidate: Option<Candidate>,
-    stature: StatureMean,
-}
-
-/// The person as of the last measurements that were taken in.
-#[derive(Clone, Copy, Debug)]
-struct Track {
-    floor: ConstantVelocity<2>,
-    floor_time: f64,
-    heading: ConstantVelocity<1>,
-    heading_time: f64,
-    /// Headings in a row that were outliers.
-    heading_outliers: u32,
-}
-
-/// Someone seen away from the track, who becomes the track if seen there for long enough.
-#[derive(Clone, Copy, Debug)]
-struct Candidate {
-    floor: Vector2<f64>,
-    heading: Option<f64>,
-    time: f64,
-    frames: u32,
+    identity: Identity,
+    lean: Lean,
+    jumps: u64,
 }
 
 impl BodyTracker {
@@ -71,7 +59,9 @@ impl BodyTracker {
             last_time: None,
             track: None,
             candidate: None,
-            stature: StatureMean::default(),
+            identity: Identity::default(),
+            lean: Lean::default(),
+            jumps: 0,
         })
     }
 
@@ -93,38 +83,53 @@ impl BodyTracker {
         if let Some(previous) = self.last_time.filter(|&previous| time <= previous) {
             return Err(Error::TimeOrder { time, previous });
         }
+        let interval = self.last_time.map_or(f64::INFINITY, |previous| time - previous);
         self.last_time = Some(time);
         let Some(body) = &percept.body else {
             return Ok(());
         };
-        let seen = Seen::new(body, &self.settings);
-        self.stature.update(&seen);
-        let (floor, heading) = (seen.floor().map(|point| point.coords), seen.heading());
+        let seen = Seen::new(body, &self.settings, interval);
+        self.identity.update(&seen);
+        let facing = self.predict(time).map(|person| person.heading);
+        let lean = facing.map(|facing| self.lean.in_world(facing, time)).unwrap_or_default();
+        let (floors, heading) = (seen.floors(&lean), seen.heading());
+        let best = seen.best_floor();
 
         let track = self
             .track
             .as_mut()
             .filter(|track| time - track.floor_time <= self.settings.coast_limit);
-        let expected = match (track, floor) {
-            (Some(track), Some(floor)) => track.take_floor(floor, time, &self.settings),
-            (track, None) => track.is_some(),
-            (None, Some(_)) => false,
+        let outlier = match (track, best) {
+            (Some(track), Some(_)) => {
+                let floors = floors.into_iter().flatten();
+                track.take_floor(floors, time, seen.is_measured(), &self.settings).err()
+            }
+            (Some(_), None) => None,
+            (None, _) => Some(f64::INFINITY),
         };
-        if expected {
-            if let (Some(track), Some(heading)) = (&mut self.track, heading) {
-                track.take_heading(heading, time, &self.settings);
+        match (outlier, best) {
+            (None, _) => {
+                if let (Some(track), Some(heading)) = (&mut self.track, heading) {
+                    self.jumps += u64::from(track.take_heading(heading, time, &self.settings));
+                }
+                if let (Some((offset, variance)), Some(facing)) = (seen.lean(), facing) {
+                    self.lean.update(&offset, variance, facing, time);
+                }
+                if best.is_some() {
+                    self.candidate = None;
+                }
             }
-            if floor.is_some() {
-                self.candidate = None;
+            (Some(distance), Some(floor)) => {
+                let measured = seen.is_measured();
+                self.consider(floor, heading, time, distance, measured);
             }
-        } else if let Some(floor) = floor {
-            self.consider(floor, heading, time);
+            (Some(_), None) => {}
         }
         Ok(())
     }
 
     /// Forgets where anybody was, and when: for frames whose time stamps turned out to be wrong, or a
-    /// clock that was set. The stature stays.
+    /// clock that was set. The lengths of the person's segments stay.
     pub fn forget(&mut self) {
         self.last_time = None;
         self.track = None;
@@ -146,17 +151,19 @@ impl BodyTracker {
         } else {
             TrackStatus::Lost
         };
+        let coasted = extrapolated(now, track.floor_time, settings.coast_limit);
+        let advanced = track.floor.advanced(coasted, &settings.walking(track.measured));
         let moving = if status == TrackStatus::Lost { 0.0 } else { 1.0 };
         let turning = if heading_age > settings.turn_limit { 0.0 } else { 1.0 };
         let turned =
             track.heading.velocity * extrapolated(now, track.heading_time, settings.turn_limit);
-        let walked =
-            track.floor.velocity * extrapolated(now, track.floor_time, settings.coast_limit);
         Some(TrackedPerson {
-            floor: Point2::from(track.floor.position + walked),
+            floor: Point2::from(advanced.position),
             heading: (track.heading.position + turned).x,
             velocity: track.floor.velocity * moving,
             heading_rate: track.heading.velocity.x * turning,
+            floor_covariance: *advanced.position_covariance(),
+            velocity_covariance: *advanced.velocity_covariance(),
             age,
             heading_age,
             status,
@@ -165,85 +172,47 @@ impl BodyTracker {
 
     /// The person's stature, once the legs were seen often enough.
     pub fn stature(&self) -> Option<StatureEstimate> {
-        self.stature.estimate()
+        self.identity.stature()
     }
 
-    /// Somebody is seen where the track does not expect anybody.
-    fn consider(&mut self, floor: Vector2<f64>, heading: Option<f64>, time: f64) {
+    /// The length of one of the person's segments, once it was seen often enough.
+    pub fn segment(&self, segment: BodySegment) -> Option<SegmentLength> {
+        self.identity.length(segment)
+    }
+
+    /// How many times a person who was tracked was somewhere else at once, or turned at once.
+    pub fn jumps(&self) -> u64 {
+        self.jumps
+    }
+
+    /// Somebody is seen where the track does not expect anybody: `distance` squared away, infinite
+    /// without a track.
+    fn consider(
+        &mut self,
+        floor: Measurement<2>,
+        heading: Option<Heading>,
+        time: f64,
+        distance: f64,
+        measured: bool,
+    ) {
         let settings = &self.settings;
-        let candidate = match self.candidate {
-            Some(before) if before.agrees_with(floor, time, settings) => Candidate {
-                floor,
-                heading: heading.or(before.heading),
-                time,
-                frames: before.frames.saturating_add(1),
-            },
-            _ => Candidate { floor, heading, time, frames: 1 },
-        };
+        let candidate = Candidate::seen(self.candidate, floor, heading, time, distance, settings);
         self.candidate = Some(candidate);
-        if let Some(heading) =
-            candidate.heading.filter(|_| candidate.frames >= settings.acquire_frames)
-        {
+        if let Some((floor, heading)) = candidate.accepted(settings) {
             // The heading stays on the branch where it was, so that it never jumps by a turn.
-            let heading =
-                self.predict(time).map_or(heading, |old| nearest_branch(heading, old.heading));
-            self.track = Some(Track {
-                floor: ConstantVelocity::starting_at(floor, &self.settings.position_noise()),
-                floor_time: time,
-                heading: ConstantVelocity::starting_at(
-                    vector![heading],
-                    &self.settings.heading_noise(),
-                ),
-                heading_time: time,
-                heading_outliers: 0,
-            });
+            let angle = self
+                .predict(time)
+                .map_or(heading.angle, |old| nearest_branch(heading.angle, old.heading));
+            let heading = settings.heading(angle, heading.variance);
+            let (jumped, lost) = (candidate.is_jump(&self.settings), distance.is_infinite());
+            if self.track.is_some() && (jumped || lost) {
+                self.identity.doubt();
+                self.lean = Lean::default();
+            }
+            self.jumps += u64::from(jumped);
+            self.track = Some(Track::starting_at(&floor, &heading, time, measured, settings));
             self.candidate = None;
         }
-    }
-}
-
-impl Track {
-    /// Takes a position in unless it is an outlier; whether it was taken in.
-    fn take_floor(&mut self, floor: Vector2<f64>, time: f64, settings: &TrackerSettings) -> bool {
-        let noise = settings.position_noise();
-        let mut filter = self.floor.advanced(time - self.floor_time, &noise);
-        if filter.surprise(&floor, &noise) > settings.gate {
-            return false;
-        }
-        filter.correct(&floor, &noise);
-        self.floor = filter;
-        self.floor_time = time;
-        true
-    }
-
-    /// Takes a heading in unless it is an outlier that does not last.
-    fn take_heading(&mut self, heading: f64, time: f64, settings: &TrackerSettings) {
-        let noise = settings.heading_noise();
-        let elapsed = (time - self.heading_time).min(settings.coast_limit);
-        let mut filter = self.heading.advanced(elapsed, &noise);
-        // Turned no further than `predict` says.
-        filter.position =
-            self.heading.position + self.heading.velocity * elapsed.min(settings.turn_limit);
-        let measured = Vector1::new(nearest_branch(heading, filter.position.x));
-        if filter.surprise(&measured, &noise) <= settings.gate {
-            filter.correct(&measured, &noise);
-        } else if self.heading_outliers + 1 < settings.acquire_frames {
-            self.heading_outliers += 1;
-            return;
-        } else {
-            filter = ConstantVelocity::starting_at(measured, &noise);
-        }
-        self.heading = filter;
-        self.heading_time = time;
-        self.heading_outliers = 0;
-    }
-}
-
-impl Candidate {
-    fn agrees_with(&self, floor: Vector2<f64>, time: f64, settings: &TrackerSettings) -> bool {
-        let elapsed = time - self.time;
-        elapsed <= settings.coast_limit
-            && (floor - self.floor).norm() <= settings.acquire_radius + settings.max_speed * elapsed
     }
 }
 
@@ -257,10 +226,4 @@ fn age_at(now: f64, then: f64, tolerance: f64) -> f64 {
 /// if `now` is no time at all.
 fn extrapolated(now: f64, then: f64, limit: f64) -> f64 {
     if now < then { 0.0 } else { (now - then).min(limit) }
-}
-
-/// The angle that differs from `angle` by whole turns and is nearest to `reference` (rad).
-fn nearest_branch(angle: f64, reference: f64) -> f64 {
-    use std::f64::consts::TAU;
-    angle + TAU * ((reference - angle) / TAU).round()
 }

@@ -21,12 +21,16 @@ mod engine;
 mod graphs;
 #[cfg(feature = "inference")]
 mod heads;
+mod jumps;
 #[cfg(feature = "inference")]
 mod labels;
+mod lifting;
 #[cfg(feature = "inference")]
 mod malformed_checkpoints;
 #[cfg(feature = "inference")]
 mod networks;
+#[cfg(feature = "inference")]
+mod openpose;
 #[cfg(feature = "inference")]
 mod part_grouping;
 #[cfg(feature = "inference")]

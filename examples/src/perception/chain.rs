@@ -1,0 +1,128 @@
+//! From joints in the image to the person who works with the robot.
+
+use std::time::{Duration, Instant};
+
+use vision_models::{
+    Body, Body25, Camera, DepthImage, Error, ImageBody, Lifter, LiftingSettings, People,
+    PeopleSettings, PersonTrack, TrackerSettings,
+};
+
+/// So many bodies tell whether the images are upside down, and so large a share of them.
+const BODIES: u32 = 20;
+const SHARE: f64 = 0.8;
+
+/// Why frames cannot be made percepts.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PerceptionError {
+    /// People stand on their heads.
+    #[error(
+        "{upside_down} of {bodies} people have the neck below the hips: the images are upside down, or \
+         the camera's pose is wrong; turn the images or correct camera.json"
+    )]
+    UpsideDown {
+        /// How many do.
+        upside_down: u32,
+        /// Of how many.
+        bodies: u32,
+    },
+    /// Images or times that do not fit.
+    #[error(transparent)]
+    Vision(#[from] Error),
+}
+
+/// The parameters of a [`Perceiver`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PerceiverSettings {
+    /// Of the lifting.
+    pub lifting: LiftingSettings,
+    /// Of telling people apart.
+    pub people: PeopleSettings,
+    /// Of following each.
+    pub tracker: TrackerSettings,
+}
+
+/// Lifts the joints of everybody in a frame into the world, follows everybody, and selects the one
+/// who engages with the robot.
+#[derive(Clone, Debug)]
+pub struct Perceiver {
+    lifter: Lifter,
+    people: People,
+    bodies: Vec<Body>,
+    /// Upside down, and in all.
+    seen: [u32; 2],
+    time_taken: Duration,
+}
+
+impl Perceiver {
+    /// Before the first frame of a camera.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] if a setting is outside its range.
+    pub fn new(camera: Camera, settings: PerceiverSettings) -> Result<Self, Error> {
+        Ok(Self {
+            lifter: Lifter::new(camera, settings.lifting)?,
+            people: People::new(settings.people, settings.tracker)?,
+            bodies: Vec::with_capacity(ImageBody::MAX_PEOPLE),
+            seen: [0; 2],
+            time_taken: Duration::ZERO,
+        })
+    }
+
+    /// Takes a frame in: the people in the image and the depth that is aligned to it.
+    ///
+    /// # Errors
+    /// [`PerceptionError`] for a depth image of another size, times out of order, and images that
+    /// are upside down.
+    pub fn see(
+        &mut self,
+        time: f64,
+        people: &[ImageBody],
+        depth: &DepthImage,
+    ) -> Result<(), PerceptionError> {
+        let started = Instant::now();
+        self.bodies.clear();
+        for image in people {
+            let body = self.lifter.lift(image, depth)?;
+            self.check_upright(&body)?;
+            self.bodies.push(body);
+        }
+        self.people.update(time, &self.bodies)?;
+        self.time_taken = started.elapsed();
+        Ok(())
+    }
+
+    /// The person who works with the robot, or is about to.
+    pub fn engaged(&self) -> Option<&PersonTrack> {
+        self.people.engaged()
+    }
+
+    /// Everybody who is followed.
+    pub fn people(&self) -> &People {
+        &self.people
+    }
+
+    /// The joints of who works with the robot, if they are in the newest frame.
+    pub fn body(&self) -> Option<&Body> {
+        self.engaged().filter(|person| person.is_in_frame()).map(PersonTrack::body)
+    }
+
+    /// How long lifting and tracking took for the newest frame.
+    pub fn time_taken(&self) -> Duration {
+        self.time_taken
+    }
+
+    fn check_upright(&mut self, body: &Body) -> Result<(), PerceptionError> {
+        let height = |joint| body.get(joint).map(|joint| joint.position.z);
+        let Some((neck, hips)) = height(Body25::Neck).zip(height(Body25::MidHip)) else {
+            return Ok(());
+        };
+        let [upside_down, bodies] = &mut self.seen;
+        *bodies = bodies.saturating_add(1);
+        *upside_down = upside_down.saturating_add(u32::from(neck < hips));
+        if *bodies == BODIES && f64::from(*upside_down) > SHARE * f64::from(BODIES) {
+            return Err(PerceptionError::UpsideDown { upside_down: *upside_down, bodies: *bodies });
+        }
+        Ok(())
+    }
+}

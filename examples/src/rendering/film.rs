@@ -1,0 +1,148 @@
+//! What the camera sees of the simulated walk, frame by frame.
+
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use vision_models::{
+    Body, Camera, Confidence, DepthImage, Error, ImageBody, Keypoint, Percept, RecognisedAction,
+    RecognisedSurface,
+};
+
+use super::{
+    image::RenderedImage,
+    noise::DepthSensor,
+    scene::{Scene, SceneState},
+    skeleton::{PoseEstimator, SkeletonSettings},
+    view::{self, Viewpoint},
+};
+use crate::frames::FrameEntry;
+use crate::random;
+use crate::recording::Header;
+use crate::simulation::{FRAME_RATE, Walker, WalkerError, WalkerSettings};
+
+/// Streams of random numbers beside those of the walker.
+const SENSOR: u64 = 100;
+const POSES: u64 = 101;
+const LATENCY: u64 = 102;
+
+/// How late a frame is there (s).
+const LATE: std::ops::Range<f64> = 0.02..0.09;
+
+/// Images of this width have the noise in pixels that was asked for.
+const WIDTH: f64 = 640.0;
+
+/// One frame, with the truth.
+#[derive(Clone, Debug)]
+pub struct Shot {
+    /// Number and times.
+    pub entry: FrameEntry,
+    /// Colour, and depth without noise.
+    pub image: RenderedImage,
+    /// Depth as the sensor measures it.
+    pub depth: DepthImage,
+    /// What a pose network makes of it; none if the person is not in the picture.
+    pub skeleton: Option<ImageBody>,
+    /// The person as they are, with what they do and the surface of the object.
+    pub truth: Percept,
+}
+
+/// The frames of a walk.
+#[derive(Debug)]
+pub struct Film {
+    walker: Walker,
+    camera: Camera,
+    sensor: DepthSensor,
+    poses: PoseEstimator,
+    latency: ChaCha8Rng,
+    frame: u64,
+    arrived: f64,
+}
+
+impl Film {
+    /// The film of a walk from a viewpoint: the camera's noise and the share of missing joints are of
+    /// `settings.camera`, images have this width and height, and joints of the skeletons are off by
+    /// `pixel_sigma` in images 640 pixels wide. Nobody jumps or vanishes.
+    ///
+    /// # Errors
+    /// [`WalkerError::Setting`] names the setting that is wrong.
+    pub fn new(
+        settings: WalkerSettings,
+        viewpoint: Viewpoint,
+        size: [usize; 2],
+        pixel_sigma: f64,
+    ) -> Result<Self, WalkerError> {
+        let refuse = |name, value, expected| WalkerError::Setting { name, value, expected };
+        if !(0.0..=100.0).contains(&pixel_sigma) {
+            return Err(refuse("pixel-noise", pixel_sigma, "0 to 100 pixels"));
+        }
+        let camera = view::simulated_camera(viewpoint, size)
+            .map_err(|_| refuse("size", size[0] as f64, "sides of 1 to 16384 pixels"))?;
+        let (seed, seen) = (settings.seed, settings.camera);
+        let walker = Walker::new(settings)?;
+        let draw = |stream| random::generator(seed, stream);
+        let pixel_sigma = pixel_sigma * size[0] as f64 / WIDTH;
+        let skeletons = SkeletonSettings { pixel_sigma, drop: seen.drop };
+        Ok(Self {
+            walker,
+            sensor: DepthSensor::new(size, *camera.noise(), seen.noise, draw(SENSOR)),
+            poses: PoseEstimator::new(skeletons, draw(POSES)),
+            latency: draw(LATENCY),
+            camera,
+            frame: 0,
+            arrived: 0.0,
+        })
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The header of a recording of the truth.
+    pub fn header(&self) -> Header {
+        self.walker.header()
+    }
+
+    /// How many frames there are.
+    pub fn expected_frames(&self) -> u64 {
+        self.walker.expected_frames()
+    }
+
+    fn shoot(&mut self) -> Option<Result<Shot, Error>> {
+        let (truth, _) = self.walker.next_frame()?;
+        let time = truth.time;
+        let person = self.walker.person();
+        let (joints, stature) = (person.joints(), person.stature());
+        let surface = self.walker.settings().tool.surface();
+        let state = SceneState { joints: &joints, stature, action: truth.action, surface };
+        let image = view::render(&Scene::new(&state, &self.camera), &self.camera);
+        let depth = match self.sensor.measure(&image, 1.0 / FRAME_RATE) {
+            Ok(depth) => depth,
+            Err(error) => return Some(Err(error)),
+        };
+        let skeleton = Some(self.poses.see(&joints, &self.camera, &image))
+            .filter(|skeleton| skeleton.iter().next().is_some());
+        let confidence = Confidence::ONE;
+        let keypoints = joints.map(|position| Some(Keypoint { position, confidence }));
+        let action = RecognisedAction { action: truth.action, confidence };
+        let surface = RecognisedSurface { surface, confidence };
+        let truth = Percept {
+            time,
+            body: Some(Body::new(keypoints)),
+            action: Some(action),
+            surface: Some(surface),
+        };
+        let late = self.latency.random_range(LATE);
+        self.arrived = self.arrived.max(time + late);
+        let entry = FrameEntry { frame: self.frame, time, arrived: Some(self.arrived) };
+        self.frame += 1;
+        Some(Ok(Shot { entry, image, depth, skeleton, truth }))
+    }
+}
+
+impl Iterator for Film {
+    type Item = Result<Shot, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.shoot()
+    }
+}

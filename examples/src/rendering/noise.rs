@@ -1,0 +1,130 @@
+//! What a stereo camera makes of depths.
+
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use vision_models::{DepthImage, DepthNoise, Error};
+
+use super::image::RenderedImage;
+
+/// Pixels whose matching windows overlap have nearly the same error.
+const CELL: usize = 8;
+
+/// How long errors last (s).
+const CORRELATION_TIME: f64 = 0.1;
+
+/// A step of depth that is an edge (m).
+const EDGE: f32 = 0.1;
+
+/// Along an edge, the shares of pixels without a depth and with one between both surfaces.
+const HOLES_AT_EDGES: f32 = 0.4;
+const BETWEEN_AT_EDGES: f32 = 0.2;
+
+/// The share of pixels without a depth elsewhere.
+const HOLES: f32 = 0.01;
+
+/// A depth sensor: its errors are smooth over neighbouring pixels and go on from frame to frame.
+#[derive(Clone, Debug)]
+pub struct DepthSensor {
+    noise: DepthNoise,
+    factor: f64,
+    draw: ChaCha8Rng,
+    /// At the corners of the cells, each of variance one.
+    errors: Vec<f64>,
+    cells: [usize; 2],
+    weights: [[[f64; 4]; CELL]; CELL],
+    /// Of the draws of the pixels, never 0.
+    state: u32,
+}
+
+impl DepthSensor {
+    /// A sensor of images of this width and height, with `factor` times this noise.
+    pub fn new(size: [usize; 2], noise: DepthNoise, factor: f64, mut draw: ChaCha8Rng) -> Self {
+        let cells = size.map(|side| side / CELL + 2);
+        let errors = (0..cells[0] * cells[1]).map(|_| StandardNormal.sample(&mut draw)).collect();
+        let state = draw.random_range(1..u32::MAX);
+        Self { noise, factor, draw, errors, cells, weights: weights(), state }
+    }
+
+    /// What the sensor measures, `interval` (s) after the frame before.
+    ///
+    /// # Errors
+    /// None for an image of the sensor's size.
+    pub fn measure(&mut self, image: &RenderedImage, interval: f64) -> Result<DepthImage, Error> {
+        let keep = (-interval / CORRELATION_TIME).exp();
+        let fresh = (1.0 - keep * keep).sqrt();
+        for error in &mut self.errors {
+            let new: f64 = StandardNormal.sample(&mut self.draw);
+            *error = keep * *error + fresh * new;
+        }
+        let [width, height] = image.size();
+        let mut depths = Vec::with_capacity(width * height);
+        for row in 0..height {
+            for column in 0..width {
+                depths.push(self.pixel(image, column, row));
+            }
+        }
+        DepthImage::from_metres(image.size(), depths)
+    }
+
+    fn pixel(&mut self, image: &RenderedImage, column: usize, row: usize) -> f32 {
+        let mut depth = image.depth_at(column, row);
+        if !depth.is_finite() {
+            return 0.0;
+        }
+        if self.factor == 0.0 {
+            return depth;
+        }
+        // One draw a pixel decides.
+        let luck = self.luck();
+        let beside = [(column + 2, row), (column.saturating_sub(2), row), (column, row + 2)]
+            .map(|(column, row)| image.depth_at(column, row))
+            .into_iter()
+            .find(|other| other.is_finite() && (other - depth).abs() > EDGE);
+        if let Some(other) = beside {
+            if luck < HOLES_AT_EDGES {
+                return 0.0;
+            }
+            if luck < HOLES_AT_EDGES + BETWEEN_AT_EDGES {
+                depth += (other - depth) * (luck - HOLES_AT_EDGES) / BETWEEN_AT_EDGES;
+            }
+        } else if luck < HOLES {
+            return 0.0;
+        }
+        let error = self.factor * self.noise.sigma(f64::from(depth)) * self.error(column, row);
+        #[expect(clippy::cast_possible_truncation, reason = "a depth needs no more digits")]
+        let error = error as f32;
+        (depth + error).max(0.0)
+    }
+
+    /// In [0, 1), by Marsaglia's xorshift: cheap, as there is one a pixel.
+    fn luck(&mut self) -> f32 {
+        self.state ^= self.state << 13;
+        self.state ^= self.state >> 17;
+        self.state ^= self.state << 5;
+        f32::from(u16::try_from(self.state >> 16).unwrap_or_default()) / 65_536.0
+    }
+
+    /// Between the corners of the cell, of variance one.
+    fn error(&self, column: usize, row: usize) -> f64 {
+        let at = |x: usize, y: usize| {
+            self.errors.get(y * self.cells[0] + x).copied().unwrap_or_default()
+        };
+        let (x, y) = (column / CELL, row / CELL);
+        let weights = self.weights[row % CELL][column % CELL];
+        let corners = [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)];
+        weights.iter().zip(corners).map(|(weight, error)| weight * error).sum()
+    }
+}
+
+/// Of the corners, for each place in a cell, such that errors there have the variance one.
+fn weights() -> [[[f64; 4]; CELL]; CELL] {
+    std::array::from_fn(|row| {
+        std::array::from_fn(|column| {
+            let [u, v] = [column, row].map(|offset| offset as f64 / CELL as f64);
+            let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
+            let norm = weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt();
+            weights.map(|weight| weight / norm)
+        })
+    })
+}

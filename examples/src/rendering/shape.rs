@@ -1,0 +1,112 @@
+//! Where rays meet capsules, boxes and planes. All in the optical frame of the camera, in which a ray
+//! from the origin has z = 1, so that its parameter is the depth.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+/// What is seen along a ray.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hit {
+    /// Along the optical axis (m).
+    pub(super) depth: f64,
+    /// Of the surface, towards the camera.
+    pub(super) normal: Vector3<f64>,
+    /// Red, green, blue.
+    pub(super) colour: [f64; 3],
+}
+
+/// All points within a radius of a segment.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Capsule {
+    pub(super) ends: [Point3<f64>; 2],
+    pub(super) radius: f64,
+    pub(super) colour: [f64; 3],
+}
+
+/// A box with holes drawn on its faces, or none.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TexturedBox {
+    pub(super) pose: Isometry3<f64>,
+    pub(super) half: Vector3<f64>,
+    pub(super) colour: [f64; 3],
+    pub(super) perforated: bool,
+}
+
+impl Capsule {
+    pub(super) fn hit(&self, ray: &Vector3<f64>) -> Option<Hit> {
+        let [from, to] = self.ends.map(|end| end.coords);
+        let axis = to - from;
+        let (length, along) = (axis.norm_squared(), axis.dot(ray));
+        let a = length * ray.norm_squared() - along * along;
+        let (start, across) = (axis.dot(&from), from.dot(ray));
+        let b = length * across - start * along;
+        let c = length * (from.norm_squared() - self.radius.powi(2)) - start * start;
+        let of_side = (a > 1e-12).then(|| entry(a, b, c)).flatten().filter(|depth| {
+            let place = axis.dot(&(ray * *depth - from));
+            (0.0..=length).contains(&place)
+        });
+        let of_ends = [from, to].map(|end| {
+            entry(ray.norm_squared(), end.dot(ray), end.norm_squared() - self.radius.powi(2))
+        });
+        let depth = of_side.into_iter().chain(of_ends.into_iter().flatten()).reduce(f64::min)?;
+        let point = ray * depth;
+        let share = if length > 0.0 { axis.dot(&(point - from)) / length } else { 0.0 };
+        let normal = (point - from - axis * share.clamp(0.0, 1.0)) / self.radius;
+        Some(Hit { depth, normal, colour: self.colour })
+    }
+}
+
+/// The smaller root of a t² - 2 b t + c, if it is ahead.
+fn entry(a: f64, b: f64, c: f64) -> Option<f64> {
+    let discriminant = b * b - a * c;
+    let depth = (b - discriminant.max(0.0).sqrt()) / a;
+    (discriminant >= 0.0 && depth > 0.0).then_some(depth)
+}
+
+impl TexturedBox {
+    pub(super) fn hit(&self, ray: &Vector3<f64>) -> Option<Hit> {
+        let origin = self.pose.inverse_transform_point(&Point3::origin()).coords;
+        let direction = self.pose.inverse_transform_vector(ray);
+        let (mut enter, mut leave, mut face) = (f64::NEG_INFINITY, f64::INFINITY, 0);
+        for axis in 0..3 {
+            let speed = direction[axis];
+            let bounds = [-self.half[axis], self.half[axis]];
+            if speed.abs() < 1e-12 {
+                if origin[axis].abs() > self.half[axis] {
+                    return None;
+                }
+                continue;
+            }
+            let [one, other] = bounds.map(|bound| (bound - origin[axis]) / speed);
+            if one.min(other) > enter {
+                (enter, face) = (one.min(other), axis);
+            }
+            leave = leave.min(one.max(other));
+        }
+        if !(enter > 0.0 && enter <= leave) {
+            return None;
+        }
+        let mut normal = Vector3::zeros();
+        normal[face] = -direction[face].signum();
+        let at = origin + direction * enter;
+        let colour = self.texture([at[(face + 1) % 3], at[(face + 2) % 3]]);
+        Some(Hit { depth: enter, normal: self.pose.rotation * normal, colour })
+    }
+
+    /// Dark holes of 12 mm every 40 mm.
+    fn texture(&self, at: [f64; 2]) -> [f64; 3] {
+        let [u, v] = at.map(|x| (x / 0.04).fract().abs() - 0.5);
+        let hole = self.perforated && u.hypot(v) < 0.3;
+        if hole { [0.08, 0.08, 0.09] } else { self.colour }
+    }
+}
+
+/// The plane through a point with a normal.
+pub(super) fn plane(
+    ray: &Vector3<f64>,
+    point: &Point3<f64>,
+    normal: &Vector3<f64>,
+    colour: [f64; 3],
+) -> Option<Hit> {
+    let depth = point.coords.dot(normal) / ray.dot(normal);
+    (depth > 0.0 && depth.is_finite()).then_some(Hit { depth, normal: *normal, colour })
+}

@@ -1,0 +1,162 @@
+//! The joints of a body over time.
+
+use nalgebra::{Point3, Vector2};
+
+use super::{
+    filter::{ConstantVelocity, Measurement, Motion},
+    keypoints::{Body, Body25, Keypoint},
+    seen::Seen,
+    segment::{BodySegment, ENDS},
+    settings::TrackerSettings,
+};
+use crate::Confidence;
+
+/// Joints of head and trunk.
+const TRUNK: [Body25; 11] = [
+    Body25::Nose,
+    Body25::Neck,
+    Body25::LeftShoulder,
+    Body25::RightShoulder,
+    Body25::MidHip,
+    Body25::LeftHip,
+    Body25::RightHip,
+    Body25::LeftEye,
+    Body25::RightEye,
+    Body25::LeftEar,
+    Body25::RightEar,
+];
+
+/// After so long without a measurement a joint is no longer known (s).
+const COAST: f64 = 0.2;
+
+/// A joint with a larger variance, of all axes together, is not known (m²).
+const VAGUE: f64 = 0.03;
+
+/// A segment may be longer or shorter than its measured length by this (m), and by as many standard
+/// deviations of its ends.
+const TOLERANCE: f64 = 0.05;
+const DEVIATIONS: f64 = 2.5;
+
+/// Follows each joint of one person by a Kalman filter of its own, so that errors of single frames
+/// are averaged and a joint that is missed for a moment stays known. Joints without a covariance are
+/// given as they are.
+#[derive(Clone, Debug)]
+pub(super) struct JointFilter {
+    joints: [Option<Followed>; Body25::COUNT],
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Followed {
+    filter: ConstantVelocity<3>,
+    time: f64,
+    confidence: Confidence,
+    /// Outliers in a row.
+    outliers: u32,
+}
+
+impl JointFilter {
+    pub(super) fn new() -> Self {
+        Self { joints: [None; Body25::COUNT] }
+    }
+
+    /// Takes a frame in and gives the joints as they are at its time. `walking` is the person's
+    /// velocity over the floor (m/s), `length` gives the measured lengths of segments.
+    pub(super) fn update(
+        &mut self,
+        body: &Body,
+        seen: &Seen<'_>,
+        time: f64,
+        walking: Vector2<f64>,
+        settings: &TrackerSettings,
+        length: impl Fn(BodySegment) -> Option<f64>,
+    ) -> Body {
+        let doubted = doubted(seen, length);
+        let mut out = Body::default();
+        let joints = Body25::ALL.into_iter().zip(&mut self.joints).zip(doubted);
+        for ((joint, followed), doubted) in joints {
+            let motion = settings.joint(TRUNK.contains(&joint));
+            let measured = seen.joint(joint).zip(body.get(joint)).filter(|_| !doubted);
+            if let Some((at, keypoint)) = measured {
+                let Some(covariance) = at.covariance else {
+                    out.set(joint, Some(keypoint));
+                    continue;
+                };
+                let covariance = covariance * seen.inflation();
+                let measured = Measurement { position: at.position, covariance };
+                let before = followed.take().filter(|before| time - before.time <= COAST);
+                *followed = Some(match before {
+                    None => Followed::starting_at(&measured, keypoint, time, &motion).with(walking),
+                    Some(before) => before.corrected(&measured, keypoint, time, &motion, settings),
+                });
+            }
+            if let Some(known) = followed.filter(|known| time - known.time <= COAST) {
+                let now = known.filter.advanced(time - known.time, &motion);
+                if now.position_covariance().trace() > VAGUE {
+                    continue;
+                }
+                let position = Point3::from(now.position);
+                let keypoint = Keypoint { position, confidence: known.confidence };
+                out.set_measured(joint, keypoint, *now.position_covariance());
+            }
+        }
+        out
+    }
+}
+
+impl Followed {
+    fn starting_at(
+        measured: &Measurement<3>,
+        keypoint: Keypoint,
+        time: f64,
+        motion: &Motion,
+    ) -> Self {
+        let filter = ConstantVelocity::starting_at(measured, motion);
+        Self { filter, time, confidence: keypoint.confidence, outliers: 0 }
+    }
+
+    /// The same, moving along with the person.
+    fn with(mut self, walking: Vector2<f64>) -> Self {
+        self.filter.velocity = walking.push(0.0);
+        self
+    }
+
+    /// With a measurement taken in. An outlier is left out; one that lasts is where the joint is.
+    fn corrected(
+        mut self,
+        measured: &Measurement<3>,
+        keypoint: Keypoint,
+        time: f64,
+        motion: &Motion,
+        settings: &TrackerSettings,
+    ) -> Self {
+        let mut filter = self.filter.advanced(time - self.time, motion);
+        if filter.distance_squared(measured) <= settings.position_outlier_distance(true) {
+            filter.correct(measured, motion);
+            return Self { filter, time, confidence: keypoint.confidence, outliers: 0 };
+        }
+        self.outliers += 1;
+        if self.outliers >= settings.acquire_frames {
+            return Self::starting_at(measured, keypoint, time, motion);
+        }
+        self
+    }
+}
+
+/// For each joint, whether the segment that it ends has not the length that it should have.
+fn doubted(seen: &Seen<'_>, length: impl Fn(BodySegment) -> Option<f64>) -> [bool; Body25::COUNT] {
+    let mut doubted = [false; Body25::COUNT];
+    for (segment, from, to) in ENDS {
+        if matches!(segment, BodySegment::Trunk | BodySegment::Shoulders) {
+            continue;
+        }
+        let ends = seen.joint(from).zip(seen.joint(to)).filter(|_| !doubted[from.index()]);
+        let (Some((near, far)), Some(expected)) = (ends, length(segment)) else { continue };
+        let Some((one, other)) = near.covariance.zip(far.covariance) else { continue };
+        let line = far.position - near.position;
+        let direction = line.try_normalize(1e-9).unwrap_or_default();
+        let sigma = direction.dot(&((one + other) * direction)).sqrt();
+        let error = (line.norm() - expected).abs();
+        doubted[to.index()] = error > TOLERANCE + DEVIATIONS * sigma;
+    }
+    doubted
+}

@@ -1,0 +1,189 @@
+//! Several people in the picture, and the one who works with the robot.
+
+mod person;
+mod settings;
+
+use nalgebra::Vector2;
+
+pub use person::{PersonId, PersonTrack};
+pub use settings::PeopleSettings;
+
+use super::{keypoints::Body, seen::Seen, settings::TrackerSettings};
+use crate::Error;
+
+/// Follows several people at once and selects the one who engages with the robot.
+///
+/// Each body goes to the track that expects somebody nearest to it. A person engages who is near the
+/// place of work and faces it for a while; from then on they are the one, whoever else comes nearer,
+/// until they leave or are lost.
+///
+/// ```
+/// use vision_models::{Body, People, PeopleSettings, TrackerSettings};
+///
+/// let mut people = People::new(PeopleSettings::default(), TrackerSettings::default())?;
+/// people.update(0.0, &[Body::default()])?;
+/// assert!(people.engaged().is_none());
+/// # Ok::<(), vision_models::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct People {
+    settings: PeopleSettings,
+    tracker: TrackerSettings,
+    tracks: Vec<PersonTrack>,
+    engaged: Option<PersonId>,
+    /// Who may be next, and since when (s).
+    candidate: Option<(PersonId, f64)>,
+    last_time: Option<f64>,
+    next: u64,
+}
+
+impl People {
+    /// Nobody yet.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] if a setting is outside its range.
+    pub fn new(settings: PeopleSettings, tracker: TrackerSettings) -> Result<Self, Error> {
+        settings.validate()?;
+        tracker.validate()?;
+        Ok(Self {
+            tracks: Vec::with_capacity(settings.most),
+            settings,
+            tracker,
+            engaged: None,
+            candidate: None,
+            last_time: None,
+            next: 0,
+        })
+    }
+
+    /// Takes the bodies of one frame in. Frames come in the order of their time stamps.
+    ///
+    /// # Errors
+    /// [`Error::Time`] or [`Error::TimeOrder`]; nothing is then changed.
+    pub fn update(&mut self, time: f64, bodies: &[Body]) -> Result<(), Error> {
+        if !time.is_finite() {
+            return Err(Error::Time { time });
+        }
+        if let Some(previous) = self.last_time.filter(|&previous| time <= previous) {
+            return Err(Error::TimeOrder { time, previous });
+        }
+        let interval = self.last_time.map_or(f64::INFINITY, |previous| time - previous);
+        self.last_time = Some(time);
+        for track in &mut self.tracks {
+            track.expect(time);
+        }
+        let mut unclaimed = 0;
+        while let Some((track, body)) = self.nearest_pair(bodies, interval) {
+            if let (Some(track), Some(body)) = (self.tracks.get_mut(track), bodies.get(body)) {
+                track.claim(body, time)?;
+            }
+            unclaimed += 1;
+        }
+        if unclaimed < bodies.len() {
+            self.begin(bodies, interval, time)?;
+        }
+        for track in &mut self.tracks {
+            track.miss(time)?;
+        }
+        self.tracks.retain(|track| !track.is_gone(time, &self.settings));
+        self.merge(time);
+        self.select(time);
+        Ok(())
+    }
+
+    /// Everybody who is followed.
+    pub fn tracks(&self) -> &[PersonTrack] {
+        &self.tracks
+    }
+
+    /// The person who works with the robot, or is about to.
+    pub fn engaged(&self) -> Option<&PersonTrack> {
+        let engaged = self.engaged?;
+        self.tracks.iter().find(|track| track.id() == engaged)
+    }
+
+    /// Of the tracks without a body and the bodies without a track, the two that are nearest.
+    fn nearest_pair(&self, bodies: &[Body], interval: f64) -> Option<(usize, usize)> {
+        let mut best: Option<(f64, usize, usize)> = None;
+        for (index, track) in self.tracks.iter().enumerate() {
+            let Some(expected) = track.expected() else { continue };
+            for (other, body) in bodies.iter().enumerate() {
+                if self.tracks.iter().any(|track| track.has(body)) {
+                    continue;
+                }
+                let floor = floor(body, &self.tracker, interval);
+                let distance = floor.map_or(f64::INFINITY, |floor| (floor - expected).norm());
+                let near = distance <= self.settings.reach;
+                if near && best.is_none_or(|(nearest, ..)| distance < nearest) {
+                    best = Some((distance, index, other));
+                }
+            }
+        }
+        best.map(|(_, track, body)| (track, body))
+    }
+
+    /// Begins tracks for people who are nobody's, but for a second skeleton of one person.
+    fn begin(&mut self, bodies: &[Body], interval: f64, time: f64) -> Result<(), Error> {
+        for body in bodies {
+            let Some(floor) = floor(body, &self.tracker, interval) else { continue };
+            let taken = self
+                .tracks
+                .iter()
+                .any(|track| track.has(body) || track.is_at(&floor, time, self.settings.separate));
+            if taken || self.tracks.len() >= self.settings.most {
+                continue;
+            }
+            let mut track = PersonTrack::new(PersonId::new(self.next), &self.tracker)?;
+            self.next += 1;
+            track.expect(time);
+            track.claim(body, time)?;
+            self.tracks.push(track);
+        }
+        Ok(())
+    }
+
+    /// Ends a track that is where another is: the younger, unless it is of who is engaged.
+    fn merge(&mut self, time: f64) {
+        let double = (1..self.tracks.len()).find_map(|younger| {
+            let (before, track) = (self.tracks.get(..younger)?, self.tracks.get(younger)?);
+            let here = track.place(time)?;
+            let same = |other: &&PersonTrack| other.is_at(&here, time, self.settings.separate);
+            let older = before.iter().find(same)?;
+            let ends = if self.engaged == Some(track.id()) { older } else { track };
+            Some(ends.id())
+        });
+        if let Some(double) = double {
+            self.tracks.retain(|track| track.id() != double);
+        }
+    }
+
+    /// Keeps who is engaged, or selects the nearest to the place of work who faces it.
+    fn select(&mut self, time: f64) {
+        let settings = &self.settings;
+        let kept = self.engaged.filter(|&id| {
+            let track = self.tracks.iter().find(|track| track.id() == id);
+            track.is_some_and(|track| track.stays(time, settings))
+        });
+        let nearest = self
+            .tracks
+            .iter()
+            .filter(|track| track.engages(time, settings))
+            .min_by(|one, other| {
+                one.distance(time, settings).total_cmp(&other.distance(time, settings))
+            })
+            .map(PersonTrack::id);
+        let lost = self.engaged().is_none_or(|track| !track.is_seen(time));
+        self.candidate =
+            nearest.filter(|_| kept.is_none() || lost).map(|id| match self.candidate {
+                Some((before, since)) if before == id => (id, since),
+                _ => (id, time),
+            });
+        let ready = self.candidate.filter(|(_, since)| time - since >= settings.dwell);
+        self.engaged = ready.map(|(id, _)| id).or(kept);
+    }
+}
+
+/// The floor below a body.
+fn floor(body: &Body, settings: &TrackerSettings, interval: f64) -> Option<Vector2<f64>> {
+    Seen::new(body, settings, interval).best_floor().map(|floor| floor.position)
+}

@@ -1,0 +1,78 @@
+//! The parameters of following several people.
+
+use nalgebra::Point2;
+
+use crate::Error;
+
+/// The parameters of [`People`](crate::People).
+///
+/// ```
+/// use vision_models::PeopleSettings;
+///
+/// let settings = PeopleSettings { release: 5.0, ..PeopleSettings::default() };
+/// assert!(settings.validate().is_ok());
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeopleSettings {
+    /// The place of work, on the floor (m). Default (0.8, 0): before MOCA's first place.
+    pub place: Point2<f64>,
+    /// Who engages is no farther from it than this (m). Default 3.
+    pub radius: f64,
+    /// Who engages faces it to within this angle (rad). Default 1.2.
+    pub facing: f64,
+    /// For so long (s). Default 0.3.
+    pub dwell: f64,
+    /// Who is engaged is released at this distance (m). Default 6.
+    pub release: f64,
+    /// Who is engaged and not seen is kept for so long, unless somebody else engages (s). Default 2.
+    pub keep: f64,
+    /// A person moves no farther than this between two frames (m). Default 0.6.
+    pub reach: f64,
+    /// Two bodies that are nearer are one person (m). Default 0.25.
+    pub separate: f64,
+    /// The most people who are followed. Default 8.
+    pub most: usize,
+}
+
+impl Default for PeopleSettings {
+    fn default() -> Self {
+        Self {
+            place: Point2::new(0.8, 0.0),
+            radius: 3.0,
+            facing: 1.2,
+            dwell: 0.3,
+            release: 6.0,
+            keep: 2.0,
+            reach: 0.6,
+            separate: 0.25,
+            most: 8,
+        }
+    }
+}
+
+impl PeopleSettings {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] names the first field that is NaN or outside its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        let within = |name, value: f64, low: f64, high: f64, expected| {
+            if value >= low && value <= high {
+                Ok(())
+            } else {
+                Err(Error::Setting { name, value, expected })
+            }
+        };
+        for coordinate in self.place.iter() {
+            within("place", *coordinate, -1e3, 1e3, "a place within 1000 m")?;
+        }
+        within("radius", self.radius, 0.1, 1e3, "a distance in [0.1, 1000] m")?;
+        within("facing", self.facing, 0.0, 4.0, "an angle in [0, 4] rad")?;
+        within("dwell", self.dwell, 0.0, 60.0, "a time in [0, 60] s")?;
+        within("release", self.release, self.radius, 1e3, "a distance from radius to 1000 m")?;
+        within("keep", self.keep, 0.0, 60.0, "a time in [0, 60] s")?;
+        within("reach", self.reach, 1e-2, 10.0, "a distance in [0.01, 10] m")?;
+        within("separate", self.separate, 0.0, 10.0, "a distance in [0, 10] m")?;
+        within("most", self.most as f64, 1.0, 64.0, "1 to 64 people")
+    }
+}

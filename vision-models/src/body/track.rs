@@ -1,0 +1,166 @@
+//! The person as of the last measurements.
+
+use nalgebra::Vector2;
+
+use super::{
+    filter::{ConstantVelocity, Measurement},
+    seen::Heading,
+    settings::TrackerSettings,
+};
+
+/// The person as of the last measurements that were taken in.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Track {
+    pub(super) floor: ConstantVelocity<2>,
+    pub(super) floor_time: f64,
+    /// Whether positions come with covariances.
+    pub(super) measured: bool,
+    pub(super) heading: ConstantVelocity<1>,
+    pub(super) heading_time: f64,
+    /// Headings in a row that were outliers, and the distance of the nearest of them, squared.
+    turned: Option<(u32, f64)>,
+}
+
+/// Someone seen away from the track, who becomes the track if seen there for long enough.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate {
+    floor: Measurement<2>,
+    heading: Option<Heading>,
+    time: f64,
+    frames: u32,
+    /// The square of the distance from the track in the frame in which it was nearest.
+    distance: f64,
+}
+
+impl Track {
+    /// At rest, with the heading on this branch.
+    pub(super) fn starting_at(
+        floor: &Measurement<2>,
+        heading: &Measurement<1>,
+        time: f64,
+        measured: bool,
+        settings: &TrackerSettings,
+    ) -> Self {
+        Self {
+            floor: ConstantVelocity::starting_at(floor, &settings.walking(measured)),
+            floor_time: time,
+            measured,
+            heading: ConstantVelocity::starting_at(heading, &settings.turning()),
+            heading_time: time,
+            turned: None,
+        }
+    }
+
+    /// Takes those measurements of the position in that are no outliers. If all are, gives the
+    /// square of the distance of the nearest.
+    pub(super) fn take_floor(
+        &mut self,
+        floors: impl Iterator<Item = Measurement<2>>,
+        time: f64,
+        measured: bool,
+        settings: &TrackerSettings,
+    ) -> Result<(), f64> {
+        let motion = settings.walking(measured);
+        let mut filter = self.floor.advanced(time - self.floor_time, &motion);
+        let (mut taken, mut nearest) = (false, f64::INFINITY);
+        for floor in floors {
+            let distance = filter.distance_squared(&floor);
+            nearest = nearest.min(distance);
+            if distance <= settings.position_outlier_distance(measured) {
+                filter.correct(&floor, &motion);
+                taken = true;
+            }
+        }
+        if !taken {
+            return Err(nearest);
+        }
+        (self.floor, self.floor_time, self.measured) = (filter, time, measured);
+        Ok(())
+    }
+
+    /// Takes a heading in unless it is an outlier that does not last. Returns true if the person
+    /// turned at once.
+    pub(super) fn take_heading(
+        &mut self,
+        heading: Heading,
+        time: f64,
+        settings: &TrackerSettings,
+    ) -> bool {
+        let motion = settings.turning();
+        let since = time - self.heading_time;
+        let elapsed = since.min(settings.coast_limit);
+        let mut filter = self.heading.advanced(elapsed, &motion);
+        // Turned no further than `predict` says.
+        filter.position =
+            self.heading.position + self.heading.velocity * elapsed.min(settings.turn_limit);
+        let angle = nearest_branch(heading.angle, filter.position.x);
+        let measured = settings.heading(angle, heading.variance);
+        let distance = filter.distance_squared(&measured);
+        let mut jumped = false;
+        if distance <= settings.outlier_distance() {
+            filter.correct(&measured, &motion);
+        } else {
+            let (frames, nearest) = self.turned.unwrap_or((0, f64::INFINITY));
+            let (frames, nearest) = (frames.saturating_add(1), nearest.min(distance));
+            jumped = nearest > settings.jump_distance();
+            let lasting = frames >= settings.acquire_frames;
+            if !(lasting && (jumped || since > settings.coast_limit)) {
+                self.turned = Some((frames, nearest));
+                return false;
+            }
+            filter = ConstantVelocity::starting_at(&measured, &motion);
+        }
+        self.heading = filter;
+        self.heading_time = time;
+        self.turned = None;
+        jumped
+    }
+}
+
+impl Candidate {
+    /// Somebody seen in a frame, `distance` (squared) away from the track if there is one; goes on
+    /// from the frame before if the two agree.
+    pub(super) fn seen(
+        before: Option<Self>,
+        floor: Measurement<2>,
+        heading: Option<Heading>,
+        time: f64,
+        distance: f64,
+        settings: &TrackerSettings,
+    ) -> Self {
+        match before {
+            Some(before) if before.agrees_with(&floor.position, time, settings) => Self {
+                floor,
+                heading: heading.or(before.heading),
+                time,
+                frames: before.frames.saturating_add(1),
+                distance: before.distance.min(distance),
+            },
+            _ => Self { floor, heading, time, frames: 1, distance },
+        }
+    }
+
+    fn agrees_with(&self, floor: &Vector2<f64>, time: f64, settings: &TrackerSettings) -> bool {
+        let elapsed = time - self.time;
+        let reach = settings.acquire_radius + settings.max_speed * elapsed;
+        elapsed <= settings.coast_limit && (floor - self.floor.position).norm() <= reach
+    }
+
+    /// Where the person is, if they were seen there for long enough.
+    pub(super) fn accepted(&self, settings: &TrackerSettings) -> Option<(Measurement<2>, Heading)> {
+        let lasting = self.frames >= settings.acquire_frames;
+        self.heading.filter(|_| lasting).map(|heading| (self.floor, heading))
+    }
+
+    /// Returns true if the person was somewhere else at once: noise alone is not so far from the
+    /// track in each of the frames. Otherwise the track has drifted away from the person.
+    pub(super) fn is_jump(&self, settings: &TrackerSettings) -> bool {
+        self.distance.is_finite() && self.distance > settings.jump_distance()
+    }
+}
+
+/// The angle that differs from `angle` by whole turns and is nearest to `reference` (rad).
+pub(super) fn nearest_branch(angle: f64, reference: f64) -> f64 {
+    use std::f64::consts::TAU;
+    angle + TAU * ((reference - angle) / TAU).round()
+}

@@ -1,0 +1,10 @@
+//! From joints in the image and aligned depth to joints in the world.
+
+mod lifter;
+mod settings;
+mod skin;
+mod window;
+
+pub use lifter::Lifter;
+pub use settings::LiftingSettings;
+pub use skin::SkinDepths;

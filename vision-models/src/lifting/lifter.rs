@@ -1,0 +1,205 @@
+//! Each joint at its depth.
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use super::{
+    settings::LiftingSettings,
+    window::{self, Wanted},
+};
+use crate::{Body, Body25, Camera, DepthImage, Error, ImageBody, ImageKeypoint, Keypoint};
+
+/// Joints of which the trunk's place is the median.
+const TRUNK: [Body25; 6] = [
+    Body25::Neck,
+    Body25::MidHip,
+    Body25::LeftShoulder,
+    Body25::RightShoulder,
+    Body25::LeftHip,
+    Body25::RightHip,
+];
+
+/// Joints of upright parts: what is above them hides them from a camera that looks down.
+const UPRIGHT: [Body25; 10] = [
+    Body25::Neck,
+    Body25::MidHip,
+    Body25::LeftShoulder,
+    Body25::RightShoulder,
+    Body25::LeftHip,
+    Body25::RightHip,
+    Body25::LeftKnee,
+    Body25::RightKnee,
+    Body25::LeftAnkle,
+    Body25::RightAnkle,
+];
+
+/// A ray steeper than this (cosine to the floor) does not meet the front of an upright part.
+const STEEPEST: f64 = 0.6;
+
+/// At an edge the standard deviation of the depth is larger by this factor.
+const AT_EDGE: f64 = 2.0;
+
+/// Brings joints from the image into the world, each with its covariance.
+///
+/// A joint's depth is the median of a window around its pixel, of the nearest surface there; where
+/// there is none, or where the joint would be farther from the trunk than an arm reaches, the joint
+/// is left out. The joint itself lies behind the skin ([`SkinDepths`]), along the ray for arms, head and
+/// feet, and for upright parts as far as their depth below the skin is along the floor. Its covariance
+/// has the error of the keypoint across the ray, and those of depth and skin along it.
+///
+/// [`SkinDepths`]: crate::SkinDepths
+///
+/// ```
+/// use nalgebra::{Point2, Point3};
+/// use vision_models::{
+///     Body25, Camera, Confidence, DepthImage, DepthNoise, ImageBody, ImageKeypoint, Intrinsics,
+///     Lifter, LiftingSettings,
+/// };
+///
+/// let intrinsics = Intrinsics::new([64, 48], [60.0, 60.0], [31.5, 23.5])?;
+/// let (eye, target) = (Point3::new(0.0, 0.0, 1.5), Point3::new(1.0, 0.0, 1.5));
+/// let camera = Camera::looking_at(intrinsics, eye, target, DepthNoise::D435I)?;
+/// let lifter = Lifter::new(camera, LiftingSettings::default())?;
+///
+/// let depth = DepthImage::from_metres([64, 48], vec![2.0; 64 * 48])?;
+/// let mut image = ImageBody::default();
+/// let position = Point2::new(31.5, 23.5);
+/// image.set(Body25::Nose, Some(ImageKeypoint { position, confidence: Confidence::ONE }));
+/// let body = lifter.lift(&image, &depth)?;
+/// let nose = body.get(Body25::Nose).expect("there is a surface");
+/// assert!((nose.position - Point3::new(2.0, 0.0, 1.5)).norm() < 1e-6);
+/// // Uncertain across the ray by three pixels, and along it by the noise of the depth.
+/// let covariance = body.covariance(Body25::Nose).expect("measured");
+/// assert!((covariance[(1, 1)].sqrt() - 3.0 * 2.0 / 60.0).abs() < 1e-6);
+/// # Ok::<(), vision_models::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lifter {
+    camera: Camera,
+    settings: LiftingSettings,
+}
+
+impl Lifter {
+    /// A lifter for the images of a camera.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] if a setting is outside its range.
+    pub fn new(camera: Camera, settings: LiftingSettings) -> Result<Self, Error> {
+        settings.validate()?;
+        Ok(Self { camera, settings })
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The joints of a person in the world. It allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::ImageSize`] if the depth image has not the size of the camera's intrinsics.
+    pub fn lift(&self, image: &ImageBody, depth: &DepthImage) -> Result<Body, Error> {
+        let expected = self.camera.intrinsics().size();
+        let found = depth.size();
+        if found != expected {
+            return Err(Error::ImageSize { found, expected });
+        }
+        let lifted = Body25::ALL.map(|joint| self.joint(joint, image.get(joint)?, depth));
+        let motion = self.camera.world_from_camera();
+        // How far ahead of the camera along the floor; along the axis where it looks straight down.
+        let axis = motion.rotation * Vector3::z();
+        let level = Vector3::new(axis.x, axis.y, 0.0).try_normalize(0.2).unwrap_or(axis);
+        let ahead = motion.rotation.inverse() * level;
+        let range = |lifted: &Lifted| lifted.position.coords.dot(&ahead);
+        let middle = trunk_range(&lifted.map(|lifted| lifted.as_ref().map(range)));
+        let mut body = Body::default();
+        for (joint, lifted) in Body25::ALL.into_iter().zip(lifted) {
+            let LiftingSettings { reach, trunk_reach, .. } = self.settings;
+            let limit = if TRUNK.contains(&joint) { trunk_reach } else { reach };
+            let near = |lifted: &Lifted| {
+                middle.is_none_or(|middle| (range(lifted) - middle).abs() <= limit)
+            };
+            if let Some(lifted) = lifted.filter(near) {
+                self.place(&mut body, joint, &lifted);
+            }
+        }
+        Ok(body)
+    }
+
+    /// A joint in the optical frame.
+    fn joint(&self, joint: Body25, keypoint: ImageKeypoint, depth: &DepthImage) -> Option<Lifted> {
+        let settings = &self.settings;
+        if keypoint.confidence.value() < settings.least_confidence {
+            return None;
+        }
+        let (intrinsics, noise) = (self.camera.intrinsics(), self.camera.noise());
+        let [fx, fy] = intrinsics.focal();
+        let focal = f64::midpoint(fx, fy);
+        let wanted = Wanted {
+            half_side: settings.window,
+            focal,
+            least_share: settings.least_share,
+            range: settings.range,
+        };
+        let edge = |depth: f64| settings.edge.max(4.0 * noise.sigma(depth));
+        let surface = window::surface(depth, &keypoint.position, &wanted, edge)?;
+
+        let ray = intrinsics.ray(&keypoint.position);
+        let length = ray.norm();
+        let skin = settings.skin.of(joint) / self.slant(joint, &ray);
+        let position = Point3::from(ray * (surface.depth + skin));
+        let at_edge = if surface.at_edge { AT_EDGE } else { 1.0 };
+        let of_depth = (at_edge * noise.sigma(surface.depth)).powi(2);
+        let of_skin = (settings.skin_sigma / length).powi(2);
+        let of_pixel = (settings.pixel_sigma * surface.depth).powi(2);
+        let across = Vector3::new(of_pixel / (fx * fx), of_pixel / (fy * fy), 0.0);
+        let along = ray * ray.transpose() * (of_depth + of_skin);
+        let covariance = Matrix3::from_diagonal(&across) + along;
+        let confidence = keypoint.confidence;
+        Some(Lifted { position, covariance, keypoint: Keypoint { position, confidence } })
+    }
+
+    /// What the depth below the skin is over the depth along the optical axis, in the part of the body around a joint:
+    /// deep is along the floor for upright parts, and along the ray for others.
+    fn slant(&self, joint: Body25, ray: &Vector3<f64>) -> f64 {
+        let length = ray.norm();
+        let in_world = self.camera.world_from_camera().rotation * ray;
+        let level = (in_world.xy().norm() / length).max(STEEPEST);
+        if UPRIGHT.contains(&joint) { length * level } else { length }
+    }
+
+    fn place(&self, body: &mut Body, joint: Body25, lifted: &Lifted) {
+        let motion = self.camera.world_from_camera();
+        let position = motion * lifted.position;
+        let rotation = motion.rotation.to_rotation_matrix();
+        let covariance = rotation.matrix() * lifted.covariance * rotation.matrix().transpose();
+        body.set_measured(joint, Keypoint { position, ..lifted.keypoint }, covariance);
+    }
+}
+
+/// A joint in the optical frame (m, m²).
+#[derive(Clone, Copy)]
+struct Lifted {
+    position: Point3<f64>,
+    covariance: Matrix3<f64>,
+    keypoint: Keypoint,
+}
+
+/// The median of the trunk's joints, or of all where fewer than two of those are there.
+fn trunk_range(ranges: &[Option<f64>; Body25::COUNT]) -> Option<f64> {
+    let range = |joint: Body25| ranges[joint.index()];
+    median(TRUNK.into_iter().filter_map(range), 2)
+        .or_else(|| median(Body25::ALL.into_iter().filter_map(range), 1))
+}
+
+/// The median of at least `least` values.
+fn median(values: impl Iterator<Item = f64>, least: usize) -> Option<f64> {
+    let mut sorted = [f64::INFINITY; Body25::COUNT];
+    let mut count = 0;
+    for (slot, value) in sorted.iter_mut().zip(values) {
+        *slot = value;
+        count += 1;
+    }
+    sorted.sort_unstable_by(f64::total_cmp);
+    let middle = sorted.get(count / 2).copied()?;
+    (count >= least && count > 0).then_some(middle)
+}

@@ -1,0 +1,89 @@
+//! OpenPose's JSON: both models, several people, and what is refused.
+
+use proptest::prelude::*;
+use vision_models::{Body25, Error, ImageBody};
+
+/// A file of one person with the numbers of each joint.
+fn file(people: &[Vec<[f64; 3]>]) -> String {
+    let people: Vec<_> = people
+        .iter()
+        .map(
+            |joints| serde_json::json!({ "person_id": [-1], "pose_keypoints_2d": joints.concat() }),
+        )
+        .collect();
+    serde_json::json!({ "version": 1.3, "people": people }).to_string()
+}
+
+fn counted(joints: usize) -> Vec<[f64; 3]> {
+    (0..joints).map(|joint| [joint as f64, 2.0 * joint as f64, 0.5]).collect()
+}
+
+fn problem(text: &str) -> String {
+    match ImageBody::from_openpose(text.as_bytes()) {
+        Err(error @ Error::OpenPose { .. }) => error.to_string(),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn body_25_is_in_its_own_order_and_zeros_are_unseen() {
+    let mut joints = counted(25);
+    joints[4] = [0.0, 0.0, 0.0];
+    let people = ImageBody::from_openpose(file(&[joints]).as_bytes()).unwrap();
+    for joint in Body25::ALL {
+        let seen = people[0].get(joint).map(|keypoint| keypoint.position.x);
+        let expected = (joint != Body25::RightWrist).then_some(joint.index() as f64);
+        assert_eq!(seen, expected);
+    }
+}
+
+#[test]
+fn coco_18_is_told_by_its_number_of_joints() {
+    let people = ImageBody::from_openpose(file(&[counted(18), counted(18)]).as_bytes()).unwrap();
+    assert_eq!(people.len(), 2);
+    let x = |joint| people[1].get(joint).unwrap().position.x;
+    assert_eq!(x(Body25::LeftAnkle), 13.0);
+    assert_eq!(x(Body25::MidHip), 9.5);
+    assert_eq!(people[1].get(Body25::LeftHeel), None);
+}
+
+#[test]
+fn nobody_is_nobody() {
+    assert_eq!(ImageBody::from_openpose(file(&[]).as_bytes()), Ok(Vec::new()));
+}
+
+#[test]
+fn other_models_and_other_files_are_named() {
+    assert!(
+        problem(&file(&[counted(15)]))
+            .contains("person 0 (from 0) has 45 numbers, the 15 joints of MPI")
+    );
+    assert!(problem(&file(&[counted(25), counted(17)])).contains("person 1"));
+    assert!(problem(&file(&[counted(3)])).contains("9 numbers; give"));
+    assert!(problem("{}").contains("missing field `people`"));
+    assert!(problem("[1, 2]").contains("BODY_25"));
+    assert!(problem("{\"people\":[{}]}").contains("no array \"pose_keypoints_2d\""));
+    assert!(problem("{\"people\":[").contains("EOF"));
+    let mut joints = counted(25);
+    joints[7] = [1e9, 3.0, 0.5];
+    assert!(problem(&file(&[joints.clone()])).contains("keypoint 7"));
+    joints[7] = [1.0, 3.0, -0.5];
+    assert!(problem(&file(&[joints])).contains("1.0, 3.0, -0.5 as keypoint 7"));
+    let text = file(&[counted(25)]).replacen("0.5", "null", 1);
+    assert!(problem(&text).contains("null as keypoint 0"));
+    assert!(problem(&file(&vec![counted(18); 65])).contains("65 people"));
+}
+
+proptest! {
+    /// Whatever a file holds, nothing panics, and what is read is finite.
+    #[test]
+    fn any_text_is_read_or_refused(text in "\\PC{0,200}", at in 0..900_usize, byte: u8) {
+        let _ = ImageBody::from_openpose(text.as_bytes());
+        let mut bytes = file(&[counted(25)]).into_bytes();
+        let at = at % bytes.len();
+        bytes[at] = byte;
+        for body in ImageBody::from_openpose(&bytes).unwrap_or_default() {
+            prop_assert!(body.iter().all(|(_, seen)| seen.position.iter().all(|x| x.is_finite())));
+        }
+    }
+}
