@@ -213,7 +213,9 @@ impl Options {
     ) -> Result<Ending> {
         let elapsed = work.started.elapsed().as_secs_f64();
         let estimate = work.stature;
-        let stature = self.stature.or(estimate.map(|estimate| estimate.stature));
+        // To the millimetre: its error is larger.
+        let measured = estimate.map(|estimate| (estimate.stature * 1e3).round() / 1e3);
+        let stature = self.stature.or(measured);
         let header = Header { rate: rate(&work.percepts), stature, ..Header::default() };
         let mut writer = Writer::new(file, &header)?;
         for percept in &work.percepts {
