@@ -1,16 +1,11 @@
 //! Scores filled-in REBA or RULA sheets, one a row of a table.
 
-use std::{
-    fs::File,
-    io::{BufRead, BufReader, Write},
-    path::PathBuf,
-    process::ExitCode,
-};
+use std::{io::Write, process::ExitCode};
 
 use anyhow::{Context, Result};
 use clap::Parser;
 use ergo_map::{RulaWorksheet, Worksheet};
-use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session};
+use examples::program::{self, Ending, InputFile, Json, Program, Quiet, ResultFile, Session};
 use examples::sheets::{Extent, Sheet, SheetTable, TableError, Unknown};
 use serde::Serialize;
 
@@ -26,9 +21,8 @@ use serde::Serialize;
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
-    /// The table; - is standard input.
-    #[arg(long, short, value_name = "FILE")]
-    input: PathBuf,
+    #[command(flatten)]
+    input: InputFile,
     /// Score RULA instead of REBA.
     #[arg(long)]
     rula: bool,
@@ -67,12 +61,9 @@ impl Program for Options {
 impl Options {
     fn score<S: Sheet>(&self, session: &mut Session) -> Result<Ending> {
         let mut file = self.result.create()?;
-        let shown = || match self.input.to_str() {
-            Some("-") => "standard input".to_owned(),
-            _ => self.input.display().to_string(),
-        };
+        let shown = || self.input.to_string();
         let unknown = if self.strict { Unknown::Refuse } else { Unknown::PassThrough };
-        let table = SheetTable::<S, _>::new(self.open(session)?, unknown);
+        let table = SheetTable::<S, _>::new(self.input.open(session)?, unknown);
         session.interrupt().check()?;
         let mut table = table.with_context(shown)?;
         let passed_through: Vec<String> = table.unknown().map(str::to_owned).collect();
@@ -110,15 +101,6 @@ impl Options {
         }
         session.print_json(self.json, &Scored { rows, passed_through }, ending)?;
         Ok(ending)
-    }
-
-    fn open(&self, session: &Session) -> Result<Box<dyn BufRead>> {
-        if self.input.as_os_str() == "-" {
-            return Ok(Box::new(session.standard_input()?));
-        }
-        let shown = self.input.display();
-        let file = File::open(&self.input).with_context(|| format!("cannot open {shown}"))?;
-        Ok(Box::new(BufReader::new(file)))
     }
 }
 

@@ -1,15 +1,16 @@
 //! Scores NASA-TLX questionnaires and compares conditions.
 
 use std::{
-    fs::File,
-    io::{BufRead, BufReader, Write, sink},
+    io::{BufRead, Write, sink},
     path::PathBuf,
     process::ExitCode,
 };
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, ResultFile, Session};
+use examples::program::{
+    self, Ending, InputFile, Json, OutputFile, Program, Quiet, ResultFile, Session,
+};
 use examples::sheets::{SheetTable, Unknown};
 use examples::workload::{Questionnaire, WorkloadStudy, figure};
 
@@ -26,9 +27,8 @@ use examples::workload::{Questionnaire, WorkloadStudy, figure};
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
-    /// The table; - is standard input.
-    #[arg(long, short, value_name = "FILE")]
-    input: PathBuf,
+    #[command(flatten)]
+    input: InputFile,
     /// Write the table with the raw and the weighted score of each row behind it.
     #[arg(long, value_name = "FILE")]
     scores: Option<PathBuf>,
@@ -55,14 +55,16 @@ impl Program for Options {
         let mut result = self.result.create()?;
         let mut scores = self.scores.as_ref().map(OutputFile::create).transpose()?;
         let drawing = self.figure.as_ref().map(OutputFile::create).transpose()?;
+        let table = self.input.open(session)?;
         let read = match &mut scores {
-            Some(file) => self.read(session, file),
-            None => self.read(session, &mut sink()),
+            Some(file) => self.read(table, session, file),
+            None => self.read(table, session, &mut sink()),
         };
         // An interrupt also ends standard input with an error.
         session.interrupt().check()?;
-        let questionnaires = read.with_context(|| self.shown())?;
-        let study = WorkloadStudy::new(&questionnaires).with_context(|| self.shown())?;
+        let shown = || self.input.to_string();
+        let questionnaires = read.with_context(shown)?;
+        let study = WorkloadStudy::new(&questionnaires).with_context(shown)?;
         match &mut result {
             Some(file) => write!(file, "{study}")?,
             None => write!(session.output(), "{study}")?,
@@ -80,22 +82,18 @@ impl Program for Options {
 }
 
 impl Options {
-    /// The input's name for messages.
-    fn shown(&self) -> String {
-        match self.input.to_str() {
-            Some("-") => "standard input".to_owned(),
-            _ => self.input.display().to_string(),
-        }
-    }
-
     /// Reads the questionnaires and writes their scores.
-    fn read(&self, session: &Session, scores: &mut dyn Write) -> Result<Vec<Questionnaire>> {
+    fn read(
+        &self,
+        table: impl BufRead,
+        session: &Session,
+        scores: &mut dyn Write,
+    ) -> Result<Vec<Questionnaire>> {
         let unknown = if self.strict { Unknown::Refuse } else { Unknown::PassThrough };
-        let mut table = SheetTable::<Questionnaire, _>::new(self.open(session)?, unknown)?;
+        let mut table = SheetTable::<Questionnaire, _>::new(table, unknown)?;
         let passed_through = table.unknown().collect::<Vec<_>>().join(", ");
         if !passed_through.is_empty() {
-            let shown = self.shown();
-            session.note(format_args!("{shown}: not used: {passed_through}"));
+            session.note(format_args!("{}: not used: {passed_through}", self.input));
         }
         let mut questionnaires = Vec::new();
         table.score(scores, |questionnaire| {
@@ -103,14 +101,6 @@ impl Options {
             !session.interrupt().requested()
         })?;
         Ok(questionnaires)
-    }
-
-    fn open(&self, session: &Session) -> Result<Box<dyn BufRead>> {
-        if self.input.as_os_str() == "-" {
-            return Ok(Box::new(session.standard_input()?));
-        }
-        let file = File::open(&self.input).context("cannot open it")?;
-        Ok(Box::new(BufReader::new(file)))
     }
 }
 
