@@ -9,6 +9,7 @@
 mod chain;
 mod orthogonal;
 mod point;
+mod rank_tolerances;
 #[cfg(test)]
 mod tests;
 mod update;
@@ -17,13 +18,14 @@ use std::ops::Range;
 
 use super::activity::Activity;
 use super::data::{Coefficients, ProblemData, active_bound};
-use super::tolerances::{CLEAR, FAINT, NOTHING, SHRUNK};
+use super::tolerances::SHRUNK;
 use crate::linalg::list::List;
 use crate::linalg::vector::{dot, norm};
 use orthogonal::Orthogonal;
 
 pub(crate) use orthogonal::Form;
 pub(crate) use point::FreeCoordinates;
+pub(crate) use rank_tolerances::RankTolerances;
 
 /// Numbers that the kernels take at a time.
 const LANES: usize = 4;
@@ -55,30 +57,6 @@ pub(crate) struct Group {
     pub(crate) first_pivot: usize,
     /// The level whose linear term belongs to the group, if it has one.
     pub(crate) linear_of: Option<usize>,
-}
-
-/// What of a row counts as a part of its own, relative to the row.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct RankTolerances {
-    /// Less than this of a row of an objective depends on the rows before it.
-    dependent: f64,
-    /// The same of hard rows, which must hold: rounding.
-    nothing: f64,
-    /// Less than this of a row may be taken for dependent when other bounds are active.
-    pub(crate) faint: f64,
-    /// More than this is beyond doubt.
-    clear: f64,
-}
-
-impl RankTolerances {
-    pub(crate) fn new(rank_tolerance: f64) -> Self {
-        Self {
-            dependent: rank_tolerance,
-            nothing: NOTHING.min(rank_tolerance),
-            faint: FAINT * rank_tolerance,
-            clear: CLEAR * rank_tolerance,
-        }
-    }
 }
 
 /// The factors and the point that they give; sized once.
