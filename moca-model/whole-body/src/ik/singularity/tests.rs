@@ -69,7 +69,7 @@ proptest! {
         let least = svd.singular_values.min();
         let share = ((9.0 - closeness / 0.01) / 8.0).clamp(0.0, 1.0);
         let room = 0.05 * share * least * (1.0 - least / 0.01).max(0.0);
-        prop_assert!((widest(&rows) - room).abs() < 1e-7);
+        prop_assert!((widest(&rows) - scale.max() * room).abs() < 1e-7);
     }
 
     #[test]
