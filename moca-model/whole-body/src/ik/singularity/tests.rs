@@ -35,6 +35,14 @@ fn widest(rows: &Rows) -> f64 {
     rows.iter().map(|(_, lower, upper)| 0.5 * (upper - lower)).fold(0.0, f64::max)
 }
 
+#[test]
+fn a_clone_damps_too() {
+    let a = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, 1e-3]);
+    let mut rows = Rows::equalities(&a, &[1.0, -1.0]).unwrap();
+    let mut asked = rows.clone();
+    assert!(damping(&[2], 2).clone().damp(&mut rows, &mut asked));
+}
+
 proptest! {
     #[test]
     fn targets_are_given_up_along_singular_directions(
