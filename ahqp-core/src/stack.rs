@@ -124,7 +124,8 @@ impl ContinuousStack {
         let data = Data {
             bounds: Bounds { lower, upper },
             output: Bounds::none(variables),
-            levels: hierarchy.ids().zip(hierarchy.levels().iter().cloned()).collect(),
+            ids: hierarchy.ids().collect(),
+            levels: hierarchy.levels().to_vec(),
             variable_names: hierarchy.variable_names().to_vec(),
         };
         let solution = Solution { x: vec![0.0; variables], status: Status::Solved, iterations: 0 };
@@ -272,7 +273,7 @@ impl ContinuousStack {
         level.expect_columns(self.solution.x.len())?;
         let id = LevelId::new(self.came);
         self.came += 1;
-        self.data.levels.push((id, level));
+        self.data.push(id, level);
         self.blend.insert(id, place);
         self.begin(Difference::Activation(id), share, End::Settles)?;
         Ok(id)
@@ -450,7 +451,7 @@ impl ContinuousStack {
 
     fn settle(&mut self) {
         self.failed = None;
-        self.blend.settle(|removed| self.data.levels.retain(|(id, _)| *id != removed));
+        self.blend.settle(|removed| self.data.remove(removed));
     }
 
     /// Returns true if level `id` is there: it comes with its insertion, and its removal is not over.

@@ -101,6 +101,11 @@ impl Hierarchy {
         &self.levels
     }
 
+    /// Gives its levels for others, as many and of the same shapes.
+    pub(crate) fn exchange_levels(&mut self, levels: &mut Vec<Level>) {
+        std::mem::swap(&mut self.levels, levels);
+    }
+
     /// The ids of the levels, highest priority first.
     pub fn ids(&self) -> impl Iterator<Item = LevelId> + use<> {
         (0..self.levels.len()).map(LevelId::new)

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use crate::error::Error;
+use crate::linalg::kernels::multiply_rows;
 use crate::problem::matrix::CoefficientMatrix;
 
 /// Weights that are not zero.
@@ -50,6 +51,8 @@ pub struct Rows {
     undamped: Vec<f64>,
     /// One a row, or none.
     weights: Vec<f64>,
+    /// Whether any of them is not 1.
+    is_weighted: bool,
     /// One a row, or none.
     names: Vec<Arc<str>>,
 }
@@ -64,6 +67,7 @@ impl Rows {
             upper: vec![0.0; rows],
             undamped: Vec::new(),
             weights: Vec::new(),
+            is_weighted: false,
             names: Vec::new(),
         }
     }
@@ -312,6 +316,7 @@ impl Rows {
         }
         self.weights.resize(self.len(), 1.0);
         write(&mut self.weights, weights);
+        self.is_weighted = self.weights.iter().any(|weight| *weight != 1.0);
         Ok(())
     }
 
@@ -320,9 +325,9 @@ impl Rows {
         self.weights.get(index).copied().unwrap_or(1.0)
     }
 
-    /// The weights, if they were set.
+    /// The weights, unless all are 1.
     pub fn weights(&self) -> Option<&[f64]> {
-        (!self.weights.is_empty()).then_some(&self.weights)
+        self.is_weighted.then_some(&self.weights)
     }
 
     /// Copies coefficients, bounds and weights from rows of the same size; the names stay. Allocates
@@ -342,6 +347,7 @@ impl Rows {
             to.clear();
             to.extend_from_slice(from);
         }
+        self.is_weighted = other.is_weighted;
         Ok(())
     }
 
@@ -360,6 +366,38 @@ impl Rows {
             self.upper.copy_from_slice(&self.undamped);
             self.undamped.clear();
         }
+    }
+
+    /// Writes the products aᵢx of as many rows as `out` has entries, from row `first` on, with x the
+    /// first variables, the others being zero. By the vector unit that the machine has; allocates
+    /// nothing.
+    ///
+    /// ```
+    /// use ahqp_core::Rows;
+    /// use nalgebra::dmatrix;
+    ///
+    /// let rows = Rows::at_most(&dmatrix![1.0, 2.0; 3.0, 4.0], &[1.0, 1.0])?;
+    /// let mut values = [0.0; 2];
+    /// rows.multiply_into(0, &[1.0, 10.0], &mut values)?;
+    /// assert_eq!(values, [21.0, 43.0]);
+    /// # Ok::<(), ahqp_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Size`] where there are fewer rows, or fewer variables.
+    pub fn multiply_into(&self, first: usize, x: &[f64], out: &mut [f64]) -> Result<(), Error> {
+        if first + out.len() > self.len() {
+            let found = first + out.len();
+            return Err(Error::Size { what: "the rows to multiply", found, expected: self.len() });
+        }
+        if x.len() > self.columns {
+            let found = x.len();
+            return Err(Error::Size { what: "the variables", found, expected: self.columns });
+        }
+        if self.columns > 0 {
+            multiply_rows(&self.matrix[first * self.columns..], self.columns, x, out);
+        }
+        Ok(())
     }
 
     /// A, row after row.

@@ -22,7 +22,7 @@ impl Blend {
     pub(super) const MAX_CHANGES: usize = 4;
 
     pub(super) fn new(data: &Data, settings: Settings) -> Result<Self, Error> {
-        let order = data.levels.iter().map(|&(id, _)| Entry { id, active: true }).collect();
+        let order = data.ids.iter().map(|&id| Entry { id, active: true }).collect();
         Ok(Self {
             changes: List::with_capacity(Self::MAX_CHANGES),
             plans: vec![Plan::new(order, data, settings)?],

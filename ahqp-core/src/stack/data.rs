@@ -31,17 +31,41 @@ pub(super) struct Data {
     pub(super) bounds: Bounds,
     /// What the blend must obey, but not the solutions that are blended.
     pub(super) output: Bounds,
-    pub(super) levels: Vec<(LevelId, Level)>,
+    pub(super) ids: Vec<LevelId>,
+    /// One for each id.
+    pub(super) levels: Vec<Level>,
     pub(super) variable_names: Vec<Arc<str>>,
 }
 
 impl Data {
     pub(super) fn level(&self, id: LevelId) -> Option<&Level> {
-        self.levels.iter().find(|(other, _)| *other == id).map(|(_, level)| level)
+        self.levels.get(self.place(id)?)
     }
 
     pub(super) fn level_mut(&mut self, id: LevelId) -> Option<&mut Level> {
-        self.levels.iter_mut().find(|(other, _)| *other == id).map(|(_, level)| level)
+        let place = self.place(id)?;
+        self.levels.get_mut(place)
+    }
+
+    /// All levels with their ids.
+    pub(super) fn entries(&self) -> impl Iterator<Item = (LevelId, &Level)> + Clone {
+        self.ids.iter().copied().zip(&self.levels)
+    }
+
+    pub(super) fn push(&mut self, id: LevelId, level: Level) {
+        self.ids.push(id);
+        self.levels.push(level);
+    }
+
+    pub(super) fn remove(&mut self, id: LevelId) {
+        if let Some(place) = self.place(id) {
+            self.ids.remove(place);
+            self.levels.remove(place);
+        }
+    }
+
+    fn place(&self, id: LevelId) -> Option<usize> {
+        self.ids.iter().position(|other| *other == id)
     }
 
     /// A problem over the same variables, without levels.

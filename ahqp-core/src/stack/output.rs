@@ -27,7 +27,7 @@ impl Output {
     /// For the levels of `data`, or fewer.
     pub(super) fn new(data: &Data, settings: Settings) -> Result<Self, Error> {
         let variables = data.bounds.lower.len();
-        let constraints = data.levels.iter().map(|(_, level)| level.constraints().len()).sum();
+        let constraints = data.levels.iter().map(|level| level.constraints().len()).sum();
         let near = Rows::equalities(
             &DMatrix::<f64>::identity(variables, variables),
             &DVector::<f64>::zeros(variables),
@@ -57,7 +57,7 @@ impl Output {
         level.rows_mut()?.set_targets(&solution.x)?;
         let rows = level.constraints_mut();
         rows.set_free();
-        let binding = data.levels.iter().filter(|(id, _)| binds(*id));
+        let binding = data.entries().filter(|(id, _)| binds(*id));
         let constraints = binding.clone().flat_map(|(_, level)| level.constraints().iter());
         for (index, (row, lower, upper)) in constraints.enumerate() {
             rows.set_row(index, row, lower, upper)?;
@@ -74,7 +74,7 @@ impl Output {
 }
 
 /// Names the level whose constraint cannot hold.
-fn in_stack<'a>(error: Error, binding: impl Iterator<Item = &'a (LevelId, Level)>) -> Error {
+fn in_stack<'a>(error: Error, binding: impl Iterator<Item = (LevelId, &'a Level)>) -> Error {
     let Error::Infeasible {
         worst: ConstraintSource::Constraint { row, .. },
         violation,
@@ -88,9 +88,9 @@ fn in_stack<'a>(error: Error, binding: impl Iterator<Item = &'a (LevelId, Level)
     for (id, level) in binding {
         let own = row - before;
         if own < level.constraints().len() {
-            let worst = ConstraintSource::Constraint { level: *id, row: own };
+            let worst = ConstraintSource::Constraint { level: id, row: own };
             let names = names_of(worst, Some(level), &[]);
-            return Error::Infeasible { level: *id, worst, violation, members, names };
+            return Error::Infeasible { level: id, worst, violation, members, names };
         }
         before += level.constraints().len();
     }

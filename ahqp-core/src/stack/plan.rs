@@ -109,6 +109,10 @@ impl Plan {
     }
 
     fn exchange_levels(&mut self, data: &mut Data) {
+        if self.levels().eq(data.ids.iter().copied()) {
+            // All of them in this order: nothing need be moved.
+            return self.frame.exchange_levels(&mut data.levels);
+        }
         let active = self.order.iter().filter(|entry| entry.active);
         for (id, entry) in self.frame.ids().zip(active) {
             if let (Ok(place), Some(level)) = (self.frame.level_mut(id), data.level_mut(entry.id)) {

@@ -28,5 +28,9 @@ pub(crate) fn dot_of_sizes(a: &[f64], b: &[f64]) -> f64 {
 
 /// a ← a − factor · b.
 pub(crate) fn subtract(a: &mut [f64], factor: f64, b: &[f64]) {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a -= factor * b);
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks_mut::<4>(), b.as_chunks::<4>());
+    for (a, b) in a.iter_mut().zip(b) {
+        *a = std::array::from_fn(|lane| a[lane] - factor * b[lane]);
+    }
+    a_rest.iter_mut().zip(b_rest).for_each(|(a, b)| *a -= factor * b);
 }

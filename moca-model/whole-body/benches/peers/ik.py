@@ -1,16 +1,20 @@
 #!/usr/bin/env python3
-"""Time of one step of inverse kinematics of a Panda: Pink and mink, beside `Ik::step` in one run.
+"""Time of one step of inverse kinematics of a Panda: Pink, mink and Placo, beside `Ik::step` in one run.
 
     python3 -m venv venv && venv/bin/pip install pin-pink mink quadprog daqp
-    venv/bin/python moca-model/whole-body/benches/peers/ik.py
+    python3 -m venv placo-venv && placo-venv/bin/pip install placo
+    venv/bin/python moca-model/whole-body/benches/peers/ik.py placo-venv/bin/python
 
-All three have position and velocity limits; whole-body has acceleration and jerk limits too, and
-strict priorities where Pink and mink weigh. Medians of 3000 steps in the middle of a motion.
+Placo 0.10 needs an older Pinocchio than Pink 4, so it has an environment of its own: the peers of each
+interpreter given are timed too. All have position and velocity limits; whole-body has acceleration and
+jerk limits too, and strict priorities where the others weigh. Medians of 3000 steps in the middle of a
+motion.
 """
 
 import pathlib
 import statistics
 import subprocess
+import sys
 import time
 
 import numpy as np
@@ -82,6 +86,45 @@ def mink_times():
     return times
 
 
+def placo_times():
+    import placo
+
+    robot = placo.RobotWrapper(str(URDF), placo.Flags.ignore_collisions)
+    names = [f"panda_joint{i}" for i in range(1, 8)]
+    for name, angle in zip(names, HOME):
+        robot.set_joint(name, angle)
+    robot.update_kinematics()
+    start = robot.get_T_world_frame("panda_hand_tcp")
+    solver = placo.KinematicsSolver(robot)
+    solver.mask_fbase(True)
+    solver.dt = PERIOD
+    solver.enable_joint_limits(True)
+    solver.enable_velocity_limits(True)
+    hand = solver.add_frame_task("panda_hand_tcp", start)
+    hand.configure("hand", "soft", 1.0, 0.1)
+    posture = solver.add_joints_task()
+    posture.set_joints(dict(zip(names, HOME)))
+    posture.configure("posture", "soft", 1e-3)
+    times = []
+    for step in range(STEPS):
+        target = start.copy()
+        target[:3, 3] += circle(step)
+        hand.T_world_frame = target
+        begin = time.perf_counter()
+        solver.solve(True)
+        robot.update_kinematics()
+        times.append(time.perf_counter() - begin)
+    return times
+
+
+def print_peers():
+    for name, times in (("Pink", pink_times), ("mink", mink_times), ("Placo", placo_times)):
+        try:
+            print(f"{name:12} {1e6 * statistics.median(times()[500:]):8.1f} µs", flush=True)
+        except ImportError as error:
+            print(f"{name:12} is not in {sys.prefix}: {error}", flush=True)
+
+
 def own_median():
     command = ["cargo", "bench", "-q", "-p", "whole-body", "--bench", "ik", "--", "panda"]
     text = subprocess.run(command, cwd=HERE, check=True, capture_output=True, text=True).stdout
@@ -90,9 +133,8 @@ def own_median():
 
 
 if __name__ == "__main__":
-    for name, times in (("Pink", pink_times), ("mink", mink_times)):
-        try:
-            print(f"{name:12} {1e6 * statistics.median(times()[500:]):8.1f} µs")
-        except ImportError as error:
-            print(f"{name:12} is not installed: {error}")
-    print(f"{'whole-body':12} {own_median():>11}")
+    print_peers()
+    if "--peers" not in sys.argv:
+        for interpreter in sys.argv[1:]:
+            subprocess.run([interpreter, __file__, "--peers"], check=True)
+        print(f"{'whole-body':12} {own_median():>11}")

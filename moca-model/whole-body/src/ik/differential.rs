@@ -87,6 +87,8 @@ pub struct Ik {
     anticipation: Anticipation,
     /// A velocity that all limits admit.
     admitted: Vec<f64>,
+    /// Of the rows of the limits.
+    limit_values: Vec<f64>,
 }
 
 /// The rows of a level as its tasks wrote them, where damping has changed them.
@@ -121,6 +123,7 @@ impl Ik {
             singularity: SingularityDamping::new(0.0, &[], stack.names().len()),
             asked: Vec::new(),
             admitted: rest,
+            limit_values: Vec::new(),
             limits: if has_limits { stack.levels().next().map(|(id, _)| id) } else { None },
             model,
             settings,
@@ -130,8 +133,11 @@ impl Ik {
         Ok(ik)
     }
 
-    /// Sizes the damping for the levels that there are.
+    /// Sizes limits and damping for the levels that there are.
     pub(super) fn make_room(&mut self) {
+        let limits = self.stack.stacked().find(|(level, _)| Some(level.id) == self.limits);
+        let limit_rows = limits.map_or(0, |(_, level)| level.constraints().len());
+        self.limit_values = vec![0.0; limit_rows];
         let damped = self.stack.stacked().map(|(level, _)| level.tasks.is_damped);
         let last = damped.enumerate().filter(|(_, is)| *is).last().map_or(0, |(last, _)| last + 1);
         let levels = self.stack.stacked().take(last);
@@ -205,12 +211,13 @@ impl Ik {
         let (velocity, acceleration) = (&self.velocity, &self.acceleration);
         let (intervals, anticipation) = (&self.intervals, &mut self.anticipation);
         let (singularity, admitted) = (&mut self.singularity, &mut self.admitted);
+        let values = &mut self.limit_values;
         let (has_limits, asked) = (self.limits.is_some(), &mut self.asked);
         self.stack.write_with(&mut posed, velocity, period, |index, level| {
             if has_limits && index == 0 {
                 let rows = level.constraints_mut();
-                anticipation.narrow(rows, velocity, acceleration, intervals, period);
-                widen(rows, &intervals.now, admitted);
+                anticipation.narrow(rows, velocity, acceleration, intervals, period, values);
+                widen(rows, &intervals.now, admitted, values);
             } else if let Some(asked) = asked.get_mut(index)
                 && let Ok(rows) = level.rows_mut()
             {

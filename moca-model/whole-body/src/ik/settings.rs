@@ -14,7 +14,7 @@ pub struct IkSettings {
     /// Singular value below which targets are damped, from 0 (never) to 1 \[-\]. It is one of the
     /// rows of a level, scaled to norm one and without what the levels above decide: 1 where the
     /// rows are at right angles to each other and to those above, 0 where one cannot be met.
-    /// Default 0.3.
+    /// Default 0.1.
     pub singularity_threshold: f64,
 }
 

@@ -40,10 +40,10 @@ use crate::vector::{dot, subtract};
 ///
 /// The levels stay rows with other targets: priorities and limits are not touched.
 ///
-/// With qₖ the orthonormal directions that the levels take, only the coordinates of the rows along
-/// them are computed: of row r along a direction of level k, Tₖ (R rᵀ − L lᵀ), R being the rows of
-/// that level, L and l the coordinates along the directions above, and Tₖ the inverse of the Cholesky
-/// factor of its G.
+/// Of the orthonormal directions that the levels take only the coordinates of the rows along them are
+/// computed: they are the Cholesky factor of all rows' products with each other, row by row (Golub and
+/// Van Loan, *Matrix Computations*, 4th ed., Sec. 4.2.5). That of a level's rows among themselves is
+/// the Cholesky factor of its G.
 #[derive(Debug, Clone)]
 pub(super) struct SingularityDamping {
     threshold: f64,
@@ -51,17 +51,15 @@ pub(super) struct SingularityDamping {
     total: usize,
     /// How many rows a level has at most.
     most: usize,
-    /// Where the rows of the levels above stand. Each level has a direction a row; those of rows that
-    /// depend on others are zero.
-    done: Vec<Range<usize>>,
-    /// By variable: its coefficients in the rows of all levels, scaled to norm one.
-    rows: Vec<f64>,
-    /// Of one row with all before it.
-    products: Vec<f64>,
-    /// By row: coordinates along the directions of the levels above.
+    /// How many rows the levels above have. Each row has a direction; those of rows that depend on
+    /// others are zero.
+    first: usize,
+    /// The rows of all levels, scaled to norm one.
+    rows: Rows,
+    /// By row: products with the rows before it, then coordinates along the directions.
     coordinates: Vec<f64>,
-    /// By direction: what it is made of, in the rows of its level.
-    transforms: Vec<f64>,
+    /// By direction: one over the coordinate of its own row; zero where there is no direction.
+    reciprocals: Vec<f64>,
     /// Along the directions: what the levels above do by themselves.
     point: Vec<f64>,
     norms: Vec<f64>,
@@ -77,7 +75,8 @@ pub(super) struct SingularityDamping {
     /// The rows along the directions uₖ, and their targets.
     turned: Vec<f64>,
     turned_targets: Vec<f64>,
-    turned_weights: Vec<f64>,
+    /// Weights of turned rows: theirs are in the rows.
+    unit_weights: Vec<f64>,
 }
 
 /// A row of which less than the root of this is left belongs to the levels below.
@@ -108,11 +107,10 @@ impl SingularityDamping {
             threshold,
             total,
             most,
-            done: Vec::with_capacity(levels.len()),
-            rows: vec![0.0; total * columns],
-            products: vec![0.0; total],
+            first: 0,
+            rows: Rows::zeros(total, columns),
             coordinates: vec![0.0; total * total],
-            transforms: vec![0.0; total * most],
+            reciprocals: vec![0.0; total],
             point: vec![0.0; total],
             norms: vec![0.0; most],
             scales: vec![1.0; most],
@@ -124,29 +122,28 @@ impl SingularityDamping {
             vectors: vec![0.0; most * most],
             turned: vec![0.0; most * columns],
             turned_targets: vec![0.0; most],
-            turned_weights: vec![0.0; most],
+            unit_weights: vec![1.0; most],
         }
     }
 
     /// Begins with the highest level.
     pub(super) fn begin(&mut self) {
-        self.done.clear();
+        self.first = 0;
     }
 
     /// Damps the targets of the next level. Returns true if that changed them; what was asked is in
     /// `asked`, rows of the same size, then. A level with ranges, or for which there is no room, is
     /// left as it is.
     pub(super) fn damp(&mut self, rows: &mut Rows, asked: &mut Rows) -> bool {
-        let first = self.done.last().map_or(0, |above| above.end);
-        let m = rows.len();
-        let fits =
-            m <= self.most && first + m <= self.total && self.done.len() < self.done.capacity();
+        let (first, m) = (self.first, rows.len());
+        let fits = m <= self.most && first + m <= self.total;
         let equalities = rows.lower().iter().eq(rows.upper());
         if self.threshold == 0.0 || m == 0 || !fits || !equalities {
             return false;
         }
         let span = first..first + m;
         self.load(rows, &span);
+        self.project(&span);
         let closeness = 1.0 / (self.invert_factor(m) * self.threshold * self.threshold);
         let is_singular = closeness < 1.0 && asked.copy_from(rows).is_ok();
         if is_singular {
@@ -156,58 +153,51 @@ impl SingularityDamping {
         if span.end < self.total {
             self.take(&span);
         }
-        self.done.push(span);
+        self.first = span.end;
         is_singular
     }
 
-    /// Scales the rows, and computes their coordinates, G and what is missing to the targets.
+    /// Scales the rows and their targets, and writes the rows' products with each other and with those
+    /// above.
     fn load(&mut self, rows: &Rows, span: &Range<usize>) {
-        let (total, most) = (self.total, self.most);
+        let total = self.total;
         for (i, (row, target, _)) in rows.iter().enumerate() {
             let index = span.start + i;
             let norm = dot(row, row).sqrt();
             let norm = if norm > 0.0 { norm } else { 1.0 };
             self.norms[i] = norm;
-            let products = &mut self.products[..=index];
-            products.fill(0.0);
-            for (entry, others) in row.iter().zip(self.rows.chunks_exact_mut(total)) {
-                let entry = entry / norm;
-                others[index] = entry;
-                // A joint moves few frames.
-                if entry != 0.0 {
-                    subtract(products, -entry, &others[..=index]);
-                }
+            self.residual[i] = target / norm;
+            let reciprocal = 1.0 / norm;
+            let own = self.rows.row_mut(index).unwrap_or_default();
+            own.iter_mut().zip(row).for_each(|(own, entry)| *own = reciprocal * entry);
+            let own = self.rows.row(index).unwrap_or_default();
+            let products = &mut self.coordinates[index * total..][..=index];
+            // Of rows that there are: no error is possible.
+            let _ = self.rows.multiply_into(0, own, products);
+        }
+    }
+
+    /// Takes from the rows and their targets what the levels above determine: computes the coordinates
+    /// along their directions, G and what is missing to the targets.
+    fn project(&mut self, span: &Range<usize>) {
+        let (total, first, m) = (self.total, span.start, span.len());
+        let (known, own) = self.coordinates.split_at_mut(first * total);
+        let own = &mut own[..m * total];
+        for (j, (above, reciprocal)) in known.chunks_exact(total).zip(&self.reciprocals).enumerate()
+        {
+            for row in own.chunks_exact_mut(total) {
+                row[j] = (row[j] - dot(&above[..j], &row[..j])) * reciprocal;
             }
-            let (known, rest) = self.coordinates.split_at_mut(index * total);
-            let coordinates = &mut rest[..total];
-            for above in &self.done {
-                // Of R rᵀ − L lᵀ.
-                for (j, other) in above.clone().enumerate() {
-                    let taken = &known[other * total..other * total + above.start];
-                    self.residual[j] = products[other] - dot(taken, &coordinates[..above.start]);
-                }
-                for (k, direction) in above.clone().enumerate() {
-                    let transform = &self.transforms[direction * most..][..=k];
-                    coordinates[direction] = dot(transform, &self.residual[..=k]);
-                }
-            }
-            let coordinates = &coordinates[..span.start];
-            for j in 0..=i {
-                let other = span.start + j;
-                let taken = if j == i {
-                    coordinates
-                } else {
-                    &known[other * total..other * total + span.start]
-                };
-                let product = products[other] - dot(taken, coordinates);
-                let m = span.len();
+        }
+        for (i, row) in own.chunks_exact(total).enumerate() {
+            let coordinates = &row[..first];
+            for (j, other) in own.chunks_exact(total).enumerate().take(i + 1) {
+                let product = row[first + j] - dot(&other[..first], coordinates);
                 self.gram[i * m + j] = product;
                 self.gram[j * m + i] = product;
             }
-            // Not yet needed for other rows of this level.
-            self.given_up[i] = target / norm - dot(coordinates, &self.point[..span.start]);
+            self.residual[i] -= dot(coordinates, &self.point[..first]);
         }
-        self.residual[..span.len()].copy_from_slice(&self.given_up[..span.len()]);
     }
 
     /// Writes the inverse of the Cholesky factor of G, zero in rows that depend on others, and
@@ -308,7 +298,7 @@ impl SingularityDamping {
     /// Turns the rows along the directions, and makes ranges of those that are lost, so wide as a
     /// `share` says.
     fn hand_over(&mut self, m: usize, heaviest: f64, share: f64, rows: &mut Rows) {
-        let columns = rows.columns();
+        let (columns, root) = (rows.columns(), heaviest.sqrt());
         self.turned[..m * columns].fill(0.0);
         for (vector, (turned, target)) in self
             .vectors
@@ -317,7 +307,7 @@ impl SingularityDamping {
         {
             *target = 0.0;
             for (i, (row, own, _)) in rows.iter().enumerate() {
-                let factor = vector[i] * self.scales[i] / self.norms[i];
+                let factor = root * vector[i] * self.scales[i] / self.norms[i];
                 subtract(turned, -factor, row);
                 *target += factor * own;
             }
@@ -325,16 +315,15 @@ impl SingularityDamping {
         let handover = HANDOVER * self.threshold;
         for k in 0..m {
             let sigma = self.gram[k * m + k].max(0.0).sqrt();
-            let room = FREE_SPEED * share * (1.0 - sigma / handover).max(0.0) * sigma;
+            let room = root * FREE_SPEED * share * (1.0 - sigma / handover).max(0.0) * sigma;
             if let Ok(row) = rows.row_mut(k) {
                 row.copy_from_slice(&self.turned[k * columns..][..columns]);
             }
             let target = self.turned_targets[k];
             (rows.lower_mut()[k], rows.upper_mut()[k]) = (target - room, target + room);
         }
-        self.turned_weights[..m].fill(heaviest);
         // Of the size of the rows, and positive: no error is possible.
-        let _ = rows.set_weights(&self.turned_weights[..m]);
+        let _ = rows.set_weights(&self.unit_weights[..m]);
     }
 
     /// Weighs G, and returns the largest weight of a scaled row.
@@ -355,11 +344,13 @@ impl SingularityDamping {
 
     /// Takes the directions of the rows, and what the level does along them.
     fn take(&mut self, span: &Range<usize>) {
-        let m = span.len();
-        for (k, transform) in self.inverse[..m * m].chunks_exact(m).enumerate() {
-            let direction = span.start + k;
-            self.transforms[direction * self.most..][..m].copy_from_slice(transform);
-            self.point[direction] = dot(transform, &self.residual[..m]);
+        let (total, m) = (self.total, span.len());
+        let factors = self.factor[..m * m].chunks_exact(m).zip(self.inverse.chunks_exact(m));
+        for (i, (factor, inverse)) in factors.enumerate() {
+            let direction = span.start + i;
+            self.coordinates[direction * total + span.start..][..i].copy_from_slice(&factor[..i]);
+            self.reciprocals[direction] = inverse[i];
+            self.point[direction] = dot(&inverse[..=i], &self.residual[..=i]);
         }
     }
 }

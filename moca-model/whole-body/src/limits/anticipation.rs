@@ -3,7 +3,7 @@
 use ahqp_core::Rows;
 
 use super::joint_intervals::JointIntervals;
-use crate::vector::{dot, dot_of_sizes};
+use crate::vector::dot_of_sizes;
 
 /// Narrows the rows of limits so that their values come to rest at the limit, and not beyond it,
 /// where jerks are limited.
@@ -25,7 +25,8 @@ impl Anticipation {
         Self { ends: vec![0.0; velocities], growth: vec![0.0; velocities] }
     }
 
-    /// Narrows the rows for the velocities and accelerations commanded last.
+    /// Narrows the rows for the velocities and accelerations commanded last; `values` is room for a
+    /// number a row.
     pub(crate) fn narrow(
         &mut self,
         rows: &mut Rows,
@@ -33,6 +34,7 @@ impl Anticipation {
         acceleration: &[f64],
         joints: &JointIntervals,
         period: f64,
+        values: &mut [f64],
     ) {
         let entries = self.ends.iter_mut().zip(&mut self.growth).zip(acceleration);
         for (entry, ((end, growth), acceleration)) in entries.enumerate() {
@@ -46,10 +48,13 @@ impl Anticipation {
         if self.growth.iter().all(|growth| *growth == 0.0) {
             return;
         }
-        for index in 0..rows.len() {
+        if rows.multiply_into(0, velocity, values).is_err() {
+            return;
+        }
+        for (index, &value) in values.iter().enumerate() {
             let row = rows.row(index).unwrap_or_default();
             let (lower, upper) = (rows.lower()[index], rows.upper()[index]);
-            let (value, growth) = (dot(row, velocity), dot_of_sizes(row, &self.growth));
+            let growth = dot_of_sizes(row, &self.growth);
             if value - lower >= growth && upper - value >= growth {
                 continue;
             }

@@ -18,9 +18,22 @@ const ROUNDING: f64 = 1e-12;
 /// violates in turn and back within the intervals (projections onto convex sets: Bregman, USSR
 /// Computational Mathematics and Mathematical Physics 7(3), 1967), and then every row is widened
 /// until it admits the point. Intervals and rows have that point in common: they are feasible.
-pub(crate) fn widen(rows: &mut Rows, intervals: &[VelocityInterval], point: &mut [f64]) -> bool {
+/// `values` is room for a number a row.
+pub(crate) fn widen(
+    rows: &mut Rows,
+    intervals: &[VelocityInterval],
+    point: &mut [f64],
+    values: &mut [f64],
+) -> bool {
     for (velocity, interval) in point.iter_mut().zip(intervals) {
         *velocity = nearest_to_rest(interval);
+    }
+    // Nearly always rest is admitted, and all rows are done at once.
+    let known = rows.multiply_into(0, point, values).is_ok();
+    let bounds = rows.lower().iter().zip(rows.upper());
+    if known && bounds.zip(&*values).all(|((lower, upper), value)| lower <= value && value <= upper)
+    {
+        return false;
     }
     for _ in 0..ROUNDS {
         let mut holds = true;

@@ -80,7 +80,8 @@ impl RowTasks {
             let written = entry.named.task.write(input, &mut own);
             written.map_err(|error| in_task(error, &entry.named.name, level))?;
         }
-        if rows.weights() != Some(&self.weights) {
+        let mut weights = self.weights.iter().enumerate();
+        if weights.any(|(row, weight)| rows.weight(row) != *weight) {
             rows.set_weights(&self.weights)?;
         }
         Ok(())

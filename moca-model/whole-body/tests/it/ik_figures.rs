@@ -97,7 +97,7 @@ fn where_joints_saturate_the_position_comes_first() {
     assert!(errors.saturated > 100, "{errors:?}");
     assert!(errors.position < 1e-3 && errors.orientation > 0.05, "{errors:?}");
     assert!(errors.late_orientation < 1e-3 && errors.late_position < 1e-4, "{errors:?}");
-    for round in [1.0, 0.7] {
+    for round in [1.0, 0.9, 0.75, 0.7] {
         let errors = circle(round);
         assert!(
             errors.late_orientation < 1e-3 && errors.late_position < 1e-4,
@@ -106,14 +106,20 @@ fn where_joints_saturate_the_position_comes_first() {
     }
 }
 
-/// At 1 s a round, joints whose accelerations are limited to 0.7 of a Panda's saturate; limited to a
-/// half they cannot keep the position either.
+/// At 1 s a round, joints whose accelerations are limited to 0.8 of a Panda's and less saturate; from 0.65
+/// down they cannot keep the position either.
 #[test]
 fn where_accelerations_saturate_the_position_comes_first() {
     let errors = circle_of(&panda_of_acceleration(0.7), 1.0);
     assert!(errors.saturated > 1000, "{errors:?}");
     assert!(errors.position < 5e-4 && errors.orientation > 0.02, "{errors:?}");
     assert!(errors.late_orientation < 1e-3 && errors.late_position < 1e-4, "{errors:?}");
-    let errors = circle_of(&panda_of_acceleration(0.5), 1.0);
-    assert!(errors.late_orientation < 1e-3 && errors.late_position < 1e-4, "{errors:?}");
+    for share in [0.8, 0.65, 0.5, 0.4] {
+        let errors = circle_of(&panda_of_acceleration(share), 1.0);
+        assert!(errors.saturated > 1000, "{share}: {errors:?}");
+        assert!(
+            errors.late_orientation < 1e-3 && errors.late_position < 1e-4,
+            "{share}: {errors:?}"
+        );
+    }
 }
