@@ -69,6 +69,8 @@ mod pose;
 #[cfg(feature = "inference")]
 mod preprocessing;
 #[cfg(feature = "inference")]
+mod random;
+#[cfg(feature = "inference")]
 mod samples;
 mod surface;
 #[cfg(feature = "inference")]
@@ -115,7 +117,7 @@ pub use preprocessing::{
 };
 pub use surface::Surface;
 #[cfg(feature = "inference")]
-pub use svm::{Bias, LinearSvm, Loss, SvmSettings, Training};
+pub use svm::{Bias, ClassWeights, LinearSvm, Loss, SvmSettings, Training};
 #[cfg(feature = "inference")]
 pub use weights::{
     Checkpoint, CheckpointError, ElementType, Format, PickleProblem, Tensor, TensorInfo,

@@ -42,6 +42,8 @@ pub struct PlaneReport {
     pub steps: usize,
     /// ½ wᵀw + C Σ ξ, or with ξ².
     pub objective: f64,
+    /// The duality gap as a part of it.
+    pub gap: f64,
 }
 
 impl TrainingSet {
@@ -110,11 +112,11 @@ impl TrainingReport {
     /// # Errors
     /// What the system says.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        for PlaneReport { steps, objective } in &self.planes {
+        for PlaneReport { steps, objective, gap } in &self.planes {
             let images = self.images;
             writeln!(
                 out,
-                "trained with {images} images in {steps} steps: objective {objective:.6}"
+                "trained with {images} images in {steps} steps: objective {objective:.6}, gap {gap:.1e}"
             )?;
         }
         Ok(())
@@ -130,5 +132,6 @@ fn report(training: &Training) -> Result<PlaneReport> {
         training.objective,
         training.bound
     );
-    Ok(PlaneReport { steps: training.iterations, objective: training.objective })
+    let gap = training.gap();
+    Ok(PlaneReport { steps: training.iterations, objective: training.objective, gap })
 }
