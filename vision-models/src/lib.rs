@@ -78,7 +78,7 @@ mod svm;
 #[cfg(feature = "inference")]
 mod weights;
 
-pub use action::{Action, Tool, WalkingDirection};
+pub use action::{Action, ActionGroup, Tool, WalkingDirection};
 pub use body::{
     Body, Body25, BodySegment, BodyTracker, ImageBody, ImageKeypoint, Keypoint, People,
     PeopleSettings, PersonId, PersonTrack, SegmentLength, StatureEstimate, TrackStatus,
