@@ -1,5 +1,6 @@
 //! What the programs of this package are made of.
 
+pub mod actions;
 pub mod ergonomics;
 mod excerpt;
 pub mod follow;
@@ -7,6 +8,7 @@ pub mod frames;
 pub mod hqp_file;
 pub mod hqp_solving;
 pub mod ik;
+pub mod learning;
 pub mod limits;
 pub mod perception;
 pub mod program;
@@ -17,5 +19,6 @@ pub mod report;
 pub mod sheets;
 pub mod simulation;
 pub mod soak;
+pub mod surface;
 pub mod vision;
 pub mod workload;

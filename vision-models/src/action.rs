@@ -1,6 +1,7 @@
 //! The actions that the recogniser tells apart.
 
 mod direction;
+mod group;
 mod tool;
 
 use std::{fmt, str::FromStr};
@@ -8,6 +9,7 @@ use std::{fmt, str::FromStr};
 use serde::{Deserialize, Serialize};
 
 pub use direction::WalkingDirection;
+pub use group::ActionGroup;
 pub use tool::Tool;
 
 use crate::Error;
@@ -124,6 +126,31 @@ impl Action {
             .into_iter()
             .find(|action| action.name() == name)
             .ok_or_else(|| Error::UnknownAction { name: name.into() })
+    }
+
+    /// The class that a label of a copy of HRI30 means: words joined in any way, in any case, with or without
+    /// a plural s (`MoveDiagonallyBackwardLeftWithDrill`, `move_backwards_while_drilling`).
+    ///
+    /// ```
+    /// use vision_models::Action;
+    ///
+    /// let action = Action::from_label("MoveDiagonallyBackwardLeftWithDrill")?;
+    /// assert_eq!(action.name(), "Move Diagonally Backwards Left With Drill");
+    /// # Ok::<(), vision_models::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::UnknownAction`] if it means none.
+    pub fn from_label(label: &str) -> Result<Self, Error> {
+        let letters = |name: &str| -> String {
+            let letters = name.chars().filter(|letter| letter.is_alphanumeric());
+            letters.flat_map(char::to_lowercase).filter(|letter| *letter != 's').collect()
+        };
+        let own = letters(label);
+        Self::ALL
+            .into_iter()
+            .find(|action| letters(action.name()) == own)
+            .ok_or_else(|| Error::UnknownAction { name: label.into() })
     }
 
     /// Where the person walks while working, in the person's frame. `None` for every other action:

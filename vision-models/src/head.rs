@@ -13,6 +13,7 @@ pub use trainer::{Epoch, HeadTrainer};
 
 use crate::{
     Error, Tensor, TensorSource, Tensors,
+    random::uniform,
     samples::{check_classes, check_finite, check_samples},
 };
 
@@ -83,7 +84,7 @@ impl LinearHead {
         random.set_stream(1); // Not what the order of the samples is drawn from.
         let bound = 1.0 / (features as f64).sqrt();
         #[allow(clippy::cast_possible_truncation)] // What a network computes with.
-        let mut draw = || (bound * (2.0 * trainer::uniform(&mut random) - 1.0)) as f32;
+        let mut draw = || (bound * (2.0 * uniform(&mut random) - 1.0)) as f32;
         let weights = Array2::from_shape_simple_fn((classes.len(), features), &mut draw);
         let biases = Array1::from_shape_simple_fn(classes.len(), &mut draw);
         Self::new(classes, weights, biases)

@@ -69,6 +69,8 @@ mod pose;
 #[cfg(feature = "inference")]
 mod preprocessing;
 #[cfg(feature = "inference")]
+mod random;
+#[cfg(feature = "inference")]
 mod samples;
 mod surface;
 #[cfg(feature = "inference")]
@@ -76,7 +78,7 @@ mod svm;
 #[cfg(feature = "inference")]
 mod weights;
 
-pub use action::{Action, Tool, WalkingDirection};
+pub use action::{Action, ActionGroup, Tool, WalkingDirection};
 pub use body::{
     Body, Body25, BodySegment, BodyTracker, ImageBody, ImageKeypoint, Keypoint, People,
     PeopleSettings, PersonId, PersonTrack, SegmentLength, StatureEstimate, TrackStatus,
@@ -115,7 +117,7 @@ pub use preprocessing::{
 };
 pub use surface::Surface;
 #[cfg(feature = "inference")]
-pub use svm::{Bias, LinearSvm, Loss, SvmSettings, Training};
+pub use svm::{Bias, ClassWeights, LinearSvm, Loss, SvmSettings, Training};
 #[cfg(feature = "inference")]
 pub use weights::{
     Checkpoint, CheckpointError, ElementType, Format, PickleProblem, Tensor, TensorInfo,

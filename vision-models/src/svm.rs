@@ -2,15 +2,22 @@
 //! Support Vector Machine").
 #![allow(clippy::needless_pass_by_value)] // views go by value, as everywhere in ndarray
 
-mod dual;
+mod ascent;
+mod cholesky;
 mod file;
+mod line;
+mod newton;
+mod problem;
 mod settings;
+mod smoothing;
+mod training;
 
 use ndarray::{Array1, Array2, ArrayView1, ArrayView2, Axis};
 
-pub use dual::Training;
-pub use settings::{Bias, Loss, SvmSettings};
+pub use settings::{Bias, ClassWeights, Loss, SvmSettings};
+pub use training::Training;
 
+use self::{newton::Newton, problem::Problem, training::train};
 use crate::{
     Error,
     samples::{check_classes, check_finite, check_samples},
@@ -43,15 +50,16 @@ pub struct LinearSvm {
 }
 
 impl LinearSvm {
-    /// The most samples that it is trained with: the matrix of their products takes 800 MB.
-    pub const MAX_SAMPLES: usize = 10_000;
+    /// The most samples that it is trained with.
+    pub const MAX_SAMPLES: usize = 10_000_000;
 
     /// Trains on features, samples × features, of which `labels` says the classes as indices into
     /// `classes`. Gives how the training of each plane ended, too.
     ///
     /// # Errors
     /// [`Error::Samples`] if there are none or too many, labels are missing or out of range, a
-    /// class has no sample, no name or another's, or there are fewer than two classes; [`Error::Feature`] for one that
+    /// class has no sample, no name or another's, there are fewer than two classes, or not as many class
+    /// weights; [`Error::Feature`] for one that
     /// is not finite; [`Error::Setting`].
     pub fn train(
         samples: ArrayView2<'_, f32>,
@@ -61,21 +69,30 @@ impl LinearSvm {
     ) -> Result<(Self, Vec<Training>), Error> {
         settings.validate()?;
         check_samples(&samples, labels, &classes, Self::MAX_SAMPLES)?;
-        let samples = samples.mapv(f64::from);
-        let products = samples.dot(&samples.t());
+        let class_costs = settings.costs(labels, classes.len())?;
+        let cost = |&label: &usize| class_costs.get(label).copied().unwrap_or(settings.cost);
+        let samples = samples.as_standard_layout();
 
         // The classes that stand on the positive side of a plane.
         let positives = if classes.len() == 2 { 1..2 } else { 0..classes.len() };
         let mut weights = Array2::zeros((positives.len(), samples.ncols()));
         let mut biases = Array1::zeros(positives.len());
         let mut trainings = Vec::with_capacity(positives.len());
+        let mut newton = Newton::default();
         for ((mut row, bias), class) in weights.outer_iter_mut().zip(&mut biases).zip(positives) {
-            let sides: Vec<f64> =
-                labels.iter().map(|&label| if label == class { 1.0 } else { -1.0 }).collect();
-            let solution = dual::solve(&products, &sides, settings);
-            row.assign(&samples.t().dot(&solution.coefficients));
-            *bias = solution.bias;
-            trainings.push(solution.training);
+            let side = |&label: &usize| if label == class { 1.0 } else { -1.0 };
+            let problem = Problem {
+                samples: samples.view(),
+                sides: labels.iter().map(side).collect(),
+                costs: labels.iter().map(cost).collect(),
+                loss: settings.loss,
+                bias: settings.bias,
+            };
+            let (plane, training) =
+                train(&problem, &mut newton, settings.tolerance, settings.max_iterations);
+            row.assign(&plane.weights);
+            *bias = plane.bias;
+            trainings.push(training);
         }
         Ok((Self { classes, weights, biases }, trainings))
     }

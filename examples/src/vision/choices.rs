@@ -68,9 +68,26 @@ pub fn depth() -> impl TypedValueParser<Value = ResNetDepth> {
     parser(depths(), |depth| NetworkKind::ResNet(depth.into()))
 }
 
+/// The depth of this many layers.
+pub fn depth_of(layers: &str) -> Option<ResNetDepth> {
+    depths().into_iter().find_map(|(name, depth)| (name == layers).then_some(depth))
+}
+
 /// Reads the form of a SlowOnly.
 pub fn slow_only() -> impl TypedValueParser<Value = SlowOnlyForm> {
     parser(forms(), NetworkKind::SlowOnly)
+}
+
+/// Reads the name of a form of SlowOnly, as it is.
+pub fn slow_only_name() -> impl TypedValueParser<Value = String> {
+    let value =
+        |(name, form)| PossibleValue::new(name).help(NetworkKind::SlowOnly(form).to_string());
+    PossibleValuesParser::new(forms().into_iter().map(value))
+}
+
+/// The form of SlowOnly of this name.
+pub fn slow_only_of(name: &str) -> Option<SlowOnlyForm> {
+    forms().into_iter().find_map(|(own, form)| (own == name).then_some(form))
 }
 
 /// Reads the name of any network.

@@ -1,11 +1,9 @@
 //! The program that classifies images.
 
-use std::{fs, path::Path};
+use std::fs;
 
 use serde_json::Value;
-use vision_models::{
-    Checkpoint, LinearSvm, Options, Preprocessing, ResNet, ResNetDepth, read_image, softmax,
-};
+use vision_models::{Checkpoint, Options, Preprocessing, ResNet, ResNetDepth, read_image, softmax};
 
 use crate::support::{Runs, png_that_claims, resnet18, save_picture};
 
@@ -14,22 +12,6 @@ const NAMES: &str = "Cardigan\nbeach\ncardigan\ndrill\nhammer\nlamp\nsaw\n";
 /// The program with the small network.
 fn classify() -> Runs {
     Runs::new("classify").with(&["--weights", resnet18(), "--depth=18"])
-}
-
-/// A folder with pictures of two kinds, a folder for each.
-fn surfaces(folder: &Path, count: u32) -> String {
-    for (class, level) in [("drilled", 30), ("smooth", 200)] {
-        let folder = folder.join(class);
-        fs::create_dir_all(&folder).unwrap();
-        for seed in 0..count {
-            save_picture(&folder.join(format!("{seed}.png")), level, seed);
-        }
-    }
-    folder.to_str().unwrap().to_owned()
-}
-
-fn floats(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
 }
 
 #[test]
@@ -67,73 +49,6 @@ fn prints_the_most_probable_classes_as_the_network_scores_them() {
         assert_eq!(lines.next(), Some(line.as_str()));
     }
     assert_eq!(classes.len(), 5);
-}
-
-#[test]
-fn trains_tests_and_classifies_by_an_svm() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name);
-    let (train, test) = (surfaces(&path("train"), 2), surfaces(&path("test"), 1));
-    let svm = path("surface.svm").to_str().unwrap().to_owned();
-    let ran = classify()
-        .with(&["--svm", &svm, "--train", &train, "--test", &test, "--json", "--quiet"])
-        .run()
-        .done();
-    assert!(ran.output.starts_with("trained with 4 images in "), "{ran:?}");
-    assert!(ran.output.contains("\naccuracy 100.00 %\n") && ran.errors.is_empty(), "{ran:?}");
-    let json = ran.json();
-    assert_eq!(json["training"]["images"], 4);
-    assert_eq!(json["test"]["confusion"], serde_json::json!([[1, 0], [0, 1]]));
-    assert_eq!(json["test"]["accuracy"], 1.0);
-
-    // The file is the machine that the results are of.
-    let machine = LinearSvm::read(&svm).unwrap();
-    assert_eq!(machine.classes(), ["drilled", "smooth"]);
-    let [dark, light] = [(30, "dark"), (200, "light")]
-        .map(|(level, name)| save_picture(&path(&format!("{name}.png")), level, 99));
-    let ran = classify().with(&["--svm", &svm, &dark, &light, "--json"]).run().done();
-    let json = ran.json();
-    for (image, (path, class)) in [(&dark, "drilled"), (&light, "smooth")].into_iter().enumerate() {
-        let image = &json["images"][image];
-        assert_eq!((&image["image"], &image["class"]), (&path.as_str().into(), &class.into()));
-        let decision = floats(&image["decisions"]);
-        assert_eq!((decision.len(), decision[0] > 0.0), (1, class == "smooth"));
-        assert!(ran.output.contains(&format!("{path}: {class} (f = [")), "{ran:?}");
-    }
-}
-
-#[test]
-fn one_unreadable_image_does_not_end_the_training() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let (train, svm) = (surfaces(folder.path(), 2), path("s.svm"));
-    fs::write(path("smooth/broken.png"), "no image").unwrap();
-    fs::write(path("smooth/huge.png"), png_that_claims(16_384, 16_384)).unwrap();
-
-    let strict = classify().with(&["--svm", &svm, "--train", &train, "--strict"]).run();
-    strict.failed(1, "smooth/broken.png: no JPEG or PNG image");
-    assert!(!Path::new(&svm).exists());
-
-    let ran =
-        classify().with(&["--svm", &svm, "--train", &train, "--json", "--quiet"]).run().done();
-    assert!(
-        ran.errors.contains("left out: ") && ran.errors.contains("smooth/broken.png"),
-        "{ran:?}"
-    );
-    assert!(ran.errors.contains("smooth/huge.png") && ran.errors.contains("1024 MiB"), "{ran:?}");
-    assert!(ran.errors.ends_with("2 images could not be read\n"), "{ran:?}");
-    let json = ran.json();
-    assert_eq!((&json["unreadable"], &json["training"]["images"]), (&2.into(), &4.into()));
-    assert!(Path::new(&svm).exists());
-
-    // A class of which nothing is left, though, is named.
-    for seed in 0..2 {
-        fs::write(path(&format!("smooth/{seed}.png")), "no image").unwrap();
-    }
-    let before = fs::read(&svm).unwrap();
-    let none = classify().with(&["--svm", &svm, "--train", &train]).run();
-    assert!(none.errors.ends_with("smooth: no image can be read\n"), "{none:?}");
-    assert_eq!((none.code(), fs::read(&svm).unwrap() == before), (Some(1), true));
 }
 
 #[test]
@@ -191,55 +106,9 @@ fn threads_are_from_1_to_1024() {
 /// The weights are not there, either: what is written is looked at before what is read.
 #[test]
 fn outputs_are_checked_before_the_work() {
-    let folder = tempfile::tempdir().unwrap();
-    let train = surfaces(folder.path(), 1);
     let none = || Runs::new("classify").with(&["--weights=/nope/weights.pth"]);
-    let says = "cannot write /nope/s.svm: there is no folder /nope";
-    none().with(&["--train", &train, "--svm=/nope/s.svm"]).run().failed(1, says);
     let says = "cannot write /nope/out.txt: there is no folder /nope";
     none().with(&["a.png", "--output=/nope/out.txt"]).run().failed(1, says);
-}
-
-#[test]
-fn wrong_inputs_are_refused_before_the_network_is_loaded() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let refused = |arguments: &[&str], says: &str| {
-        let none = Runs::new("classify").with(&["--weights=/nope/weights.pth"]);
-        none.with(arguments).run().failed(1, says);
-    };
-    fs::write(path("clash.txt"), "Walking\nrun\n\nwalk\nWalk_ing\n").unwrap();
-    let clash = "clash.txt: label file, lines 1 and 5: \"Walking\" and \"Walk_ing\" are one name";
-    refused(&["a.png", "--names", &path("clash.txt")], clash);
-    fs::write(path("cut.svm"), "linear-svm 1\nclasses 2\na\nb\nplanes 1 features 2\n0 1 1")
-        .unwrap();
-    refused(&["a.png", "--svm", &path("cut.svm")], "cut.svm: linear SVM file, line 6");
-    refused(&["a.png", "--svm", &path("none.svm")], "none.svm: No such file");
-
-    let train = surfaces(&folder.path().join("train"), 1);
-    let svm = path("new.svm");
-    let cost = ["--svm", &svm, "--train", &train, "--cost=-1"];
-    refused(&cost, "--cost -1: give a positive finite number");
-    fs::create_dir(path("train/empty")).unwrap();
-    refused(&["--svm", &svm, "--train", &train], "train/empty: no JPEG or PNG files");
-    let alone = path("train/empty");
-    refused(&["--svm", &svm, "--train", &alone], "train/empty: 0 folders with images");
-    fs::create_dir(path("train/a\nb")).unwrap();
-    refused(&["--svm", &svm, "--train", &train], r#"the folder "a\nb" is no class name"#);
-    assert!(!Path::new(&svm).exists());
-}
-
-#[test]
-fn names_and_machines_of_another_network_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    fs::write(path("two.txt"), "a\nb\n").unwrap();
-    let says = "two.txt has 2 names, but the network has 7 classes";
-    classify().with(&["a.png", "--names", &path("two.txt")]).run().failed(1, says);
-    fs::write(path("two.svm"), "linear-svm 1\nclasses 2\na\nb\nplanes 1 features 2\n0 1 1\n")
-        .unwrap();
-    let says = "two.svm: this SVM takes 2 features, but the ResNet-18 of ";
-    classify().with(&["a.png", "--svm", &path("two.svm")]).run().failed(1, says);
 }
 
 #[test]
@@ -275,16 +144,23 @@ fn an_interrupt_keeps_the_images_so_far() {
 }
 
 #[test]
-fn an_interrupted_training_leaves_the_machine_that_was_there() {
+fn names_that_do_not_fit_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let train = surfaces(&folder.path().join("train"), 200);
-    let svm = folder.path().join("s.svm");
-    fs::write(&svm, "as it was").unwrap();
-    let ran = classify()
-        .with(&["--train", &train, "--svm", svm.to_str().unwrap()])
-        .interrupt_at("training images: ", "INT");
-    assert_eq!((ran.code(), ran.output.as_str()), (Some(130), ""), "{ran:?}");
-    assert!(ran.errors.contains("interrupted, and nothing is kept"), "{ran:?}");
-    assert_eq!(fs::read_to_string(&svm).unwrap(), "as it was");
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    fs::write(path("clash.txt"), "Walking\nrun\n\nwalk\nWalk_ing\n").unwrap();
+    let clash = "clash.txt: label file, lines 1 and 5: \"Walking\" and \"Walk_ing\" are one name";
+    let none = ["a.png", "--weights=/nope/weights.pth", "--names", &path("clash.txt")];
+    Runs::new("classify").with(&none).run().failed(1, clash);
+    fs::write(path("two.txt"), "a\nb\n").unwrap();
+    let says = "two.txt has 2 names, but the network has 7 classes";
+    classify().with(&["a.png", "--names", &path("two.txt")]).run().failed(1, says);
+}
+
+#[test]
+fn a_strict_program_ends_at_the_first_unreadable_image() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    fs::write(path("broken.png"), "no image").unwrap();
+    let strict = classify().with(&[&path("broken.png"), "--strict"]).run();
+    strict.failed(1, "broken.png: no JPEG or PNG image");
 }

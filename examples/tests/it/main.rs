@@ -7,6 +7,7 @@
     missing_docs
 )]
 
+mod actions;
 mod classify;
 mod convert;
 mod ergo_map;
@@ -23,6 +24,7 @@ mod record;
 mod recording;
 mod soak;
 mod support;
+mod surface;
 mod tlx;
 mod unfinished;
 mod vision_programs;

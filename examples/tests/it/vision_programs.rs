@@ -6,7 +6,7 @@ use ndarray::Array4;
 
 use crate::support::{Runs, resnet18, save_picture, slow_only_r18};
 
-const PROGRAMS: [&str; 4] = ["classify", "infer", "recognise", "convert"];
+const PROGRAMS: [&str; 6] = ["classify", "infer", "recognise", "convert", "surface", "actions"];
 
 /// Each program with options that let it print something soon.
 fn programs(folder: &Path) -> Vec<Runs> {
@@ -27,6 +27,7 @@ fn programs(folder: &Path) -> Vec<Runs> {
         ]),
         Runs::new("recognise").with(&slow_only).with(&[path("frames")]),
         Runs::new("convert").with(&[resnet18()]),
+        Runs::new("surface").with(&["generate", &path("surfaces"), "--count=1", "--size=16"]),
     ]
 }
 
@@ -70,6 +71,25 @@ fn help_says_what_each_does() {
         assert!(help.starts_with(does), "{name}: {help}");
         for part in ["--json", "--quiet", "--output", "Exit status: 0 done"] {
             assert!(help.contains(part), "{name}: {part}");
+        }
+    }
+}
+
+#[test]
+fn help_says_what_each_command_does() {
+    for (name, command, does) in [
+        ("surface", "generate", "Draws pictures of plates"),
+        ("surface", "train", "Trains a new last layer and a support vector machine"),
+        ("surface", "evaluate", "Classifies images of known classes"),
+        ("surface", "predict", "Classifies images by each model"),
+        ("actions", "train", "Trains a new last layer of a SlowOnly"),
+        ("actions", "evaluate", "Recognises clips of known classes"),
+        ("actions", "recognise", "Recognises the action in a folder of frames"),
+    ] {
+        let help = Runs::new(name).with(&[command, "--help"]).run().done().output;
+        assert!(help.starts_with(does), "{name} {command}: {help}");
+        for part in ["--json", "--quiet"] {
+            assert!(help.contains(part), "{name} {command}: {part}");
         }
     }
 }

@@ -1,14 +1,12 @@
 //! Stochastic gradient descent on the cross-entropy of a linear head.
 
 use ndarray::{Array1, Array2, ArrayView2, Axis};
-use rand_chacha::{
-    ChaCha8Rng,
-    rand_core::{RngCore, SeedableRng},
-};
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{HeadSettings, LinearHead};
 use crate::{
     Error,
+    random::{shuffle, uniform},
     samples::{check_finite, check_labels},
 };
 
@@ -179,18 +177,4 @@ fn cross_entropy_and_gradient(scores: &mut [f64], label: usize) -> f64 {
         *score = *score / sum - f64::from(class == label);
     }
     sum.ln() + highest - own
-}
-
-/// In [0, 1): the upper 53 bits.
-pub(super) fn uniform(random: &mut ChaCha8Rng) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
-}
-
-/// Puts the numbers in random order (Knuth, "The Art of Computer Programming" 2, 3.4.2, algorithm P).
-fn shuffle(order: &mut [usize], random: &mut ChaCha8Rng) {
-    for last in (1..order.len()).rev() {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // Below the length.
-        let other = (uniform(random) * (last + 1) as f64) as usize;
-        order.swap(last, other.min(last));
-    }
 }

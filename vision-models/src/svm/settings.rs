@@ -23,17 +23,30 @@ pub enum Bias {
     },
 }
 
+/// How much the penalties of a class count.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ClassWeights {
+    /// All alike.
+    Equal,
+    /// In inverse proportion to the class's samples: samples / (classes × samples of the class). Each class
+    /// then weighs the same, as in scikit-learn.
+    Balanced,
+    /// These, one a class.
+    Given(Vec<f64>),
+}
+
 /// Settings of the training.
 ///
 /// ```
-/// use vision_models::{Bias, Loss, SvmSettings};
+/// use vision_models::{Bias, ClassWeights, SvmSettings};
 ///
 /// // What scikit-learn's LinearSVC minimises.
 /// let settings = SvmSettings { bias: Bias::Regularised { scaling: 1.0 }, ..SvmSettings::default() };
-/// assert_eq!(settings.loss, Loss::SquaredHinge);
 /// assert!(settings.validate().is_ok());
+/// let wrong = SvmSettings { class_weights: ClassWeights::Given(vec![1.0, 0.0]), ..settings };
+/// assert!(wrong.validate().is_err());
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SvmSettings {
     /// The penalty; squared hinge.
     pub loss: Loss,
@@ -41,9 +54,11 @@ pub struct SvmSettings {
     pub bias: Bias,
     /// C, the weight of the penalty against the margin; 1.
     pub cost: f64,
-    /// How far a sample may be from its optimality condition at the end, in units of f; 1e-8.
+    /// What C is multiplied by for the samples of each class; equal.
+    pub class_weights: ClassWeights,
+    /// The duality gap at which the training ends, as a part of the objective; 1e-9.
     pub tolerance: f64,
-    /// Most steps; 10 million.
+    /// Most steps of Newton's method; 2000. Most trainings take 10 to 100.
     pub max_iterations: usize,
 }
 
@@ -53,8 +68,9 @@ impl Default for SvmSettings {
             loss: Loss::SquaredHinge,
             bias: Bias::Free,
             cost: 1.0,
-            tolerance: 1e-8,
-            max_iterations: 10_000_000,
+            class_weights: ClassWeights::Equal,
+            tolerance: 1e-9,
+            max_iterations: 2000,
         }
     }
 }
@@ -63,19 +79,46 @@ impl SvmSettings {
     /// Checks every setting.
     ///
     /// # Errors
-    /// [`Error::Setting`] for a cost, a tolerance or a scaling that is not positive and finite.
+    /// [`Error::Setting`] for a cost, a tolerance, a scaling or a weight that is not positive and finite.
     pub fn validate(&self) -> Result<(), Error> {
         let scaling = match self.bias {
             Bias::Free => 1.0,
             Bias::Regularised { scaling } => scaling,
         };
-        for (name, value) in
-            [("cost", self.cost), ("tolerance", self.tolerance), ("scaling", scaling)]
-        {
+        let weights = match &self.class_weights {
+            ClassWeights::Given(weights) => weights.as_slice(),
+            ClassWeights::Equal | ClassWeights::Balanced => &[],
+        };
+        let named = [("cost", self.cost), ("tolerance", self.tolerance), ("scaling", scaling)];
+        let weights = weights.iter().map(|&weight| ("class_weights", weight));
+        for (name, value) in named.into_iter().chain(weights) {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Error::Setting { name, value, expected: "a positive finite number" });
             }
         }
         Ok(())
+    }
+
+    /// C for the samples of each class.
+    pub(super) fn costs(&self, labels: &[usize], classes: usize) -> Result<Vec<f64>, Error> {
+        let weights = match &self.class_weights {
+            ClassWeights::Equal => vec![1.0; classes],
+            ClassWeights::Balanced => {
+                let mut counts = vec![0_usize; classes];
+                for &label in labels {
+                    counts.get_mut(label).into_iter().for_each(|count| *count += 1);
+                }
+                let weight = |count| labels.len() as f64 / (classes as f64 * f64::from(count));
+                let count = |count| u32::try_from(count).unwrap_or(u32::MAX).max(1);
+                counts.into_iter().map(count).map(weight).collect()
+            }
+            ClassWeights::Given(weights) if weights.len() == classes => weights.clone(),
+            ClassWeights::Given(weights) => {
+                let problem =
+                    format!("{} class weights for {classes} classes: give one each", weights.len());
+                return Err(Error::Samples { problem });
+            }
+        };
+        Ok(weights.into_iter().map(|weight| weight * self.cost).collect())
     }
 }

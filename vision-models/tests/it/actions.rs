@@ -101,3 +101,22 @@ fn serde_speaks_in_names() {
     let error = serde_json::from_str::<RecognisedAction>(wrong).unwrap_err();
     assert!(error.to_string().contains("confidence 1.5 is not in [0, 1]"));
 }
+
+/// Every class is found by its name without spaces and by its name without plurals, and by no other's.
+#[test]
+fn labels_of_copies_are_understood() {
+    for action in Action::ALL {
+        let joined: String = action.name().split(' ').collect();
+        let singular = joined.replace("Backwards", "backward").replace("Forwards", "forward");
+        for label in [joined, singular, action.name().to_uppercase().replace(' ', "_")] {
+            assert_eq!(Action::from_label(&label).unwrap(), action, "{label}");
+        }
+        assert_eq!(
+            action.group() == vision_models::ActionGroup::Collaboration,
+            action.is_collaborative()
+        );
+    }
+    for label in ["", "Walk", "Walking With"] {
+        assert!(Action::from_label(label).is_err(), "{label}");
+    }
+}

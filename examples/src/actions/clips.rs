@@ -1,0 +1,116 @@
+//! Clips as folders of frames.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context, Result, bail, ensure};
+use vision_models::{Action, ClassNames, list_frames};
+
+use crate::vision::{errors::in_file, folders::list_classes};
+
+/// A folder of frames of a known class.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LabelledClip {
+    /// Its name: the path within the data set's folder.
+    pub name: String,
+    /// The folder with its frames.
+    pub folder: PathBuf,
+    /// The index of its class.
+    pub label: usize,
+}
+
+/// Classes and clips of a data set.
+#[derive(Clone, Debug)]
+pub struct ClipSet {
+    /// The names of the classes, HRI30's as the paper writes them.
+    pub classes: Vec<String>,
+    /// The clips, by class and name.
+    pub clips: Vec<LabelledClip>,
+}
+
+/// HRI30's class as the paper writes it, whatever the copy; any other name as it is.
+pub fn class_name(label: &str) -> String {
+    Action::from_label(label).map_or_else(|_| label.to_owned(), |action| action.name().to_owned())
+}
+
+impl ClipSet {
+    /// FOLDER/CLASS/CLIP/frames.
+    ///
+    /// # Errors
+    /// With the folder that cannot be read, or has too few classes, no clips or a class twice.
+    pub fn of_folders(folder: &Path) -> Result<Self> {
+        let folders = list_classes(folder)?;
+        let classes: Vec<String> = folders.iter().map(|class| class_name(class)).collect();
+        for (place, class) in classes.iter().enumerate() {
+            let twice = classes.iter().take(place).any(|other| other == class);
+            ensure!(!twice, "{}: two folders are of the class \"{class}\"", folder.display());
+        }
+        let mut clips = Vec::new();
+        for (label, class) in folders.iter().enumerate() {
+            let own = folder.join(class);
+            let named = || own.display().to_string();
+            let mut names = Vec::new();
+            for entry in fs::read_dir(&own).with_context(named)? {
+                let entry = entry.with_context(named)?;
+                if entry.path().is_dir() {
+                    names.push(entry.file_name().to_string_lossy().into_owned());
+                }
+            }
+            ensure!(
+                !names.is_empty(),
+                "{}: no folders of frames: give a folder for each clip",
+                own.display()
+            );
+            names.sort();
+            clips.extend(names.into_iter().map(|clip| LabelledClip {
+                folder: own.join(&clip),
+                name: format!("{class}/{clip}"),
+                label,
+            }));
+        }
+        Ok(Self { classes, clips })
+    }
+
+    /// FOLDER/CLIP/frames for the clips of a list: a line each, its name and its class, with a comma between, as in
+    /// HRI30's `train_set_labels.csv`. The clip's extension is left out.
+    ///
+    /// # Errors
+    /// With the line or the clip that is wrong.
+    pub fn of_list(folder: &Path, list: &Path, names: &ClassNames) -> Result<Self> {
+        let text = fs::read_to_string(list).with_context(|| list.display().to_string())?;
+        let labelled = names.clips(&text).map_err(|error| in_file(list, error))?;
+        let classes = names.names().iter().map(|name| class_name(name)).collect();
+        let mut clips = Vec::new();
+        for (clip, label) in labelled {
+            let name = clip.rsplit_once('.').map_or(clip.as_str(), |(stem, _)| stem).to_owned();
+            let own = folder.join(&name);
+            if !own.is_dir() {
+                bail!(
+                    "{}: there is no folder {} with the frames of \"{clip}\"",
+                    list.display(),
+                    own.display()
+                );
+            }
+            clips.push(LabelledClip { folder: own, name, label });
+        }
+        ensure!(!clips.is_empty(), "{}: no clips", list.display());
+        Ok(Self { classes, clips })
+    }
+}
+
+/// The frames of a clip, at least `least`.
+///
+/// # Errors
+/// With the folder, if it has fewer.
+pub fn frames_of(folder: &Path, least: usize) -> Result<Vec<PathBuf>> {
+    let frames = list_frames(folder).map_err(|error| in_file(folder, error))?;
+    ensure!(
+        frames.len() >= least,
+        "{}: {} frames are fewer than the {least} of a window: give a longer clip, or a smaller --length",
+        folder.display(),
+        frames.len()
+    );
+    Ok(frames)
+}

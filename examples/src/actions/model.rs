@@ -1,0 +1,169 @@
+//! A trained recogniser: a folder with the head and what it was trained on.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use ndarray::{Array2, ArrayView2};
+use serde::{Deserialize, Serialize};
+use vision_models::{LinearHead, Tensors, softmax};
+
+use super::network::Window;
+use crate::{
+    learning::{
+        backbone::{Weights, WeightsIdentity},
+        split::Part,
+    },
+    program::{Interrupt, OutputFile},
+    vision::errors::in_file,
+};
+
+const FILE: &str = "actions.json";
+const HEAD: &str = "head.safetensors";
+const VERSION: u32 = 1;
+/// The layer's name, as in mmaction2.
+const LAYER: &str = "cls_head.fc_cls";
+
+/// A trained recogniser.
+#[derive(Debug)]
+pub struct ActionModel {
+    /// The new last layer, with the names of the classes.
+    pub head: LinearHead,
+    /// What the network sees.
+    pub window: Window,
+    /// The network's weights.
+    pub weights: WeightsIdentity,
+    /// What each clip of the training's folder was for, by name.
+    pub parts: BTreeMap<String, Part>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Description {
+    action_model: u32,
+    classes: Vec<String>,
+    window: Window,
+    weights: WeightsIdentity,
+    training: Vec<String>,
+    test: Vec<String>,
+}
+
+/// The checkpoint that a model was trained with.
+#[derive(Args, Clone, Debug)]
+pub struct ModelWeights {
+    /// The SlowOnly's checkpoint that the model was trained with; one with random weights needs none.
+    #[arg(long, value_name = "FILE")]
+    weights: Option<PathBuf>,
+}
+
+impl ActionModel {
+    /// Writes it into a folder, the description last.
+    ///
+    /// # Errors
+    /// With the place that cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        let mut head = Vec::new();
+        self.head.tensors(LAYER)?.write_safetensors(&mut head)?;
+        OutputFile::write_whole(folder.join(HEAD), &head)?;
+        let of = |part| {
+            let own = self.parts.iter().filter(move |(_, own)| **own == part);
+            own.map(|(name, _)| name.clone()).collect()
+        };
+        let description = Description {
+            action_model: VERSION,
+            classes: self.head.classes().to_vec(),
+            window: self.window.clone(),
+            weights: self.weights.clone(),
+            training: of(Part::Training),
+            test: of(Part::Test),
+        };
+        let text = serde_json::to_string_pretty(&description)? + "\n";
+        OutputFile::write_whole(folder.join(FILE), text.as_bytes())?;
+        Ok(())
+    }
+
+    /// Reads one.
+    ///
+    /// # Errors
+    /// With the file that is not there, not to be read, or does not fit the other.
+    pub fn read(folder: &Path) -> Result<Self> {
+        let path = folder.join(FILE);
+        let named = || path.display().to_string();
+        let text = fs::read_to_string(&path).with_context(named)?;
+        let description: Description = serde_json::from_str(&text).with_context(named)?;
+        let Description { action_model, classes, window, weights, training, test } = description;
+        ensure!(
+            action_model == VERSION,
+            "{}: version {action_model} of the format, of which {VERSION} is known",
+            named()
+        );
+        let Window { length, interval, side, .. } = window;
+        ensure!(
+            (1..=64).contains(&length)
+                && (1..=64).contains(&interval)
+                && (32..=512).contains(&side),
+            "{}: the window has {length} frames, every {interval}, of {side} pixels: give 1 to 64, 1 to 64 and 32 to \
+             512",
+            named()
+        );
+        let file = folder.join(HEAD);
+        let head = Tensors::read(&file)
+            .and_then(|mut tensors| LinearHead::read(&mut tensors, LAYER, classes))
+            .map_err(|error| in_file(&file, error))?;
+        let mut parts = BTreeMap::new();
+        parts.extend(training.into_iter().map(|name| (name, Part::Training)));
+        parts.extend(test.into_iter().map(|name| (name, Part::Test)));
+        Ok(Self { head, window, weights, parts })
+    }
+
+    /// The weights that it was trained with.
+    ///
+    /// # Errors
+    /// If the checkpoint is missing or another one.
+    pub fn weights(&self, given: &ModelWeights, interrupt: &Interrupt) -> Result<Weights> {
+        let own = match (&given.weights, &self.weights) {
+            (Some(file), _) => Weights::File(file.clone()),
+            (None, WeightsIdentity::RandomSeed(seed)) => Weights::Random(*seed),
+            (None, WeightsIdentity::Sha256(_)) => bail!("give the model's weights: --weights FILE"),
+        };
+        let identity = own.identity(interrupt)?;
+        if let Weights::File(file) = &own {
+            ensure!(
+                identity == self.weights,
+                "{}: these are {identity}, but the model was trained with {}",
+                file.display(),
+                self.weights
+            );
+        }
+        Ok(own)
+    }
+
+    /// The mean probability of each class over views, a row of features each.
+    ///
+    /// # Errors
+    /// For another number of features than in training.
+    #[allow(clippy::needless_pass_by_value)] // views go by value, as everywhere in ndarray
+    pub fn probabilities(&self, views: ArrayView2<'_, f32>) -> Result<Vec<f32>> {
+        let mut mean = vec![0.0; self.head.classes().len()];
+        for row in views.outer_iter() {
+            let probabilities = softmax(&self.head.scores(row)?.to_vec());
+            for (mean, probability) in mean.iter_mut().zip(probabilities) {
+                *mean += probability / views.nrows() as f32;
+            }
+        }
+        Ok(mean)
+    }
+
+    /// The same for each clip.
+    ///
+    /// # Errors
+    /// As of [`Self::probabilities`].
+    pub fn of_clips(&self, clips: &[Array2<f32>]) -> Result<Vec<Vec<f32>>> {
+        clips.iter().map(|views| self.probabilities(views.view())).collect()
+    }
+}

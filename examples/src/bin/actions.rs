@@ -1,0 +1,49 @@
+//! Learns to recognise actions, and measures it.
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use examples::{
+    actions::{evaluate::Evaluate, recognise::Recognise, train::Train},
+    program::{self, Ending, Program, Quiet, Session},
+};
+
+/// Learns to recognise actions in clips, as the paper's Experiment 2: a new last layer over the features of SlowOnly.
+///
+/// A clip is a folder of JPEG or PNG files. Of a video, ffmpeg makes one: ffmpeg -i clip.avi -q:v 2 clip/%05d.jpg
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Train(Train),
+    Evaluate(Evaluate),
+    Recognise(Recognise),
+}
+
+impl Program for Arguments {
+    fn quiet(&self) -> Quiet {
+        match &self.command {
+            Command::Train(command) => command.quiet(),
+            Command::Evaluate(command) => command.quiet(),
+            Command::Recognise(command) => command.quiet(),
+        }
+    }
+
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        match self.command {
+            Command::Train(command) => command.run(session),
+            Command::Evaluate(command) => command.run(session),
+            Command::Recognise(command) => command.run(session),
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    program::main::<Arguments>()
+}

@@ -1,0 +1,51 @@
+//! Learns to tell surfaces apart, and measures it.
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use examples::{
+    program::{self, Ending, Program, Quiet, Session},
+    surface::{evaluate::Evaluate, generate::Generate, predict::Predict, train::Train},
+};
+
+/// Learns to tell surfaces apart by images, as the paper's Experiment 1: over the features of ResNet-50 and
+/// ResNet-152, a new last layer and a linear support vector machine.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Generate(Generate),
+    Train(Train),
+    Evaluate(Evaluate),
+    Predict(Predict),
+}
+
+impl Program for Arguments {
+    fn quiet(&self) -> Quiet {
+        match &self.command {
+            Command::Generate(command) => command.quiet(),
+            Command::Train(command) => command.quiet(),
+            Command::Evaluate(command) => command.quiet(),
+            Command::Predict(command) => command.quiet(),
+        }
+    }
+
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        match self.command {
+            Command::Generate(command) => command.run(session),
+            Command::Train(command) => command.run(session),
+            Command::Evaluate(command) => command.run(session),
+            Command::Predict(command) => command.run(session),
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    program::main::<Arguments>()
+}

@@ -1,0 +1,11 @@
+//! What the programs `surface` and `actions` learn with: networks for features, features on disk, parts of a
+//! data set, and what is measured.
+
+pub mod backbone;
+pub mod cache;
+pub mod confusion_figure;
+pub mod digest;
+pub mod evaluation;
+pub mod head_options;
+pub mod random_network;
+pub mod split;

@@ -1,0 +1,155 @@
+//! Networks that give features.
+
+use std::{fmt, path::PathBuf};
+
+use anyhow::Result;
+use ndarray::{Array4, Array5};
+use serde::{Deserialize, Serialize};
+use vision_models::{NetworkKind, Options, ResNet, ResNetDepth, SlowOnly, SlowOnlyForm};
+
+use super::{digest::Digest, random_network::random_network};
+use crate::{
+    program::Interrupt,
+    vision::{
+        choices::Accepted,
+        errors::{of_weights, open_checkpoint},
+    },
+};
+
+/// Where a network's weights come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Weights {
+    /// A checkpoint.
+    File(PathBuf),
+    /// Drawn with this seed: nothing is learnt in them.
+    Random(u64),
+}
+
+impl Weights {
+    /// What tells them apart from all others.
+    ///
+    /// # Errors
+    /// With the name of a file that cannot be read; an interrupt.
+    pub fn identity(&self, interrupt: &Interrupt) -> Result<WeightsIdentity> {
+        Ok(match self {
+            Self::File(path) => {
+                WeightsIdentity::Sha256(Digest::of_file(path, interrupt)?.to_string())
+            }
+            Self::Random(seed) => WeightsIdentity::RandomSeed(*seed),
+        })
+    }
+}
+
+/// What tells weights apart.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WeightsIdentity {
+    /// The SHA-256 of the checkpoint.
+    Sha256(String),
+    /// The seed that they are drawn with.
+    RandomSeed(u64),
+}
+
+impl fmt::Display for WeightsIdentity {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sha256(sha256) => write!(formatter, "the weights with SHA-256 {sha256}"),
+            Self::RandomSeed(seed) => write!(formatter, "random weights of seed {seed}"),
+        }
+    }
+}
+
+/// A network for images that is loaded when it is first asked.
+#[derive(Debug)]
+pub struct ImageBackbone {
+    weights: Weights,
+    depth: ResNetDepth,
+    options: Options,
+    side: usize,
+    network: Option<ResNet>,
+}
+
+impl ImageBackbone {
+    /// For square images of this side.
+    pub fn new(weights: Weights, depth: ResNetDepth, side: usize, threads: usize) -> Self {
+        let options = Options { threads, ..Options::default() };
+        Self { weights, depth, options, side, network: None }
+    }
+
+    /// The features of a normalised image, N × 3 × side × side: those of the first.
+    ///
+    /// # Errors
+    /// As of [`ResNet::load`] and [`ResNet::infer`].
+    pub fn features(&mut self, image: &Array4<f32>) -> Result<Vec<f32>> {
+        let network = match &mut self.network {
+            Some(network) => network,
+            none => none.insert(load_resnet(&self.weights, self.depth, self.side, &self.options)?),
+        };
+        Ok(network.infer(image.view())?.features.row(0).to_vec())
+    }
+}
+
+fn load_resnet(
+    weights: &Weights,
+    depth: ResNetDepth,
+    side: usize,
+    options: &Options,
+) -> Result<ResNet> {
+    let (size, options) = ([side, side], *options);
+    match weights {
+        Weights::File(path) => ResNet::load(depth, open_checkpoint(path)?, size, options)
+            .map_err(|error| of_weights(path, Accepted::ResNets, error)),
+        Weights::Random(seed) => {
+            let tensors = random_network(NetworkKind::ResNet(depth.into()), *seed)?;
+            Ok(ResNet::load(depth, tensors, size, options)?)
+        }
+    }
+}
+
+/// A network for clips that is loaded when it is first asked.
+#[derive(Debug)]
+pub struct ClipBackbone {
+    weights: Weights,
+    form: SlowOnlyForm,
+    options: Options,
+    /// Frames, rows, columns.
+    size: [usize; 3],
+    network: Option<SlowOnly>,
+}
+
+impl ClipBackbone {
+    /// For clips of this size: frames, rows, columns.
+    pub fn new(weights: Weights, form: SlowOnlyForm, size: [usize; 3], threads: usize) -> Self {
+        let options = Options { threads, ..Options::default() };
+        Self { weights, form, options, size, network: None }
+    }
+
+    /// The features of normalised clips, N × 3 × frames × rows × columns, one after the other.
+    ///
+    /// # Errors
+    /// As of [`SlowOnly::load`] and [`SlowOnly::infer`].
+    pub fn features(&mut self, clips: &Array5<f32>) -> Result<Vec<f32>> {
+        if self.network.is_none() {
+            self.network = Some(self.load()?);
+        }
+        let Some(network) = &mut self.network else { return Ok(Vec::new()) };
+        Ok(network.infer(clips.view())?.features.iter().copied().collect())
+    }
+
+    /// The network itself.
+    ///
+    /// # Errors
+    /// As of [`SlowOnly::load`].
+    pub fn load(&self) -> Result<SlowOnly> {
+        match &self.weights {
+            Weights::File(path) => {
+                SlowOnly::load(self.form, open_checkpoint(path)?, self.size, self.options)
+                    .map_err(|error| of_weights(path, Accepted::SlowOnlys, error))
+            }
+            Weights::Random(seed) => {
+                let tensors = random_network(NetworkKind::SlowOnly(self.form), *seed)?;
+                Ok(SlowOnly::load(self.form, tensors, self.size, self.options)?)
+            }
+        }
+    }
+}

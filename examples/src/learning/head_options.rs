@@ -1,0 +1,35 @@
+//! Options of the training of a last layer.
+
+use anyhow::Result;
+use clap::Args;
+use vision_models::HeadSettings;
+
+use crate::vision::errors::of_option;
+
+/// How a new last layer is trained, by stochastic gradient descent.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct HeadOptions {
+    /// How often the last layer is shown all samples.
+    #[arg(long, default_value_t = 100)]
+    epochs: usize,
+    /// The length of its steps.
+    #[arg(long, default_value_t = 0.001, allow_negative_numbers = true)]
+    learning_rate: f64,
+    /// The probability that it is not shown a feature.
+    #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
+    dropout: f64,
+}
+
+impl HeadOptions {
+    /// The settings, checked.
+    ///
+    /// # Errors
+    /// With the option that is out of its range.
+    pub fn settings(self, seed: u64) -> Result<HeadSettings> {
+        let Self { epochs, learning_rate, dropout } = self;
+        let settings =
+            HeadSettings { learning_rate, dropout, epochs, seed, ..HeadSettings::default() };
+        settings.validate().map_err(of_option)?;
+        Ok(settings)
+    }
+}

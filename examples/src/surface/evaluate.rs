@@ -1,0 +1,168 @@
+//! Measures trained models, as the paper's Table I does.
+
+use std::{collections::BTreeMap, io::Write, path::PathBuf};
+
+use anyhow::{Result, bail, ensure};
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use super::{features::Flips, model::SurfaceModel, options::ModelWeights, train::path_within};
+use crate::{
+    learning::{
+        confusion_figure::confusion_figure,
+        evaluation::{Evaluation, score_table},
+        split::Part,
+    },
+    program::{Ending, Json, OutputFile, Quiet, Session, Threads, check_folder},
+    vision::folders::{LabelledImage, Unreadable, list_classes, list_images},
+};
+
+/// Classifies images of known classes by each model, and prints accuracy and confusion matrices.
+///
+/// With --output, a picture of each confusion matrix, the scores of every image and the result as JSON go into a
+/// folder.
+#[derive(Args, Debug)]
+pub struct Evaluate {
+    /// A folder with a folder of JPEG or PNG files for each class.
+    folder: PathBuf,
+    /// The folder of the trained model.
+    #[arg(long, value_name = "FOLDER")]
+    model: PathBuf,
+    #[command(flatten)]
+    weights: ModelWeights,
+    /// The folder for features, which later runs take from there.
+    #[arg(long, value_name = "FOLDER")]
+    cache: Option<PathBuf>,
+    /// Which images of the folder: a part of the training's split, or all.
+    #[arg(long, default_value = "test")]
+    part: PartOption,
+    /// Write pictures, scores and the result into this folder.
+    #[arg(long, short, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Stop at the first image that cannot be read.
+    #[arg(long)]
+    strict: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PartOption {
+    /// The tenth that no training has seen.
+    Test,
+    /// The fifth for validation.
+    Validation,
+    /// What was trained with.
+    Training,
+    /// Every image.
+    All,
+}
+
+/// The line of `--json`.
+#[derive(Default, Serialize)]
+struct Evaluated {
+    classes: Vec<String>,
+    unreadable: usize,
+    /// By the models' names.
+    models: BTreeMap<String, Evaluation>,
+}
+
+impl Evaluate {
+    /// The option `--quiet`.
+    pub fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
+    /// Measures every model.
+    ///
+    /// # Errors
+    /// With the folder, the class, the image or the option that is wrong.
+    pub fn run(self, session: &mut Session) -> Result<Ending> {
+        self.output.as_deref().map(check_folder).transpose()?;
+        let model = SurfaceModel::read(&self.model)?;
+        let images = self.images(&model)?;
+        let threads = self.threads.count();
+        let sources =
+            model.sources(&self.weights, self.cache.as_ref(), threads, session.interrupt())?;
+        let mut report = Evaluated { classes: model.classes.clone(), ..Evaluated::default() };
+        let mut unreadable = Unreadable::new(self.strict);
+        let mut files = Vec::new();
+        for (network, mut source) in model.networks.iter().zip(sources) {
+            let features = source.of_images(&images, Flips::None, session, &mut unreadable)?;
+            let Some(features) = features else {
+                session.warn("interrupted before the end");
+                session.print_json(self.json, &report, Ending::Partial)?;
+                return Ok(Ending::Partial);
+            };
+            for (name, decider) in network.deciders() {
+                let scores = features.scores(decider)?;
+                let evaluation = features.evaluate(model.classes.len(), &scores)?;
+                writeln!(session.output(), "\n{name}")?;
+                evaluation.write_confusion(session.output(), &model.classes)?;
+                if self.output.is_some() {
+                    let figure = confusion_figure(&name, &model.classes, &evaluation.confusion)?;
+                    files.push((format!("confusion-{name}.svg"), figure));
+                    let samples = features.paths.iter().zip(&features.labels).zip(&scores);
+                    let samples = samples.map(|((path, label), scores)| {
+                        (path_within(&self.folder, path), *label, scores.as_slice())
+                    });
+                    let table = score_table("image", &model.classes, samples);
+                    files.push((format!("scores-{name}.csv"), table));
+                }
+                report.models.insert(name, evaluation);
+            }
+        }
+        report.unreadable = unreadable.count();
+        writeln!(session.output(), "\nmodel                 images  accuracy, %")?;
+        for (name, evaluation) in &report.models {
+            let percent = 100.0 * evaluation.accuracy.unwrap_or(f64::NAN);
+            writeln!(session.output(), "{name:<20} {:7}      {percent:7.2}", evaluation.samples)?;
+        }
+        if let Some(folder) = &self.output {
+            files.push(("evaluation.json".into(), serde_json::to_string_pretty(&report)? + "\n"));
+            std::fs::create_dir_all(folder)?;
+            for (name, contents) in files {
+                OutputFile::write_whole(folder.join(name), contents.as_bytes())?;
+            }
+        }
+        session.print_json(self.json, &report, Ending::Complete)?;
+        Ok(Ending::Complete)
+    }
+
+    /// The images of the part that is asked for.
+    fn images(&self, model: &SurfaceModel) -> Result<Vec<LabelledImage>> {
+        let shown = self.folder.display();
+        let classes = list_classes(&self.folder)?;
+        for class in &classes {
+            ensure!(
+                model.classes.contains(class),
+                "{shown}: the folder \"{class}\" is no class of {}, whose classes are {}",
+                self.model.display(),
+                model.classes.join(", ")
+            );
+        }
+        let missing = model.classes.iter().find(|class| !classes.contains(class));
+        if let Some(class) = missing {
+            bail!("{shown}: there is no folder for the class \"{class}\" of the model");
+        }
+        let part = match self.part {
+            PartOption::All => return list_images(&self.folder, &model.classes),
+            PartOption::Test => Part::Test,
+            PartOption::Validation => Part::Validation,
+            PartOption::Training => Part::Training,
+        };
+        let mut images = list_images(&self.folder, &model.classes)?;
+        images.retain(|image| {
+            model.parts.get(&path_within(&self.folder, &image.path)) == Some(&part)
+        });
+        ensure!(
+            !images.is_empty(),
+            "{shown}: no image is of this part of the training's split; --part all takes every image"
+        );
+        Ok(images)
+    }
+}

@@ -1,0 +1,104 @@
+//! Pictures of smooth and drilled surfaces, a folder for each.
+
+use std::{
+    fs,
+    io::Write,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use serde::Serialize;
+use vision_models::Surface;
+
+use super::picture::Scene;
+use crate::{
+    program::{Ending, Json, OutputFile, Quiet, Seed, Session, check_folder},
+    random::generator,
+};
+
+/// Draws pictures of plates, smooth and drilled: light, pose, background, blur and noise differ.
+///
+/// They are for trying the program. What does well on them does not therefore do well on photographs.
+#[derive(Args, Debug)]
+pub struct Generate {
+    /// The folder, which gets the folders `smooth` and `drilled`.
+    folder: PathBuf,
+    /// Pictures of each class, 1 to 100,000.
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    count: u32,
+    /// Side of the square pictures (pixels), 16 to 4,096.
+    #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u16).range(16..=4096))]
+    size: u16,
+    #[command(flatten)]
+    seed: Seed,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
+}
+
+/// The line of `--json`.
+#[derive(Serialize)]
+struct Generated {
+    folder: PathBuf,
+    /// Pictures in all.
+    images: u64,
+}
+
+impl Generate {
+    /// The option `--quiet`.
+    pub fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
+    /// Draws them.
+    ///
+    /// # Errors
+    /// With the place that cannot be written; a folder that has pictures already.
+    pub fn run(self, session: &mut Session) -> Result<Ending> {
+        check_folder(&self.folder)?;
+        let classes = [Surface::Smooth, Surface::Drilled];
+        for surface in classes {
+            let folder = self.folder.join(surface.name());
+            let empty = fs::read_dir(&folder).map_or(true, |mut entries| entries.next().is_none());
+            ensure!(empty, "{}: there are files already; give a new folder", folder.display());
+            fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+        }
+        let all = u64::from(self.count) * classes.len() as u64;
+        let progress = session.progress("pictures", all);
+        let mut done = 0;
+        'all: for number in 0..self.count {
+            for (stream, surface) in (0..).zip(classes) {
+                if session.interrupt().requested() {
+                    break 'all;
+                }
+                let stream = u64::from(number) * classes.len() as u64 + stream;
+                let name = format!("{}/{number:05}.png", surface.name());
+                self.draw(&self.folder.join(name), surface, stream)?;
+                done += 1;
+                progress.set(done);
+            }
+        }
+        progress.finish();
+        let ending = if done < all { Ending::Partial } else { Ending::Complete };
+        if ending == Ending::Partial {
+            session.warn(format_args!("interrupted after {done} of {all} pictures"));
+        }
+        let shown = self.folder.display();
+        writeln!(session.output(), "{done} pictures of smooth and drilled surfaces in {shown}")?;
+        session.print_json(self.json, &Generated { folder: self.folder, images: done }, ending)?;
+        Ok(ending)
+    }
+
+    fn draw(&self, path: &Path, surface: Surface, stream: u64) -> Result<()> {
+        let mut random = generator(self.seed.seed, stream);
+        let pixels = Scene::random(surface, &mut random).draw(self.size.into(), &mut random);
+        let mut png = Vec::new();
+        let side = self.size.into();
+        PngEncoder::new(&mut png).write_image(&pixels, side, side, ExtendedColorType::Rgb8)?;
+        OutputFile::write_whole(path, &png)?;
+        Ok(())
+    }
+}

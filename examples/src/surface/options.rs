@@ -1,0 +1,83 @@
+//! Options that the commands share.
+
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use clap::Args;
+use vision_models::ResNetDepth;
+
+use crate::{learning::backbone::Weights, vision::choices};
+
+/// The networks that give the features.
+#[derive(Args, Clone, Debug)]
+pub struct Backbones {
+    /// A ResNet's checkpoint with torchvision's names, behind its number of layers: 50=resnet50.pth. May be given
+    /// for several.
+    #[arg(long, value_name = "DEPTH=FILE", value_parser = weights)]
+    weights: Vec<(ResNetDepth, PathBuf)>,
+    /// Take networks with random weights of this seed instead: nothing is learnt in them.
+    #[arg(long, value_name = "SEED", conflicts_with = "weights")]
+    random_backbone: Option<u64>,
+    /// How many layers the random networks have; 50 and 152 if it is not given.
+    #[arg(long, requires = "random_backbone", value_parser = choices::depth())]
+    depth: Vec<ResNetDepth>,
+}
+
+/// DEPTH=FILE.
+fn weights(text: &str) -> Result<(ResNetDepth, PathBuf), String> {
+    let wrong = || format!("\"{text}\": give DEPTH=FILE, such as 50=resnet50.pth");
+    let (depth, file) = text.split_once('=').ok_or_else(wrong)?;
+    let depth = choices::depth_of(depth).ok_or_else(wrong)?;
+    if file.is_empty() { Err(wrong()) } else { Ok((depth, file.into())) }
+}
+
+impl Backbones {
+    /// The networks, none twice.
+    ///
+    /// # Errors
+    /// If there are none, or one is given twice.
+    pub fn networks(&self) -> Result<Vec<(ResNetDepth, Weights)>> {
+        let networks: Vec<_> = match self.random_backbone {
+            Some(seed) if self.depth.is_empty() => {
+                vec![ResNetDepth::Fifty, ResNetDepth::OneHundredFiftyTwo]
+                    .into_iter()
+                    .map(|depth| (depth, Weights::Random(seed)))
+                    .collect()
+            }
+            Some(seed) => self.depth.iter().map(|&depth| (depth, Weights::Random(seed))).collect(),
+            None => self
+                .weights
+                .iter()
+                .map(|(depth, file)| (*depth, Weights::File(file.clone())))
+                .collect(),
+        };
+        if networks.is_empty() {
+            bail!(
+                "no network: give --weights 50=FILE and --weights 152=FILE, or --random-backbone SEED"
+            );
+        }
+        for (place, (depth, _)) in networks.iter().enumerate() {
+            if networks.iter().take(place).any(|(other, _)| other == depth) {
+                bail!("two networks of {} layers: give one of each depth", depth.layers());
+            }
+        }
+        Ok(networks)
+    }
+}
+
+/// The checkpoints of a trained model's networks.
+#[derive(Args, Clone, Debug)]
+pub struct ModelWeights {
+    /// The checkpoint that the model was trained with, behind the ResNet's number of layers: 50=resnet50.pth.
+    /// Networks with random weights need none.
+    #[arg(long, value_name = "DEPTH=FILE", value_parser = weights)]
+    weights: Vec<(ResNetDepth, PathBuf)>,
+}
+
+impl ModelWeights {
+    /// The checkpoint for a network.
+    pub fn file_of(&self, depth: ResNetDepth) -> Option<PathBuf> {
+        let own = self.weights.iter().find(|(own, _)| *own == depth);
+        own.map(|(_, file)| file.clone())
+    }
+}

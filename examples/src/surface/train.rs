@@ -1,0 +1,267 @@
+//! Trains the paper's models.
+
+use std::{
+    collections::BTreeMap,
+    io::Write,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Result, ensure};
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use vision_models::{
+    ClassWeights, HeadSettings, LinearHead, LinearSvm, Loss, ResNetDepth, SvmSettings, Training,
+};
+
+use super::{
+    features::{FeatureSource, Features, Flips, name_of},
+    model::{OverNetwork, SurfaceModel},
+    options::Backbones,
+};
+use crate::{
+    learning::{
+        backbone::WeightsIdentity,
+        head_options::HeadOptions,
+        split::{Part, Shares, split},
+    },
+    program::{Ending, Json, ProgramError, Quiet, Seed, Session, Threads, check_folder},
+    vision::{
+        errors::of_option,
+        folders::{LabelledImage, Unreadable, list_classes, list_images},
+    },
+};
+
+/// Trains a new last layer and a support vector machine over the features of each network.
+///
+/// The images of each class are split by the seed: 70 % to train with, 20 % for validation, 10 % for the test.
+#[derive(Args, Debug)]
+pub struct Train {
+    /// A folder with a folder of JPEG or PNG files for each class.
+    folder: PathBuf,
+    /// The folder for the trained model.
+    #[arg(long, short, value_name = "FOLDER")]
+    output: PathBuf,
+    #[command(flatten)]
+    backbones: Backbones,
+    /// The folder for features, which later runs take from there. An interrupted run keeps them.
+    #[arg(long, value_name = "FOLDER")]
+    cache: Option<PathBuf>,
+    /// Train with the images as they are, without their mirror images.
+    #[arg(long)]
+    no_flips: bool,
+    /// The penalty of the support vector machine.
+    #[arg(long, default_value = "squared-hinge")]
+    loss: LossOption,
+    /// The weight of the penalty against the margin.
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
+    cost: f64,
+    /// Let each class weigh the same in the support vector machine, however many images it has.
+    #[arg(long)]
+    balanced: bool,
+    #[command(flatten)]
+    head: HeadOptions,
+    /// Stop at the first image that cannot be read.
+    #[arg(long)]
+    strict: bool,
+    #[command(flatten)]
+    seed: Seed,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum LossOption {
+    /// The paper's L1-SVM.
+    Hinge,
+    /// The paper's L2-SVM.
+    SquaredHinge,
+}
+
+/// The line of `--json`.
+#[derive(Default, Serialize)]
+struct Trained {
+    classes: Vec<String>,
+    training_images: usize,
+    validation_images: usize,
+    test_images: usize,
+    unreadable: usize,
+    /// By the models' names.
+    models: BTreeMap<String, ModelReport>,
+}
+
+#[derive(Serialize)]
+struct ModelReport {
+    training_accuracy: Option<f64>,
+    validation_accuracy: Option<f64>,
+    /// Of the support vector machine: the largest duality gap of its planes, as a part of the objective.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gap: Option<f64>,
+}
+
+/// The images of each part.
+struct Parts {
+    classes: Vec<String>,
+    training: Vec<LabelledImage>,
+    validation: Vec<LabelledImage>,
+    of_paths: BTreeMap<String, Part>,
+}
+
+impl Parts {
+    fn of_folder(folder: &Path, seed: u64) -> Result<Self> {
+        let classes = list_classes(folder)?;
+        let images = list_images(folder, &classes)?;
+        let labels: Vec<usize> = images.iter().map(|image| image.label).collect();
+        let parts = split(&labels, &classes, Shares::SURFACE, seed)
+            .map_err(|error| error.context(folder.display().to_string()))?;
+        let (mut training, mut validation, mut of_paths) = (vec![], vec![], BTreeMap::new());
+        for (image, part) in images.into_iter().zip(parts) {
+            of_paths.insert(path_within(folder, &image.path), part);
+            match part {
+                Part::Training => training.push(image),
+                Part::Validation => validation.push(image),
+                Part::Test => {}
+            }
+        }
+        Ok(Self { classes, training, validation, of_paths })
+    }
+}
+
+/// CLASS/FILE, by which a model knows an image.
+pub(super) fn path_within(folder: &Path, path: &Path) -> String {
+    path.strip_prefix(folder).unwrap_or(path).display().to_string()
+}
+
+impl Train {
+    /// The option `--quiet`.
+    pub fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
+    /// Trains, and writes the model.
+    ///
+    /// # Errors
+    /// With the folder, the class, the image or the option that is wrong.
+    pub fn run(self, session: &mut Session) -> Result<Ending> {
+        check_folder(&self.output)?;
+        let (head, svm) = self.settings()?;
+        let networks = self.backbones.networks()?;
+        let parts = Parts::of_folder(&self.folder, self.seed.seed)?;
+        let mut sources = Vec::new();
+        for (depth, weights) in networks {
+            let identity = weights.identity(session.interrupt())?;
+            let threads = self.threads.count();
+            let source =
+                FeatureSource::new(depth, (weights, &identity), self.cache.as_ref(), threads)?;
+            sources.push((depth, identity, source));
+        }
+        let mut report = Trained {
+            classes: parts.classes.clone(),
+            training_images: parts.training.len(),
+            validation_images: parts.validation.len(),
+            test_images: parts.of_paths.values().filter(|part| **part == Part::Test).count(),
+            ..Trained::default()
+        };
+        let mut trained = Vec::new();
+        let mut unreadable = Unreadable::new(self.strict);
+        writeln!(session.output(), "model               training  validation   (accuracy, %)")?;
+        for (depth, identity, mut source) in sources {
+            let flips = if self.no_flips { Flips::None } else { Flips::Horizontal };
+            let training = source.of_images(&parts.training, flips, session, &mut unreadable)?;
+            let Some(training) = training else { return self.interrupted(session, &report) };
+            let validation =
+                source.of_images(&parts.validation, Flips::None, session, &mut unreadable)?;
+            let Some(validation) = validation else { return self.interrupted(session, &report) };
+            for (label, class) in parts.classes.iter().enumerate() {
+                let folder = self.folder.join(class);
+                let any = training.labels.contains(&label);
+                ensure!(any, "{}: no image to train with can be read", folder.display());
+            }
+            let (network, gap) =
+                over_network((depth, identity), &training, &parts.classes, (&head, &svm), session)?;
+            for (name, decider) in network.deciders() {
+                let accuracy = |features: &Features| -> Result<Option<f64>> {
+                    let scores = features.scores(decider)?;
+                    Ok(features.evaluate(parts.classes.len(), &scores)?.accuracy)
+                };
+                let (of_training, of_validation) = (accuracy(&training)?, accuracy(&validation)?);
+                let percent = |share: Option<f64>| 100.0 * share.unwrap_or(f64::NAN);
+                writeln!(
+                    session.output(),
+                    "{name:<20} {:7.2}     {:7.2}",
+                    percent(of_training),
+                    percent(of_validation)
+                )?;
+                let own = ModelReport {
+                    training_accuracy: of_training,
+                    validation_accuracy: of_validation,
+                    gap: name.ends_with("+svm").then_some(gap),
+                };
+                report.models.insert(name, own);
+            }
+            trained.push(network);
+        }
+        report.unreadable = unreadable.count();
+        let model =
+            SurfaceModel { classes: parts.classes, parts: parts.of_paths, networks: trained };
+        model.write(&self.output)?;
+        writeln!(session.output(), "model: {}", self.output.display())?;
+        session.print_json(self.json, &report, Ending::Complete)?;
+        Ok(Ending::Complete)
+    }
+
+    fn interrupted(&self, session: &mut Session, report: &Trained) -> Result<Ending> {
+        session.warn("interrupted before the end: there is no model");
+        session.print_json(self.json, report, Ending::Partial)?;
+        Ok(Ending::Partial)
+    }
+
+    fn settings(&self) -> Result<(HeadSettings, SvmSettings)> {
+        let head = self.head.settings(self.seed.seed)?;
+        let loss = match self.loss {
+            LossOption::Hinge => Loss::Hinge,
+            LossOption::SquaredHinge => Loss::SquaredHinge,
+        };
+        let class_weights =
+            if self.balanced { ClassWeights::Balanced } else { ClassWeights::Equal };
+        let svm = SvmSettings { loss, cost: self.cost, class_weights, ..SvmSettings::default() };
+        svm.validate().map_err(of_option)?;
+        Ok((head, svm))
+    }
+}
+
+/// The head and the machine over one network, with the largest gap of the machine's planes.
+fn over_network(
+    (depth, weights): (ResNetDepth, WeightsIdentity),
+    training: &Features,
+    classes: &[String],
+    (head, svm): (&HeadSettings, &SvmSettings),
+    session: &Session,
+) -> Result<(OverNetwork, f64)> {
+    let name = name_of(depth);
+    let progress = session.progress(&format!("last layer of {name}"), head.epochs as u64);
+    let labels = &training.labels;
+    let head = LinearHead::train(training.rows.view(), labels, classes.to_vec(), head, |epoch| {
+        progress.set(epoch.number as u64);
+        !session.interrupt().requested()
+    })
+    .map_err(|error| anyhow::Error::new(error).context(format!("the last layer of {name}")))?;
+    progress.finish();
+    ensure!(!session.interrupt().requested(), ProgramError::Interrupted);
+    let (samples, labels) = (training.rows.clone(), labels.clone());
+    let (names, settings) = (classes.to_vec(), svm.clone());
+    let solved = session
+        .interrupt()
+        .wait_for(move || LinearSvm::train(samples.view(), &labels, names, &settings))?;
+    let (svm, trainings) = solved?;
+    let gap = trainings.iter().map(Training::gap).fold(0.0, f64::max);
+    ensure!(
+        trainings.iter().all(|training| training.converged),
+        "the support vector machine over {name} did not converge: the duality gap is {gap:.1e} of the objective; \
+         try a smaller --cost"
+    );
+    Ok((OverNetwork { depth, weights, head, svm }, gap))
+}

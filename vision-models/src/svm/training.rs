@@ -1,0 +1,152 @@
+//! The training of one plane.
+
+use ndarray::Array1;
+
+use super::{
+    Loss,
+    ascent::{Start, ascend},
+    line::Line,
+    newton::{Newton, Slope},
+    problem::{Forces, Plane, Problem},
+    smoothing::Smoothing,
+};
+
+/// A step that promises less than this part of the objective is rounding.
+const ROUNDING: f64 = 1e-15;
+/// Steps without a smaller gap after which rounding keeps it from closing.
+const PATIENCE: usize = 100;
+
+/// How the training of a plane ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Training {
+    /// Whether the duality gap is within the tolerance.
+    pub converged: bool,
+    /// Steps of Newton's method.
+    pub iterations: usize,
+    /// ½ wᵀw + Σ C_i ξ_i, or with ξ_i²; with the bias's cost if it has one.
+    pub objective: f64,
+    /// The largest value of the dual problem that was reached: no plane's objective is below it.
+    pub bound: f64,
+}
+
+impl Training {
+    /// The duality gap as a part of the objective: how far this plane's objective is from the best one's, at
+    /// most.
+    pub fn gap(&self) -> f64 {
+        (self.objective - self.bound).max(0.0) / self.objective
+    }
+}
+
+/// A plane on its way to the optimum.
+struct Search<'a, 'b> {
+    problem: &'a Problem<'b>,
+    smoothing: Smoothing,
+    plane: Plane,
+    /// f of each sample.
+    decisions: Vec<f64>,
+    alphas: Vec<f64>,
+    /// The samples that curve the objective, and by how much.
+    curved: Vec<(usize, f64)>,
+}
+
+/// Minimises the objective to a duality gap of a part `tolerance` of it, in at most so many steps.
+///
+/// Newton's method on w and b, each step to the minimum along its line; it ends after finitely many steps, as
+/// the objective is made of quadratic pieces (O. Mangasarian, "A finite Newton method for classification",
+/// Optimization Methods and Software 17, 2002). For the hinge a sequence of [`Smoothing`]s takes the place of
+/// the penalty. Each plane on the way gives an α, and so a bound.
+pub(super) fn train(
+    problem: &Problem<'_>,
+    newton: &mut Newton,
+    tolerance: f64,
+    most: usize,
+) -> (Plane, Training) {
+    let mut search = Search::new(problem);
+    let mut best = search.plane.clone();
+    let mut training =
+        Training { converged: false, iterations: 0, objective: f64::INFINITY, bound: 0.0 };
+    let mut last_progress = 0;
+    loop {
+        search.weigh();
+        let Forces { combination, sum, bound } = problem.forces(&search.alphas);
+        let objective = problem.objective(&search.plane, &search.decisions);
+        if objective < training.objective || bound > training.bound {
+            last_progress = training.iterations;
+        }
+        if objective < training.objective {
+            training.objective = objective;
+            best.clone_from(&search.plane);
+        }
+        training.bound = training.bound.max(bound);
+        training.converged = training.gap() <= tolerance;
+        let stuck = training.iterations > last_progress + PATIENCE;
+        if training.converged || stuck || training.iterations >= most {
+            return (best, training);
+        }
+        training.iterations += 1;
+        let slope = Slope {
+            weights: &search.plane.weights - &combination,
+            bias: problem.bias_cost() * search.plane.bias - sum,
+            curved: &search.curved,
+            of_one: search.smoothing.steepness(problem),
+        };
+        let direction = newton.direction(problem, &slope);
+        let promised = -(slope.weights.dot(&direction.weights) + slope.bias * direction.bias);
+        let rounded = promised.is_nan() || promised <= ROUNDING * objective;
+        let minimised = rounded || search.smoothing.is_minimised(promised, &search.alphas);
+        // If this step is the run's last, it is the one that comes nearest to its minimum.
+        search.step(&direction);
+        if minimised {
+            search.weigh();
+            search.smoothing.sharpen(&search.alphas);
+        }
+    }
+}
+
+impl<'a, 'b> Search<'a, 'b> {
+    fn new(problem: &'a Problem<'b>) -> Self {
+        let samples = problem.sides.len();
+        let (plane, smoothing) = match problem.loss {
+            Loss::Hinge => {
+                let Start { plane, alphas, mean_square } = ascend(problem);
+                (plane, Smoothing::of_hinge(alphas, mean_square))
+            }
+            Loss::SquaredHinge => {
+                let weights = Array1::zeros(problem.samples.ncols());
+                (Plane { weights, bias: 0.0 }, Smoothing::SquaredHinge)
+            }
+        };
+        let decisions = problem.decisions(&plane);
+        Self { problem, smoothing, plane, decisions, alphas: vec![0.0; samples], curved: vec![] }
+    }
+
+    /// Finds α and the curvature at the plane.
+    fn weigh(&mut self) {
+        self.curved.clear();
+        let margins = self.decisions.iter().zip(&self.problem.sides).map(|(f, side)| side * f);
+        for (sample, (alpha, margin)) in self.alphas.iter_mut().zip(margins).enumerate() {
+            let (value, curvature) = self.smoothing.alpha(self.problem, sample, margin);
+            *alpha = value;
+            if curvature > 0.0 {
+                self.curved.push((sample, curvature));
+            }
+        }
+    }
+
+    /// Goes to the minimum along a direction.
+    fn step(&mut self, direction: &Plane) {
+        let changes = self.problem.decisions(direction);
+        let line = Line {
+            problem: self.problem,
+            smoothing: &self.smoothing,
+            from: &self.plane,
+            direction,
+            decisions: &self.decisions,
+            changes: &changes,
+        };
+        let step = line.minimum();
+        self.plane.weights.scaled_add(step, &direction.weights);
+        self.plane.bias += step * direction.bias;
+        self.decisions = self.problem.decisions(&self.plane);
+    }
+}
