@@ -7,6 +7,7 @@
 
 mod multipliers;
 mod of_solver;
+mod refinement;
 
 use std::collections::BTreeSet;
 
@@ -20,6 +21,7 @@ use crate::problem::ids::LevelId;
 use crate::problem::level::Objective;
 use crate::problem::rows::Rows;
 use crate::problem::source::ConstraintSource;
+use crate::solver::settings::Settings;
 
 /// Below this, relative to the numbers around it, a violation counts as zero.
 const ZERO: f64 = 1e-9;
@@ -63,12 +65,17 @@ pub struct CertificateResiduals {
     pub complementarity: f64,
     /// Size of a multiplier that pushes the wrong way.
     pub sign: f64,
+    /// Where rows of one level pull by forces that differ by more than a million, so that multipliers in
+    /// doubles may hide some: the distance from x to the optimum in arithmetic of 32 digits, relative to
+    /// the larger of their largest entries; infinite where none was found. Zero where it is not asked.
+    pub distance: f64,
 }
 
 impl CertificateResiduals {
-    /// The largest of the four.
+    /// The largest of them.
     pub fn worst(&self) -> f64 {
-        self.stationarity.max(self.feasibility).max(self.complementarity).max(self.sign)
+        let of_multipliers = self.stationarity.max(self.complementarity).max(self.sign);
+        of_multipliers.max(self.feasibility).max(self.distance)
     }
 }
 
@@ -102,6 +109,10 @@ impl Certificate {
         let mut settled = BTreeSet::new();
         for (level, multipliers) in self.levels.iter().enumerate() {
             check.level(level, multipliers, &mut settled)?;
+        }
+        if refinement::is_needed(hierarchy, x) {
+            let tolerance = Settings::default().rank_tolerance;
+            check.residuals.distance = refinement::distance(hierarchy, x, tolerance);
         }
         Ok(check.residuals)
     }
