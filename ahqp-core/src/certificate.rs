@@ -65,17 +65,22 @@ pub struct CertificateResiduals {
     pub complementarity: f64,
     /// Size of a multiplier that pushes the wrong way.
     pub sign: f64,
-    /// Where rows of one level pull by forces that differ by more than a million, so that multipliers in
-    /// doubles may hide some: the distance from x to the optimum in arithmetic of 32 digits, relative to
-    /// the larger of their largest entries; infinite where none was found. Zero where it is not asked.
-    pub distance: f64,
+    /// The distance from x to the optimum, relative to the larger of their largest entries, where multipliers
+    /// do not prove enough: where they leave a doubt, and where rows of one level pull by forces that differ
+    /// by more than a million, so that doubles may hide some. Found in arithmetic of 32 digits, from x on;
+    /// infinite where that finds no optimum.
+    pub distance: Option<f64>,
 }
 
 impl CertificateResiduals {
-    /// The largest of them.
+    /// How far from proved x is: its violations, and the distance to the optimum or, where that is not asked,
+    /// what multipliers leave.
     pub fn worst(&self) -> f64 {
-        let of_multipliers = self.stationarity.max(self.complementarity).max(self.sign);
-        of_multipliers.max(self.feasibility).max(self.distance)
+        self.feasibility.max(self.distance.unwrap_or_else(|| self.of_multipliers()))
+    }
+
+    fn of_multipliers(&self) -> f64 {
+        self.stationarity.max(self.complementarity).max(self.sign)
     }
 }
 
@@ -110,9 +115,10 @@ impl Certificate {
         for (level, multipliers) in self.levels.iter().enumerate() {
             check.level(level, multipliers, &mut settled)?;
         }
-        if refinement::is_needed(hierarchy, x) {
+        let residuals = &mut check.residuals;
+        if residuals.of_multipliers() > ZERO || refinement::is_needed(hierarchy, x) {
             let tolerance = Settings::default().rank_tolerance;
-            check.residuals.distance = refinement::distance(hierarchy, x, tolerance);
+            residuals.distance = Some(refinement::distance(hierarchy, x, tolerance));
         }
         Ok(check.residuals)
     }
