@@ -252,9 +252,7 @@ impl Multipliers {
         &'a self,
         factorisation: &'a Factorisation,
     ) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
-        let of_pivots = self.rounding_of_pivots[self.pivots.clone()].iter();
-        let rounding = of_pivots.chain(&self.rounding_of_bounds);
-        self.pairs(factorisation).zip(rounding).map(|((id, m), &rounding)| (id, m, rounding))
+        self.pairs_beside(factorisation, &self.rounding_of_pivots)
     }
 
     /// The same with the most that rounding can be.
@@ -262,8 +260,15 @@ impl Multipliers {
         &'a self,
         factorisation: &'a Factorisation,
     ) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
-        let of_pivots = self.most_rounding_of_pivots[self.pivots.clone()].iter();
-        let rounding = of_pivots.chain(&self.rounding_of_bounds);
+        self.pairs_beside(factorisation, &self.most_rounding_of_pivots)
+    }
+
+    fn pairs_beside<'a>(
+        &'a self,
+        factorisation: &'a Factorisation,
+        of_pivots: &'a [f64],
+    ) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
+        let rounding = of_pivots[self.pivots.clone()].iter().chain(&self.rounding_of_bounds);
         self.pairs(factorisation).zip(rounding).map(|((id, m), &rounding)| (id, m, rounding))
     }
 

@@ -60,7 +60,7 @@ impl Row {
         ROUNDING * self.size
     }
 
-    /// Returns true if a p within the bounds, but for rounding.
+    /// Returns true if a p is within the bounds, but for rounding.
     pub(super) fn holds(&self, value: DoubleDouble) -> bool {
         self.violation(value).abs().rounded() <= self.rounding()
     }
