@@ -185,11 +185,13 @@ impl Approach {
             let velocity = self.velocity + acceleration * self.period;
             let overrun = braking.overrun(velocity, acceleration);
             let excess = velocity * self.period + overrun.distance - self.distance;
-            if excess <= self.rounding {
+            let slope = self.period * (self.period + overrun.by_velocity) + overrun.by_acceleration;
+            let correction = excess / slope;
+            // The second where the limit is so near zero that the sum's own rounding is larger.
+            if excess <= self.rounding || correction <= 4.0 * f64::EPSILON * acceleration.abs() {
                 return acceleration;
             }
-            let slope = self.period * (self.period + overrun.by_velocity) + overrun.by_acceleration;
-            acceleration -= excess / slope;
+            acceleration -= correction;
             if acceleration.is_nan() || acceleration <= least {
                 break;
             }

@@ -132,6 +132,16 @@ fn rows_that_nearly_agree_hold_together() {
     }
 }
 
+/// Three hard rows that nearly agree hold the objective's row, which is one of them: the multipliers of the
+/// other two are zero, and rounding makes them 1e-8. The least norm is still to be chosen.
+#[test]
+fn rows_that_a_level_does_not_need_leave_the_next_one_free() {
+    let seed = 4816265570775335485;
+    let nearness = -4.934751649731402;
+    let plan = Plan { variables: 3, levels: 1, bounded: true, nearness, units: 0.0, seed };
+    expect_proof(&plan.build()).unwrap();
+}
+
 fn nearly_dependent() -> impl Strategy<Value = Plan> {
     (2..9_usize, 1..6_usize, any::<bool>(), -6.0..-1.0_f64, any::<u64>().no_shrink()).prop_map(
         |(variables, levels, bounded, nearness, seed)| Plan {

@@ -141,11 +141,13 @@ fn a_light_row_is_heard_where_a_heavy_one_pulls_in_vain() {
     }
 }
 
-/// How many answers were right, wrong, refused as inaccurate by the solver itself, and beyond double
-/// precision, and how many ticks extended precision left to exact arithmetic.
+/// How many answers were right and certified, right but doubted by their certificates, wrong, refused as
+/// inaccurate by the solver itself, and beyond double precision, and how many ticks extended precision
+/// left to exact arithmetic.
 #[derive(Debug, Default, PartialEq)]
 struct Tally {
     right: usize,
+    doubted: usize,
     wrong: usize,
     silently_wrong: usize,
     refused: usize,
@@ -154,14 +156,15 @@ struct Tally {
 }
 
 impl Tally {
-    /// Returns true if few answers were left out because rounded data do not determine them.
+    /// Returns true if few answers were left out because rounded data do not determine them, and next to
+    /// none was right in vain.
     fn is_telling(&self) -> bool {
-        100 * (self.sensitive + self.refused) <= self.right
+        100 * (self.sensitive + self.refused) <= self.right && 1000 * self.doubted <= self.right
     }
 
-    /// Returns true if 99.9 % of all answers are right and none of the others is certified.
+    /// Returns true if 99.9 % of all answers are right and certified, and no wrong one is.
     fn is_nearly_all_right(&self) -> bool {
-        let others = self.wrong + self.refused + self.sensitive;
+        let others = self.doubted + self.wrong + self.refused + self.sensitive;
         1000 * others <= self.right + others && self.silently_wrong == 0
     }
 }
@@ -169,6 +172,7 @@ impl Tally {
 /// Solves the ticks of random sequences one after the other, cold and warm, and judges every answer.
 fn try_sequences(seeds: Range<u64>, sequence: impl Fn(&mut TestRng) -> Vec<Hierarchy>) -> Tally {
     let mut tally = Tally::default();
+    let certify_all = given("AHQP_CASES").is_some();
     for seed in seeds.clone() {
         let ticks = sequence(&mut random(seed));
         let n = ticks[0].variables();
@@ -190,22 +194,33 @@ fn try_sequences(seeds: Range<u64>, sequence: impl Fn(&mut TestRng) -> Vec<Hiera
                 exact_optimum(hierarchy, &guess).unwrap()
             });
             for (i, answer) in answers.iter().enumerate() {
+                let which = format!("seed {seed}, tick {k}, warm {i}, n {n}");
                 let Some(x) = answer else {
-                    eprintln!("seed {seed}, tick {k}, warm {i}, n {n}: refused");
+                    eprintln!("{which}: refused");
                     tally.refused += 1;
                     continue;
                 };
-                match judge_against(hierarchy, x, &optimum) {
-                    Verdict::Right => tally.right += 1,
+                let verdict = judge_against(hierarchy, x, &optimum);
+                // Certificates take longer than solves: of few cases, not all right answers have one.
+                if verdict == Verdict::Right && !certify_all && seed % 8 > 0 {
+                    tally.right += 1;
+                    continue;
+                }
+                let certificate = solvers[i].certificate(hierarchy).unwrap();
+                let worst = certificate.residuals(hierarchy, x).unwrap().worst();
+                match verdict {
+                    Verdict::Right if worst < 1e-8 => tally.right += 1,
+                    Verdict::Right => {
+                        eprintln!("{which}: right, but its certificate says {worst:e}");
+                        tally.doubted += 1;
+                    }
                     Verdict::Wrong { sensitivity, .. } if sensitivity > 1e-7 => {
                         tally.sensitive += 1;
                     }
                     Verdict::Wrong { error, sensitivity } => {
-                        let certificate = solvers[i].certificate(hierarchy).unwrap();
-                        let worst = certificate.residuals(hierarchy, x).unwrap().worst();
                         eprintln!(
-                            "seed {seed}, tick {k}, warm {i}, n {n}: off by {error:e}, certificate \
-                             {worst:e}, sensitivity {sensitivity:e}"
+                            "{which}: off by {error:e}, certificate {worst:e}, sensitivity \
+                             {sensitivity:e}"
                         );
                         tally.wrong += 1;
                         tally.silently_wrong += usize::from(worst < 1e-8);
@@ -258,13 +273,15 @@ fn rows_that_tie_come_out_right() {
         };
         let tally = try_sequences(seeds(100), ties);
         assert!(tally.is_telling(), "spread {spread}: {tally:?}");
-        // At 10^±4 the forces of a level differ by more than double precision holds.
-        let most = if spread < 4.0 { 0 } else { tally.right / 1000 };
+        assert_eq!(tally.silently_wrong, 0, "spread {spread}: {tally:?}");
+        // The forces of a level differ by up to 10^(4 spread), by more than double precision holds.
+        let most = tally.right / if spread < 4.0 { 100_000 } else { 1000 };
         assert!(tally.wrong <= most, "spread {spread}: {tally:?}");
     }
 }
 
-/// The heavy row is held at its bound, the hard one and the light one tie there.
+/// The heavy row is held at its bound, the hard one and the light one tie there. Multipliers in doubles do
+/// not show the light one: the certificate does.
 #[test]
 fn a_light_row_is_heard_beside_bounds_that_meet_in_a_point() {
     let mut hierarchy = Hierarchy::new(2).unwrap();
@@ -274,8 +291,12 @@ fn a_light_row_is_heard_beside_bounds_that_meet_in_a_point() {
     let level = Level::least_squares(soft.unwrap()).with_constraints(hard.unwrap());
     hierarchy.push(level).unwrap();
     let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
-    let x = solver.solve(&hierarchy).unwrap().optimum().unwrap();
+    let x = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
     assert!((x[0] + 0.5).abs() < 1e-9 && (x[1] - 1.0).abs() < 1e-12, "{x:?}");
+    let certificate = solver.certificate(&hierarchy).unwrap();
+    assert!(certificate.residuals(&hierarchy, &x).unwrap().worst() < 1e-9);
+    let off = certificate.residuals(&hierarchy, &[0.5, 1.0]).unwrap();
+    assert!((off.distance.unwrap() - 1.0).abs() < 1e-9, "{off:?}");
 }
 
 /// Extended precision decides nearly always, from a guess that is off by a little or by much, and then as

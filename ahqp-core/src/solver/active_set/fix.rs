@@ -19,9 +19,11 @@ impl ActiveSet {
             self.fixed[id] |= self.activity[id] == Activity::Equal;
         }
         if goal.is_some() && self.has_gradient {
+            // Where rows nearly depend on each other, a row that is fixed for its rounding would keep the
+            // levels below from all that these rows leave open.
             let residuals = self.multipliers.residuals(factorisation);
             for (id, multiplier, rounding) in
-                residuals.chain(self.multipliers.with_rounding(factorisation))
+                residuals.chain(self.multipliers.with_most_rounding(factorisation))
             {
                 self.fixed[id] |= multiplier.abs() > CERTAIN * rounding;
             }

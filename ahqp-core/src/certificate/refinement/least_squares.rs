@@ -1,0 +1,126 @@
+//! Weighted least squares in what a span leaves free.
+
+use super::double_double::DoubleDouble;
+use super::row::Row;
+use super::span::{Span, add_scaled, dot, length, take_off};
+
+/// The step of least norm, orthogonal to `span`, that minimises ½ Σ w (a d + r)² + cᵀd over rows with residuals
+/// r; where c falls for ever, a direction along which it does. A row less than `rank_tolerance` of which is
+/// independent of heavier ones depends on them.
+pub(super) fn step(
+    span: &Span,
+    rows: &[(&Row, DoubleDouble)],
+    linear: &[DoubleDouble],
+    rank_tolerance: f64,
+) -> Vec<DoubleDouble> {
+    let (system, units) = project(span, rows, rank_tolerance);
+    let mut falling: Vec<DoubleDouble> = linear.iter().map(|&entry| -entry).collect();
+    for unit in span.units.iter().chain(&units).chain(&span.units).chain(&units) {
+        take_off(&mut falling, unit);
+    }
+    if length(&falling) > rank_tolerance * length(linear) {
+        return falling;
+    }
+    let linear = units.iter().map(|unit| dot(unit, linear)).collect();
+    let mut step = vec![DoubleDouble::ZERO; falling.len()];
+    for (y, unit) in solve(system, linear).iter().zip(&units) {
+        add_scaled(&mut step, *y, unit);
+    }
+    step
+}
+
+/// The rows in coordinates that are orthogonal to the span, and their residuals behind them, heavy rows
+/// first: √w (a Q, r). The coordinates are made of the heaviest independent rows, so that light ones
+/// keep their digits (Powell and Reid, IFIP 68, 1969; Higham, Accuracy and Stability, Sec. 20.4).
+fn project(
+    span: &Span,
+    rows: &[(&Row, DoubleDouble)],
+    rank_tolerance: f64,
+) -> (Vec<Vec<DoubleDouble>>, Vec<Vec<DoubleDouble>>) {
+    let mut basis = span.clone();
+    let mut outside: Vec<Vec<DoubleDouble>> = rows.iter().map(|(row, _)| row.a.clone()).collect();
+    for unit in span.units.iter().chain(&span.units) {
+        for rest in &mut outside {
+            take_off(rest, unit);
+        }
+    }
+    let mut parts = vec![Vec::new(); rows.len()];
+    let mut left: Vec<usize> = (0..rows.len()).collect();
+    let mut order = Vec::with_capacity(rows.len());
+    loop {
+        let size = |i: usize| (length(&outside[i]), rows[i].0);
+        left.retain(|&i| {
+            let (size, row) = size(i);
+            let is_there = size > rank_tolerance * row.norm;
+            if !is_there {
+                order.push(i);
+            }
+            is_there
+        });
+        let force = |i: usize| {
+            let (size, row) = size(i);
+            row.weight * size * size
+        };
+        let Some(&pivot) = left.iter().max_by(|&&i, &&j| force(i).total_cmp(&force(j))) else {
+            break;
+        };
+        let mut direction = std::mem::take(&mut outside[pivot]);
+        for unit in &basis.units {
+            take_off(&mut direction, unit);
+        }
+        parts[pivot].push(basis.push_direction(direction));
+        let unit = &basis.units[basis.len() - 1];
+        left.retain(|&i| i != pivot);
+        order.push(pivot);
+        for &i in &left {
+            parts[i].push(take_off(&mut outside[i], unit));
+        }
+    }
+    let units = basis.units.split_off(span.len());
+    let weigh = |i: usize| {
+        let (row, residual) = rows[i];
+        let root = DoubleDouble::from(row.weight).sqrt();
+        let mut weighed = std::mem::take(&mut parts[i]);
+        weighed.resize(units.len(), DoubleDouble::ZERO);
+        weighed.push(residual);
+        for entry in &mut weighed {
+            *entry = *entry * root;
+        }
+        weighed
+    };
+    let mut system: Vec<_> = order.into_iter().map(weigh).collect();
+    system.sort_by(|a, b| length(&b[..units.len()]).total_cmp(&length(&a[..units.len()])));
+    (system, units)
+}
+
+/// The y that minimises ½‖M y + r‖² + cᵀy, r being the last column, by Householder reflections.
+fn solve(mut system: Vec<Vec<DoubleDouble>>, linear: Vec<DoubleDouble>) -> Vec<DoubleDouble> {
+    let columns = linear.len();
+    for column in 0..columns {
+        let mut v: Vec<DoubleDouble> = system[column..].iter().map(|row| row[column]).collect();
+        let norm = dot(&v, &v).sqrt();
+        let image = if v[0].is_positive() { -norm } else { norm };
+        v[0] -= image;
+        let square = dot(&v, &v);
+        for entry in column + 1..=columns {
+            let along = system[column..].iter().zip(&v);
+            let product = along.fold(DoubleDouble::ZERO, |sum, (row, &v)| sum + row[entry] * v);
+            let factor = (product + product) / square;
+            for (row, &v) in system[column..].iter_mut().zip(&v) {
+                row[entry] -= factor * v;
+            }
+        }
+        system[column][column] = image;
+    }
+    // R y = −r − R⁻ᵀ c.
+    let mut y = linear;
+    for i in 0..columns {
+        let known = (0..i).fold(DoubleDouble::ZERO, |sum, j| sum + system[j][i] * y[j]);
+        y[i] = (y[i] - known) / system[i][i];
+    }
+    for i in (0..columns).rev() {
+        let known = dot(&system[i][i + 1..columns], &y[i + 1..]);
+        y[i] = -(system[i][columns] + y[i] + known) / system[i][i];
+    }
+    y
+}

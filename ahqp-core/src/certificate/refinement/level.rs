@@ -1,0 +1,252 @@
+//! The minimum of one level by a primal active-set method.
+//!
+//! Violations of soft rows make a convex, piecewise quadratic objective: each step goes to the minimum of
+//! the present piece with the working rows held at their bounds, as far along as the objective falls and the
+//! other hard rows allow. Where no step is left, a working row whose multiplier has the wrong sign goes.
+
+use super::double_double::DoubleDouble;
+use super::least_squares;
+use super::row::{ROUNDING, Row};
+use super::span::{Span, add_scaled, dot, length};
+
+/// Of a row, less is rounding of its data, even where it stands in the way.
+pub(super) const NOTHING: f64 = 1e-12;
+/// Of the longest vector, a shorter step is rounding.
+const NO_STEP: f64 = 1e-26;
+/// Where forces differ much, a step shorter than this is rounding too if it is no shorter than half of the
+/// one before.
+const FAINT_STEP: f64 = 1e-20;
+/// Iterations, in numbers of rows, after which the search is given up.
+const EFFORT: usize = 8;
+
+/// The bound at which a working row is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    Lower,
+    Upper,
+}
+
+impl Side {
+    pub(super) fn bound(self, row: &Row) -> Option<DoubleDouble> {
+        match self {
+            Self::Lower => row.lower,
+            Self::Upper => row.upper,
+        }
+    }
+}
+
+/// A level, and where its search stands.
+pub(super) struct Search<'a> {
+    /// The directions that are decided.
+    pub(super) decided: &'a Span,
+    pub(super) hard: &'a [Row],
+    pub(super) soft: &'a [Row],
+    /// The linear term of the objective.
+    pub(super) linear: &'a [DoubleDouble],
+    /// The step from x, at which all hard rows hold.
+    pub(super) p: Vec<DoubleDouble>,
+    /// Hard rows that are held at a bound.
+    pub(super) working: Vec<(usize, Side)>,
+    /// The longest vector: what rounding is relative to.
+    pub(super) reach: f64,
+    pub(super) rank_tolerance: f64,
+}
+
+/// The minimum of a level: which rows push there.
+pub(super) struct Pushing {
+    pub(super) hard: Vec<usize>,
+    pub(super) soft: Vec<usize>,
+}
+
+impl Search<'_> {
+    /// Goes to the minimum. None where that takes too long.
+    pub(super) fn minimise(&mut self) -> Option<Pushing> {
+        let n = self.p.len();
+        let (mut stalled, mut last) = (0, f64::INFINITY);
+        for _ in 0..EFFORT * (n + self.hard.len() + self.soft.len()) {
+            let (span, triangle) = self.held();
+            let violated = self.violated();
+            let step = least_squares::step(&span, &violated, self.linear, self.rank_tolerance);
+            let size = length(&step);
+            let reach = self.reach + length(&self.p);
+            let is_faint = size <= FAINT_STEP * reach && 2.0 * size >= last;
+            let short = if is_faint { size } else { NO_STEP * reach };
+            last = size;
+            // Least index first cannot cycle (Bland).
+            let is_stalled = stalled > n;
+            let (room, blocking) = self.ratio_test(&step, size, is_stalled);
+            let t = if size > short { self.line_search(&step, room) } else { DoubleDouble::ZERO };
+            let is_blocked = size > short && room.is_some_and(|room| t == room);
+            let is_short = t.abs().rounded() * size <= short;
+            stalled = if is_short { stalled + 1 } else { 0 };
+            if is_blocked || !is_short {
+                add_scaled(&mut self.p, t, &step);
+                self.working.extend(blocking.filter(|_| is_blocked));
+                continue;
+            }
+            let multipliers = self.multipliers(&span, &triangle, &violated);
+            let Some(wrong) = self.wrong_sign(&multipliers, is_stalled) else {
+                return Some(self.pushing(&multipliers, &violated));
+            };
+            self.working.remove(wrong);
+        }
+        None
+    }
+
+    /// The span of the decided directions and the working rows, and the coordinates of these in it.
+    fn held(&mut self) -> (Span, Vec<Vec<DoubleDouble>>) {
+        let (mut span, mut triangle) = (self.decided.clone(), Vec::new());
+        let hard = self.hard;
+        self.working.retain(|&(id, _)| {
+            let row = &hard[id];
+            let parts = span.extend(&row.a, NOTHING * row.norm);
+            let is_independent = parts.is_some();
+            triangle.extend(parts);
+            is_independent
+        });
+        (span, triangle)
+    }
+
+    /// The soft rows that are violated, all equalities among them, and by how much.
+    fn violated(&self) -> Vec<(&Row, DoubleDouble)> {
+        let rows = self.soft.iter().map(|row| (row, row.violation(dot(&row.a, &self.p))));
+        rows.filter(|(row, violation)| row.is_equality() || *violation != DoubleDouble::ZERO)
+            .collect()
+    }
+
+    /// λ of the working rows, with −Σ λ a the gradient Σ w r a + d but for what is decided, and the rounding in
+    /// the gradient.
+    fn multipliers(
+        &self,
+        span: &Span,
+        triangle: &[Vec<DoubleDouble>],
+        violated: &[(&Row, DoubleDouble)],
+    ) -> Multipliers {
+        let mut gradient = self.linear.to_vec();
+        let mut rounding = ROUNDING * length(self.linear);
+        for &(row, violation) in violated {
+            add_scaled(&mut gradient, DoubleDouble::from(row.weight) * violation, &row.a);
+            rounding += row.weight * row.norm * row.rounding();
+        }
+        let first = self.decided.len();
+        let mut values: Vec<_> =
+            span.units[first..].iter().map(|unit| -dot(unit, &gradient)).collect();
+        for k in (0..values.len()).rev() {
+            values[k] = values[k] / triangle[k][first + k];
+            for j in 0..k {
+                let taken = triangle[k][first + j] * values[k];
+                values[j] -= taken;
+            }
+        }
+        Multipliers { values, rounding }
+    }
+
+    /// The place of a working row whose multiplier has the wrong sign: the worst, or the first row.
+    fn wrong_sign(&self, multipliers: &Multipliers, first: bool) -> Option<usize> {
+        let places = self.working.iter().enumerate();
+        let wrong = places.zip(&multipliers.values).filter_map(|((place, &(id, side)), &value)| {
+            let force = value.rounded() * self.hard[id].norm;
+            let force = if side == Side::Upper { force } else { -force };
+            (force < -multipliers.rounding).then_some((place, id, force))
+        });
+        let worst = if first {
+            wrong.min_by_key(|&(_, id, _)| id)
+        } else {
+            wrong.min_by(|a, b| a.2.total_cmp(&b.2))
+        };
+        worst.map(|(place, ..)| place)
+    }
+
+    /// The rows whose multipliers are no rounding.
+    fn pushing(&self, multipliers: &Multipliers, violated: &[(&Row, DoubleDouble)]) -> Pushing {
+        let is_there = |force: f64| force.abs() > multipliers.rounding;
+        let working = self.working.iter().zip(&multipliers.values);
+        let hard = working
+            .filter(|((id, _), value)| is_there(value.rounded() * self.hard[*id].norm))
+            .map(|((id, _), _)| *id)
+            .collect();
+        let pushes = |row: &Row| {
+            row.is_equality()
+                || violated.iter().any(|(other, violation)| {
+                    std::ptr::eq(*other, row)
+                        && is_there(row.weight * row.norm * violation.rounded())
+                })
+        };
+        let soft = (0..self.soft.len()).filter(|&id| pushes(&self.soft[id])).collect();
+        Pushing { hard, soft }
+    }
+
+    /// How far along a step the hard rows hold, and the row that is met there.
+    fn ratio_test(
+        &self,
+        step: &[DoubleDouble],
+        size: f64,
+        first: bool,
+    ) -> (Option<DoubleDouble>, Option<(usize, Side)>) {
+        let mut best: Option<(DoubleDouble, f64, (usize, Side))> = None;
+        for (id, row) in self.hard.iter().enumerate() {
+            let slope = dot(&row.a, step);
+            let across = slope.abs().rounded();
+            if across <= NOTHING * row.norm * size || self.working.iter().any(|w| w.0 == id) {
+                continue;
+            }
+            let side = if slope.is_positive() { Side::Upper } else { Side::Lower };
+            let Some(bound) = side.bound(row) else { continue };
+            let gap = bound - dot(&row.a, &self.p);
+            let is_closed =
+                gap.abs().rounded() <= row.rounding() || gap.is_positive() != slope.is_positive();
+            let room = if is_closed { DoubleDouble::ZERO } else { gap / slope };
+            let across = across / row.norm;
+            let is_first = best.as_ref().is_none_or(|&(least, most, _)| {
+                room < least || (room == least && !first && across > most)
+            });
+            if is_first {
+                best = Some((room, across, (id, side)));
+            }
+        }
+        best.map_or((None, None), |(room, _, row)| (Some(room), Some(row)))
+    }
+
+    /// Where along a step, within `room`, the violations of the soft rows are least.
+    fn line_search(&self, step: &[DoubleDouble], room: Option<DoubleDouble>) -> DoubleDouble {
+        let rows: Vec<_> =
+            self.soft.iter().map(|row| (row, dot(&row.a, &self.p), dot(&row.a, step))).collect();
+        let within = |t: DoubleDouble| room.is_none_or(|room| t < room);
+        let mut kinks: Vec<DoubleDouble> = rows
+            .iter()
+            .filter(|(row, ..)| !row.is_equality())
+            .flat_map(|(row, value, slope)| {
+                [row.lower, row.upper].into_iter().flatten().map(|bound| (bound - *value) / *slope)
+            })
+            .filter(|&t| t.rounded().is_finite() && t.is_positive() && within(t))
+            .collect();
+        kinks.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+        let linear = dot(self.linear, step);
+        let derivative = |t: DoubleDouble| {
+            rows.iter().fold(linear, |sum, &(row, value, slope)| {
+                sum + DoubleDouble::from(row.weight) * row.violation(value + t * slope) * slope
+            })
+        };
+        let (mut from, mut falls) = (DoubleDouble::ZERO, derivative(DoubleDouble::ZERO));
+        // Behind the last kink the objective is one quadratic.
+        let last = kinks.last().copied().unwrap_or(DoubleDouble::ZERO) + DoubleDouble::ONE;
+        for to in kinks.into_iter().chain([room.unwrap_or(last)]) {
+            let slope = derivative(to);
+            if !slope.is_negative() {
+                return from + falls / (falls - slope) * (to - from);
+            }
+            (from, falls) = (to, slope);
+        }
+        if room.is_some() {
+            return from;
+        }
+        let rise = derivative(from + DoubleDouble::ONE) - falls;
+        if rise.is_positive() { from - falls / rise } else { from }
+    }
+}
+
+/// Multipliers of the working rows, and the rounding in their forces.
+struct Multipliers {
+    values: Vec<DoubleDouble>,
+    rounding: f64,
+}

@@ -1,0 +1,118 @@
+//! The cascade: level by level, from the first.
+
+use std::ops::Range;
+
+use super::Solver;
+use super::active_set::{End, Goal};
+use super::status::Status;
+use crate::error::Error;
+use crate::problem::ids::LevelId;
+use crate::problem::source::Names;
+
+/// How a level ended, if it did not fail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum LevelEnd {
+    Solved,
+    OutOfBudget,
+}
+
+impl Solver {
+    /// The cascade: for each level make feasible, minimise, fix.
+    pub(super) fn search_levels(&mut self, levels: usize) -> Result<Status, Error> {
+        self.set.begin_search(&self.solution.x);
+        for level in 0..levels {
+            if self.solve_level(level)? == LevelEnd::OutOfBudget {
+                return Ok(self.set.allowance.status(Some(LevelId::new(level))));
+            }
+        }
+        match self.choose_least_norm(levels) {
+            LevelEnd::Solved => Ok(Status::Solved),
+            LevelEnd::OutOfBudget => Ok(self.set.allowance.status(None)),
+        }
+    }
+
+    fn solve_level(&mut self, level: usize) -> Result<LevelEnd, Error> {
+        let rows = &self.set.data.levels[level];
+        let (constraints, objective) = (rows.constraints.clone(), rows.used_objective());
+        let is_minimised = !objective.is_empty() || rows.has_linear;
+        self.set.open_held(level);
+        if self.make_feasible(level, constraints.clone())? == LevelEnd::OutOfBudget {
+            return Ok(LevelEnd::OutOfBudget);
+        }
+        self.set.place_hard(level, constraints);
+        if self.set.is_decided() {
+            self.set.take_as_they_are(objective);
+            return Ok(LevelEnd::Solved);
+        }
+        let goal = is_minimised.then(|| Goal::Rows(objective.clone()));
+        if let Some(goal) = &goal {
+            self.set.place_soft(level, objective);
+            match self.set.search(goal) {
+                End::Unbounded => return Err(unbounded(level)),
+                End::OutOfBudget => return Ok(LevelEnd::OutOfBudget),
+                End::Optimal => {}
+            }
+        }
+        self.set.fix_level(goal.as_ref());
+        Ok(LevelEnd::Solved)
+    }
+
+    /// Brings x to where the new hard constraints of `level` hold, at no cost to the levels
+    /// above, by minimising their violation.
+    fn make_feasible(&mut self, level: usize, rows: Range<usize>) -> Result<LevelEnd, Error> {
+        if self.set.all_hold(rows.clone()) {
+            return Ok(LevelEnd::Solved);
+        }
+        self.solution.x.copy_from_slice(&self.set.x);
+        self.set.place_soft(level, rows.clone());
+        match self.set.search(&Goal::Rows(rows.clone())) {
+            End::OutOfBudget => {
+                self.set.x.copy_from_slice(&self.solution.x);
+                return Ok(LevelEnd::OutOfBudget);
+            }
+            End::Unbounded => return Err(unbounded(level)),
+            End::Optimal => self.expect_feasible(level, rows.clone())?,
+        }
+        self.set.remove_soft(rows);
+        Ok(LevelEnd::Solved)
+    }
+
+    fn expect_feasible(&mut self, level: usize, rows: Range<usize>) -> Result<(), Error> {
+        let Some(worst) = rows
+            .clone()
+            .max_by(|&i, &j| self.set.excess(i).total_cmp(&self.set.excess(j)))
+            .filter(|&id| self.set.excess(id) > 1.0)
+        else {
+            return Ok(());
+        };
+        let violated = rows.clone().filter(|&id| self.set.excess(id) > 1.0);
+        self.conflict.extend(violated.map(|id| self.set.data.sources[id]));
+        let size = |id: usize| self.set.violation(id).abs() * self.set.data.norm(id);
+        let threshold = self.settings.optimality_tolerance * rows.map(size).sum::<f64>();
+        let pushing = self.conflict.len();
+        self.set.extend_by_pushing(threshold, &mut self.conflict);
+        self.conflict[pushing..].sort_unstable();
+        Err(Error::Infeasible {
+            level: LevelId::new(level),
+            worst: self.set.data.sources[worst],
+            violation: self.set.violation(worst).abs() / self.set.data.scale(worst),
+            members: self.conflict.len(),
+            names: Names::default(),
+        })
+    }
+
+    /// Among the optima of all levels, the one of least norm.
+    fn choose_least_norm(&mut self, levels: usize) -> LevelEnd {
+        if !self.set.is_decided() {
+            self.set.open_held(levels);
+            if self.set.search(&Goal::Norm) == End::OutOfBudget {
+                return LevelEnd::OutOfBudget;
+            }
+        }
+        LevelEnd::Solved
+    }
+}
+
+fn unbounded(level: usize) -> Error {
+    Error::Unbounded { level: LevelId::new(level), names: Names::default() }
+}
