@@ -69,7 +69,7 @@ pub use map::{
     ErgonomicsMap, MapNode, MapOptions, MapSample, MeasuredOptions, MeasuredSample, Validation,
     read_samples,
 };
-pub use measured_posture::{JointPositions, MeasuredPosture};
+pub use measured_posture::{JointPositions, MeasuredPosture, PostureFilter};
 pub use person::{Person, Segments};
 pub use person_frame::PersonFrame;
 pub use placement::{Placement, PlacementLimits};

@@ -1,9 +1,13 @@
 //! The posture of a person whose joints were measured.
 
+mod filter;
+
 use nalgebra::Vector3;
 
 use crate::posture::Posture;
 use crate::side::Side;
+
+pub use filter::PostureFilter;
 
 /// The elbow has to be bent by so much for the forearm to tell how the upper arm is turned \[rad\].
 const BENT: f64 = 0.4;
@@ -69,8 +73,29 @@ impl MeasuredPosture {
 }
 
 impl JointPositions {
+    /// Number of joints.
+    pub const LEN: usize = 17;
+
+    /// The positions in the order in which the fields are declared.
+    pub fn to_array(&self) -> [Option<Vector3<f64>>; Self::LEN] {
+        let Self { neck, pelvis, nose, ears, shoulders, elbows, wrists, hips, knees, ankles } =
+            *self;
+        let [[a, b], [c, d], [e, f], [g, h], [i, j], [k, l], [m, n]] =
+            [ears, shoulders, elbows, wrists, hips, knees, ankles];
+        [neck, pelvis, nose, a, b, c, d, e, f, g, h, i, j, k, l, m, n]
+    }
+
+    /// The inverse of [`JointPositions::to_array`].
+    pub fn from_array(positions: [Option<Vector3<f64>>; Self::LEN]) -> Self {
+        let [neck, pelvis, nose, a, b, c, d, e, f, g, h, i, j, k, l, m, n] = positions;
+        let [ears, shoulders, elbows, wrists, hips, knees, ankles] =
+            [[a, b], [c, d], [e, f], [g, h], [i, j], [k, l], [m, n]];
+        Self { neck, pelvis, nose, ears, shoulders, elbows, wrists, hips, knees, ankles }
+    }
+
     /// The posture, with the arm of one side; `None` where neck, pelvis or both pairs of shoulders and
-    /// hips were not seen, or for positions that are not finite.
+    /// hips were not seen, or for positions that are not finite. The middle of a pair stands in for the
+    /// neck and the pelvis.
     ///
     /// The trunk's axis is from pelvis to neck, its left from the right to the left shoulder, or hip;
     /// the upper arm's flexion and abduction are those of [`crate::Skeleton`]; the neck's flexion is
@@ -136,7 +161,9 @@ struct Trunk {
 
 impl Trunk {
     fn of(joints: &JointPositions) -> Option<Self> {
-        let up = unit(&(joints.neck? - joints.pelvis?))?;
+        let pelvis = joints.pelvis.or_else(|| between(&joints.hips))?;
+        let neck = joints.neck.or_else(|| between(&joints.shoulders))?;
+        let up = unit(&(neck - pelvis))?;
         let pair = |[left, right]: [Option<Vector3<f64>>; 2]| Some(left? - right?);
         let across = pair(joints.shoulders).or_else(|| pair(joints.hips))?;
         let level = unit(&Vector3::new(across.x, across.y, 0.0))?;
@@ -189,6 +216,10 @@ impl Arm {
 
 fn unit(line: &Vector3<f64>) -> Option<Vector3<f64>> {
     line.try_normalize(1e-6).filter(|unit| unit.iter().all(|value| value.is_finite()))
+}
+
+fn between([left, right]: &[Option<Vector3<f64>>; 2]) -> Option<Vector3<f64>> {
+    Some((left.as_ref()? + right.as_ref()?) * 0.5)
 }
 
 fn middle([left, right]: &[Option<Vector3<f64>>; 2]) -> Option<Vector3<f64>> {

@@ -9,4 +9,4 @@ mod summary;
 pub use comparison::Comparison;
 pub use run::{Run, Scenario};
 pub use scoring::{HandScore, Scorer};
-pub use summary::Summary;
+pub use summary::{MeasuredReba, Summary};

@@ -21,6 +21,8 @@ mod error;
 mod format;
 mod lines;
 mod reader;
+mod segments;
+mod timing;
 mod whole;
 mod writer;
 
@@ -29,6 +31,8 @@ use std::{fs::File, io::BufReader, path::Path};
 pub use error::RecordingError;
 pub use format::{Frame, Header};
 pub use reader::Reader;
+pub use segments::MeasuredSegments;
+pub use timing::{Stamp, Timing};
 pub use whole::{Completeness, IfPartial, Recording};
 pub use writer::Writer;
 

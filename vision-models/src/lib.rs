@@ -97,7 +97,7 @@ pub use head::{Epoch, HeadSettings, HeadTrainer, LinearHead};
 pub use kernels::InstructionSet;
 #[cfg(feature = "inference")]
 pub use labels::ClassNames;
-pub use lifting::{Lifter, LiftingSettings, SkinDepths};
+pub use lifting::{CrossSection, Lifter, LiftingSettings, SkinDepths};
 #[cfg(feature = "inference")]
 pub use metrics::{ConfusionMatrix, softmax, top_k, top_k_accuracy};
 #[cfg(feature = "inference")]

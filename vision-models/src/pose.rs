@@ -3,6 +3,7 @@
 #![allow(clippy::needless_pass_by_value)]
 
 mod grouping;
+mod nearest_person;
 mod open_pose;
 mod person_box;
 mod sampling;

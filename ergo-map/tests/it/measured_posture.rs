@@ -1,7 +1,10 @@
 //! Postures from joints, against the skeleton's forward kinematics.
 
-use ergo_map::{JointAngles, JointPositions, Person, Side, Skeleton};
-use nalgebra::{Rotation3, Vector3};
+use ergo_map::{
+    Conditions, JointAngles, JointPositions, Person, Posture, PostureFilter, Side, Skeleton,
+    Worksheet,
+};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 
 /// The joints of a skeleton, turned about the vertical; the trunk is rigid and the hips are level.
@@ -85,10 +88,45 @@ proptest! {
             knees: pair(13),
             ankles: pair(15),
         };
+        let covariance = Matrix3::from_diagonal_element(values[0]);
         for side in [Side::Left, Side::Right] {
-            if let Some(measured) = joints.posture(side) {
-                prop_assert!(measured.posture.validate().is_ok());
+            let mut filter = PostureFilter::new(side);
+            for time in [0.0, values[1], 1.0, values[2], 2.0] {
+                let filtered = filter.update(time, &joints, &[covariance; JointPositions::LEN]);
+                for measured in joints.posture(side).into_iter().chain(filtered) {
+                    prop_assert!(measured.posture.validate().is_ok());
+                }
             }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+
+    /// A posture that lasts is found, however far it is from the habitual one.
+    #[test]
+    fn a_lasting_posture_is_found(
+        hip in 0.0..1.2_f64, flexion in -0.6..2.0_f64, abduction in -0.3..1.0_f64, elbow in 0.6..2.2_f64,
+    ) {
+        let angles = JointAngles {
+            hip, shoulder_flexion: flexion, shoulder_abduction: abduction, elbow, ..JointAngles::default()
+        };
+        let seen = joints(&angles, Side::Left, 0.3);
+        let covariances = [Matrix3::identity() * 0.01_f64.powi(2); JointPositions::LEN];
+        let mut filter = PostureFilter::new(Side::Left);
+        let mut found = None;
+        for frame in 0..60 {
+            found = filter.update(0.05 * f64::from(frame), &seen, &covariances);
+        }
+        let (found, expected) = (found.unwrap().posture, angles.posture());
+        for (name, found, expected) in [
+            ("trunk", found.trunk_flexion, expected.trunk_flexion),
+            ("flexion", found.upper_arm_flexion, expected.upper_arm_flexion),
+            ("abduction", found.upper_arm_abduction, expected.upper_arm_abduction),
+            ("elbow", found.elbow_flexion, expected.elbow_flexion),
+        ] {
+            prop_assert!((found - expected).abs() < 0.1, "{name}: {found} for {expected}");
         }
     }
 }
@@ -108,6 +146,59 @@ fn what_is_not_seen_is_said() {
     assert!(names(&seen).contains(&"elbow_flexion"));
     seen.knees = [None, None];
     assert!(names(&seen).contains(&"knee_flexion"));
+    // The middle of the shoulders stands in for the neck.
     seen.neck = None;
+    assert!(seen.posture(Side::Right).is_some());
+    seen.shoulders[0] = None;
     assert!(seen.posture(Side::Right).is_none());
+}
+
+/// Joints off by 3 cm: frame by frame they make somebody who stands upright twist and bend, and followed
+/// over time they do not.
+#[test]
+fn noise_does_not_bend_an_upright_posture() {
+    let upright = joints(&JointAngles::default(), Side::Right, 0.5);
+    let covariances = [Matrix3::identity() * 0.03_f64.powi(2); JointPositions::LEN];
+    let (mut filter, mut state) = (PostureFilter::new(Side::Right), 1_u64);
+    // Four uniform numbers make nearly a normal one of deviation 0.58.
+    let mut draw = || {
+        (0..4).fold(-2.0, |sum, _| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            sum + (state >> 11) as f64 / (1_u64 << 53) as f64
+        })
+    };
+    let ticked = |posture: &Posture| {
+        Worksheet::from_posture(posture, Conditions::default()).trunk_twisted_or_bent
+    };
+    let (mut alone, mut followed) = (0, 0);
+    for frame in 0..200 {
+        let mut noisy = upright.to_array();
+        for joint in noisy.iter_mut().flatten() {
+            *joint += Vector3::from_fn(|_, _| 0.03 / 0.58 * draw());
+        }
+        let noisy = JointPositions::from_array(noisy);
+        alone += u32::from(ticked(&noisy.posture(Side::Right).unwrap().posture));
+        let found = filter.update(0.05 * f64::from(frame), &noisy, &covariances).unwrap();
+        followed += u32::from(ticked(&found.posture));
+    }
+    assert!(alone > 60 && followed < 10, "{alone} and {followed} of 200");
+}
+
+#[test]
+fn an_angle_that_is_not_seen_is_kept_for_a_second() {
+    let seen = joints(&JointAngles { elbow: 1.2, ..JointAngles::default() }, Side::Right, 0.0);
+    let hidden = JointPositions { wrists: [None, None], ..seen };
+    let covariances = [Matrix3::identity() * 1e-4; JointPositions::LEN];
+    let mut filter = PostureFilter::new(Side::Right);
+    assert!(filter.update(0.0, &JointPositions::default(), &covariances).is_none());
+    for frame in 0..20 {
+        filter.update(0.05 * f64::from(frame), &seen, &covariances);
+    }
+    let mut at = |time| {
+        let measured = filter.update(time, &hidden, &covariances).unwrap();
+        (measured.posture.elbow_flexion, measured.unseen().any(|name| name == "elbow_flexion"))
+    };
+    let (elbow, unseen) = at(1.5);
+    assert!((elbow - 1.2).abs() < 0.2 && !unseen, "{elbow}");
+    assert_eq!(at(2.1), (0.0, true));
 }

@@ -17,7 +17,7 @@ use examples::follow::{Comparison, Run, Scenario, Summary};
 use examples::program::{
     self, Ending, Json, OutputFile, Program, Progress, Quiet, Session, check_folder,
 };
-use examples::recording::{self, Completeness, IfPartial, Recording, RecordingError};
+use examples::recording::{self, Completeness, Header, IfPartial, Recording, RecordingError};
 use examples::report::{RunLog, TickRow, TickTable, figure};
 use moca_model::Goal;
 
@@ -130,7 +130,7 @@ impl Program for Options {
 impl Options {
     /// What is to be played, and whether it is the whole of what was recorded.
     fn load(&self, session: &Session) -> Result<(Scenario, Ending)> {
-        let Recording { header, percepts, completeness } = match &self.recording {
+        let Recording { header, percepts, timings, completeness } = match &self.recording {
             Some(path) => self.read(path)?,
             None => Recording::read(recording::shipped()?, IfPartial::Refuse)?,
         };
@@ -149,17 +149,23 @@ impl Options {
                 Ending::Partial
             }
         };
-        let (person, map) = self.person(session, header.stature)?;
-        let scenario = Scenario::new(percepts, &person, map)?;
+        let (person, map) = self.person(session, &header)?;
+        let scenario = Scenario::new(percepts, &person, map)?.arriving(&timings);
         let scenario = if self.separation { scenario.with_separation() } else { scenario };
         Ok((scenario, recorded))
     }
 
     /// The person whose stature was recorded, and the person's map.
-    fn person(&self, session: &Session, recorded: Option<f64>) -> Result<(Person, ErgonomicsMap)> {
-        let stated = self.stature.or(recorded);
+    fn person(&self, session: &Session, header: &Header) -> Result<(Person, ErgonomicsMap)> {
+        let stated = self.stature.or(header.stature);
         let Some(path) = &self.map else {
-            let person = Person::new(stated.unwrap_or(DEFAULT_STATURE)).context("--stature")?;
+            let mut person = Person::new(stated.unwrap_or(DEFAULT_STATURE)).context("--stature")?;
+            if self.stature.is_none()
+                && let Some(stature) = header.stature
+            {
+                let segments = header.segments.of_stature(stature);
+                person = person.with_segments(&segments).context("the recording's segments")?;
+            }
             let map = build_map(session, &person, &MapOptions::default(), None)?;
             return Ok((person, map));
         };

@@ -188,9 +188,9 @@ fn film_frames(film: Film, folder: &Path, session: &Session) -> Result<(Recorded
     let mut frames = 0;
     let mut ending = Ending::Complete;
     for shot in film {
-        let Shot { entry, image, depth, skeleton, truth: percept } = shot?;
+        let Shot { entry, image, depth, surface, skeleton, truth: percept } = shot?;
         let people: Vec<_> = skeleton.into_iter().collect();
-        writer.write(&entry, &image, &depth, &PoseEstimator::json(&people))?;
+        writer.write(&entry, &image, &depth, &surface, &PoseEstimator::json(&people))?;
         truth.write(&percept)?;
         frames += 1;
         progress.set(frames);

@@ -23,6 +23,9 @@ struct Line {
     score_mean_off: Option<f64>,
     reba_max_on: u8,
     reba_max_off: Option<u8>,
+    /// Of the posture that was recorded, which is the same with both.
+    reba_measured_mean: Option<f64>,
+    reba_measured_max: Option<u8>,
     tracking_error_rms_mm: f64,
     limit_violations: u64,
     solver_failures: u64,
@@ -63,6 +66,8 @@ impl Serialize for Comparison {
             score_mean_off: self.off.as_ref().map(|off| off.score_mean),
             reba_max_on: self.on.reba_max,
             reba_max_off: self.off.as_ref().map(|off| off.reba_max),
+            reba_measured_mean: self.on.reba_measured.map(|measured| measured.mean),
+            reba_measured_max: self.on.reba_measured.map(|measured| measured.max),
             tracking_error_rms_mm: worst(|run| run.tracking_error_rms_mm),
             limit_violations: sum(|run| run.limit_violations),
             solver_failures: sum(|run| run.solver_failures),
@@ -79,11 +84,15 @@ impl Serialize for Comparison {
 /// One row of the table: what it says, its digits, and where the number comes from.
 type Row = (&'static str, usize, fn(&Summary) -> f64);
 
-const ROWS: [Row; 16] = [
+const ROWS: [Row; 18] = [
     ("e_s mean (0 good, 4.25 bad)", 2, |run| run.score_mean),
     ("e_s maximum", 2, |run| run.score_max),
-    ("REBA mean (1 good, 15 bad)", 1, |run| run.reba_mean),
-    ("REBA maximum", 0, |run| f64::from(run.reba_max)),
+    ("REBA predicted, mean (1 good, 15 bad)", 1, |run| run.reba_mean),
+    ("REBA predicted, maximum", 0, |run| f64::from(run.reba_max)),
+    ("REBA measured, mean", 1, |run| run.reba_measured.map_or(f64::NAN, |measured| measured.mean)),
+    ("REBA measured, maximum", 0, |run| {
+        run.reba_measured.map_or(f64::NAN, |measured| f64::from(measured.max))
+    }),
     ("tracking error, root mean square [mm]", 3, |run| run.tracking_error_rms_mm),
     ("working together [s]", 1, |run| run.together),
     ("  of it outside the shared workspace [s]", 1, |run| run.outside),
@@ -107,7 +116,11 @@ impl fmt::Display for Comparison {
             for run in self.runs() {
                 // Adding zero drops the sign of a zero that rounding has left.
                 let rounded = (of(run) * 1e9).round() / 1e9 + 0.0;
-                write!(f, "{rounded:>12.digits$}")?;
+                if rounded.is_nan() {
+                    write!(f, "{:>12}", "-")?;
+                } else {
+                    write!(f, "{rounded:>12.digits$}")?;
+                }
             }
             writeln!(f)?;
         }

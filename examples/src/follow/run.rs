@@ -14,9 +14,11 @@ use nalgebra::Vector3;
 use vision_models::Percept;
 
 use super::scoring::Scorer;
-use super::summary::Summary;
+use super::summary::{MeasuredReba, Summary};
 use crate::limits::{LimitMonitor, Return};
+use crate::perception::{Assessor, MeasuredAssessment};
 use crate::program::{Ending, Interrupt};
+use crate::recording::Timing;
 use crate::report::TickRow;
 
 /// A margin below which x_d counts as within the workspace \[m or rad\].
@@ -27,6 +29,8 @@ const INSIDE: f64 = 1e-3;
 pub struct Scenario {
     /// Camera frames in the order of their times.
     pub percepts: Vec<Percept>,
+    /// When each is there to be acted on \[s\]: none before its time.
+    pub arrivals: Vec<f64>,
     /// The person's map, which scores the postures.
     pub map: ErgonomicsMap,
     /// What the controller minimises.
@@ -44,6 +48,9 @@ pub struct Scenario {
 pub struct Run<'a> {
     scenario: &'a Scenario,
     scorer: Scorer<'a>,
+    assessor: Assessor,
+    /// In the newest percept.
+    measured: Option<MeasuredAssessment>,
     controller: Controller,
     robot: SimulatedRobot,
     monitor: LimitMonitor,
@@ -63,6 +70,10 @@ struct Tally {
     score_max: f64,
     reba: f64,
     reba_max: u8,
+    /// Ticks of those with a measured posture.
+    measured: u64,
+    reba_measured: f64,
+    reba_measured_max: u8,
     error_squared: f64,
     outside: u64,
     out_of_reach: u64,
@@ -88,7 +99,21 @@ impl Scenario {
         let space = SpaceSettings::default().for_person(person, map.side());
         let safety = SafetySettings::off();
         let settings = ControllerSettings { space, safety, ..ControllerSettings::default() };
-        Ok(Self { percepts, map, comfort, model, start: MOCA_HOME.to_vec(), settings })
+        let arrivals = percepts.iter().map(|percept| percept.time).collect();
+        Ok(Self { percepts, arrivals, map, comfort, model, start: MOCA_HOME.to_vec(), settings })
+    }
+
+    /// The same, with percepts that come as late as their recording says.
+    #[must_use]
+    pub fn arriving(mut self, timings: &[Timing]) -> Self {
+        let mut latest = f64::NEG_INFINITY;
+        for ((arrival, percept), timing) in
+            self.arrivals.iter_mut().zip(&self.percepts).zip(timings)
+        {
+            latest = timing.available(percept.time).max(latest);
+            *arrival = latest;
+        }
+        self
     }
 
     /// The same, with protective distances from the person, a speed cap near them, and stops.
@@ -119,6 +144,8 @@ impl<'a> Run<'a> {
         let middle = scenario.comfort.minimiser().unwrap_or(Vector3::new(0.35, 0.0, 1.0));
         Ok(Self {
             scorer: Scorer::new(&scenario.map, middle),
+            assessor: Assessor::default(),
+            measured: None,
             controller: Controller::new(scenario.model.clone(), scenario.comfort, settings, start)?,
             robot: SimulatedRobot::new(&scenario.model, start)?,
             monitor: LimitMonitor::new(&scenario.model, desired, period, start),
@@ -148,7 +175,7 @@ impl<'a> Run<'a> {
     ) -> anyhow::Result<Summary> {
         let begin = self.scenario.percepts.first().map_or(0.0, |percept| percept.time);
         let duration = self.scenario.duration();
-        let mut percepts = self.scenario.percepts.iter().peekable();
+        let mut percepts = self.scenario.percepts.iter().zip(&self.scenario.arrivals).peekable();
         let started = Instant::now();
         let mut elapsed = 0.0;
         let mut ending = Ending::Complete;
@@ -157,8 +184,12 @@ impl<'a> Run<'a> {
                 ending = Ending::Partial;
                 break;
             }
-            while let Some(percept) = percepts.next_if(|p| p.time <= begin + elapsed) {
+            while let Some((percept, _)) = percepts.next_if(|(_, at)| **at <= begin + elapsed) {
                 self.controller.observe(percept)?;
+                self.measured = match &percept.body {
+                    Some(body) => self.assessor.update(percept.time, body)?,
+                    None => None,
+                };
             }
             let row = self.tick(begin + elapsed)?;
             each(&row)?;
@@ -198,7 +229,13 @@ impl<'a> Run<'a> {
             row.score = hand.score;
             row.reba = hand.reba;
         }
+        row.reba_measured = self.measured.map(|measured| measured.reba.reba);
         let tally = &mut self.tally;
+        if let (true, Some(reba)) = (self.engaged, row.reba_measured) {
+            tally.measured += 1;
+            tally.reba_measured += f64::from(reba);
+            tally.reba_measured_max = tally.reba_measured_max.max(reba);
+        }
         tally.ticks += 1;
         tally.violations += u64::from(breaches.any());
         tally.failures += u64::from(!command.outcome.is_optimal());
@@ -234,6 +271,10 @@ impl<'a> Run<'a> {
             score_max: tally.score_max,
             reba_mean: share(tally.reba, tally.together),
             reba_max: tally.reba_max,
+            reba_measured: (tally.measured > 0).then(|| MeasuredReba {
+                mean: share(tally.reba_measured, tally.measured),
+                max: tally.reba_measured_max,
+            }),
             tracking_error_rms_mm: 1e3 * share(tally.error_squared, tally.ticks).sqrt(),
             outside: time(tally.outside),
             out_of_reach: time(tally.out_of_reach),

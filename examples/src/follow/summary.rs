@@ -20,6 +20,9 @@ pub struct Summary {
     pub reba_mean: f64,
     /// Greatest integer REBA while working together \[-\].
     pub reba_max: u8,
+    /// REBA of the person's posture as the joints in the recording measure it, while working together;
+    /// none if it was not seen.
+    pub reba_measured: Option<MeasuredReba>,
     /// Root mean square of the distance from the actual to the desired position \[mm\].
     pub tracking_error_rms_mm: f64,
     /// Time of working together with x_d out of the shared workspace by over a millimetre or
@@ -37,4 +40,13 @@ pub struct Summary {
     pub tick_us: [f64; 3],
     /// Time that the loop took \[s\].
     pub wall: f64,
+}
+
+/// REBA of a posture that was measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredReba {
+    /// Over the time.
+    pub mean: f64,
+    /// The worst.
+    pub max: u8,
 }

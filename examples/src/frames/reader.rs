@@ -165,6 +165,16 @@ impl FramesReader {
         if jpeg.exists() { jpeg } else { entry.file(&folder, "png") }
     }
 
+    /// Where the image of the on-board camera for a frame is, if there is one.
+    pub fn surface(&self, entry: &FrameEntry) -> PathBuf {
+        entry.file(&self.folder.join("surface"), "png")
+    }
+
+    /// The folder of the on-board camera's images.
+    pub fn surfaces(&self) -> PathBuf {
+        self.folder.join("surface")
+    }
+
     /// The next whole line.
     fn next_line(&mut self) -> Result<Option<String>, FramesError> {
         let path = self.folder.join(INDEX);

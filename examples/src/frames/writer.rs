@@ -36,7 +36,7 @@ impl FramesWriter {
         if index.exists() {
             return Err(FramesError::Occupied { path: folder.to_owned() });
         }
-        for part in ["colour", "depth", "skeletons"] {
+        for part in ["colour", "depth", "skeletons", "surface"] {
             let path = folder.join(part);
             fs::create_dir_all(&path).map_err(|source| FramesError::File { path, source })?;
         }
@@ -47,7 +47,7 @@ impl FramesWriter {
         Ok(Self { folder: folder.to_owned(), index: BufWriter::new(file), frames: 0 })
     }
 
-    /// Writes a frame: its images, its skeletons in OpenPose's JSON, and its line.
+    /// Writes a frame: its images and that of the on-board camera, its skeletons in OpenPose's JSON, and its line.
     ///
     /// # Errors
     /// [`FramesError::File`].
@@ -56,12 +56,15 @@ impl FramesWriter {
         entry: &FrameEntry,
         image: &RenderedImage,
         depth: &DepthImage,
+        surface: &RenderedImage,
         skeletons: &str,
     ) -> Result<(), FramesError> {
         let place = |part: &str| entry.file(&self.folder.join(part), "png");
-        for (path, png) in
-            [(place("colour"), image.colour_png()), (place("depth"), depth_png(depth))]
-        {
+        for (path, png) in [
+            (place("colour"), image.colour_png()),
+            (place("depth"), depth_png(depth)),
+            (place("surface"), surface.colour_png()),
+        ] {
             let png = png.map_err(|error| FramesError::File {
                 path: path.clone(),
                 source: std::io::Error::other(error),

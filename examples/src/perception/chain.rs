@@ -4,8 +4,11 @@ use std::time::{Duration, Instant};
 
 use vision_models::{
     Body, Body25, Camera, DepthImage, Error, ImageBody, Lifter, LiftingSettings, People,
-    PeopleSettings, PersonTrack, TrackerSettings,
+    PeopleSettings, PersonBox, PersonTrack, TrackerSettings,
 };
+
+/// Of a person whose stature was not measured yet (m).
+const STATURE: f64 = 1.75;
 
 /// So many bodies tell whether the images are upside down, and so large a share of them.
 const BODIES: u32 = 20;
@@ -62,8 +65,8 @@ impl Perceiver {
     pub fn new(camera: Camera, settings: PerceiverSettings) -> Result<Self, Error> {
         Ok(Self {
             lifter: Lifter::new(camera, settings.lifting)?,
-            people: People::new(settings.people, settings.tracker)?,
-            bodies: Vec::with_capacity(ImageBody::MAX_PEOPLE),
+            people: People::new(settings.people.clone(), settings.tracker)?,
+            bodies: Vec::with_capacity(settings.people.most),
             seen: [0; 2],
             time_taken: Duration::ZERO,
         })
@@ -83,8 +86,9 @@ impl Perceiver {
         let started = Instant::now();
         self.bodies.clear();
         for image in people {
-            let body = self.lifter.lift(image, depth)?;
-            self.check_upright(&body)?;
+            self.check_upright(image)?;
+            let facing = |body: &Body| self.people.heading_near(body, time);
+            let body = self.lifter.lift_facing(image, depth, facing)?;
             self.bodies.push(body);
         }
         self.people.update(time, &self.bodies)?;
@@ -95,6 +99,14 @@ impl Perceiver {
     /// The person who works with the robot, or is about to.
     pub fn engaged(&self) -> Option<&PersonTrack> {
         self.people.engaged()
+    }
+
+    /// The box in which the person who works with the robot is expected at a time (s).
+    pub fn expected(&self, time: f64) -> Option<PersonBox> {
+        let person = self.engaged()?;
+        let place = person.predict(time).filter(|place| place.status.is_usable())?;
+        let stature = person.stature().map_or(STATURE, |estimate| estimate.stature);
+        PersonBox::around(self.lifter.camera(), &place.floor, stature)
     }
 
     /// Everybody who is followed.
@@ -112,14 +124,14 @@ impl Perceiver {
         self.time_taken
     }
 
-    fn check_upright(&mut self, body: &Body) -> Result<(), PerceptionError> {
-        let height = |joint| body.get(joint).map(|joint| joint.position.z);
-        let Some((neck, hips)) = height(Body25::Neck).zip(height(Body25::MidHip)) else {
+    fn check_upright(&mut self, image: &ImageBody) -> Result<(), PerceptionError> {
+        let row = |joint| image.get(joint).map(|joint| joint.position.y);
+        let Some((neck, hips)) = row(Body25::Neck).zip(row(Body25::MidHip)) else {
             return Ok(());
         };
         let [upside_down, bodies] = &mut self.seen;
         *bodies = bodies.saturating_add(1);
-        *upside_down = upside_down.saturating_add(u32::from(neck < hips));
+        *upside_down = upside_down.saturating_add(u32::from(neck > hips));
         if *bodies == BODIES && f64::from(*upside_down) > SHARE * f64::from(BODIES) {
             return Err(PerceptionError::UpsideDown { upside_down: *upside_down, bodies: *bodies });
         }

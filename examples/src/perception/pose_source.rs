@@ -7,20 +7,35 @@ use std::{
 };
 
 use anyhow::{Context, Result, ensure};
-use vision_models::ImageBody;
+use vision_models::{Camera, DepthImage, ImageBody, PersonBox};
 
 use crate::frames::FrameEntry;
 
 /// The largest skeleton file that is read (bytes).
 const LARGEST: u64 = 16 << 20;
 
+/// What there is to find people in.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// Number and times.
+    pub entry: &'a FrameEntry,
+    /// The file of the colour image.
+    pub colour: &'a Path,
+    /// The depth image.
+    pub depth: &'a DepthImage,
+    /// The camera.
+    pub camera: &'a Camera,
+    /// Where the person who works with the robot is expected.
+    pub expected: Option<PersonBox>,
+}
+
 /// What finds people in frames.
-pub trait PoseSource {
+pub trait PoseSource: std::fmt::Debug {
     /// The people in a frame; `None` where nobody looked.
     ///
     /// # Errors
     /// What keeps it from looking, with the file.
-    fn people(&mut self, entry: &FrameEntry) -> Result<Option<Vec<ImageBody>>>;
+    fn people(&mut self, frame: &Frame<'_>) -> Result<Option<Vec<ImageBody>>>;
 }
 
 /// A folder of OpenPose's JSON, `000012_keypoints.json` for frame 12.
@@ -47,8 +62,8 @@ impl SkeletonFolder {
 }
 
 impl PoseSource for SkeletonFolder {
-    fn people(&mut self, entry: &FrameEntry) -> Result<Option<Vec<ImageBody>>> {
-        let path = self.folder.join(format!("{:06}_keypoints.json", entry.frame));
+    fn people(&mut self, frame: &Frame<'_>) -> Result<Option<Vec<ImageBody>>> {
+        let path = self.folder.join(format!("{:06}_keypoints.json", frame.entry.frame));
         let mut bytes = Vec::new();
         match File::open(&path) {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),

@@ -4,7 +4,7 @@
 use nalgebra::Point3;
 use vision_models::{Body25, Confidence};
 
-use super::{RecordingError, format::Header};
+use super::{RecordingError, format::Header, timing::Stamp};
 
 /// Nothing in a room is further away (m): keypoints in millimetres are.
 const FARTHEST: f64 = 100.0;
@@ -12,15 +12,43 @@ const FARTHEST: f64 = 100.0;
 /// The longest pause between two frames (s): time stamps in milliseconds have longer ones.
 const LONGEST_GAP: f64 = 10.0;
 
+/// The longest that something takes to be known (s): a large network on a slow machine.
+const LONGEST_DELAY: f64 = 600.0;
+
 pub(super) fn header(line: usize, header: Header) -> Result<Header, RecordingError> {
     let problem = if !(header.rate > 0.0 && header.rate <= 1000.0) {
         format!("the rate is {}: give a positive number of frames a second", header.rate)
     } else if let Some(stature) = header.stature.filter(|stature| !(0.5..=2.5).contains(stature)) {
         format!("the stature is {stature}: give metres, 0.5 to 2.5, or null")
+    } else if let Some((name, length)) = wrong_segment(&header) {
+        format!("the length of the {name} is {length}: give metres, 0.05 to 1.5, or leave it out")
     } else {
         return Ok(header);
     };
     Err(RecordingError::Header { line, problem })
+}
+
+/// The first length that is none.
+fn wrong_segment(header: &Header) -> Option<(&'static str, f64)> {
+    let lengths = header.segments.to_array().into_iter();
+    let mut lengths = lengths.filter_map(|(name, length)| Some((name, length?)));
+    lengths.find(|(_, length)| !(0.05..=1.5).contains(length))
+}
+
+/// When a part of a percept was seen and known; `time` is the frame's (s).
+pub(super) fn stamp(
+    line: usize,
+    of: &'static str,
+    stamp: Stamp,
+    time: f64,
+) -> Result<Stamp, RecordingError> {
+    let captured = stamp.captured.unwrap_or(time);
+    let arrived = stamp.arrived.unwrap_or(captured);
+    let orderly = captured <= time && arrived >= captured;
+    if orderly && time - captured <= LONGEST_DELAY && arrived - captured <= LONGEST_DELAY {
+        return Ok(stamp);
+    }
+    Err(RecordingError::Stamp { line, of, captured, arrived, time, limit: LONGEST_DELAY })
 }
 
 /// A time stamp and the one before, if any.

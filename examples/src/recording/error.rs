@@ -32,6 +32,26 @@ pub enum RecordingError {
         /// How many lines there are.
         lines: usize,
     },
+    /// Something was known before it was seen, or seen after its frame, or long before.
+    #[error(
+        "line {line}: the {of} of the frame of {time} s was captured at {captured} s and arrived at \
+         {arrived} s: it is captured no later than the frame and arrives no earlier, both within \
+         {limit} s"
+    )]
+    Stamp {
+        /// The line.
+        line: usize,
+        /// What it is of.
+        of: &'static str,
+        /// When it was seen (s).
+        captured: f64,
+        /// When it was known (s).
+        arrived: f64,
+        /// The frame's time (s).
+        time: f64,
+        /// The longest time between them (s).
+        limit: f64,
+    },
     /// A line that cannot be a frame.
     #[error(
         "line {line} is longer than {limit} bytes: a frame takes about 1000; write one JSON object \

@@ -4,6 +4,8 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::{segments::MeasuredSegments, timing::Stamp};
+
 pub(super) const FORMAT: &str = "moca-recording";
 
 /// Recordings of this version close with an [`EndLine`].
@@ -28,11 +30,18 @@ pub struct Header {
     pub rate: f64,
     /// The person's stature (m), where it is known.
     pub stature: Option<f64>,
+    /// Lengths of the person's segments, as far as they were measured.
+    pub segments: MeasuredSegments,
 }
 
 impl Default for Header {
     fn default() -> Self {
-        Self { frame: Frame::World, rate: 20.0, stature: None }
+        Self {
+            frame: Frame::World,
+            rate: 20.0,
+            stature: None,
+            segments: MeasuredSegments::default(),
+        }
     }
 }
 
@@ -53,6 +62,8 @@ pub(super) struct HeaderLine {
     pub(super) frame: Frame,
     pub(super) rate: f64,
     pub(super) stature: Option<f64>,
+    #[serde(default, skip_serializing_if = "MeasuredSegments::is_empty")]
+    pub(super) segments: MeasuredSegments,
 }
 
 /// The closing line.
@@ -75,6 +86,7 @@ pub(super) struct End {
 #[serde(deny_unknown_fields)]
 pub(super) struct FrameLine {
     pub(super) time: f64,
+    pub(super) arrived: Option<f64>,
     pub(super) keypoints: Vec<Value>,
     pub(super) action: Option<Label>,
     pub(super) surface: Option<Label>,
@@ -85,12 +97,16 @@ pub(super) struct FrameLine {
 pub(super) struct Label {
     pub(super) name: String,
     pub(super) confidence: f64,
+    pub(super) captured: Option<f64>,
+    pub(super) arrived: Option<f64>,
 }
 
 /// [`FrameLine`] as it is written.
 #[derive(Serialize)]
 pub(super) struct FrameLineOut {
     pub(super) time: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) arrived: Option<f64>,
     pub(super) keypoints: [Option<[f64; 4]>; 25],
     pub(super) action: Option<LabelOut>,
     pub(super) surface: Option<LabelOut>,
@@ -100,4 +116,6 @@ pub(super) struct FrameLineOut {
 pub(super) struct LabelOut {
     pub(super) name: &'static str,
     pub(super) confidence: f64,
+    #[serde(flatten)]
+    pub(super) stamp: Stamp,
 }

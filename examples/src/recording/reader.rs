@@ -13,6 +13,7 @@ use super::{
     Completeness, RecordingError, check,
     format::{EndLine, FORMAT, FrameLine, Header, HeaderLine, Label, UNMARKED_VERSION, VERSION},
     lines::{Line, Lines},
+    timing::{Stamp, Timing},
 };
 use crate::excerpt::excerpt;
 
@@ -40,6 +41,7 @@ pub struct Reader<R> {
     version: u32,
     frames: u64,
     previous: Option<f64>,
+    timing: Timing,
     /// None before the end.
     end: Option<Completeness>,
 }
@@ -56,7 +58,15 @@ impl<R: BufRead> Reader<R> {
             return Err(RecordingError::Empty { lines: 0 });
         };
         let (header, version) = parse_header(&line)?;
-        Ok(Self { lines, header, version, frames: 0, previous: None, end: None })
+        Ok(Self {
+            lines,
+            header,
+            version,
+            frames: 0,
+            previous: None,
+            timing: Timing::default(),
+            end: None,
+        })
     }
 
     /// What holds for the whole recording.
@@ -68,6 +78,11 @@ impl<R: BufRead> Reader<R> {
     /// an error it stays so.
     pub fn completeness(&self) -> Completeness {
         self.end.unwrap_or(Completeness::Partial)
+    }
+
+    /// When each part of the percept that came last was seen and known.
+    pub fn timing(&self) -> Timing {
+        self.timing
     }
 
     fn read(&mut self) -> Result<Option<Percept>, RecordingError> {
@@ -82,7 +97,8 @@ impl<R: BufRead> Reader<R> {
             let number = line.number;
             return self.close(number, end.frames, end.complete);
         }
-        let percept = parse_frame(&line, self.frames, self.previous)?;
+        let (percept, timing) = parse_frame(&line, self.frames, self.previous)?;
+        self.timing = timing;
         self.previous = Some(percept.time);
         self.frames += 1;
         Ok(Some(percept))
@@ -176,7 +192,7 @@ fn problem(error: &serde_json::Error) -> String {
 
 fn parse_header(line: &Line<'_>) -> Result<(Header, u32), RecordingError> {
     let fail = |problem| RecordingError::Header { line: line.number, problem };
-    let HeaderLine { format, version, frame, rate, stature } =
+    let HeaderLine { format, version, frame, rate, stature, segments } =
         serde_json::from_slice(line.text).map_err(|error| fail(problem(&error)))?;
     if format != FORMAT || !(version == VERSION || version == UNMARKED_VERSION) {
         return Err(fail(format!(
@@ -185,14 +201,14 @@ fn parse_header(line: &Line<'_>) -> Result<(Header, u32), RecordingError> {
             excerpt(&format)
         )));
     }
-    Ok((check::header(line.number, Header { frame, rate, stature })?, version))
+    Ok((check::header(line.number, Header { frame, rate, stature, segments })?, version))
 }
 
 fn parse_frame(
     line: &Line<'_>,
     frames: u64,
     previous: Option<f64>,
-) -> Result<Percept, RecordingError> {
+) -> Result<(Percept, Timing), RecordingError> {
     let number = line.number;
     let frame: FrameLine = parse(line, frames, |column, problem| RecordingError::Json {
         line: number,
@@ -208,12 +224,23 @@ fn parse_frame(
     for (joint, value) in Body25::ALL.into_iter().zip(&frame.keypoints) {
         body.set(joint, keypoint(line, joint, value)?);
     }
-    Ok(Percept {
+    let stamp = |of, label: &Option<Label>| {
+        let stamp = label.as_ref().map(|label| (label.captured, label.arrived)).unwrap_or_default();
+        check::stamp(line, of, Stamp { captured: stamp.0, arrived: stamp.1 }, time)
+    };
+    let of_body = Stamp { captured: None, arrived: frame.arrived };
+    let timing = Timing {
+        arrived: check::stamp(line, "body", of_body, time)?.arrived,
+        action: stamp("action", &frame.action)?,
+        surface: stamp("surface", &frame.surface)?,
+    };
+    let percept = Percept {
         time,
         body: Some(body).filter(|body| body.iter().next().is_some()),
         action: frame.action.map(|label| action(line, &label)).transpose()?,
         surface: frame.surface.map(|label| surface(line, &label)).transpose()?,
-    })
+    };
+    Ok((percept, timing))
 }
 
 fn keypoint(line: usize, joint: Body25, value: &Value) -> Result<Option<Keypoint>, RecordingError> {

@@ -4,7 +4,7 @@ use std::io::BufRead;
 
 use vision_models::Percept;
 
-use super::{Header, Reader, RecordingError};
+use super::{Header, Reader, RecordingError, Timing};
 
 /// Whether a recording is complete.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +41,8 @@ pub struct Recording {
     pub header: Header,
     /// Its camera frames, at least one.
     pub percepts: Vec<Percept>,
+    /// When the parts of each were seen and known.
+    pub timings: Vec<Timing>,
     /// Whether it is complete.
     pub completeness: Completeness,
 }
@@ -55,10 +57,13 @@ impl Recording {
         mut reader: Reader<R>,
         if_partial: IfPartial,
     ) -> Result<Self, RecordingError> {
-        let mut percepts = Vec::new();
-        for percept in reader.by_ref() {
+        let (mut percepts, mut timings) = (Vec::new(), Vec::new());
+        while let Some(percept) = reader.next() {
             match percept {
-                Ok(percept) => percepts.push(percept),
+                Ok(percept) => {
+                    percepts.push(percept);
+                    timings.push(reader.timing());
+                }
                 Err(error) => {
                     let taken = if_partial == IfPartial::Take && error.is_early_end();
                     if !taken || percepts.is_empty() {
@@ -67,6 +72,7 @@ impl Recording {
                 }
             }
         }
-        Ok(Self { header: *reader.header(), percepts, completeness: reader.completeness() })
+        let (header, completeness) = (*reader.header(), reader.completeness());
+        Ok(Self { header, percepts, timings, completeness })
     }
 }

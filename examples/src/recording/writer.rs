@@ -8,6 +8,7 @@ use vision_models::{Body, Body25, Confidence, Percept};
 use super::{
     RecordingError, check,
     format::{End, EndLine, FORMAT, FrameLineOut, Header, HeaderLine, LabelOut, VERSION},
+    timing::{Stamp, Timing},
 };
 
 /// Writes a recording: times to the microsecond, positions to a tenth of a millimetre, confidences
@@ -39,10 +40,10 @@ impl<W: Write> Writer<W> {
     /// # Errors
     /// [`RecordingError::Header`] or [`RecordingError::Io`].
     pub fn new(output: W, header: &Header) -> Result<Self, RecordingError> {
-        let Header { frame, rate, stature } = check::header(1, *header)?;
+        let Header { frame, rate, stature, segments } = check::header(1, *header)?;
         let mut writer = Self { output, line: 0, frames: 0, previous: None };
         let (format, version) = (FORMAT.to_owned(), VERSION);
-        writer.write_line(&HeaderLine { format, version, frame, rate, stature })?;
+        writer.write_line(&HeaderLine { format, version, frame, rate, stature, segments })?;
         Ok(writer)
     }
 
@@ -52,6 +53,19 @@ impl<W: Write> Writer<W> {
     /// The [`RecordingError`] that reading it would give, or [`RecordingError::Io`]; the line is
     /// then not written.
     pub fn write(&mut self, percept: &Percept) -> Result<(), RecordingError> {
+        self.write_timed(percept, &Timing::default())
+    }
+
+    /// Writes a percept with when its parts were seen and known; of an action or a surface that is not
+    /// there it is left out.
+    ///
+    /// # Errors
+    /// As of [`write`](Self::write).
+    pub fn write_timed(
+        &mut self,
+        percept: &Percept,
+        timing: &Timing,
+    ) -> Result<(), RecordingError> {
         let line = self.line + 1;
         let time = check::time(line, rounded(percept.time, 1e6), self.previous)?;
         let mut keypoints = [None; Body25::COUNT];
@@ -60,12 +74,28 @@ impl<W: Write> Writer<W> {
             let [x, y, z] = position.coords.map(|value| rounded(value, 1e4)).into();
             keypoints[joint.index()] = Some([x, y, z, plain(keypoint.confidence)]);
         }
-        let label = |name, confidence| LabelOut { name, confidence: plain(confidence) };
+        let stamp = |of, stamp: Stamp| {
+            let round = |time: Option<f64>| time.map(|time| rounded(time, 1e6));
+            let Stamp { captured, arrived } = stamp;
+            let stamp = Stamp { captured: round(captured), arrived: round(arrived) };
+            check::stamp(line, of, stamp, time)
+        };
+        let of_body = Stamp { captured: None, arrived: timing.arrived };
+        let arrived = stamp("body", of_body)?.arrived;
+        let of_action = stamp("action", timing.action)?;
+        let of_surface = stamp("surface", timing.surface)?;
+        let label =
+            |name, confidence, stamp| LabelOut { name, confidence: plain(confidence), stamp };
         self.write_line(&FrameLineOut {
             time,
+            arrived,
             keypoints,
-            action: percept.action.map(|seen| label(seen.action.name(), seen.confidence)),
-            surface: percept.surface.map(|seen| label(seen.surface.name(), seen.confidence)),
+            action: percept
+                .action
+                .map(|seen| label(seen.action.name(), seen.confidence, of_action)),
+            surface: percept
+                .surface
+                .map(|seen| label(seen.surface.name(), seen.confidence, of_surface)),
         })?;
         self.frames += 1;
         self.previous = Some(time);

@@ -53,10 +53,14 @@ pub(super) fn capsules(joints: &Joints, stature: f64) -> impl Iterator<Item = Ca
         let along = (at(wrist) - at(elbow)).try_normalize(1e-9).unwrap_or(Vector3::zeros());
         capsule(at(wrist), at(wrist) + along * (0.06 * stature), 0.018 * stature, SKIN)
     };
+    let nose = at(Body25::Nose);
+    let forwards = (nose - head).try_normalize(1e-9).unwrap_or(Vector3::zeros());
     let rest = [
         capsule(hips, chest, 0.058 * stature, SHIRT),
         capsule(neck, head, 0.032 * stature, SKIN),
-        capsule(head, head, 0.047 * stature, SKIN),
+        // As long from the front to the back as a head is, and the nose where its joint is.
+        capsule(head, head + forwards * (0.012 * stature), 0.046 * stature, SKIN),
+        capsule(head, nose - forwards * (0.010 * stature), 0.010 * stature, SKIN),
         hand(Body25::LeftElbow, Body25::LeftWrist),
         hand(Body25::RightElbow, Body25::RightWrist),
     ];

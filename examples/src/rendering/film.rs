@@ -23,6 +23,7 @@ use crate::simulation::{FRAME_RATE, Walker, WalkerError, WalkerSettings};
 const SENSOR: u64 = 100;
 const POSES: u64 = 101;
 const LATENCY: u64 = 102;
+const ON_BOARD: u64 = 103;
 
 /// How late a frame is there (s).
 const LATE: std::ops::Range<f64> = 0.02..0.09;
@@ -39,6 +40,8 @@ pub struct Shot {
     pub image: RenderedImage,
     /// Depth as the sensor measures it.
     pub depth: DepthImage,
+    /// What the on-board camera sees of the object.
+    pub surface: RenderedImage,
     /// What a pose network makes of it; none if the person is not in the picture.
     pub skeleton: Option<ImageBody>,
     /// The person as they are, with what they do and the surface of the object.
@@ -50,6 +53,7 @@ pub struct Shot {
 pub struct Film {
     walker: Walker,
     camera: Camera,
+    on_board: Camera,
     sensor: DepthSensor,
     poses: PoseEstimator,
     latency: ChaCha8Rng,
@@ -76,6 +80,8 @@ impl Film {
         }
         let camera = view::simulated_camera(viewpoint, size)
             .map_err(|_| refuse("size", size[0] as f64, "sides of 1 to 16384 pixels"))?;
+        let on_board = view::on_board_camera(&mut random::generator(settings.seed, ON_BOARD))
+            .map_err(|_| refuse("seed", settings.seed as f64, "another seed"))?;
         let (seed, seen) = (settings.seed, settings.camera);
         let walker = Walker::new(settings)?;
         let draw = |stream| random::generator(seed, stream);
@@ -87,6 +93,7 @@ impl Film {
             poses: PoseEstimator::new(skeletons, draw(POSES)),
             latency: draw(LATENCY),
             camera,
+            on_board,
             frame: 0,
             arrived: 0.0,
         })
@@ -114,7 +121,8 @@ impl Film {
         let (joints, stature) = (person.joints(), person.stature());
         let surface = self.walker.settings().tool.surface();
         let state = SceneState { joints: &joints, stature, action: truth.action, surface };
-        let image = view::render(&Scene::new(&state, &self.camera), &self.camera);
+        let look = |camera: &Camera| view::render(&Scene::new(&state, camera), camera);
+        let (image, of_surface) = (look(&self.camera), look(&self.on_board));
         let depth = match self.sensor.measure(&image, 1.0 / FRAME_RATE) {
             Ok(depth) => depth,
             Err(error) => return Some(Err(error)),
@@ -135,7 +143,7 @@ impl Film {
         self.arrived = self.arrived.max(time + late);
         let entry = FrameEntry { frame: self.frame, time, arrived: Some(self.arrived) };
         self.frame += 1;
-        Some(Ok(Shot { entry, image, depth, skeleton, truth }))
+        Some(Ok(Shot { entry, image, depth, surface: of_surface, skeleton, truth }))
     }
 }
 

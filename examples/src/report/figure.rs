@@ -3,6 +3,7 @@
 
 use std::{fmt::Display, ops::Range};
 
+use ergo_map::ActionLevel;
 use plotters::{
     coord::{Shift, types::RangedCoordf64},
     prelude::*,
@@ -21,7 +22,7 @@ const COLUMN_WIDTH: u32 = 680;
 const TITLE_HEIGHT: u32 = 46;
 const PANEL_HEIGHT: u32 = 205;
 const TIME_HEIGHT: u32 = 45;
-const LEGEND_HEIGHT: u32 = 40;
+const LEGEND_HEIGHT: u32 = 66;
 const LEGEND_WIDTH: u32 = 1060;
 const FONT: &str = "sans-serif";
 
@@ -30,13 +31,23 @@ const GRID: RGBColor = RGBColor(228, 228, 228);
 const SHADE: RGBColor = RGBColor(255, 245, 217);
 const SCORE: RGBColor = RGBColor(109, 40, 217);
 
+/// The person's posture as it was measured, by what REBA's action levels ask for.
+const LEVELS: [(&str, RGBColor); 3] = [
+    ("1 to 3", RGBColor(120, 190, 110)),
+    ("4 to 7: action necessary", RGBColor(245, 175, 60)),
+    ("8 and more: soon or now", RGBColor(210, 50, 45)),
+];
+
+/// The height of its strip, as a share of the score's panel.
+const STRIP: f64 = 0.045;
+
 /// The axes of the end effector's position with their colours.
 const AXES: [(&str, RGBColor); 3] =
     [("x", RGBColor(200, 55, 45)), ("y", RGBColor(30, 130, 70)), ("z", RGBColor(35, 95, 215))];
 
 /// Draws the runs side by side with the same scales: position desired (dashed) and actual (solid)
 /// with the shared workspace as a band, and below the score `e_s`, shaded while the person works
-/// with the robot. Gives the figure as SVG.
+/// with the robot, over a strip in the colour of the person's measured REBA. Gives the figure as SVG.
 ///
 /// # Errors
 /// [`ReportError::Nothing`] without a run or with a run without ticks; [`ReportError::Figure`] if
@@ -150,6 +161,10 @@ fn score_panel(area: &Area<'_>, run: &RunLog, scales: &Scales) -> Result<(), Rep
         .into_iter()
         .map(|(begin, end)| Rectangle::new([(begin, 0.0), (end, top)], SHADE.filled()));
     chart.draw_series(shades).map_err(failed)?;
+    let strips = measured(&run.intervals).into_iter().map(|(begin, end, colour)| {
+        Rectangle::new([(begin, 0.0), (end, STRIP * top)], colour.filled())
+    });
+    chart.draw_series(strips).map_err(failed)?;
     let score = curve(&run.intervals, |interval| &interval.score);
     chart.draw_series(LineSeries::new(score, SCORE.stroke_width(2))).map_err(failed)?;
     if let Some(mean) = run.collaboration.score_mean() {
@@ -255,6 +270,28 @@ fn collaborations(intervals: &[Interval]) -> Vec<(f64, f64)> {
         .collect()
 }
 
+/// The colour of a measured REBA score.
+fn level(reba: u8) -> RGBColor {
+    let [(_, low), (_, medium), (_, high)] = LEVELS;
+    match ActionLevel::of(reba) {
+        ActionLevel::None | ActionLevel::MayBeNecessary => low,
+        ActionLevel::Necessary => medium,
+        ActionLevel::NecessarySoon | ActionLevel::NecessaryNow => high,
+    }
+}
+
+/// Begin and end of each stretch of time with a measured posture of one colour (s).
+fn measured(intervals: &[Interval]) -> Vec<(f64, f64, RGBColor)> {
+    let colour = |interval: &Interval| interval.reba_measured.map(level);
+    intervals
+        .chunk_by(|one, next| colour(one) == colour(next))
+        .filter_map(|stretch| {
+            let (first, last) = (stretch.first()?, stretch.last()?);
+            Some((first.begin, last.end, colour(first)?))
+        })
+        .collect()
+}
+
 fn draw_legend(area: &Area<'_>) -> Result<(), ReportError> {
     let style = (FONT, 16).into_font().color(&TEXT);
     let (y, wide) = (16, 34);
@@ -287,7 +324,17 @@ fn draw_legend(area: &Area<'_>) -> Result<(), ReportError> {
     let x = 900;
     let corners = [(x, y - 7), (x + wide, y + 7)];
     area.draw(&Rectangle::new(corners, SHADE.filled())).map_err(failed)?;
-    area.draw(&text("collaborating", x)).map_err(failed)
+    area.draw(&text("collaborating", x)).map_err(failed)?;
+
+    let y = y + 26;
+    let text = |text: &'static str, x| Text::new(text, (x, y - 7), style.clone());
+    area.draw(&text("the person's posture as measured, REBA", 82)).map_err(failed)?;
+    for ((name, colour), x) in LEVELS.into_iter().zip([392, 512, 752]) {
+        let corners = [(x, y - 4), (x + wide, y + 4)];
+        area.draw(&Rectangle::new(corners, colour.filled())).map_err(failed)?;
+        area.draw(&text(name, x + wide + 8)).map_err(failed)?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -319,6 +366,7 @@ mod tests {
                     score * 2.0
                 },
                 reba: 3,
+                reba_measured: (time > 5.0).then_some(if time < 20.0 { 5 } else { 2 }),
                 collaborating,
                 ..TickRow::default()
             });
@@ -341,8 +389,13 @@ mod tests {
             "desired position",
             "shared workspace",
             "highest REBA 3",
+            "REBA",
         ] {
             assert!(svg.contains(text), "no \"{text}\"");
+        }
+        // A strip for each colour, and a sample of each in the legend.
+        for (colour, count) in [("#78BE6E", 3), ("#F5AF3C", 3), ("#D2322D", 1)] {
+            assert_eq!(svg.matches(colour).count(), count, "{colour}");
         }
         assert!(svg.len() < 1_000_000, "{} bytes", svg.len());
         assert!(!svg.contains("NaN") && !svg.contains("inf"));

@@ -47,6 +47,8 @@ pub(super) struct Interval {
     pub(super) workspace_min: [Span; 3],
     pub(super) workspace_max: [Span; 3],
     pub(super) score: Span,
+    /// The worst that was measured.
+    pub(super) reba_measured: Option<u8>,
     pub(super) collaborating: bool,
 }
 
@@ -91,6 +93,7 @@ impl Interval {
             workspace_min: row.workspace_min.map(Span::of),
             workspace_max: row.workspace_max.map(Span::of),
             score: Span::of(row.score),
+            reba_measured: row.reba_measured,
             collaborating: row.collaborating,
         }
     }
@@ -111,6 +114,7 @@ impl Interval {
             workspace_min: each(self.workspace_min, next.workspace_min),
             workspace_max: each(self.workspace_max, next.workspace_max),
             score: self.score.and(next.score),
+            reba_measured: self.reba_measured.max(next.reba_measured),
             collaborating: self.collaborating || next.collaborating,
         }
     }

@@ -22,8 +22,10 @@ pub struct TickRow {
     pub workspace_max: [f64; 3],
     /// The continuous ergonomics score `e_s`, 0 (good) to 4.25.
     pub score: f64,
-    /// The integer REBA score, 1 (good) to 15.
+    /// The integer REBA score of the predicted posture, 1 (good) to 15.
     pub reba: u8,
+    /// That of the posture that was measured, where the person was seen.
+    pub reba_measured: Option<u8>,
     /// Whether the person works with the robot.
     pub collaborating: bool,
     /// Base x, y (m) and yaw (rad), then the seven joints (rad).

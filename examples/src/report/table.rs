@@ -44,6 +44,10 @@ impl<W: Write> TickTable<W> {
         }
         self.number(row.score)?;
         self.cell(format_args!("{}", row.reba))?;
+        match row.reba_measured {
+            Some(reba) => self.cell(format_args!("{reba}"))?,
+            None => self.cell(format_args!(""))?,
+        }
         self.cell(format_args!("{}", u8::from(row.collaborating)))?;
         for value in q.iter().chain(qdot).chain(slack) {
             self.number(*value)?;
@@ -83,7 +87,7 @@ fn header() -> Vec<String> {
     let turn = ["rx", "ry", "rz"].map(|axis| format!("slack_{axis}_rad"));
     std::iter::once("time_s".to_owned())
         .chain(["desired", "actual", "workspace_min", "workspace_max"].into_iter().flat_map(axes))
-        .chain(["score", "reba", "collaborating"].map(str::to_owned))
+        .chain(["score", "reba", "reba_measured", "collaborating"].map(str::to_owned))
         .chain(joints("q", "m", "rad"))
         .chain(joints("qdot", "m_s", "rad_s"))
         .chain(axes("slack"))
@@ -108,6 +112,7 @@ mod tests {
             workspace_max: [7.0, 8.0, 9.0],
             score: 0.25,
             reba: 4,
+            reba_measured: Some(5),
             collaborating: true,
             q: std::array::from_fn(|joint| 10.0 + joint as f64),
             qdot: std::array::from_fn(|joint| -(joint as f64) - 0.5),
@@ -121,7 +126,7 @@ mod tests {
         let mut reader = csv::Reader::from_reader(bytes.as_slice());
         let names = reader.headers().unwrap().clone();
         let records: Vec<_> = reader.records().collect::<Result<_, _>>().unwrap();
-        assert_eq!((names.len(), records.len()), (43, 2));
+        assert_eq!((names.len(), records.len()), (44, 2));
         let cell = |name: &str| {
             let column = names.iter().position(|found| found == name).unwrap();
             records[0][column].parse::<f64>().unwrap()
@@ -133,6 +138,7 @@ mod tests {
             ("workspace_max_x_m", 7.0),
             ("score", 0.25),
             ("reba", 4.0),
+            ("reba_measured", 5.0),
             ("collaborating", 1.0),
             ("q_base_yaw_rad", 12.0),
             ("q_joint1_rad", 13.0),

@@ -10,7 +10,7 @@ mod run;
 
 pub(crate) use disk::SmallDisk;
 pub(crate) use maps::{average_map, coarse_map, coarse_map_file};
-pub(crate) use networks::{resnet18, slow_only_r18};
+pub(crate) use networks::{resnet18, simple_baseline, slow_only_r18};
 pub(crate) use pictures::{png_that_claims, save_picture};
 pub(crate) use run::{Ran, Runs, signal};
 

@@ -16,7 +16,7 @@ const ENOUGH: u32 = 20;
 
 /// Segments from which stature follows, the better before.
 const OF_STATURE: [&[BodySegment]; 2] = [
-    &[BodySegment::Thigh, BodySegment::Shank],
+    &[BodySegment::Thigh, BodySegment::Shank, BodySegment::Trunk],
     &[BodySegment::Trunk, BodySegment::UpperArm, BodySegment::Forearm],
 ];
 
@@ -100,7 +100,7 @@ impl Lengths {
         })
     }
 
-    /// Stature from the legs or, where they are hidden, from trunk and arms.
+    /// Stature from legs and trunk or, where they are hidden, from trunk and arms.
     pub(super) fn stature(&self) -> Option<StatureEstimate> {
         if self.frames < ENOUGH {
             return None;

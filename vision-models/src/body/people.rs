@@ -8,7 +8,7 @@ use nalgebra::Vector2;
 pub use person::{PersonId, PersonTrack};
 pub use settings::PeopleSettings;
 
-use super::{keypoints::Body, seen::Seen, settings::TrackerSettings};
+use super::{keypoints::Body, pose::TrackedPerson, seen::Seen, settings::TrackerSettings};
 use crate::Error;
 
 /// Follows several people at once and selects the one who engages with the robot.
@@ -100,6 +100,18 @@ impl People {
     pub fn engaged(&self) -> Option<&PersonTrack> {
         let engaged = self.engaged?;
         self.tracks.iter().find(|track| track.id() == engaged)
+    }
+
+    /// The heading at the time `now` (s) of the person who is where this body is, once they have been
+    /// taken up (rad): for [`Lifter::lift`](crate::Lifter::lift).
+    pub fn heading_near(&self, body: &Body, now: f64) -> Option<f64> {
+        let floor = floor(body, &self.tracker, f64::INFINITY)?;
+        let people = self.tracks.iter().filter_map(|track| track.predict(now));
+        let distance = |person: &TrackedPerson| (person.floor.coords - floor).norm();
+        people
+            .filter(|person| person.status.is_usable() && distance(person) <= self.settings.reach)
+            .min_by(|one, other| distance(one).total_cmp(&distance(other)))
+            .map(|person| person.heading)
     }
 
     /// Of the tracks without a body and the bodies without a track, the two that are nearest.

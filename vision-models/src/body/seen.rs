@@ -15,6 +15,12 @@ const FARTHEST: f64 = 1e3;
 /// Below this length the line through shoulders and hips has no direction to speak of (m).
 const SHORTEST_LEFT: f64 = 0.05;
 
+/// From the middle of the hips and of the shoulders to either, of adults (m), and how unsure that is, as a
+/// share, with how unsure the heading is.
+const HIP: f64 = 0.09;
+const SHOULDER: f64 = 0.2;
+const UNSURE: f64 = 0.1;
+
 /// A covariance with a larger variance than this says nothing (m²).
 const VAGUE: f64 = 10.0;
 
@@ -75,51 +81,84 @@ impl<'body> Seen<'body> {
         self.inflation
     }
 
-    /// The floor below the pelvis (m): below the mid hip and the middle of the hips or, with both
-    /// hidden, the neck or the middle of the shoulders, which are above the pelvis but for the
-    /// person's lean. All of them where their covariances are known, else the first.
-    pub(super) fn floors(&self, lean: &LeanInWorld) -> [Option<Measurement<2>>; 3] {
-        let found = [self.joint(Body25::MidHip), self.hips(), self.above()];
-        let best = found.iter().position(Option::is_some);
-        let mut index = 0;
-        found.map(|joint| {
-            let (first, above) = (best == Some(index), index == 2);
-            index += 1;
-            let joint = joint.filter(|joint| first || joint.is_measured())?;
+    /// The floor below the pelvis (m): below mid hip and hips, and below neck and shoulders, which are above
+    /// the pelvis but for the person's lean. Both where their covariances are known, else the first. With
+    /// the way that the person faces (rad), one hip or shoulder tells where the middle is.
+    pub(super) fn floors(
+        &self,
+        lean: &LeanInWorld,
+        facing: Option<f64>,
+    ) -> [Option<Measurement<2>>; 2] {
+        let hips = self.girdle(Body25::MidHip, [Body25::LeftHip, Body25::RightHip], HIP, facing);
+        let above = self.above(facing);
+        let best = hips.is_some();
+        let hips = hips.map(|joint| self.floor(&joint));
+        let above = above.filter(|joint| !best || joint.is_measured()).map(|joint| {
             let mut floor = self.floor(&joint);
-            if above && joint.is_measured() {
+            if joint.is_measured() {
                 floor.position -= lean.offset;
                 floor.covariance += Matrix2::identity() * lean.variance;
             }
-            Some(floor)
-        })
+            floor
+        });
+        [hips, above]
     }
 
     /// The best measurement of the floor below the pelvis (m), without knowing the person.
     pub(super) fn best_floor(&self) -> Option<Measurement<2>> {
-        self.floors(&LeanInWorld::default()).into_iter().flatten().next()
+        self.floors(&LeanInWorld::default(), None).into_iter().flatten().next()
     }
 
     /// From the pelvis to the neck on the floor plan, and the variance of each axis, where both are
     /// measured (m, m²).
-    pub(super) fn lean(&self) -> Option<(Vector2<f64>, f64)> {
-        let pelvis = self.joint(Body25::MidHip).or_else(|| self.hips());
-        let (pelvis, above) = (pelvis?, self.above()?);
+    pub(super) fn lean(&self, facing: Option<f64>) -> Option<(Vector2<f64>, f64)> {
+        let hips = [Body25::LeftHip, Body25::RightHip];
+        let pelvis = self.girdle(Body25::MidHip, hips, HIP, facing)?;
+        let above = self.above(facing)?;
         let covariance = pelvis.covariance? + above.covariance?;
         let variance = self.inflation * 0.5 * (covariance[(0, 0)] + covariance[(1, 1)]);
         Some(((above.position - pelvis.position).xy(), variance))
     }
 
-    fn hips(&self) -> Option<Joint> {
-        Some(Joint::middle(&self.joint(Body25::LeftHip)?, &self.joint(Body25::RightHip)?))
+    fn above(&self, facing: Option<f64>) -> Option<Joint> {
+        let shoulders = [Body25::LeftShoulder, Body25::RightShoulder];
+        self.girdle(Body25::Neck, shoulders, SHOULDER, facing)
     }
 
-    fn above(&self) -> Option<Joint> {
-        let shoulders = || {
-            let [left, right] = [Body25::LeftShoulder, Body25::RightShoulder];
-            Some(Joint::middle(&self.joint(left)?, &self.joint(right)?))
+    /// The middle of a pair of joints that are as far apart from it as `aside` says (m): the mean of what the
+    /// joint there says and each of the pair, the surer the more. Without covariances or a way that the
+    /// person faces it is the joint there, or the middle of both.
+    fn girdle(
+        &self,
+        middle: Body25,
+        pair: [Body25; 2],
+        aside: f64,
+        facing: Option<f64>,
+    ) -> Option<Joint> {
+        let (middle, pair) = (self.joint(middle), pair.map(|joint| self.joint(joint)));
+        let [left, right] = pair;
+        let alone = middle.or_else(|| Some(Joint::middle(&left?, &right?)));
+        let Some(facing) = facing.filter(|facing| facing.is_finite()) else { return alone };
+        let aside_left = vector![-facing.sin(), facing.cos(), 0.0];
+        let moved = |joint: Option<Joint>, side: f64| {
+            let joint = joint?;
+            // Off by the difference of people, and across it by the error of the heading.
+            let unsure = Matrix3::identity() * (UNSURE * aside).powi(2);
+            let position = joint.position - aside_left * (side * aside);
+            Some(Joint { position, covariance: joint.covariance.map(|known| known + unsure) })
         };
-        self.joint(Body25::Neck).or_else(shoulders)
+        let places = [middle, moved(left, 1.0), moved(right, -1.0)];
+        let known = places.into_iter().flatten().filter_map(|place| {
+            let information = place.covariance?.try_inverse()?;
+            Some((information, information * place.position))
+        });
+        let sum = known.reduce(|(one, a), (other, b)| (one + other, a + b));
+        let Some((covariance, sum)) =
+            sum.and_then(|(sum, place)| Some((sum.try_inverse()?, place)))
+        else {
+            return alone;
+        };
+        Some(Joint { position: covariance * sum, covariance: Some(covariance) })
     }
 
     fn floor(&self, joint: &Joint) -> Measurement<2> {
@@ -291,6 +330,22 @@ mod tests {
         expect(&person, 1.2);
         person.set(Body25::Neck, None);
         assert_eq!(floor(&person), None);
+    }
+
+    /// With the way that the person faces, one side tells where the middle is.
+    #[test]
+    fn one_hip_tells_where_the_pelvis_is() {
+        let hip = [1.0, 0.5, 0.9];
+        let mut person = Body::default();
+        let keypoint = Keypoint { position: hip.into(), confidence: Confidence::ONE };
+        person.set_measured(Body25::LeftHip, keypoint, Matrix3::identity() * 1e-4);
+        let floors = |facing| seen(&person).floors(&LeanInWorld::default(), facing);
+        assert!(floors(None)[0].is_none());
+        // Left is -y for one who faces -x.
+        let [Some(floor), None] = floors(Some(std::f64::consts::PI)) else { panic!("one floor") };
+        let expected = Vector2::new(1.0, 0.5 + HIP);
+        assert!((floor.position - expected).norm() < 1e-9, "{}", floor.position);
+        assert!(floor.covariance[(0, 0)] > 1e-4, "less certain than the hip");
     }
 
     #[test]

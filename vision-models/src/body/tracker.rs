@@ -92,7 +92,7 @@ impl BodyTracker {
         self.identity.update(&seen);
         let facing = self.predict(time).map(|person| person.heading);
         let lean = facing.map(|facing| self.lean.in_world(facing, time)).unwrap_or_default();
-        let (floors, heading) = (seen.floors(&lean), seen.heading());
+        let (floors, heading) = (seen.floors(&lean, facing), seen.heading());
         let best = seen.best_floor();
 
         let track = self
@@ -112,7 +112,7 @@ impl BodyTracker {
                 if let (Some(track), Some(heading)) = (&mut self.track, heading) {
                     self.jumps += u64::from(track.take_heading(heading, time, &self.settings));
                 }
-                if let (Some((offset, variance)), Some(facing)) = (seen.lean(), facing) {
+                if let (Some((offset, variance)), Some(facing)) = (seen.lean(facing), facing) {
                     self.lean.update(&offset, variance, facing, time);
                 }
                 if best.is_some() {

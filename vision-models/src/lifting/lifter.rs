@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::{
     settings::LiftingSettings,
-    window::{self, Wanted},
+    window::{self, Surface, Wanted},
 };
 use crate::{Body, Body25, Camera, DepthImage, Error, ImageBody, ImageKeypoint, Keypoint};
 
@@ -32,11 +32,21 @@ const UPRIGHT: [Body25; 10] = [
     Body25::RightAnkle,
 ];
 
+/// Joints that hands often hide.
+const HIPS: [Body25; 3] = [Body25::MidHip, Body25::LeftHip, Body25::RightHip];
+
+/// People bend forwards and not backwards: what seems to be a hip so far ahead of the neck is a hand or a
+/// tool before it (m).
+const LEANING_BACK: f64 = 0.12;
+
 /// A ray steeper than this (cosine to the floor) does not meet the front of an upright part.
 const STEEPEST: f64 = 0.6;
 
+/// Below this length the line through shoulders and hips has no direction to speak of (m).
+const SHORTEST_LEFT: f64 = 0.05;
+
 /// At an edge the standard deviation of the depth is larger by this factor.
-const AT_EDGE: f64 = 2.0;
+const AT_EDGE: f64 = 1.4;
 
 /// Brings joints from the image into the world, each with its covariance.
 ///
@@ -64,7 +74,7 @@ const AT_EDGE: f64 = 2.0;
 /// let mut image = ImageBody::default();
 /// let position = Point2::new(31.5, 23.5);
 /// image.set(Body25::Nose, Some(ImageKeypoint { position, confidence: Confidence::ONE }));
-/// let body = lifter.lift(&image, &depth)?;
+/// let body = lifter.lift(&image, &depth, None)?;
 /// let nose = body.get(Body25::Nose).expect("there is a surface");
 /// assert!((nose.position - Point3::new(2.0, 0.0, 1.5)).norm() < 1e-6);
 /// // Uncertain across the ray by three pixels, and along it by the noise of the depth.
@@ -95,15 +105,48 @@ impl Lifter {
 
     /// The joints of a person in the world. It allocates nothing.
     ///
+    /// `heading` is the yaw of the way that the person faces (rad, world), as a tracker knows it: how deep
+    /// joints of the trunk and the head are below the skin depends on it. Without one it is that of the
+    /// shoulders and hips in this frame.
+    ///
     /// # Errors
     /// [`Error::ImageSize`] if the depth image has not the size of the camera's intrinsics.
-    pub fn lift(&self, image: &ImageBody, depth: &DepthImage) -> Result<Body, Error> {
+    pub fn lift(
+        &self,
+        image: &ImageBody,
+        depth: &DepthImage,
+        heading: Option<f64>,
+    ) -> Result<Body, Error> {
+        self.lift_facing(image, depth, |_| heading)
+    }
+
+    /// The same for a person whose heading `facing` knows by where they are: of a body that is lifted as if
+    /// the person faced the camera. The depths are looked at once.
+    ///
+    /// # Errors
+    /// As of [`lift`](Self::lift).
+    pub fn lift_facing(
+        &self,
+        image: &ImageBody,
+        depth: &DepthImage,
+        facing: impl FnOnce(&Body) -> Option<f64>,
+    ) -> Result<Body, Error> {
         let expected = self.camera.intrinsics().size();
         let found = depth.size();
         if found != expected {
             return Err(Error::ImageSize { found, expected });
         }
-        let lifted = Body25::ALL.map(|joint| self.joint(joint, image.get(joint)?, depth));
+        let seen = Body25::ALL.map(|joint| self.look(image.get(joint)?, depth));
+        let before = self.body(&seen, None);
+        let heading = facing(&before).filter(|heading| heading.is_finite());
+        let heading = heading.or_else(|| heading_of(&before));
+        Ok(heading.map_or(before, |heading| self.body(&seen, Some(heading))))
+    }
+
+    /// The body of a person of this heading; of one who faces the camera where there is none.
+    fn body(&self, seen: &[Option<Look>; Body25::COUNT], heading: Option<f64>) -> Body {
+        let lifted =
+            Body25::ALL.map(|joint| Some(self.joint(joint, &seen[joint.index()]?, heading)));
         let motion = self.camera.world_from_camera();
         // How far ahead of the camera along the floor; along the axis where it looks straight down.
         let axis = motion.rotation * Vector3::z();
@@ -111,6 +154,8 @@ impl Lifter {
         let ahead = motion.rotation.inverse() * level;
         let range = |lifted: &Lifted| lifted.position.coords.dot(&ahead);
         let middle = trunk_range(&lifted.map(|lifted| lifted.as_ref().map(range)));
+        let upper = [Body25::Neck, Body25::LeftShoulder, Body25::RightShoulder];
+        let upper = upper.into_iter().find_map(|joint| lifted[joint.index()]);
         let mut body = Body::default();
         for (joint, lifted) in Body25::ALL.into_iter().zip(lifted) {
             let LiftingSettings { reach, trunk_reach, .. } = self.settings;
@@ -118,21 +163,27 @@ impl Lifter {
             let near = |lifted: &Lifted| {
                 middle.is_none_or(|middle| (range(lifted) - middle).abs() <= limit)
             };
-            if let Some(lifted) = lifted.filter(near) {
+            let hidden = |hip: &Lifted| {
+                let back = upper.zip(heading).map(|(upper, heading)| {
+                    let ahead = motion.rotation * (hip.position - upper.position);
+                    ahead.dot(&Vector3::new(heading.cos(), heading.sin(), 0.0))
+                });
+                HIPS.contains(&joint) && back.is_some_and(|back| back > LEANING_BACK)
+            };
+            if let Some(lifted) = lifted.filter(near).filter(|lifted| !hidden(lifted)) {
                 self.place(&mut body, joint, &lifted);
             }
         }
-        Ok(body)
+        body
     }
 
-    /// A joint in the optical frame.
-    fn joint(&self, joint: Body25, keypoint: ImageKeypoint, depth: &DepthImage) -> Option<Lifted> {
+    /// The surface at a keypoint.
+    fn look(&self, keypoint: ImageKeypoint, depth: &DepthImage) -> Option<Look> {
         let settings = &self.settings;
         if keypoint.confidence.value() < settings.least_confidence {
             return None;
         }
-        let (intrinsics, noise) = (self.camera.intrinsics(), self.camera.noise());
-        let [fx, fy] = intrinsics.focal();
+        let [fx, fy] = self.camera.intrinsics().focal();
         let focal = f64::midpoint(fx, fy);
         let wanted = Wanted {
             half_side: settings.window,
@@ -140,12 +191,21 @@ impl Lifter {
             least_share: settings.least_share,
             range: settings.range,
         };
-        let edge = |depth: f64| settings.edge.max(4.0 * noise.sigma(depth));
+        let edge = |depth: f64| settings.edge.max(4.0 * self.camera.noise().sigma(depth));
         let surface = window::surface(depth, &keypoint.position, &wanted, edge)?;
+        Some(Look { keypoint, surface })
+    }
 
+    /// A joint in the optical frame.
+    fn joint(&self, joint: Body25, look: &Look, heading: Option<f64>) -> Lifted {
+        let Look { keypoint, surface } = look;
+        let settings = &self.settings;
+        let (intrinsics, noise) = (self.camera.intrinsics(), self.camera.noise());
+        let [fx, fy] = intrinsics.focal();
         let ray = intrinsics.ray(&keypoint.position);
         let length = ray.norm();
-        let skin = settings.skin.of(joint) / self.slant(joint, &ray);
+        let bearing = heading.map_or(0.0, |heading| self.bearing(&ray) - heading);
+        let skin = settings.skin.of(joint, bearing) / self.slant(joint, &ray);
         let position = Point3::from(ray * (surface.depth + skin));
         let at_edge = if surface.at_edge { AT_EDGE } else { 1.0 };
         let of_depth = (at_edge * noise.sigma(surface.depth)).powi(2);
@@ -155,7 +215,13 @@ impl Lifter {
         let along = ray * ray.transpose() * (of_depth + of_skin);
         let covariance = Matrix3::from_diagonal(&across) + along;
         let confidence = keypoint.confidence;
-        Some(Lifted { position, covariance, keypoint: Keypoint { position, confidence } })
+        Lifted { position, covariance, keypoint: Keypoint { position, confidence } }
+    }
+
+    /// The yaw of the direction from a point on this ray to the camera (rad, world).
+    fn bearing(&self, ray: &Vector3<f64>) -> f64 {
+        let towards = -(self.camera.world_from_camera().rotation * ray);
+        towards.y.atan2(towards.x)
     }
 
     /// What the depth below the skin is over the depth along the optical axis, in the part of the body around a joint:
@@ -176,12 +242,31 @@ impl Lifter {
     }
 }
 
+/// A keypoint with the surface there.
+#[derive(Clone, Copy)]
+struct Look {
+    keypoint: ImageKeypoint,
+    surface: Surface,
+}
+
 /// A joint in the optical frame (m, m²).
 #[derive(Clone, Copy)]
 struct Lifted {
     position: Point3<f64>,
     covariance: Matrix3<f64>,
     keypoint: Keypoint,
+}
+
+/// The yaw of the way that a body faces (rad): left is from right to left, of shoulders and hips.
+fn heading_of(body: &Body) -> Option<f64> {
+    let pair = |left, right| {
+        let (left, right) = (body.get(left)?, body.get(right)?);
+        Some((left.position - right.position).xy())
+    };
+    let shoulders = pair(Body25::LeftShoulder, Body25::RightShoulder);
+    let hips = pair(Body25::LeftHip, Body25::RightHip);
+    let left = shoulders.into_iter().chain(hips).reduce(|one, other| one + other)?;
+    (left.norm() > SHORTEST_LEFT).then(|| (-left.x).atan2(left.y))
 }
 
 /// The median of the trunk's joints, or of all where fewer than two of those are there.

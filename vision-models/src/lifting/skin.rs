@@ -1,53 +1,70 @@
 //! How far below the skin joints are.
 
+use super::section::CrossSection;
 use crate::{Body25, Error};
 
 /// How far the centre of a joint lies behind the skin that depth sees (m).
 ///
-/// The defaults are for adults in working clothes. Nose, eyes and ears are on the skin.
+/// Limbs are round: their joints lie as deep from every side. The trunk and the head are not: there it
+/// depends on the side from which the camera sees the person, and on how far the joint is from the middle.
+/// The defaults are for adults in working clothes, with breadths and depths that are rounded from
+/// ANSUR II (2012). Nose and eyes are on the skin.
 ///
 /// ```
 /// use vision_models::{Body25, SkinDepths};
 ///
-/// let skin = SkinDepths { hips: 0.10, ..SkinDepths::default() };
-/// assert_eq!(skin.of(Body25::MidHip), 0.10);
-/// assert_eq!(skin.of(Body25::Nose), 0.0);
+/// let skin = SkinDepths { wrists: 0.025, ..SkinDepths::default() };
+/// assert_eq!(skin.of(Body25::LeftWrist, 0.0), 0.025);
+/// // From the left, the left hip is near and the right one far.
+/// let left = std::f64::consts::FRAC_PI_2;
+/// assert!(skin.of(Body25::LeftHip, left) < 0.11 && skin.of(Body25::RightHip, left) > 0.2);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinDepths {
-    /// Neck, between the shoulders. Default 0.08.
-    pub neck: f64,
-    /// Shoulders. Default 0.07.
-    pub shoulders: f64,
-    /// Elbows. Default 0.04.
+    /// The trunk at the neck, between the shoulders. Default 0.12 and 0.065.
+    pub neck: CrossSection,
+    /// The trunk at the hips. Default 0.19 and 0.10.
+    pub hips: CrossSection,
+    /// From the middle of the hips to either. Default 0.09.
+    pub hip: f64,
+    /// The head at the ears. Default 0.08 and 0.09.
+    pub head: CrossSection,
+    /// From the middle of the head to either ear. Default 0.075.
+    pub ear: f64,
+    /// Shoulders: the near one lies as deep as both do from the front, and the far one is seen through the
+    /// breadth of the trunk. Default 0.12 and 0.08.
+    pub shoulders: CrossSection,
+    /// Elbows. Default 0.045.
     pub elbows: f64,
     /// Wrists. Default 0.03.
     pub wrists: f64,
-    /// Mid hip and hips. Default 0.095.
-    pub hips: f64,
-    /// Knees. Default 0.06.
+    /// Knees. Default 0.07.
     pub knees: f64,
-    /// Ankles, heels and toes. Default 0.035.
+    /// Ankles, heels and toes. Default 0.04.
     pub feet: f64,
 }
 
 impl Default for SkinDepths {
     fn default() -> Self {
         Self {
-            neck: 0.08,
-            shoulders: 0.07,
-            elbows: 0.04,
+            neck: CrossSection { half_width: 0.12, half_depth: 0.065 },
+            hips: CrossSection { half_width: 0.19, half_depth: 0.10 },
+            hip: 0.09,
+            head: CrossSection { half_width: 0.08, half_depth: 0.09 },
+            ear: 0.075,
+            shoulders: CrossSection { half_width: 0.12, half_depth: 0.08 },
+            elbows: 0.045,
             wrists: 0.03,
-            hips: 0.095,
-            knees: 0.06,
-            feet: 0.035,
+            knees: 0.07,
+            feet: 0.04,
         }
     }
 }
 
 impl SkinDepths {
-    /// The depth of a joint below the skin (m).
-    pub fn of(&self, joint: Body25) -> f64 {
+    /// The depth of a joint below the skin (m), seen from a `bearing`: the direction to the camera from
+    /// the person's forward direction, to the left positive (rad).
+    pub fn of(&self, joint: Body25, bearing: f64) -> f64 {
         use Body25::{
             LeftAnkle, LeftBigToe, LeftEar, LeftElbow, LeftEye, LeftHeel, LeftHip, LeftKnee,
             LeftShoulder, LeftSmallToe, LeftWrist, MidHip, Neck, Nose, RightAnkle, RightBigToe,
@@ -55,25 +72,44 @@ impl SkinDepths {
             RightSmallToe, RightWrist,
         };
         match joint {
-            Nose | LeftEye | RightEye | LeftEar | RightEar => 0.0,
-            Neck => self.neck,
-            LeftShoulder | RightShoulder => self.shoulders,
+            Nose | LeftEye | RightEye => 0.0,
+            LeftEar => self.head.depth(self.ear, bearing),
+            RightEar => self.head.depth(-self.ear, bearing),
+            Neck => self.neck.depth(0.0, bearing),
+            LeftShoulder => self.shoulder(bearing),
+            RightShoulder => self.shoulder(-bearing),
             LeftElbow | RightElbow => self.elbows,
             LeftWrist | RightWrist => self.wrists,
-            MidHip | LeftHip | RightHip => self.hips,
+            MidHip => self.hips.depth(0.0, bearing),
+            LeftHip => self.hip_depth(self.hip, bearing),
+            RightHip => self.hip_depth(-self.hip, bearing),
             LeftKnee | RightKnee => self.knees,
             LeftAnkle | RightAnkle | LeftBigToe | RightBigToe | LeftSmallToe | RightSmallToe
             | LeftHeel | RightHeel => self.feet,
         }
     }
 
+    /// Of the hip that is so far to the left (m): the trunk does not become thinner towards its sides.
+    fn hip_depth(&self, aside: f64, bearing: f64) -> f64 {
+        self.hips.depth(aside, bearing).max(self.hips.half_depth)
+    }
+
+    /// Of the shoulder on the side to which bearings are positive.
+    fn shoulder(&self, bearing: f64) -> f64 {
+        let is_near = bearing.sin() >= 0.0;
+        if is_near { self.shoulders.half_depth } else { self.shoulders.depth(0.0, bearing) }
+    }
+
     pub(super) fn validate(&self) -> Result<(), Error> {
+        self.neck.validate("skin.neck")?;
+        self.hips.validate("skin.hips")?;
+        self.head.validate("skin.head")?;
+        self.shoulders.validate("skin.shoulders")?;
         for (name, value) in [
-            ("skin.neck", self.neck),
-            ("skin.shoulders", self.shoulders),
+            ("skin.hip", self.hip),
+            ("skin.ear", self.ear),
             ("skin.elbows", self.elbows),
             ("skin.wrists", self.wrists),
-            ("skin.hips", self.hips),
             ("skin.knees", self.knees),
             ("skin.feet", self.feet),
         ] {

@@ -58,7 +58,7 @@ fn lifting_and_following_people_allocate_nothing() {
     let settings = PeopleSettings { facing: 4.0, ..PeopleSettings::default() };
     let mut people = People::new(settings, TrackerSettings::default()).unwrap();
     let frame = |frame: u32| {
-        let body = lifter.lift(&image, &depth).unwrap();
+        let body = lifter.lift(&image, &depth, None).unwrap();
         people.update(0.05 * f64::from(frame), std::slice::from_ref(&body)).unwrap();
     };
     assert_eq!(allocation_counter::measure(|| (0..100).for_each(frame)).count_total, 0);

@@ -3,8 +3,8 @@
 use nalgebra::{Isometry3, Matrix3, Point2, Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use vision_models::{
-    Body25, Camera, Confidence, DepthImage, DepthNoise, Error, ImageBody, ImageKeypoint,
-    Intrinsics, Lifter, LiftingSettings, SkinDepths, read_depth,
+    Body25, Camera, Confidence, CrossSection, DepthImage, DepthNoise, Error, ImageBody,
+    ImageKeypoint, Intrinsics, Lifter, LiftingSettings, SkinDepths, read_depth,
 };
 
 const SIZE: [usize; 2] = [160, 120];
@@ -54,9 +54,22 @@ proptest! {
             ..LiftingSettings::default()
         };
         let lifter = Lifter::new(camera, settings).unwrap();
-        let body = lifter.lift(&image(&[(Body25::LeftWrist, pixel)]), &flat(depth)).unwrap();
+        let body = lifter.lift(&image(&[(Body25::LeftWrist, pixel)]), &flat(depth), None).unwrap();
         let found = body.get(Body25::LeftWrist).unwrap().position;
         prop_assert!((found - joint).norm() < 1e-6, "{found} for {joint}");
+    }
+
+    /// Seen from any side, a joint lies behind the outline of the section that it is in.
+    #[test]
+    fn a_joint_is_as_deep_as_its_section(
+        width in 0.05..0.3_f64, depth in 0.05..0.3_f64, share in -0.95..0.95_f64, bearing in -4.0..4.0_f64,
+    ) {
+        let section = CrossSection { half_width: width, half_depth: depth };
+        let aside = share * width;
+        let skin = section.depth(aside, bearing);
+        let [ahead, left] = [skin * bearing.cos(), aside + skin * bearing.sin()];
+        let outline = (ahead / depth).powi(2) + (left / width).powi(2);
+        prop_assert!(skin > 0.0 && (outline - 1.0).abs() < 1e-9, "{skin}: {outline}");
     }
 
     /// Two independent views: moving the camera moves joints and covariances with it.
@@ -67,8 +80,8 @@ proptest! {
         let there = Camera::new(intrinsics(), motion * here.world_from_camera(), *here.noise());
         let seen = image(&[(Body25::Neck, Point2::new(60.0, 40.0)), (Body25::MidHip, Point2::new(61.0, 80.0))]);
         let depth = flat(2.5);
-        let here = lifter(here).lift(&seen, &depth).unwrap();
-        let there = lifter(there.unwrap()).lift(&seen, &depth).unwrap();
+        let here = lifter(here).lift(&seen, &depth, None).unwrap();
+        let there = lifter(there.unwrap()).lift(&seen, &depth, None).unwrap();
         let moved = here.transformed(&motion);
         for joint in [Body25::Neck, Body25::MidHip] {
             let difference = moved.get(joint).unwrap().position - there.get(joint).unwrap().position;
@@ -86,7 +99,7 @@ proptest! {
         let lifter = Lifter::new(camera, settings).unwrap();
         let lift = |du: f64, dv: f64, dz: f64| {
             let seen = image(&[(Body25::LeftWrist, Point2::new(column + du, row + dv))]);
-            let body = lifter.lift(&seen, &flat(z + dz)).unwrap();
+            let body = lifter.lift(&seen, &flat(z + dz), None).unwrap();
             (body.get(Body25::LeftWrist).unwrap().position, body.covariance(Body25::LeftWrist).unwrap())
         };
         // Symmetric points of each error reproduce its variance.
@@ -128,9 +141,32 @@ fn joints_out_of_reach_of_the_trunk_are_left_out() {
         (Body25::RightElbow, 70.0),
     ];
     let joints: Vec<_> = joints.iter().map(|&(joint, x)| (joint, Point2::new(x, 60.0))).collect();
-    let body = lifter(camera).lift(&image(&joints), &depth).unwrap();
+    let body = lifter(camera).lift(&image(&joints), &depth, None).unwrap();
     let seen: Vec<_> = body.iter().map(|(joint, _)| joint).collect();
     assert_eq!(seen, [Body25::Neck, Body25::RightElbow, Body25::LeftShoulder, Body25::MidHip]);
+}
+
+/// Where a hand is before a hip, the hip is left out: nobody leans so far back.
+#[test]
+fn hips_behind_a_hand_are_left_out() {
+    let eye = Point3::new(-2.0, 0.0, 1.2);
+    let camera =
+        Camera::looking_at(intrinsics(), eye, Point3::new(0.0, 0.0, 1.2), DepthNoise::D435I)
+            .unwrap();
+    let lift = |heading: f64| {
+        let depths = (0..SIZE[0] * SIZE[1])
+            .map(|index| if index / SIZE[0] > 70 { 1.7 } else { 2.0 })
+            .collect();
+        let depth = DepthImage::from_metres(SIZE, depths).unwrap();
+        let seen = image(&[
+            (Body25::Neck, Point2::new(79.0, 40.0)),
+            (Body25::MidHip, Point2::new(79.0, 90.0)),
+        ]);
+        lifter(camera).lift(&seen, &depth, Some(heading)).unwrap()
+    };
+    // Someone who faces the camera, and someone who turns their back to it and bends.
+    assert!(lift(std::f64::consts::PI).get(Body25::MidHip).is_none());
+    assert!(lift(0.0).get(Body25::MidHip).is_some());
 }
 
 #[test]
@@ -139,7 +175,7 @@ fn at_an_edge_the_depth_is_less_certain() {
     let depth = DepthImage::from_metres(SIZE, depths.collect()).unwrap();
     let at = |x: f64| {
         let seen = image(&[(Body25::LeftElbow, Point2::new(x, 60.0))]);
-        let body = lifter(camera()).lift(&seen, &depth).unwrap();
+        let body = lifter(camera()).lift(&seen, &depth, None).unwrap();
         body.covariance(Body25::LeftElbow).unwrap().trace()
     };
     assert!(at(80.0) > at(60.0));
@@ -148,7 +184,7 @@ fn at_an_edge_the_depth_is_less_certain() {
 #[test]
 fn images_of_another_size_are_refused() {
     let other = DepthImage::from_metres([80, 60], vec![1.0; 4800]).unwrap();
-    let error = lifter(camera()).lift(&ImageBody::default(), &other).unwrap_err();
+    let error = lifter(camera()).lift(&ImageBody::default(), &other, None).unwrap_err();
     assert_eq!(error, Error::ImageSize { found: [80, 60], expected: SIZE });
     assert!(error.to_string().contains("aligned"), "{error}");
     assert!(matches!(
@@ -202,8 +238,8 @@ fn wrong_cameras_and_settings_are_named() {
         ("range", LiftingSettings { range: [2.0, 1.0], ..base() }),
         ("edge", LiftingSettings { edge: f64::NAN, ..base() }),
         (
-            "skin.hips",
-            LiftingSettings { skin: SkinDepths { hips: -1.0, ..SkinDepths::default() }, ..base() },
+            "skin.knees",
+            LiftingSettings { skin: SkinDepths { knees: -1.0, ..SkinDepths::default() }, ..base() },
         ),
     ] {
         match Lifter::new(camera(), settings) {

@@ -226,13 +226,14 @@ fn a_single_frame_seen_from_behind_does_not_turn_the_person() {
 }
 
 #[test]
-fn stature_comes_from_the_legs() {
+fn stature_comes_from_legs_and_trunk() {
     let mut tracker = tracker();
     watch(&mut tracker, 0..10, |_| (vector![2.0, 0.0], 0.0));
     assert_eq!(tracker.stature(), None);
     watch(&mut tracker, 10..40, |_| (vector![2.0, 0.0], 0.0));
     let estimate = tracker.stature().unwrap();
-    assert!((estimate.stature - 1.75).abs() < 1e-3, "{estimate:?}");
+    // The trunk of this skeleton is 1.5 mm shorter than Drillis' and Contini's.
+    assert!((estimate.stature - 1.75).abs() < 2e-3, "{estimate:?}");
     assert_eq!(estimate.frames, 40);
 }
 

@@ -2,7 +2,10 @@
 
 use std::{io::BufWriter, sync::OnceLock};
 
-use vision_models::{ResNet, ResNetDepth, SlowOnly, SlowOnlyForm, Tensor, Tensors};
+use vision_models::{
+    ResNet, ResNetDepth, SimpleBaseline, SimpleBaselineForm, SlowOnly, SlowOnlyForm, Tensor,
+    Tensors,
+};
 
 use super::keep;
 
@@ -17,6 +20,13 @@ pub(crate) fn slow_only_r18() -> &'static str {
     static PATH: OnceLock<String> = OnceLock::new();
     let form = SlowOnlyForm::MmAction2Depth18;
     PATH.get_or_init(|| write("slow_only_r18", SlowOnly::parameters(form, 30)))
+}
+
+/// The checkpoint of a simple baseline, as Microsoft's.
+pub(crate) fn simple_baseline() -> &'static str {
+    static PATH: OnceLock<String> = OnceLock::new();
+    let form = SimpleBaselineForm::Microsoft;
+    PATH.get_or_init(|| write("simple_baseline", SimpleBaseline::parameters(form)))
 }
 
 /// Writes a checkpoint in the folder for files of tests, from where it may be read at any time.

@@ -1,0 +1,53 @@
+//! What recordings may say beside percepts: when each part was seen and known, and the person's segments.
+
+use examples::recording::{
+    Header, IfPartial, MeasuredSegments, Reader, Recording, Stamp, Timing, Writer,
+};
+use vision_models::{Action, Confidence, Percept, RecognisedAction};
+
+/// When parts of a percept were seen and known is kept; recordings without it read as before.
+#[test]
+fn timings_are_kept_and_checked() {
+    let percept = Percept {
+        time: 2.0,
+        body: None,
+        action: Some(RecognisedAction { action: Action::Walking, confidence: Confidence::ONE }),
+        surface: None,
+    };
+    let action = Stamp { captured: Some(1.8), arrived: Some(2.3) };
+    let timing = Timing { arrived: Some(2.05), action, surface: Stamp::default() };
+    let mut writer = Writer::new(Vec::new(), &Header::default()).unwrap();
+    writer.write_timed(&percept, &timing).unwrap();
+    writer.write(&Percept { time: 2.1, ..percept.clone() }).unwrap();
+    for (of, stamp) in [
+        ("captured at 2.3 s", Stamp { captured: Some(2.3), arrived: None }),
+        ("arrived at 1.5 s", Stamp { captured: None, arrived: Some(1.5) }),
+        ("within 600 s", Stamp { captured: None, arrived: Some(999.0) }),
+        ("NaN", Stamp { captured: Some(f64::NAN), arrived: None }),
+    ] {
+        let wrong = Timing { action: stamp, ..Timing::default() };
+        let error = writer.write_timed(&Percept { time: 2.2, ..percept.clone() }, &wrong);
+        let text = error.unwrap_err().to_string();
+        assert!(text.contains(of) && text.contains("the action of the frame"), "{text}");
+    }
+    let bytes = writer.finish().unwrap();
+    let reader = Reader::new(bytes.as_slice()).unwrap();
+    let recording = Recording::read(reader, IfPartial::Refuse).unwrap();
+    assert_eq!(recording.timings, [timing, Timing::default()]);
+    let second = String::from_utf8(bytes).unwrap();
+    assert!(!second.lines().nth(2).unwrap().contains("arrived"), "{second}");
+}
+
+#[test]
+fn measured_segments_are_kept_and_checked() {
+    let segments =
+        MeasuredSegments { forearm: Some(0.25), thigh: Some(0.43), ..Default::default() };
+    let header = Header { stature: Some(1.75), segments, ..Header::default() };
+    let mut writer = Writer::new(Vec::new(), &header).unwrap();
+    writer.write(&Percept { time: 0.0, body: None, action: None, surface: None }).unwrap();
+    let bytes = writer.finish().unwrap();
+    assert_eq!(Reader::new(bytes.as_slice()).unwrap().header(), &header);
+    let text = String::from_utf8(bytes).unwrap().replace("0.25", "250.0");
+    let error = Reader::new(text.as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("the length of the forearm is 250"), "{error}");
+}
