@@ -78,7 +78,7 @@ struct SurfaceOptions {
     /// How many layers it has.
     #[arg(long, default_value = "50", value_parser = choices::depth(), requires = "surface_weights")]
     surface_depth: ResNetDepth,
-    /// A linear SVM over the features, as `classify --svm` writes it.
+    /// A linear SVM over the features, as `surface train` writes it.
     #[arg(long, value_name = "FILE", group = "decision", requires = "surface_weights")]
     surface_svm: Option<PathBuf>,
     /// Or a linear layer: fc.weight and fc.bias for drilled and smooth.

@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use ndarray::aview1;
 use vision_models::{
-    Confidence, LinearHead, LinearSvm, Preprocessing, RecognisedSurface, ResNetDepth, Surface,
-    softmax,
+    Confidence, LinearHead, LinearSvm, NetworkKind, RecognisedSurface, ResNet, ResNetDepth,
+    Surface, read_image, softmax,
 };
 
+use crate::surface::features::PREPROCESSING;
 use crate::vision::{
-    classifier::Classifier,
+    classifier::load_resnet,
     errors::{in_file, open_checkpoint},
 };
 
@@ -28,14 +28,14 @@ enum Decision {
 /// ResNet (paper, Experiment 1).
 #[derive(Debug)]
 pub struct SurfaceNetwork {
-    network: Classifier,
+    network: ResNet,
     decision: Decision,
     /// Of each class.
     surfaces: Vec<Surface>,
 }
 
 impl SurfaceNetwork {
-    /// Loads the network, and an SVM as `classify --svm` writes it, or else a head with the tensors
+    /// Loads the network, and an SVM as `surface train` writes it, or else a head with the tensors
     /// `fc.weight` and `fc.bias` for drilled and smooth.
     ///
     /// # Errors
@@ -46,7 +46,7 @@ impl SurfaceNetwork {
         decision: SurfaceDecision<'_>,
         threads: usize,
     ) -> Result<Self> {
-        let network = Classifier::load(weights, depth, Preprocessing::SURFACE, threads)?;
+        let network = load_resnet(weights, depth, PREPROCESSING.crop, threads)?;
         let (decision, file) = match decision {
             SurfaceDecision::Svm(file) => {
                 let svm = LinearSvm::read(file).map_err(|error| in_file(file, error))?;
@@ -66,9 +66,10 @@ impl SurfaceNetwork {
         let given = network.features();
         ensure!(
             taken == given,
-            "{shown}: it takes {taken} features, but {} has {given}: give the network that it was \
-             trained with",
-            network.describe()
+            "{shown}: it takes {taken} features, but the {} of {} has {given}: give the network that \
+             it was trained with",
+            NetworkKind::ResNet(depth.into()),
+            weights.display()
         );
         let surfaces = classes.iter().map(|class| class.parse());
         let surfaces = surfaces.collect::<Result<_, _>>().with_context(|| shown.to_string())?;
@@ -81,9 +82,9 @@ impl SurfaceNetwork {
     /// # Errors
     /// If the image cannot be used.
     pub fn recognise(&mut self, image: &Path) -> Result<Option<RecognisedSurface>> {
-        let image = self.network.read(image)?;
-        let features = self.network.infer(&image)?.features;
-        let features = aview1(&features);
+        let image = PREPROCESSING.image(read_image(image)?.view())?;
+        let scores = self.network.infer(image.view())?;
+        let features = scores.features.row(0);
         let (class, probability) = match &self.decision {
             Decision::Svm(svm) => {
                 let decision = svm.decide(features)?.iter().fold(0.0, |a: f64, b| a.max(b.abs()));

@@ -11,6 +11,21 @@ use super::{
     errors::{of_weights, open_checkpoint},
 };
 
+/// Loads a ResNet for square images of this side.
+///
+/// # Errors
+/// With the checkpoint's name; one that holds another network says which.
+pub fn load_resnet(
+    weights: &Path,
+    depth: ResNetDepth,
+    side: usize,
+    threads: usize,
+) -> Result<ResNet> {
+    let options = Options { threads, ..Options::default() };
+    ResNet::load(depth, open_checkpoint(weights)?, [side, side], options)
+        .map_err(|error| of_weights(weights, Accepted::ResNets, error))
+}
+
 /// What an image goes through.
 #[derive(Debug)]
 pub struct Classifier {
@@ -29,10 +44,7 @@ impl Classifier {
         preprocessing: Preprocessing,
         threads: usize,
     ) -> Result<Self> {
-        let options = Options { threads, ..Options::default() };
-        let side = preprocessing.crop;
-        let network = ResNet::load(depth, open_checkpoint(weights)?, [side, side], options)
-            .map_err(|error| of_weights(weights, Accepted::ResNets, error))?;
+        let network = load_resnet(weights, depth, preprocessing.crop, threads)?;
         Ok(Self { preprocessing, network })
     }
 
