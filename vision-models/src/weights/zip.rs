@@ -126,6 +126,9 @@ impl Archive {
 
 fn of_zip(error: &rawzip::Error) -> Error {
     match error.kind() {
+        ErrorKind::IO(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
+            problem("", "its directory reaches beyond its end: the file is cut off or corrupted")
+        }
         ErrorKind::IO(error) => reading(error),
         ErrorKind::MissingEndOfCentralDirectory => {
             problem("", "its directory is missing: the file is cut off")

@@ -325,6 +325,24 @@ fn nothing_is_written_that_would_not_be_read() {
     assert!(many.write_safetensors(&mut file).is_err() && file.is_empty());
 }
 
+/// A zip archive's end says where its directory is: no change of it is taken for a disk that fails.
+#[test]
+fn a_changed_end_of_an_archive_is_a_typed_error() {
+    let file = fs::read(format!("{}/tests/data/wrapped.pth", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let mut refused = 0;
+    for place in file.len() - 120..file.len() {
+        for byte in [0, 1, 0x7f, 0xff] {
+            let mut changed = file.clone();
+            changed[place] = byte;
+            if let Err(error) = read(changed) {
+                assert!(matches!(error, Error::Checkpoint(_)), "{place}: {error}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(refused > 100, "{refused}");
+}
+
 proptest! {
     #[test]
     fn what_is_written_is_read(
