@@ -295,8 +295,11 @@ impl ProblemData {
             if scale == 0.0 {
                 (self.lower[id], self.upper[id]) = (f64::NEG_INFINITY, f64::INFINITY);
             }
-            self.check_row(id)?;
-            self.check_range(id)?;
+            // What is as it was loaded has been checked.
+            if scale != 1.0 {
+                self.check_row(id)?;
+                self.check_range(id)?;
+            }
         }
         Ok(())
     }
