@@ -16,6 +16,7 @@ use super::network::Window;
 use crate::{
     learning::{
         backbone::{Weights, WeightsIdentity},
+        description,
         split::Part,
     },
     program::{Interrupt, OutputFile},
@@ -74,7 +75,7 @@ impl ActionModel {
             let own = self.parts.iter().filter(move |(_, own)| **own == part);
             own.map(|(name, _)| name.clone()).collect()
         };
-        let description = Description {
+        let described = Description {
             action_model: VERSION,
             classes: self.head.classes().to_vec(),
             window: self.window.clone(),
@@ -82,9 +83,7 @@ impl ActionModel {
             training: of(Part::Training),
             test: of(Part::Test),
         };
-        let text = serde_json::to_string_pretty(&description)? + "\n";
-        OutputFile::write_whole(folder.join(FILE), text.as_bytes())?;
-        Ok(())
+        description::write(&folder.join(FILE), &described)
     }
 
     /// Reads one.
@@ -94,14 +93,9 @@ impl ActionModel {
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(FILE);
         let named = || path.display().to_string();
-        let text = fs::read_to_string(&path).with_context(named)?;
-        let description: Description = serde_json::from_str(&text).with_context(named)?;
-        let Description { action_model, classes, window, weights, training, test } = description;
-        ensure!(
-            action_model == VERSION,
-            "{}: version {action_model} of the format, of which {VERSION} is known",
-            named()
-        );
+        let described: Description = description::read(&path)?;
+        let Description { action_model, classes, window, weights, training, test } = described;
+        description::check_version(&path, action_model, VERSION)?;
         let Window { length, interval, side, .. } = window;
         ensure!(
             (1..=64).contains(&length)

@@ -18,6 +18,7 @@ use super::{
 use crate::{
     learning::{
         backbone::{Weights, WeightsIdentity},
+        description,
         evaluation::Evaluation,
         split::Part,
     },
@@ -105,7 +106,7 @@ impl SurfaceModel {
             depth: network.depth.layers(),
             weights: network.weights.clone(),
         };
-        let description = Description {
+        let described = Description {
             surface_model: VERSION,
             classes: self.classes.clone(),
             networks: self.networks.iter().map(describe).collect(),
@@ -113,9 +114,7 @@ impl SurfaceModel {
             test: of(Part::Test),
             training: of(Part::Training),
         };
-        let text = serde_json::to_string_pretty(&description)? + "\n";
-        OutputFile::write_whole(folder.join(FILE), text.as_bytes())?;
-        Ok(())
+        description::write(&folder.join(FILE), &described)
     }
 
     /// Reads one.
@@ -125,19 +124,14 @@ impl SurfaceModel {
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(FILE);
         let named = || path.display().to_string();
-        let text = fs::read_to_string(&path).with_context(named)?;
-        let description: Description = serde_json::from_str(&text).with_context(named)?;
-        let Description { surface_model, classes, networks, .. } = description;
-        ensure!(
-            surface_model == VERSION,
-            "{}: version {surface_model} of the format, of which {VERSION} is known",
-            named()
-        );
+        let described: Description = description::read(&path)?;
+        let Description { surface_model, classes, networks, .. } = described;
+        description::check_version(&path, surface_model, VERSION)?;
         let mut parts = BTreeMap::new();
         for (part, paths) in [
-            (Part::Training, description.training),
-            (Part::Validation, description.validation),
-            (Part::Test, description.test),
+            (Part::Training, described.training),
+            (Part::Validation, described.validation),
+            (Part::Test, described.test),
         ] {
             parts.extend(paths.into_iter().map(|path| (path, part)));
         }

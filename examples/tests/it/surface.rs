@@ -162,6 +162,27 @@ fn classes_that_cannot_be_learnt_are_named() {
     none.run().failed(1, "no network: give --weights 50=FILE");
 }
 
+/// Descriptions that never end, are of another version, or of another program.
+#[test]
+fn models_that_are_none_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().to_str().unwrap();
+    for (program, file) in [("surface", "surface.json"), ("actions", "actions.json")] {
+        let path = folder.path().join(file);
+        let refused = |says: &str| {
+            let verb = if program == "surface" { "predict" } else { "recognise" };
+            let ran = Runs::new(program).with(&[verb, "none", "--model", model]).run();
+            assert!(ran.failed(1, says).errors.contains(file));
+        };
+        refused("No such file");
+        std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
+        refused("takes at most 64 MiB");
+        fs::remove_file(&path).unwrap();
+        fs::write(&path, "{}").unwrap();
+        refused("missing field");
+    }
+}
+
 #[test]
 fn labels_weights_and_caches_that_do_not_match_are_refused() {
     let pictures = Pictures::new(3);
