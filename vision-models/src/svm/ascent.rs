@@ -22,7 +22,7 @@ pub(super) struct Start {
 
 /// Coordinate ascent on the dual problem, one α after the other in random order (C.-J. Hsieh, K.-W. Chang,
 /// C.-J. Lin, S. Keerthi and S. Sundararajan, "A dual coordinate descent method for large-scale linear SVM",
-/// ICML 2008, algorithm 1). It finds out soon which samples are at a limit. A free bias is for now the weight
+/// ICML 2008, algorithm 1). It finds out soon which samples are at a limit. A free bias is taken as the weight
 /// of a feature as large as the samples.
 pub(super) fn ascend(problem: &Problem<'_>) -> Start {
     let squares: Vec<f64> =
