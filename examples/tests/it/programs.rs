@@ -5,7 +5,7 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
-use crate::support::{Ran, Runs, SmallDisk, coarse_map_file, signal};
+use crate::support::{Ran, Runs, SmallDisk, coarse_map_file, signal, small_frames};
 
 /// A set of problems and a table of sheets, for programs that read one.
 struct Inputs {
@@ -42,19 +42,8 @@ impl Inputs {
             Runs::new("reba").with(&["--input", &path("sheets.csv")]),
             Runs::new("ergo_map").with(&["--load", coarse_map_file(), "-o", &path("map")]),
             Runs::new("tlx").with(&["--input", &path("answers.csv")]),
-            self.perceive(&path("p.jsonl")),
+            perceive(&path("p.jsonl")),
         ]
-    }
-
-    /// `perceive` with some small frames.
-    fn perceive(&self, output: &str) -> Runs {
-        let frames = self.path("frames");
-        if !Path::new(&frames).exists() {
-            let film = ["--frames", &frames, "--size=32x32", "--duration=20", "--walk"];
-            Runs::new("record").with(&film).run().done();
-        }
-        let skeletons = format!("{frames}/skeletons");
-        Runs::new("perceive").with(&[&frames, "--skeletons", &skeletons, "--output", output])
     }
 
     /// A recording of a second.
@@ -63,6 +52,13 @@ impl Inputs {
         Runs::new("record").with(&["--duration=1", "--output", &path]).run().done();
         path
     }
+}
+
+/// `perceive` with some small frames.
+fn perceive(output: &str) -> Runs {
+    let frames = small_frames();
+    let skeletons = format!("{frames}/skeletons");
+    Runs::new("perceive").with(&[frames, "--skeletons", &skeletons, "--output", output])
 }
 
 const PROGRAMS: [&str; 8] =
@@ -136,7 +132,6 @@ fn places_where_nothing_can_be_written_are_refused_before_the_work() {
     let inputs = Inputs::new();
     let (set, sheets) = (inputs.path("set.hqp"), inputs.path("sheets.csv"));
     let below = format!("{set}/out");
-    drop(inputs.perceive(""));
     let before = names(inputs.folder.path());
     for (place, says) in [
         (below.as_str(), "set.hqp"),
@@ -148,7 +143,7 @@ fn places_where_nothing_can_be_written_are_refused_before_the_work() {
         let record = Runs::new("record").with(&["--duration=3600", "--output", place]);
         let hqp = Runs::new("hqp").with(&[&set, "--repeat=4000000000", "--output", place]);
         let reba = Runs::new("reba").with(&["--input", &sheets, "--output", place]);
-        for program in [record, hqp, reba, inputs.perceive(place)] {
+        for program in [record, hqp, reba, perceive(place)] {
             program.run().failed(1, says);
         }
     }
@@ -173,9 +168,8 @@ fn a_full_disk_leaves_no_half_file() {
     let path = |name: &str| disk.path().join(name).to_str().unwrap().to_owned();
     fs::write(path("old.jsonl"), "as it was\n").unwrap();
     let full = "No space left on device";
-    let inputs = Inputs::new();
     for (program, file) in [
-        (inputs.perceive(&path("old.jsonl")), "old.jsonl"),
+        (perceive(&path("old.jsonl")), "old.jsonl"),
         (Runs::new("record").with(&["--output", &path("old.jsonl")]), "old.jsonl"),
         (Runs::follow().with(&["--output", disk.path().to_str().unwrap()]), "ticks-on.csv"),
         (

@@ -3,12 +3,14 @@
 use std::{fs::File, path::PathBuf};
 
 mod disk;
+mod frames;
 mod maps;
 mod networks;
 mod pictures;
 mod run;
 
 pub(crate) use disk::SmallDisk;
+pub(crate) use frames::small_frames;
 pub(crate) use maps::{average_map, coarse_map, coarse_map_file};
 pub(crate) use networks::{resnet18, simple_baseline, slow_only_r18};
 pub(crate) use pictures::{png_that_claims, save_picture};
