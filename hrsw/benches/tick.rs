@@ -4,8 +4,8 @@
 use ahqp_core::{AugmentedState, Level, Limits, MotionState, Rows};
 use divan::{Bencher, black_box};
 use hrsw::{
-    ApproachRows, Bounds, Capsule, JointMotion, PersonBody, RobotBody, SeparationSettings,
-    SoftWorkspace, Workspace, proximity,
+    ApproachRows, Bounds, Capsule, JointMotion, MeasuredVelocity, PersonBody, RobotBody,
+    SeparationSettings, SoftWorkspace, Workspace, proximity,
 };
 use nalgebra::{Isometry3, Matrix6xX, Vector3, Vector6};
 use parry3d_f64::math::{Pose, Vector};
@@ -39,8 +39,8 @@ fn bodies() -> (Vec<RobotBody>, Vec<PersonBody>) {
     ];
     let robot = arm.into_iter().enumerate();
     let robot = robot.map(|(i, capsule)| RobotBody { capsule, joints: 4 + 2 * i }).collect();
-    let walking = Some(Vector3::new(-0.5, 0.1, 0.0));
-    let part = |capsule| PersonBody { capsule, velocity: walking, contact_speed: 0.0 };
+    let walking = Some(MeasuredVelocity::exact(Vector3::new(-0.5, 0.1, 0.0)));
+    let part = |capsule| PersonBody { capsule, velocity: walking, contact: None };
     (robot, body.map(part).to_vec())
 }
 
@@ -90,6 +90,7 @@ impl Tick {
             origin: Vector3::new(0.6, 0.0, 0.9),
             velocity: &velocity,
             braking: None,
+            inverse_inertia: None,
         };
         let nearest = self.separation.write(&motion, &self.robot, &self.person, &mut self.rows);
         black_box(nearest.unwrap());

@@ -1,8 +1,9 @@
 //! Rows that bound how fast bodies of the robot approach others.
 
 use ahqp_core::{AugmentedState, Rows};
-use nalgebra::{Matrix6xX, Vector3, Vector6};
+use nalgebra::{DMatrix, Matrix6xX, Vector3, Vector6};
 
+use crate::contact::{Contact, Mobility};
 use crate::distance::{Proximity, proximity};
 use crate::error::{Error, check_all, check_size, not_negative};
 use crate::separation::SeparationSettings;
@@ -17,17 +18,33 @@ pub struct RobotBody {
     pub joints: usize,
 }
 
+/// How a part of the person's body moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredVelocity {
+    /// As measured, in the world \[m/s\].
+    pub mean: Vector3<f64>,
+    /// How much faster than that the part may move, because the measurement is late and noisy \[m/s\].
+    pub uncertainty: f64,
+}
+
+impl MeasuredVelocity {
+    /// A velocity that is known exactly \[m/s\].
+    pub fn exact(mean: Vector3<f64>) -> Self {
+        Self { mean, uncertainty: 0.0 }
+    }
+}
+
 /// A part of the person's body, placed in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PersonBody {
     /// Its shape in the world \[m\].
     pub capsule: Capsule,
-    /// Its velocity \[m/s\]; unmeasured, the person is taken to come nearer at
+    /// Its velocity; unmeasured, the person is taken to come nearer at
     /// [`SeparationSettings::human_speed`].
-    pub velocity: Option<Vector3<f64>>,
-    /// How fast the robot may come nearer to it whatever the distance, on top of the speed at
-    /// which it recedes \[m/s\]: zero but for parts that work on what the robot holds.
-    pub contact_speed: f64,
+    pub velocity: Option<MeasuredVelocity>,
+    /// For a part that the robot may touch now: whatever the distance, the two may come nearer to each
+    /// other as fast as their contact allows. None where only the distance counts.
+    pub contact: Option<Contact>,
 }
 
 /// How the robot moves with its joints now.
@@ -45,6 +62,9 @@ pub struct JointMotion<'a> {
     /// limits. Every row is relaxed to admit it, so that hard rows never make the problem
     /// infeasible. None for rows that are minimised in a level of their own.
     pub braking: Option<&'a [f64]>,
+    /// M⁻¹, the inverse of the joint-space inertia, n × n, with which the robot gives way in a contact.
+    /// None for a robot that does not give way at all, the worst case.
+    pub inverse_inertia: Option<&'a DMatrix<f64>>,
 }
 
 /// The pair that is nearest to its protective distance, or deepest within, of those that may not
@@ -117,7 +137,7 @@ impl BodyMotion {
 /// ```
 /// use ahqp_core::AugmentedState;
 /// use hrsw::{
-///     ApproachRows, Capsule, JointMotion, PersonBody, RobotBody, SeparationSettings,
+///     ApproachRows, Capsule, JointMotion, MeasuredVelocity, PersonBody, RobotBody, SeparationSettings,
 /// };
 /// use nalgebra::{Matrix6xX, Vector3};
 ///
@@ -132,11 +152,12 @@ impl BodyMotion {
 ///     origin: Vector3::zeros(),
 ///     velocity: &[0.0],
 ///     braking: Some(&[0.0]),
+///     inverse_inertia: None,
 /// };
 /// let robot = [RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.1)?, joints: 1 }];
 /// let head = Capsule::sphere(Vector3::new(1.5, 0.0, 0.0), 0.1)?;
-/// let velocity = Some(Vector3::zeros());
-/// let person = [PersonBody { capsule: head, velocity, contact_speed: 0.0 }];
+/// let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
+/// let person = [PersonBody { capsule: head, velocity, contact: None }];
 /// let nearest = separation.write(&motion, &robot, &person, &mut rows)?;
 /// assert!((nearest.map_or(0.0, |pair| pair.distance) - 1.3).abs() < 1e-12);
 /// let limit = SeparationSettings::default().approach_limit(1.3, 0.0);
@@ -149,6 +170,8 @@ pub struct ApproachRows {
     settings: SeparationSettings,
     capacity: usize,
     candidates: Vec<Candidate>,
+    nearest: Option<Nearest>,
+    mobility: Mobility,
 }
 
 impl ApproachRows {
@@ -162,7 +185,9 @@ impl ApproachRows {
         capacity: usize,
     ) -> Result<Self, Error> {
         settings.validate()?;
-        Ok(Self { state, settings, capacity, candidates: Vec::with_capacity(capacity + 1) })
+        let candidates = Vec::with_capacity(capacity + 1);
+        let mobility = Mobility::new(state.joints);
+        Ok(Self { state, settings, capacity, candidates, nearest: None, mobility })
     }
 
     /// The block, bounding nothing yet.
@@ -179,7 +204,7 @@ impl ApproachRows {
     }
 
     /// Writes the rows for the robot and the person into a block made by [`rows`](Self::rows),
-    /// and returns, of the pairs written, the one with the least room. Allocates nothing.
+    /// and returns, of the pairs that may not touch, the one with the least room. Allocates nothing.
     ///
     /// # Errors
     /// [`Error::Size`] for a block, Jacobian or velocities that do not fit; [`Error::NotFinite`].
@@ -193,31 +218,39 @@ impl ApproachRows {
     ) -> Result<Option<Nearest>, Error> {
         self.check(motion, robot, rows)?;
         person.iter().try_for_each(|part| part.capsule.check("a capsule of the person"))?;
-        check_all(
-            "the velocity of a person's body",
-            person.iter().filter_map(|body| body.velocity.as_ref()).flat_map(|v| v.iter()),
-        )?;
         for part in person {
-            not_negative("the contact speed of a person's body", part.contact_speed)?;
+            if let Some(velocity) = &part.velocity {
+                check_all("the velocity of a person's body", velocity.mean.iter())?;
+                not_negative("the uncertainty of a person's velocity", velocity.uncertainty)?;
+            }
+            part.contact.as_ref().map_or(Ok(()), Contact::validate)?;
         }
-        self.candidates.clear();
+        self.clear();
+        self.mobility.clear();
         for (i, body) in robot.iter().enumerate() {
             let moves = BodyMotion::new(motion, body);
             for (j, part) in person.iter().enumerate() {
                 // The sum of the parts is no less than the norm.
-                let fastest = part.velocity.map(|v| v.abs().sum());
+                let fastest = part.velocity.map(|v| v.mean.abs().sum() + v.uncertainty);
                 let capsules = (&body.capsule, &part.capsule);
                 if self.is_out_of_sight(capsules, moves.fastest, fastest) {
                     continue;
                 }
                 let near = proximity(&body.capsule, &part.capsule);
-                let measured = part.velocity.map(|v| v.dot(&near.normal));
-                let assumed = self.settings.speed_towards_robot(measured);
-                let contact = part.contact_speed > 0.0;
-                let receding = if contact { measured.map_or(0.0, |v| (-v).max(0.0)) } else { 0.0 };
-                let limit = self.settings.approach_limit(near.distance, assumed);
-                let limit = limit.max(part.contact_speed + receding);
-                let approach = -near.gradient_first(&motion.origin).dot(&moves.twist);
+                let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
+                let uncertainty = part.velocity.map_or(0.0, |v| v.uncertainty);
+                let worst = measured.map(|speed| speed + uncertainty);
+                let assumed = self.settings.speed_towards_robot(worst);
+                let gradient = near.gradient_first(&motion.origin);
+                let mut limit = self.settings.approach_limit(near.distance, assumed);
+                if let Some(contact) = part.contact {
+                    let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
+                    let mass = self.mobility.mass(jacobian, inverse, body.joints, &gradient);
+                    let (measured, worst) = (measured.unwrap_or(assumed), worst.unwrap_or(assumed));
+                    limit = limit.max(contact.approach_limit(mass, measured, worst));
+                }
+                let contact = part.contact.is_some();
+                let approach = -gradient.dot(&moves.twist);
                 self.consider(Candidate {
                     robot: i,
                     other: j,
@@ -253,7 +286,7 @@ impl ApproachRows {
         rows: &mut Rows,
     ) -> Result<Option<Nearest>, Error> {
         self.check(motion, robot, rows)?;
-        self.candidates.clear();
+        self.clear();
         let mut remembered = [None; REMEMBERED];
         let mut moves_of = |index: usize, body: &RobotBody| match remembered.get_mut(index) {
             Some(slot) => *slot.get_or_insert_with(|| BodyMotion::new(motion, body)),
@@ -288,6 +321,11 @@ impl ApproachRows {
         self.write_candidates(motion, rows)
     }
 
+    fn clear(&mut self) {
+        self.candidates.clear();
+        self.nearest = None;
+    }
+
     fn check(
         &self,
         motion: &JointMotion<'_>,
@@ -304,6 +342,11 @@ impl ApproachRows {
         check_size("the braking velocity", braking.len(), joints)?;
         check_all("the Jacobian", motion.jacobian.iter())?;
         check_all("the origin of the Jacobian", motion.origin.iter())?;
+        if let Some(inverse) = motion.inverse_inertia {
+            check_size("the rows of the inverse inertia", inverse.nrows(), joints)?;
+            check_size("the columns of the inverse inertia", inverse.ncols(), joints)?;
+            check_all("the inverse inertia", inverse.iter())?;
+        }
         check_all("a joint velocity", motion.velocity.iter().chain(braking))
     }
 
@@ -326,8 +369,15 @@ impl ApproachRows {
             || first.is_beyond(second, self.settings.protective_distance(human_speed, speed))
     }
 
-    /// Keeps the pairs with the least headroom, by insertion.
+    /// Keeps the pairs with the least headroom, by insertion, and of all that may not touch the one with
+    /// the least room.
     fn consider(&mut self, candidate: Candidate) {
+        if !candidate.contact {
+            let pair = candidate.seen(&self.settings);
+            if self.nearest.is_none_or(|other| pair.room() < other.room()) {
+                self.nearest = Some(pair);
+            }
+        }
         let key = |candidate: &Candidate| {
             let standing = self.settings.protective_distance(candidate.human_speed, 0.0);
             (candidate.headroom, candidate.near.distance - standing)
@@ -345,7 +395,6 @@ impl ApproachRows {
         motion: &JointMotion<'_>,
         rows: &mut Rows,
     ) -> Result<Option<Nearest>, Error> {
-        let mut nearest: Option<Nearest> = None;
         for index in 0..self.capacity {
             let candidate = self.candidates.get(index);
             let row = rows.row_mut(index)?;
@@ -357,14 +406,10 @@ impl ApproachRows {
                     row.iter().zip(velocity).map(|(a, b)| a * b).sum()
                 };
                 upper = candidate.limit.max(motion.braking.map_or(0.0, along));
-                let pair = candidate.seen(along(motion.velocity), &self.settings);
-                if !candidate.contact && nearest.is_none_or(|other| pair.room() < other.room()) {
-                    nearest = Some(pair);
-                }
             }
             rows.upper_mut()[index] = upper;
         }
-        Ok(nearest)
+        Ok(self.nearest)
     }
 }
 
@@ -390,7 +435,8 @@ impl Candidate {
         }
     }
 
-    fn seen(&self, approach: f64, settings: &SeparationSettings) -> Nearest {
+    fn seen(&self, settings: &SeparationSettings) -> Nearest {
+        let approach = self.limit - self.headroom;
         Nearest {
             robot: self.robot,
             other: self.other,

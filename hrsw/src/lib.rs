@@ -1,7 +1,8 @@
 //! Human-robot shared workspaces: their shapes, softening and motion with the person, and rows
 //! that keep the robot's speed within its separation from people.
 //!
-//! Speed and separation monitoring follows ISO/TS 15066; this is not safety-rated software.
+//! Speed and separation monitoring follows ISO/TS 15066, the limits of contacts ISO 10218-2; this is not
+//! safety-rated software.
 //!
 //! ```
 //! use hrsw::{Bounds, FollowerSettings, FrameFollower, Workspace};
@@ -24,8 +25,10 @@
 mod age;
 mod anchor;
 mod approach;
+mod body_region;
 mod change;
 mod clock;
+mod contact;
 mod distance;
 mod error;
 mod fault;
@@ -46,8 +49,10 @@ mod workspace;
 
 pub use age::Age;
 pub use anchor::{Anchor, AnchorSettings};
-pub use approach::{ApproachRows, JointMotion, Nearest, PersonBody, RobotBody};
+pub use approach::{ApproachRows, JointMotion, MeasuredVelocity, Nearest, PersonBody, RobotBody};
+pub use body_region::{BodyRegion, ContactKind, ContactLimits, RegionLimits};
 pub use clock::{ClockSettings, LoopClock, Tick};
+pub use contact::{Contact, ContactLimit};
 pub use distance::{Proximity, proximity};
 pub use error::Error;
 pub use fault::{ClockFault, Fault, FrameFault};

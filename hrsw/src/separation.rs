@@ -18,9 +18,6 @@ pub struct SeparationSettings {
     /// v_h, the speed of a person towards the robot where it is not measured \[m/s\]. Default 1.6,
     /// the standard's.
     pub human_speed: f64,
-    /// How much faster than measured a person may move, because the measurement is late and
-    /// noisy \[m/s\]. Default 0.
-    pub human_speed_uncertainty: f64,
     /// T_r, from the person's motion to the robot's first reaction, the perception's latency
     /// included \[s\]. Default 0.15: a 20 Hz frame and 0.1 s of recognition.
     pub reaction_time: f64,
@@ -38,7 +35,6 @@ impl Default for SeparationSettings {
     fn default() -> Self {
         Self {
             human_speed: 1.6,
-            human_speed_uncertainty: 0.0,
             reaction_time: 0.15,
             deceleration: 2.0,
             intrusion: 0.1,
@@ -54,7 +50,6 @@ impl SeparationSettings {
     pub fn between_own_bodies(period: f64, deceleration: f64, margin: f64) -> Self {
         Self {
             human_speed: 0.0,
-            human_speed_uncertainty: 0.0,
             reaction_time: period,
             deceleration,
             intrusion: margin,
@@ -69,7 +64,6 @@ impl SeparationSettings {
     /// [`Error::Parameter`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         not_negative("the human speed", self.human_speed)?;
-        not_negative("the uncertainty of the human speed", self.human_speed_uncertainty)?;
         positive("the reaction time", self.reaction_time)?;
         positive("the deceleration of the robot", self.deceleration)?;
         not_negative("the intrusion distance", self.intrusion)?;
@@ -78,10 +72,10 @@ impl SeparationSettings {
         Ok(())
     }
 
-    /// v_h of a person whose measured velocity towards the robot is `measured`; receding counts
+    /// v_h of a person whose velocity towards the robot is `measured`, with its uncertainty; receding counts
     /// as standing \[m/s\].
     pub fn speed_towards_robot(&self, measured: Option<f64>) -> f64 {
-        measured.map_or(self.human_speed, |speed| (speed + self.human_speed_uncertainty).max(0.0))
+        measured.map_or(self.human_speed, |speed| speed.max(0.0))
     }
 
     /// S_p = v_h(T_r + T_s) + v_r T_r + v_r²/(2a) + C + Z_d + Z_r with T_s = v_r/a: the distance at

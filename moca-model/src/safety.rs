@@ -90,7 +90,7 @@ impl Safety {
             }
         }
         Ok(Self {
-            person: PersonBodies::new(settings.person),
+            person: PersonBodies::new(settings.person, &settings.contact),
             contact_speed: 0.0,
             person_velocity: Vector3::zeros(),
             nearest: None,
@@ -202,5 +202,6 @@ fn motion<'a>(
     braking: Option<&'a [f64]>,
 ) -> JointMotion<'a> {
     let origin = robot.world_from_tool().translation.vector;
-    JointMotion { jacobian: robot.jacobian(), origin, velocity, braking }
+    let (jacobian, inverse_inertia) = (robot.jacobian(), robot.inverse_inertia());
+    JointMotion { jacobian, origin, velocity, braking, inverse_inertia }
 }

@@ -4,12 +4,13 @@ use std::hint::black_box;
 
 use ahqp_core::AugmentedState;
 use hrsw::{
-    ApproachRows, Attachment, Bounds, Capsule, ClockSettings, Cone, Fault, ForbiddenRegion,
-    JointMotion, LoopClock, MovingSettings, MovingWorkspace, Observation, OrientedBox, PersonBody,
-    Polytope, PositionShape, Reach, RobotBody, SeparationSettings, Slack, SoftWorkspace, Softening,
-    SpeedCap, Supervisor, SupervisorSettings, Surroundings, Workspace,
+    ApproachRows, Attachment, BodyRegion, Bounds, Capsule, ClockSettings, Cone, Contact,
+    ContactLimits, Fault, ForbiddenRegion, JointMotion, LoopClock, MovingSettings, MovingWorkspace,
+    Observation, OrientedBox, PersonBody, Polytope, PositionShape, Reach, RobotBody,
+    SeparationSettings, Slack, SoftWorkspace, Softening, SpeedCap, Supervisor, SupervisorSettings,
+    Surroundings, Workspace,
 };
-use nalgebra::{Isometry3, Matrix6xX, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{DMatrix, Isometry3, Matrix6xX, UnitQuaternion, Vector3, Vector6};
 
 #[test]
 fn a_tick_allocates_nothing() {
@@ -44,20 +45,24 @@ fn a_tick_allocates_nothing() {
         |x: f64| Capsule::new(Vector3::new(x, 0.1, 0.0), Vector3::new(x, 0.0, 0.4), 0.1).unwrap();
     let robot: Vec<_> =
         (0..5).map(|i| RobotBody { capsule: capsule(0.2 * f64::from(i)), joints: 10 }).collect();
-    let person: Vec<_> = (0..8)
+    let person: Vec<_> = (0..8_u8)
         .map(|i| PersonBody {
             capsule: capsule(1.0 + 0.2 * f64::from(i)),
             velocity: None,
-            contact_speed: 0.0,
+            contact: ContactLimits::default()
+                .of(BodyRegion::ALL[3 + usize::from(i)])
+                .map(|limit| Contact { limit, fastest: 0.25 }),
         })
         .collect();
     let jacobian = Matrix6xX::from_fn(10, |i, j| (i as f64 - j as f64).sin());
     let rest = [0.0; 10];
+    let inverse_inertia = DMatrix::identity(10, 10);
     let motion = JointMotion {
         jacobian: &jacobian,
         origin: Vector3::zeros(),
         velocity: &rest,
         braking: Some(&rest),
+        inverse_inertia: Some(&inverse_inertia),
     };
     let settings = SeparationSettings::default();
     let mut separation = ApproachRows::new(state, settings, 20).unwrap();

@@ -4,9 +4,9 @@ use ahqp_core::{
     AugmentedState, Hierarchy, Level, LevelId, Limits, MotionState, Rows, Settings, Solver,
 };
 use hrsw::{
-    ApproachRows, Attachment, Bounds, Capsule, Cone, JointMotion, MovingSettings, MovingWorkspace,
-    OrientationShape, PersonBody, PositionShape, RobotBody, SeparationSettings, SoftWorkspace,
-    Softening, Workspace, proximity,
+    ApproachRows, Attachment, Bounds, Capsule, Cone, JointMotion, MeasuredVelocity, MovingSettings,
+    MovingWorkspace, OrientationShape, PersonBody, PositionShape, RobotBody, SeparationSettings,
+    SoftWorkspace, Softening, Workspace, proximity,
 };
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6xX, Vector3, Vector6};
 use proptest::prelude::*;
@@ -85,6 +85,7 @@ impl Gantry {
             origin: self.position,
             velocity: self.velocity.as_slice(),
             braking: (*kind == Kind::Hard).then_some(&braking),
+            inverse_inertia: None,
         };
         let rows = match kind {
             Kind::Level => self.hierarchy.rows_mut(self.apart).unwrap(),
@@ -116,8 +117,8 @@ proptest! {
     ) {
         let still = |at: &Vector3<f64>| PersonBody {
             capsule: Capsule::new(*at, at + Vector3::z() * 0.4, 0.2).unwrap(),
-            velocity: Some(Vector3::zeros()),
-            contact_speed: 0.0,
+            velocity: Some(MeasuredVelocity::exact(Vector3::zeros())),
+            contact: None,
         };
         let person: Vec<PersonBody> = people.iter().map(still).collect();
         let kind = Kind::Level;
@@ -155,13 +156,13 @@ proptest! {
             let person = [
                 PersonBody {
                     capsule: Capsule::sphere(gantry.position + at, 0.3).unwrap(),
-                    velocity: Some(velocity),
-                    contact_speed: 0.0,
+                    velocity: Some(MeasuredVelocity::exact(velocity)),
+                    contact: None,
                 },
                 PersonBody {
                     capsule: Capsule::new(at, goal, 0.1).unwrap(),
                     velocity: None,
-                    contact_speed: 0.0,
+                    contact: None,
                 },
             ];
             for _ in 0..ticks {

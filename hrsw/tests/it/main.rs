@@ -4,6 +4,7 @@
 mod allocation;
 mod clock;
 mod closed_loop;
+mod contact;
 mod motion;
 mod properties;
 mod safety;

@@ -3,10 +3,10 @@
 use crate::support::*;
 use ahqp_core::{AugmentedState, Rows, integrate_pose};
 use hrsw::{
-    ApproachRows, Capsule, Error, JointMotion, Nearest, PersonBody, RobotBody, SeparationSettings,
-    SpeedCap, Supervisor, SupervisorSettings, proximity,
+    ApproachRows, Capsule, Contact, ContactLimit, Error, JointMotion, MeasuredVelocity, Nearest,
+    PersonBody, RobotBody, SeparationSettings, SpeedCap, Supervisor, SupervisorSettings, proximity,
 };
-use nalgebra::{Isometry3, Matrix3x6, Matrix6xX, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix3x6, Matrix6xX, Vector3, Vector6};
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::shape::Capsule as ParryCapsule;
 use proptest::prelude::*;
@@ -36,7 +36,6 @@ fn settings() -> impl Strategy<Value = SeparationSettings> {
     (0.0..2.5_f64, 0.01..0.5_f64, 0.3..10.0_f64, 0.0..0.3_f64, 0.0..0.1_f64).prop_map(
         |(human_speed, reaction_time, deceleration, intrusion, uncertainty)| SeparationSettings {
             human_speed,
-            human_speed_uncertainty: 0.2 * human_speed,
             reaction_time,
             deceleration,
             intrusion,
@@ -61,12 +60,37 @@ fn robot() -> impl Strategy<Value = Vec<RobotBody>> {
 }
 
 fn person() -> impl Strategy<Value = Vec<PersonBody>> {
-    let velocity = prop::option::of(vector(1.0));
-    let contact = prop_oneof![Just(0.0), 0.01..0.5_f64];
-    let body = (capsule(1.5), velocity, contact).prop_map(|(capsule, velocity, contact_speed)| {
-        PersonBody { capsule, velocity, contact_speed }
-    });
+    let velocity = (vector(1.0), 0.0..0.5_f64)
+        .prop_map(|(mean, uncertainty)| MeasuredVelocity { mean, uncertainty });
+    let body = (capsule(1.5), prop::option::of(velocity), prop::option::of(contact()))
+        .prop_map(|(capsule, velocity, contact)| PersonBody { capsule, velocity, contact });
     prop::collection::vec(body, 1..6)
+}
+
+fn contact() -> impl Strategy<Value = Contact> {
+    (50.0..300.0_f64, 1e4..1e5_f64, 0.5..75.0_f64, 0.01..0.5_f64).prop_map(
+        |(force, stiffness, mass, fastest)| Contact {
+            limit: ContactLimit { force, stiffness, mass },
+            fastest,
+        },
+    )
+}
+
+/// The inverse of an inertia: A Aᵀ and a little.
+fn inverse_inertia() -> impl Strategy<Value = DMatrix<f64>> {
+    prop::collection::vec(-1.0..1.0_f64, JOINTS * JOINTS).prop_map(|entries| {
+        let root = DMatrix::from_vec(JOINTS, JOINTS, entries);
+        &root * root.transpose() + DMatrix::identity(JOINTS, JOINTS) * 0.1
+    })
+}
+
+fn motion<'a>(
+    jacobian: &'a Matrix6xX<f64>,
+    origin: Vector3<f64>,
+    velocity: &'a [f64],
+    braking: &'a [f64],
+) -> JointMotion<'a> {
+    JointMotion { jacobian, origin, velocity, braking: Some(braking), inverse_inertia: None }
 }
 
 fn state() -> AugmentedState {
@@ -170,14 +194,16 @@ proptest! {
     fn rows_are_the_rate_of_approach(
         jacobian in jacobian(), q in joints(), origin in vector(0.5),
         robot in robot(), person in person(), settings in settings(),
+        inverse in prop::option::of(inverse_inertia()),
     ) {
         let rest = [0.0; JOINTS];
-        let motion = JointMotion { jacobian: &jacobian, origin, velocity: &q, braking: Some(&rest) };
+        let inverse_inertia = inverse.as_ref();
+        let motion = JointMotion { inverse_inertia, ..motion(&jacobian, origin, &q, &rest) };
         let pairs = robot.len() * person.len();
         let mut separation = ApproachRows::new(state(), settings, pairs + 2).unwrap();
         let mut rows = separation.rows();
         let nearest = separation.write(&motion, &robot, &person, &mut rows).unwrap();
-        let moved = |body: &RobotBody, time: f64| {
+        let moved_by = |body: &RobotBody, q: &[f64], time: f64| {
             let twist = (0..body.joints).map(|j| {
                 Vector6::from_iterator(jacobian.column(j).iter().copied()) * q[j]
             });
@@ -188,18 +214,27 @@ proptest! {
         let mut degenerate = false;
         for body in &robot {
             for part in &person {
-                let at = |time| proximity(&moved(body, time), &part.capsule).distance;
+                let rate = |q: &[f64]| {
+                    let at = |time| proximity(&moved_by(body, q, time), &part.capsule).distance;
+                    (at(-step) - at(step)) / (2.0 * step)
+                };
                 let near = proximity(&body.capsule, &part.capsule);
                 degenerate |= (near.on_first - near.on_second).norm() < 1e-2;
-                let along_normal = part.velocity.map(|v| v.dot(&near.normal));
-                let uncertain = |speed: f64| (speed + settings.human_speed_uncertainty).max(0.0);
-                let human = along_normal.map_or(settings.human_speed, uncertain);
+                let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
+                let worst = part.velocity.zip(measured).map(|(v, speed)| speed + v.uncertainty);
+                let human = worst.map_or(settings.human_speed, |speed| speed.max(0.0));
                 let mut limit = settings.approach_limit(near.distance, human);
-                if part.contact_speed > 0.0 {
-                    let receding = along_normal.map_or(0.0, |speed| (-speed).max(0.0));
-                    limit = limit.max(part.contact_speed + receding);
+                if let Some(Contact { limit: contact, fastest }) = part.contact {
+                    // Joint by joint: how the robot gives way to a push along the normal.
+                    let unit = |j: usize| std::array::from_fn::<_, JOINTS, _>(|i| f64::from(u8::from(i == j)));
+                    let row = DVector::from_fn(JOINTS, |j, _| rate(&unit(j)));
+                    let lightness = inverse.as_ref().map_or(0.0, |m| row.dot(&(m * &row)));
+                    let reduced = 1.0 / (1.0 / contact.mass + lightness);
+                    let allowed = contact.force / (contact.stiffness * reduced).sqrt();
+                    let (measured, worst) = (measured.unwrap_or(human), worst.unwrap_or(human));
+                    limit = limit.max((allowed - worst).min(fastest - measured));
                 }
-                expected.push((limit, (at(-step) - at(step)) / (2.0 * step)));
+                expected.push((limit, rate(&q)));
             }
         }
         prop_assume!(!degenerate);
@@ -209,7 +244,7 @@ proptest! {
         expected.sort_by(order);
         found.sort_by(order);
         for (expected, found) in expected.iter().zip(&found) {
-            prop_assert!((expected.0 - found.0).abs() < 1e-9);
+            prop_assert!((expected.0 - found.0).abs() < 1e-5);
         }
         let sum = |rates: &[(f64, f64)]| rates.iter().map(|rate| rate.1).sum::<f64>();
         prop_assert!((sum(&expected) - sum(&found)).abs() < 1e-3);
@@ -218,12 +253,12 @@ proptest! {
             prop_assert!(lower == f64::NEG_INFINITY && upper == f64::INFINITY);
         }
         // Parts that may touch are never the nearest.
-        prop_assert_eq!(nearest.is_none(), person.iter().all(|part| part.contact_speed > 0.0));
+        prop_assert_eq!(nearest.is_none(), person.iter().all(|part| part.contact.is_some()));
         if let Some(nearest) = nearest {
             let part = &person[nearest.other];
             let near = proximity(&robot[nearest.robot].capsule, &part.capsule);
             prop_assert_eq!(nearest.distance, near.distance);
-            prop_assert_eq!(part.contact_speed, 0.0);
+            prop_assert!(part.contact.is_none());
         }
     }
 
@@ -233,7 +268,7 @@ proptest! {
     ) {
         prop_assume!(robot.len() >= 2);
         let rest = [0.0; JOINTS];
-        let motion = JointMotion { jacobian: &jacobian, origin, velocity: &q, braking: Some(&rest) };
+        let motion = motion(&jacobian, origin, &q, &rest);
         let settings = SeparationSettings::between_own_bodies(1e-3, 1.0, 0.02);
         let mut own = ApproachRows::new(state(), settings, 1).unwrap();
         let mut rows = own.rows();
@@ -260,7 +295,7 @@ proptest! {
         person in person(), settings in settings(), capacity in 0..6_usize,
     ) {
         let origin = Vector3::zeros();
-        let motion = JointMotion { jacobian: &jacobian, origin, velocity: &q, braking: Some(&braking) };
+        let motion = motion(&jacobian, origin, &q, &braking);
         let mut separation = ApproachRows::new(state(), settings, capacity).unwrap();
         let mut rows = separation.rows();
         separation.write(&motion, &robot, &person, &mut rows).unwrap();
@@ -286,7 +321,7 @@ proptest! {
     ) {
         let rest = [0.0; JOINTS];
         let origin = Vector3::zeros();
-        let motion = JointMotion { jacobian: &jacobian, origin, velocity: &rest, braking: Some(&rest) };
+        let motion = motion(&jacobian, origin, &rest, &rest);
         let settings = SeparationSettings::default();
         let bounds = |capacity: usize| {
             let mut separation = ApproachRows::new(state(), settings, capacity).unwrap();
@@ -314,7 +349,7 @@ proptest! {
     ) {
         let rest = [0.0; JOINTS];
         let origin = Vector3::zeros();
-        let motion = JointMotion { jacobian: &jacobian, origin, velocity: &rest, braking: Some(&rest) };
+        let motion = motion(&jacobian, origin, &rest, &rest);
         let mut rows = SpeedCap::rows(state());
         SpeedCap::write(&motion, &Vector3::zeros(), cap, &mut rows).unwrap();
         let linear: Matrix3x6<f64> = Matrix3x6::from_fn(|i, j| if i == j { 1.0 } else { 0.0 });
@@ -358,7 +393,7 @@ fn bad_safety_input_is_named() {
     let before = rows.clone();
     let (jacobian, rest) = (Matrix6xX::zeros(JOINTS), [0.0; JOINTS]);
     let origin = Vector3::zeros();
-    let motion = JointMotion { jacobian: &jacobian, origin, velocity: &rest, braking: Some(&rest) };
+    let motion = motion(&jacobian, origin, &rest, &rest);
     let short = JointMotion { braking: Some(&rest[1..]), ..motion };
     assert!(matches!(separation.write(&short, &[], &[], &mut rows), Err(Error::Size { .. })));
     let nan = JointMotion { velocity: &[f64::NAN; JOINTS], ..motion };
@@ -367,9 +402,31 @@ fn bad_safety_input_is_named() {
     assert!(matches!(wrong, Err(Error::Size { .. })));
     assert!(separation.write_own(&motion, &[], &[(0, 1)], &mut rows).is_err());
     let body = Capsule::sphere(origin, 0.1).unwrap();
-    let adrift =
-        PersonBody { capsule: body, velocity: Some(Vector3::repeat(f64::NAN)), contact_speed: 0.0 };
-    assert!(separation.write(&motion, &[], &[adrift], &mut rows).is_err());
+    let person = PersonBody { capsule: body, velocity: None, contact: None };
+    let adrift = |mean: f64, uncertainty: f64| PersonBody {
+        velocity: Some(MeasuredVelocity { mean: Vector3::repeat(mean), uncertainty }),
+        ..person
+    };
+    let touched = |force: f64, mass: f64, fastest: f64| PersonBody {
+        contact: Some(Contact { limit: ContactLimit { force, stiffness: 1e4, mass }, fastest }),
+        ..person
+    };
+    for part in [
+        adrift(f64::NAN, 0.0),
+        adrift(0.0, f64::NAN),
+        adrift(0.0, -1.0),
+        touched(0.0, 1.0, 0.2),
+        touched(1.0, -1.0, 0.2),
+        touched(1.0, 1.0, f64::INFINITY),
+    ] {
+        assert!(separation.write(&motion, &[], &[part], &mut rows).is_err());
+    }
+    for inverse in
+        [DMatrix::zeros(JOINTS, JOINTS - 1), DMatrix::from_element(JOINTS, JOINTS, f64::NAN)]
+    {
+        let motion = JointMotion { inverse_inertia: Some(&inverse), ..motion };
+        assert!(separation.write(&motion, &[], &[], &mut rows).is_err());
+    }
     assert_eq!(rows, before);
     assert_eq!(separation.write(&motion, &[], &[], &mut rows), Ok(None));
 

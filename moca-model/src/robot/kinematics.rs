@@ -1,10 +1,11 @@
 //! The robot at one configuration, as the stack of tasks sees it.
 
 use hrsw::RobotBody;
-use nalgebra::{Isometry3, Matrix6xX};
+use nalgebra::{DMatrix, Isometry3, Matrix6xX};
 use whole_body::{Axes, Data, FrameId, Model, Posed};
 
 use super::bodies::{LinkCapsule, RobotBodies};
+use super::inertia::InverseInertia;
 use crate::error::{Error, check_plain};
 
 /// The robot at one configuration, as the stack of tasks sees it: where the tool is, how the
@@ -29,6 +30,7 @@ pub struct Kinematics {
     world_from_tool: Isometry3<f64>,
     jacobian: Matrix6xX<f64>,
     bodies: RobotBodies,
+    inertia: InverseInertia,
 }
 
 impl Kinematics {
@@ -51,6 +53,7 @@ impl Kinematics {
             tool,
             world_from_tool: Isometry3::identity(),
             jacobian: Matrix6xX::zeros(n),
+            inertia: InverseInertia::new(n),
             bodies: RobotBodies::new(&model, tool, bodies)?,
             model,
         };
@@ -63,9 +66,13 @@ impl Kinematics {
     /// # Errors
     /// [`Error::Robot`] on q unless [`Model::is_configuration`]; all is then as before.
     pub fn update(&mut self, configuration: &[f64]) -> Result<(), Error> {
-        let posed = self.data.pose(&self.model, configuration)?;
+        let mut posed = self.data.pose(&self.model, configuration)?;
         self.world_from_tool = posed.world_from(self.tool)?;
         posed.jacobian_into(self.tool, Axes::World, &mut self.jacobian)?;
+        // Without bodies nothing is touched.
+        if !self.bodies.placed().is_empty() {
+            self.inertia.update(&mut posed);
+        }
         self.bodies.place(&posed)
     }
 
@@ -96,6 +103,12 @@ impl Kinematics {
     /// ones \[rad/s\], in the world's axes, at the tool's origin.
     pub fn jacobian(&self) -> &Matrix6xX<f64> {
         &self.jacobian
+    }
+
+    /// M⁻¹, the inverse of the joint-space inertia, n × n \[1/kg, 1/(kg m²)\]; none for a robot without
+    /// bodies, or with a joint that moves no mass.
+    pub fn inverse_inertia(&self) -> Option<&DMatrix<f64>> {
+        self.inertia.get()
     }
 
     /// The robot's bodies in the world.

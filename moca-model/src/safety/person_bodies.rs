@@ -1,6 +1,9 @@
 //! The person's capsules, from the keypoints that the camera sees.
 
-use hrsw::{Capsule, PersonBody, SeparationSettings};
+use hrsw::{
+    BodyRegion, Capsule, Contact, ContactLimit, ContactLimits, MeasuredVelocity, PersonBody,
+    SeparationSettings,
+};
 use nalgebra::{Vector2, Vector3};
 use vision_models::{Body, Body25, Percept, TrackStatus, TrackedPerson};
 
@@ -16,37 +19,43 @@ enum Limb {
 }
 
 /// A capsule between two joints, continued past the second by a length \[m\].
+#[derive(Clone, Copy)]
 struct Part {
     from: Body25,
     to: Body25,
     beyond: f64,
     radius: f64,
     limb: Limb,
+    /// The region of the body of which the limits count.
+    region: BodyRegion,
 }
 
-const fn part(from: Body25, to: Body25, beyond: f64, radius: f64, limb: Limb) -> Part {
-    Part { from, to, beyond, radius, limb }
+const fn part(ends: [Body25; 2], beyond: f64, radius: f64, limb: Limb, region: BodyRegion) -> Part {
+    let [from, to] = ends;
+    Part { from, to, beyond, radius, limb, region }
 }
 
-/// Radii are those of a large adult. Hands and feet are the continuation of forearm and shank.
+/// Radii are those of a large adult. Hands and feet are the continuation of forearm and shank, and a forearm
+/// bears less than its hand.
 const PARTS: [Part; 12] = {
     use Body25::{
         LeftAnkle, LeftElbow, LeftHip, LeftKnee, LeftShoulder, LeftWrist, MidHip, Neck, Nose,
         RightAnkle, RightElbow, RightHip, RightKnee, RightShoulder, RightWrist,
     };
+    use hrsw::BodyRegion::{Back, Chest, Face, Forearm, LowerLeg, Pelvis, Thigh, UpperArm};
     [
-        part(Neck, Nose, 0.0, 0.13, Limb::Body),
-        part(Neck, MidHip, 0.0, 0.15, Limb::Body),
-        part(LeftShoulder, RightShoulder, 0.0, 0.08, Limb::Body),
-        part(LeftHip, RightHip, 0.0, 0.12, Limb::Body),
-        part(LeftShoulder, LeftElbow, 0.0, 0.06, Limb::Arm),
-        part(RightShoulder, RightElbow, 0.0, 0.06, Limb::Arm),
-        part(LeftElbow, LeftWrist, 0.15, 0.06, Limb::Arm),
-        part(RightElbow, RightWrist, 0.15, 0.06, Limb::Arm),
-        part(LeftHip, LeftKnee, 0.0, 0.09, Limb::Body),
-        part(RightHip, RightKnee, 0.0, 0.09, Limb::Body),
-        part(LeftKnee, LeftAnkle, 0.05, 0.08, Limb::Body),
-        part(RightKnee, RightAnkle, 0.05, 0.08, Limb::Body),
+        part([Neck, Nose], 0.0, 0.13, Limb::Body, Face),
+        part([Neck, MidHip], 0.0, 0.15, Limb::Body, Chest),
+        part([LeftShoulder, RightShoulder], 0.0, 0.08, Limb::Body, Back),
+        part([LeftHip, RightHip], 0.0, 0.12, Limb::Body, Pelvis),
+        part([LeftShoulder, LeftElbow], 0.0, 0.06, Limb::Arm, UpperArm),
+        part([RightShoulder, RightElbow], 0.0, 0.06, Limb::Arm, UpperArm),
+        part([LeftElbow, LeftWrist], 0.15, 0.06, Limb::Arm, Forearm),
+        part([RightElbow, RightWrist], 0.15, 0.06, Limb::Arm, Forearm),
+        part([LeftHip, LeftKnee], 0.0, 0.09, Limb::Body, Thigh),
+        part([RightHip, RightKnee], 0.0, 0.09, Limb::Body, Thigh),
+        part([LeftKnee, LeftAnkle], 0.05, 0.08, Limb::Body, LowerLeg),
+        part([RightKnee, RightAnkle], 0.05, 0.08, Limb::Body, LowerLeg),
     ]
 };
 
@@ -92,13 +101,16 @@ pub(super) struct PersonBodies {
     newest: f64,
     /// Since when the tracked person has been where the person is seen.
     agrees_since: Option<f64>,
+    /// What a contact with each part may do.
+    contacts: [Option<ContactLimit>; PARTS.len()],
     bodies: Vec<PersonBody>,
 }
 
 impl PersonBodies {
-    pub(super) fn new(settings: PersonBodySettings) -> Self {
+    pub(super) fn new(settings: PersonBodySettings, limits: &ContactLimits) -> Self {
         Self {
             settings,
+            contacts: PARTS.map(|part| limits.of(part.region)),
             joints: [None; Body25::COUNT],
             newest: f64::NEG_INFINITY,
             agrees_since: None,
@@ -142,7 +154,7 @@ impl PersonBodies {
             if agrees && !unsettled { self.agrees_since.or(Some(time)) } else { None };
     }
 
-    /// The capsules at the time `now`; `contact_speed` is for the arms.
+    /// The capsules at the time `now`; at `contact_speed` the arms may be touched.
     pub(super) fn place(
         &mut self,
         now: f64,
@@ -156,21 +168,32 @@ impl PersonBodies {
             return &self.bodies;
         }
         let motion = tracked.filter(|person| self.is_measured(person, now));
-        for part in &PARTS {
+        let uncertainty = motion.map_or(0.0, |person| {
+            let variance = person.velocity_covariance.symmetric_eigenvalues().max();
+            self.settings.speed_deviations * variance.max(0.0).sqrt()
+        });
+        for (part, limit) in PARTS.iter().zip(&self.contacts) {
             let ends = (self.joints[part.from as usize], self.joints[part.to as usize]);
             let (Some(from), Some(to)) = ends else { continue };
             let middle = (from.place + to.place) * 0.5;
             let velocity = motion.and_then(|person| part.velocity(person, &middle, contact_speed));
-            let fastest = velocity
-                .map_or(separation.human_speed, |v| v.norm() + separation.human_speed_uncertainty);
+            let velocity = velocity.map(|mean| MeasuredVelocity {
+                mean,
+                uncertainty: uncertainty.min((separation.human_speed - mean.norm()).max(0.0)),
+            });
+            let fastest =
+                velocity.map_or(separation.human_speed, |v| v.mean.norm() + v.uncertainty);
             // The reaction time covers the age of a frame; what is older may be anywhere near.
             let age = (now - from.time.min(to.time) - separation.reaction_time).max(0.0);
             let along = to.place - from.place;
             let beyond = along.try_normalize(1e-9).unwrap_or_default() * part.beyond;
             let radius = part.radius + fastest * age;
             if let Ok(capsule) = Capsule::new(from.place, to.place + beyond, radius) {
-                let contact_speed = if part.limb == Limb::Arm { contact_speed } else { 0.0 };
-                self.bodies.push(PersonBody { capsule, velocity, contact_speed });
+                let touched = part.limb == Limb::Arm && contact_speed > 0.0;
+                let contact = limit
+                    .filter(|_| touched)
+                    .map(|limit| Contact { limit, fastest: contact_speed });
+                self.bodies.push(PersonBody { capsule, velocity, contact });
             }
         }
         &self.bodies

@@ -1,6 +1,6 @@
 //! How the robot keeps its distance, with defaults for MOCA.
 
-use hrsw::{Capsule, SeparationSettings, SpeedCap, SupervisorSettings};
+use hrsw::{Capsule, ContactLimits, SeparationSettings, SpeedCap, SupervisorSettings};
 use nalgebra::Vector3;
 
 use crate::error::Error;
@@ -27,6 +27,8 @@ pub struct PersonBodySettings {
     pub settling: f64,
     /// How long the velocity measured last is believed \[s\]. Default 0.3.
     pub believed_for: f64,
+    /// How many standard deviations faster than tracked a person may be \[-\]. Default 3.
+    pub speed_deviations: f64,
     /// After how long without being seen a person is taken to have left \[s\]. Until then what is
     /// not seen grows as fast as a person may come nearer. Default 10.
     pub forget_after: f64,
@@ -42,6 +44,7 @@ impl Default for PersonBodySettings {
             agreement: 0.25,
             settling: 0.6,
             believed_for: 0.3,
+            speed_deviations: 3.0,
             forget_after: 10.0,
         }
     }
@@ -59,13 +62,14 @@ impl Default for PersonBodySettings {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SafetySettings {
     /// The terms of the protective distance. Default: that of hrsw with C = 0.05 m, since every
-    /// part of the body is tracked, and for MOCA's base a = 0.5 m/s² and a speed uncertainty of
-    /// 0.5 m/s, for the lag of the tracker.
+    /// part of the body is tracked, and for MOCA's base a = 0.5 m/s².
     pub separation: SeparationSettings,
     /// Pairs of a robot's and a person's body that get a row. Default 10.
     pub pairs: usize,
-    /// How fast the robot may come nearer to the arms of a person who works with it, on top of
-    /// the speed at which they recede \[m/s\]. Default 0.25.
+    /// What a contact with a part of the person may do. Default: hrsw's, quasi-static.
+    pub contact: ContactLimits,
+    /// How fast robot and arms of a person who works with it may come nearer to each other, where the
+    /// limits of a contact allow it \[m/s\]. Default 0.25.
     pub contact_speed: f64,
     /// How fast that comes and goes when working together begins and ends \[m/s²\]. Default 0.5.
     pub contact_acceleration: f64,
@@ -99,10 +103,10 @@ impl Default for SafetySettings {
             separation: SeparationSettings {
                 intrusion: 0.05,
                 deceleration: 0.5,
-                human_speed_uncertainty: 0.5,
                 ..SeparationSettings::default()
             },
             pairs: 10,
+            contact: ContactLimits::default(),
             contact_speed: 0.25,
             contact_acceleration: 0.5,
             speed_cap: SpeedCap::default(),
@@ -177,6 +181,7 @@ impl SafetySettings {
             ("safety.person.jump_speed", self.person.jump_speed),
             ("safety.person.gap", self.person.gap),
             ("safety.person.agreement", self.person.agreement),
+            ("safety.person.speed_deviations", self.person.speed_deviations),
         ] {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(Error::Setting { name, value, expected: "finite and not negative" });
