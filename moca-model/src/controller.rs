@@ -5,7 +5,7 @@ use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Fault, LoopClock, Softening};
 use nalgebra::{Isometry3, Vector6};
 use vision_models::Percept;
-use whole_body::Model;
+use whole_body::{Following, Model};
 
 use crate::command::{Command, Outcome};
 use crate::error::{Error, check_size};
@@ -108,7 +108,7 @@ impl Controller {
             returns: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
             braking: rest,
             command: Command::at_rest(configuration, tool),
-            leash: Leash::new(settings.leash, robot.model()),
+            leash: Leash::new(settings.leash, robot.model())?,
             fault: None,
             yaw: 0.0,
             speed: 1.0,
@@ -198,9 +198,14 @@ impl Controller {
         if let [_, _, yaw, ..] = configuration {
             self.yaw = *yaw;
         }
-        if self.leash.hold(&mut self.command, configuration, self.robot.world_from_tool()) {
+        let Ok(following) = self.leash.hold(&mut self.command, configuration) else {
+            return false;
+        };
+        if following == Following::Reached {
             self.report(Fault::FollowingError);
         }
+        let (desired, actual) = (&mut self.command.desired, self.robot.world_from_tool());
+        self.leash.hold_pose(desired, actual, following);
         true
     }
 

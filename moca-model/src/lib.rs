@@ -18,7 +18,6 @@
 mod command;
 mod controller;
 mod error;
-mod impedance;
 mod intention;
 mod leash;
 mod motion_limits;
@@ -32,7 +31,6 @@ mod stack;
 pub use command::{Command, Outcome};
 pub use controller::Controller;
 pub use error::Error;
-pub use impedance::{ImpedanceSettings, JointImpedance, JointState};
 pub use intention::{Intention, IntentionFilter, IntentionSettings};
 pub use leash::LeashSettings;
 pub use motion_limits::MecanumBase;
@@ -49,6 +47,7 @@ pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
 pub use stack::{CollaborationStack, GoalTerms, PostureSettings, StackInput, StackSettings};
 pub use whole_body;
+pub use whole_body::{ImpedanceSettings, JointImpedance, JointState};
 
 /// The examples of the book's page on this crate.
 #[cfg(doctest)]

@@ -7,7 +7,6 @@ mod controller;
 mod drive;
 mod faults;
 mod golden;
-mod impedance;
 mod properties;
 mod safety;
 mod shared;
