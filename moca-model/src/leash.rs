@@ -95,6 +95,11 @@ impl Leash {
         Ok(self.joints.hold(&mut command.joint_position, configuration, rests || !stops)?)
     }
 
+    /// The commanded configuration is the measured one, from the next tick until the robot rests.
+    pub(crate) fn resynchronise(&mut self) {
+        self.joints.resynchronise();
+    }
+
     /// Holds the desired pose to the tool's: at it while the joints are resynchronised, else within
     /// the leash.
     pub(crate) fn hold_pose(

@@ -17,6 +17,7 @@
 
 mod command;
 mod controller;
+mod dynamic_robot;
 mod error;
 mod intention;
 mod leash;
@@ -27,9 +28,11 @@ mod settings;
 mod shared_space;
 mod simulation;
 mod stack;
+mod torque;
 
 pub use command::{Command, Outcome};
 pub use controller::Controller;
+pub use dynamic_robot::{DynamicRobot, DynamicRobotSettings};
 pub use error::Error;
 pub use intention::{Intention, IntentionFilter, IntentionSettings};
 pub use leash::LeashSettings;
@@ -46,6 +49,7 @@ pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings, Stale
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
 pub use stack::{CollaborationStack, GoalTerms, PostureSettings, StackInput, StackSettings};
+pub use torque::{Measured, TorqueController, TorqueLoopSettings};
 pub use whole_body;
 pub use whole_body::{ImpedanceSettings, JointImpedance, JointState};
 

@@ -54,6 +54,9 @@ struct Options {
     /// Keep people at their protective distances, by stops where there is no other way.
     #[arg(long)]
     separation: bool,
+    /// A robot that follows velocities exactly and at once, in place of one that moves under torques.
+    #[arg(long)]
+    kinematic: bool,
     /// The report's folder, made if it is not there: follow.svg, ticks-on.csv and ticks-off.csv.
     #[arg(long, short, alias = "report", value_name = "FOLDER", default_value = "report")]
     output: PathBuf,
@@ -152,6 +155,7 @@ impl Options {
         let (person, map) = self.person(session, &header)?;
         let scenario = Scenario::new(percepts, &person, map)?.arriving(&timings);
         let scenario = if self.separation { scenario.with_separation() } else { scenario };
+        let scenario = if self.kinematic { scenario.kinematic() } else { scenario };
         Ok((scenario, recorded))
     }
 

@@ -11,3 +11,4 @@ mod properties;
 mod safety;
 mod shared;
 mod simulation;
+mod torque;
