@@ -36,6 +36,7 @@ const BATCH: usize = 512;
 /// report's folder. Ctrl-C ends early and keeps what there is, in files named *.partial.*.
 #[derive(Debug, Parser)]
 #[command(version)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 struct Options {
     /// Play this recording (JSON Lines, as `record` makes them) instead of the one that is built in.
     #[arg(long, value_name = "FILE")]

@@ -99,7 +99,11 @@ pub struct Monitor {
     joints: Vec<JointLimits>,
     limits: LimitMonitor,
     period: f64,
+    /// In an emergency stop, then as commanded.
     velocity: Vec<f64>,
+    /// Commanded last, and how fast that changed.
+    last: Vec<f64>,
+    acceleration: Vec<f64>,
     robot: Robot,
     /// What was found so far.
     pub counts: Counts,
@@ -131,6 +135,8 @@ impl Monitor {
             joints: model.limits().to_vec(),
             limits: LimitMonitor::new(model, settings.desired, period, configuration),
             velocity: vec![0.0; configuration.len()],
+            last: vec![0.0; configuration.len()],
+            acceleration: vec![0.0; configuration.len()],
             robot: Robot::default(),
             counts: Counts::default(),
             first_wrong: None,
@@ -162,9 +168,21 @@ impl Monitor {
         counts.discontinuities += u64::from(breaches.desired_acceleration);
 
         let velocity = &command.joint_velocity;
-        separation::emergency_stop(&self.joints, &mut self.velocity, self.period);
+        let before = std::mem::take(&mut self.last);
+        separation::emergency_stop(
+            &self.joints,
+            &self.acceleration,
+            &mut self.velocity,
+            self.period,
+        );
         self.place(tick)?;
+        for ((acceleration, now), before) in self.acceleration.iter_mut().zip(velocity).zip(&before)
+        {
+            *acceleration = (now - before) / self.period;
+        }
         self.velocity.copy_from_slice(velocity);
+        self.last = before;
+        self.last.copy_from_slice(velocity);
         let verdict = self.judge(tick);
         let counts = &mut self.counts;
         counts.separation_violations += u64::from(verdict.violation.is_some());
