@@ -5,6 +5,7 @@ mod comparison;
 mod run;
 mod scoring;
 mod summary;
+mod work;
 
 pub use comparison::Comparison;
 pub use run::{Run, Scenario};

@@ -11,6 +11,7 @@ pub mod ik;
 pub mod learning;
 pub mod limits;
 pub mod perception;
+pub mod plant;
 pub mod program;
 mod random;
 pub mod recording;

@@ -2,12 +2,13 @@
 //!
 //! The contract (`moca_model::DesiredMotion` and the robot's `JointLimits`): speeds hold for each
 //! joint and along and about each axis, accelerations for each joint, and for x_d by their norm,
-//! ‖ẍ_d‖ of the linear and of the angular part. A joint stays within its range; one that starts
+//! ‖ẍ_d‖ of the linear and of the angular part, and jerks for each joint that has a limit. A joint stays within its range; one that starts
 //! outside does not move farther out and returns. The base keeps to what its wheels can do.
 
 use moca_model::whole_body::{JointLimits, Model};
 use moca_model::{
     Command, DesiredMotion, MOCA_AXIS_SPEED, MOCA_BASE_JOINTS, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED,
+    TorqueLoopSettings,
 };
 use nalgebra::{Vector3, Vector6};
 
@@ -19,12 +20,15 @@ const ROUNDING: f64 = 1e-9;
 const RETURN_TIME: f64 = 5.0;
 
 /// What a command breaks.
+#[expect(clippy::struct_excessive_bools, reason = "several kinds of limits can be broken at once")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Breaches {
     /// The range of a joint, or a limit of speed.
     pub limit: bool,
     /// The limit of acceleration of a joint.
     pub acceleration: bool,
+    /// The limit of jerk of a joint.
+    pub jerk: bool,
     /// The limit of ‖ẍ_d‖, linear or angular.
     pub desired_acceleration: bool,
 }
@@ -32,7 +36,7 @@ pub struct Breaches {
 impl Breaches {
     /// Returns true if anything is broken.
     pub fn any(self) -> bool {
-        self.limit || self.acceleration || self.desired_acceleration
+        self.limit || self.acceleration || self.jerk || self.desired_acceleration
     }
 }
 
@@ -54,14 +58,16 @@ pub struct Margins {
     pub velocity: f64,
     /// Of joint accelerations and ‖ẍ_d‖.
     pub acceleration: f64,
+    /// Of joint jerks.
+    pub jerk: f64,
 }
 
 impl Margins {
-    const FULL: Self = Self { position: 1.0, velocity: 1.0, acceleration: 1.0 };
+    const FULL: Self = Self { position: 1.0, velocity: 1.0, acceleration: 1.0, jerk: 1.0 };
 
     /// The smallest of all.
     pub fn worst(&self) -> f64 {
-        self.position.min(self.velocity).min(self.acceleration)
+        self.position.min(self.velocity).min(self.acceleration).min(self.jerk)
     }
 }
 
@@ -82,6 +88,8 @@ pub struct LimitMonitor {
     desired: DesiredMotion,
     period: f64,
     velocity: Vec<f64>,
+    /// How fast the velocities changed in the last tick.
+    acceleration: Vec<f64>,
     twist: Vector6<f64>,
     /// How long each joint has been outside since the start (s); none for those that are within.
     outside: Vec<Option<f64>>,
@@ -97,9 +105,9 @@ impl LimitMonitor {
             .zip(configuration)
             .map(|(limits, q)| (!(limits.lower..=limits.upper).contains(q)).then_some(0.0))
             .collect();
-        let velocity = vec![0.0; joints.len()];
+        let (velocity, acceleration) = (vec![0.0; joints.len()], vec![0.0; joints.len()]);
         let (twist, margins) = (Vector6::zeros(), Margins::FULL);
-        Self { joints, desired, period, velocity, twist, outside, margins }
+        Self { joints, desired, period, velocity, acceleration, twist, outside, margins }
     }
 
     /// The worst so far.
@@ -117,13 +125,12 @@ impl LimitMonitor {
     ) -> Breaches {
         let mut breaches = Breaches::default();
         for (index, (&v, &q)) in command.joint_velocity.iter().zip(configuration).enumerate() {
-            let Some(JointLimits { velocity, acceleration, .. }) = self.joints.get(index).copied()
-            else {
-                continue;
-            };
+            let Some(limits) = self.joints.get(index).copied() else { continue };
+            let JointLimits { velocity, acceleration, jerk, .. } = limits;
             breaches.limit |= self.speed(v.abs(), velocity);
             let change = v - std::mem::replace(&mut self.velocity[index], v);
             breaches.acceleration |= self.change(change.abs(), acceleration);
+            breaches.jerk |= self.jerk(index, change / self.period, jerk);
             breaches.limit |= self.position(index, q, v, returning);
         }
         if self.joints.len() > MOCA_BASE_JOINTS {
@@ -163,6 +170,18 @@ impl LimitMonitor {
         !kept
     }
 
+    /// Returns true if the acceleration of a joint changes too much in a period.
+    fn jerk(&mut self, index: usize, acceleration: f64, limit: f64) -> bool {
+        let change = acceleration - std::mem::replace(&mut self.acceleration[index], acceleration);
+        if limit.is_infinite() {
+            return false;
+        }
+        let left = 1.0 - change.abs() / self.period / limit;
+        self.margins.jerk = self.margins.jerk.min(left);
+        let kept = left >= -ROUNDING / self.period;
+        !kept
+    }
+
     /// Returns true if the velocity `v` takes a joint out of its range, or leaves it outside for
     /// too long.
     fn position(&mut self, index: usize, q: f64, v: f64, returning: Return) -> bool {
@@ -187,5 +206,50 @@ impl LimitMonitor {
         }
         let kept = beyond <= ROUNDING;
         !kept
+    }
+}
+
+/// Watches the torques of a run, tick by tick: within the joints' efforts, changing no faster than the
+/// torque rate.
+///
+/// ```
+/// use examples::limits::TorqueMonitor;
+/// use moca_model::{TorqueLoopSettings, moca};
+///
+/// let mut monitor = TorqueMonitor::new(&moca()?, &TorqueLoopSettings::default(), 0.001);
+/// assert!(!monitor.check(&[80.0; 7][..4])); // the first counts as reached
+/// assert!(!monitor.check(&[81.0; 7][..4]));
+/// assert!(monitor.check(&[83.0; 7][..4])); // 2 Nm in a millisecond
+/// # Ok::<(), moca_model::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct TorqueMonitor {
+    efforts: Vec<f64>,
+    /// Largest change in a period \[Nm\].
+    change: f64,
+    last: Option<Vec<f64>>,
+}
+
+impl TorqueMonitor {
+    /// For the torques of these settings, a command each `period` \[s\].
+    pub fn new(model: &Model, settings: &TorqueLoopSettings, period: f64) -> Self {
+        let joints = model.joints().iter().zip(model.limits());
+        let driven = joints.filter(|(joint, _)| settings.joints.contains(&joint.name));
+        let efforts = driven.map(|(_, limits)| limits.effort).collect();
+        Self { efforts, change: settings.impedance.torque_rate * period, last: None }
+    }
+
+    /// Takes the torques of a tick \[Nm\]; returns true if a limit is broken, or a number is none.
+    pub fn check(&mut self, torque: &[f64]) -> bool {
+        let largest = torque.iter().zip(&self.efforts).all(|(torque, most)| torque.abs() <= *most);
+        let change = self.change * (1.0 + 1e-9);
+        let slow = self.last.as_ref().is_none_or(|last| {
+            torque.iter().zip(last).all(|(torque, last)| (torque - last).abs() <= change)
+        });
+        match &mut self.last {
+            Some(last) => last.clone_from_slice(torque),
+            last => *last = Some(torque.to_vec()),
+        }
+        !(largest && slow)
     }
 }

@@ -74,6 +74,9 @@ pub enum Fault {
     /// because it is held or pushed, or its measurement is frozen.
     #[error("following error")]
     FollowingError,
+    /// Something pushes the robot harder than anything should: a collision, or somebody is clamped.
+    #[error("contact force")]
+    ContactForce,
     /// The solver found no command.
     #[error("no solution")]
     NoSolution,
@@ -90,7 +93,7 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Clock(ClockFault::NotFinite),
         Self::Clock(ClockFault::StandsStill),
         Self::Clock(ClockFault::SetBack),
@@ -104,6 +107,7 @@ impl Fault {
         Self::Frame(FrameFault::OutOfOrder),
         Self::BadMeasurement,
         Self::FollowingError,
+        Self::ContactForce,
         Self::NoSolution,
         Self::IterationLimit,
         Self::BadData,
@@ -133,6 +137,7 @@ impl Fault {
             Self::Clock(_)
             | Self::BadMeasurement
             | Self::FollowingError
+            | Self::ContactForce
             | Self::NoSolution
             | Self::BadData
             | Self::LimitViolated => true,

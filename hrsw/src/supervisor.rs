@@ -64,6 +64,10 @@ pub struct SupervisorSettings {
     pub reduced_scale: f64,
     /// Time from full speed to none, and back \[s\]. Default 0.5.
     pub ramp: f64,
+    /// Force from outside from which on the robot stops and gives way \[N\]; see
+    /// [`Supervisor::feel`]. Default 60, below the least that a region of the body is to take at rest:
+    /// 65 N on the face.
+    pub contact_force: f64,
 }
 
 impl Default for SupervisorSettings {
@@ -78,6 +82,7 @@ impl Default for SupervisorSettings {
             acknowledge: false,
             reduced_scale: 0.3,
             ramp: 0.5,
+            contact_force: 60.0,
         }
     }
 }
@@ -94,6 +99,7 @@ impl SupervisorSettings {
         not_negative("supervisor.dwell", self.dwell)?;
         positive("supervisor.reduced_age", self.reduced_age)?;
         positive("supervisor.ramp", self.ramp)?;
+        positive("supervisor.contact_force", self.contact_force)?;
         if self.stop_age.is_nan() || self.stop_age < self.reduced_age {
             let (name, expected) = ("supervisor.stop_age", "at least supervisor.reduced_age");
             return Err(Error::Parameter { name, value: self.stop_age, expected });
@@ -151,6 +157,14 @@ pub struct Supervisor {
     /// Whether a fault was reported since the last update.
     reported: bool,
     scale: f64,
+    pressure: Pressure,
+}
+
+/// Whether a force that was too large has gone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Pressure {
+    Gone,
+    Felt,
 }
 
 impl Supervisor {
@@ -171,6 +185,7 @@ impl Supervisor {
             urgent: false,
             reported: false,
             scale: 1.0,
+            pressure: Pressure::Gone,
         })
     }
 
@@ -224,6 +239,30 @@ impl Supervisor {
             self.enter(fault.state(), Cause::Fault(fault));
             self.reported = true;
         }
+    }
+
+    /// Takes the force from outside that a tick felt \[N\], as estimated from the joints' torques. Above
+    /// [`SupervisorSettings::contact_force`], or no number, it is reported as a fault, which is returned.
+    pub fn feel(&mut self, force: f64) -> Option<Fault> {
+        let limit = self.settings.contact_force;
+        // No number is neither.
+        let (within, relieved) = (force <= limit, force <= 0.5 * limit);
+        if !within {
+            self.pressure = Pressure::Felt;
+        } else if relieved {
+            self.pressure = Pressure::Gone;
+        }
+        let fault = (!within).then_some(Fault::ContactForce);
+        if let Some(fault) = fault {
+            self.report(fault);
+        }
+        fault
+    }
+
+    /// Returns true if the robot is to give way to a force: from when it was too large until it has fallen
+    /// to half of that.
+    pub fn gives_way(&self) -> bool {
+        self.pressure == Pressure::Felt
     }
 
     /// Takes what a tick observed, `period` \[s\] after the one before.

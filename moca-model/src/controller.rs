@@ -1,16 +1,18 @@
 //! The control loop: percepts in at camera rate, commands out once a millisecond.
 
-use ahqp_core::{Limits, Status, VelocityInterval, integrate_pose};
+use ahqp_core::{JerkLimits, Limits, Status, VelocityInterval, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Fault, LoopClock, Softening};
 use nalgebra::{Isometry3, Vector6};
 use vision_models::Percept;
-use whole_body::Model;
+use whole_body::{Following, Model};
 
 use crate::command::{Command, Outcome};
 use crate::error::{Error, check_size};
 use crate::leash::Leash;
-use crate::motion_limits::{admit_braking, brake, joint_limits, nearest_to_rest, write_intervals};
+use crate::motion_limits::{
+    Motion, admit_braking, brake, braking_limits, joint_limits, nearest_to_rest, write_intervals,
+};
 use crate::robot::kinematics::Kinematics;
 use crate::safety::{Safety, SafetyInput};
 use crate::settings::{ControllerSettings, DesiredMotion, Goal};
@@ -49,8 +51,18 @@ pub struct Controller {
     space: SharedSpace,
     safety: Safety,
     stack: CollaborationStack,
-    joint_limits: Vec<Limits>,
-    desired_limits: [Limits; 6],
+    joint_limits: Vec<JerkLimits>,
+    desired_limits: [JerkLimits; 6],
+    /// The same for coming to rest, of the joints and of ẋ_d.
+    joint_braking: Vec<JerkLimits>,
+    desired_braking: Vec<JerkLimits>,
+    /// Where tasks are computed: as measured, but as commanded for joints that follow positions.
+    reference: Vec<f64>,
+    /// Which joints do.
+    follows_position: Vec<bool>,
+    /// q̇* before the last tick, and how fast it changed in it.
+    last_velocity: Vec<f64>,
+    acceleration: Vec<f64>,
     /// Of the joints, then of ẋ_d.
     intervals: Vec<VelocityInterval>,
     /// Of the joints that are to return within their limits.
@@ -100,15 +112,23 @@ impl Controller {
         };
         let stack = CollaborationStack::new(&robot, &stack, safety.bound(&robot, &rest, &rest)?)?;
         let tool = *robot.world_from_tool();
+        let joint_limits = joint_limits(robot.model())?;
+        let desired_limits = desired_limits(&settings.desired)?;
         Ok(Self {
             space: SharedSpace::new(&settings, &tool)?,
-            joint_limits: joint_limits(robot.model())?,
-            desired_limits: desired_limits(&settings.desired)?,
+            joint_braking: braking_limits(&joint_limits)?,
+            desired_braking: braking_limits(&desired_limits)?,
+            joint_limits,
+            desired_limits,
+            reference: configuration.to_vec(),
+            follows_position: vec![false; n],
+            last_velocity: rest.clone(),
+            acceleration: rest.clone(),
             intervals: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n + 6],
             returns: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
             braking: rest,
             command: Command::at_rest(configuration, tool),
-            leash: Leash::new(settings.leash, robot.model()),
+            leash: Leash::new(settings.leash, robot.model())?,
             fault: None,
             yaw: 0.0,
             speed: 1.0,
@@ -169,17 +189,45 @@ impl Controller {
         if !measured {
             self.report(Fault::BadMeasurement);
         }
-        if !(measured && in_time && self.control(tick.elapsed, configuration)) {
+        self.last_velocity.copy_from_slice(&self.command.joint_velocity);
+        if !(measured && in_time && self.control(tick.elapsed)) {
             self.halt(tick.elapsed);
         }
+        self.remember_acceleration(tick.elapsed.min(self.settings.period));
         self.integrate(self.settings.period);
         self.finish();
         size.map(|()| &self.command)
     }
 
+    /// From now on tasks are computed where these joints are commanded, not where they are measured:
+    /// joints that follow positions, by torques.
+    pub(crate) fn follow_positions(&mut self, joints: &[usize]) {
+        for (index, follows) in self.follows_position.iter_mut().enumerate() {
+            *follows = joints.contains(&index);
+        }
+    }
+
+    /// Tells the supervisor of a force from outside \[N\]; while the robot is to give way to it the
+    /// commanded state starts anew from the measured one.
+    pub(crate) fn feel(&mut self, force: f64) {
+        let supervisor = self.safety.supervisor_mut();
+        let (fault, gives_way) = (supervisor.feel(force), supervisor.gives_way());
+        if let Some(fault) = fault {
+            self.note(fault);
+        }
+        if gives_way {
+            self.leash.resynchronise();
+        }
+    }
+
     /// Tells the supervisor what went wrong.
-    fn report(&mut self, fault: Fault) {
+    pub(crate) fn report(&mut self, fault: Fault) {
         self.safety.report(fault);
+        self.note(fault);
+    }
+
+    /// Keeps the worst that went wrong, for the next command.
+    fn note(&mut self, fault: Fault) {
         let worse = |known: Fault| fault.state() > known.state();
         if self.fault.is_none_or(worse) {
             self.fault = Some(fault);
@@ -190,29 +238,42 @@ impl Controller {
     /// cannot be used.
     fn measure(&mut self, configuration: &[f64]) -> bool {
         // An error would allocate its message.
-        if !self.robot.model().is_configuration(configuration)
-            || self.robot.update(configuration).is_err()
-        {
+        if !self.robot.model().is_configuration(configuration) {
+            return false;
+        }
+        let Ok(following) = self.leash.hold(&mut self.command, configuration) else {
+            return false;
+        };
+        self.reference.copy_from_slice(configuration);
+        let commanded = self.follows_position.iter().zip(&self.command.joint_position);
+        for (reference, (follows, commanded)) in self.reference.iter_mut().zip(commanded) {
+            if *follows {
+                *reference = *commanded;
+            }
+        }
+        if self.robot.update(&self.reference).is_err() {
             return false;
         }
         if let [_, _, yaw, ..] = configuration {
             self.yaw = *yaw;
         }
-        if self.leash.hold(&mut self.command, configuration, self.robot.world_from_tool()) {
+        if following == Following::Reached {
             self.report(Fault::FollowingError);
         }
+        let (desired, actual) = (&mut self.command.desired, self.robot.world_from_tool());
+        self.leash.hold_pose(desired, actual, following);
         true
     }
 
     /// Computes the velocities of a tick; returns false if they cannot be computed.
-    fn control(&mut self, elapsed: f64, configuration: &[f64]) -> bool {
+    fn control(&mut self, elapsed: f64) -> bool {
         if self.watch(elapsed).is_err() {
             self.report(Fault::BadData);
             return false;
         }
         self.advance_speed(elapsed);
         self.advance_activation(elapsed);
-        self.write_intervals(elapsed, configuration);
+        self.write_intervals(elapsed);
         match self.solve() {
             Ok(Status::Solved) => {}
             Ok(_) => self.report(Fault::IterationLimit),
@@ -255,22 +316,37 @@ impl Controller {
         self.command.activation = activation.clamp(0.0, 1.0);
     }
 
-    fn write_intervals(&mut self, elapsed: f64, configuration: &[f64]) {
+    fn write_intervals(&mut self, elapsed: f64) {
         let times = [self.settings.period, elapsed];
-        let (joints, desired) = self.intervals.split_at_mut(configuration.len());
-        let velocity = &self.command.joint_velocity;
+        let (joints, desired) = self.intervals.split_at_mut(self.reference.len());
+        let motion = Motion {
+            position: &self.reference,
+            velocity: &self.command.joint_velocity,
+            acceleration: &self.acceleration,
+        };
         let scale = self.speed.min(self.safety.speed_scale());
-        let limits = &self.joint_limits;
-        write_intervals(limits, configuration, velocity, scale, times, joints);
-        let returns = &mut self.returns;
+        write_intervals(&self.joint_limits, motion, scale, times, joints);
         let step = elapsed.min(self.settings.period);
-        admit_braking(limits, configuration, velocity, step, joints, returns);
+        let limits = [&self.joint_limits[..], &self.joint_braking];
+        admit_braking(limits, motion, step, joints, &mut self.returns);
         for (braking, interval) in self.braking.iter_mut().zip(joints) {
             *braking = nearest_to_rest(interval);
         }
         let twist = self.command.desired_twist.as_slice();
+        let motion = Motion { position: &[0.0; 6], velocity: twist, acceleration: &[0.0; 6] };
         // Not slowed by safety: the desired pose goes along with a robot that stops.
-        write_intervals(&self.desired_limits, &[0.0; 6], twist, self.speed, times, desired);
+        write_intervals(&self.desired_limits, motion, self.speed, times, desired);
+    }
+
+    /// How fast q̇* changed, `time` \[s\] after the change before.
+    fn remember_acceleration(&mut self, time: f64) {
+        if time <= 0.0 {
+            return;
+        }
+        let change = self.command.joint_velocity.iter().zip(&self.last_velocity);
+        for (acceleration, (velocity, last)) in self.acceleration.iter_mut().zip(change) {
+            *acceleration = (velocity - last) / time;
+        }
     }
 
     fn solve(&mut self) -> Result<Status, Error> {
@@ -316,8 +392,9 @@ impl Controller {
     /// Brakes at the limits of acceleration, whatever else holds.
     fn halt(&mut self, elapsed: f64) {
         let step = elapsed.min(self.settings.period);
-        brake(&self.joint_limits, step, &mut self.command.joint_velocity);
-        brake(&self.desired_limits, step, self.command.desired_twist.as_mut_slice());
+        brake(&self.joint_braking, &self.acceleration, step, &mut self.command.joint_velocity);
+        let twist = self.command.desired_twist.as_mut_slice();
+        brake(&self.desired_braking, &[0.0; 6], step, twist);
         self.command.slack = Vector6::zeros();
         self.command.outcome = Outcome::Braking;
         self.safety.wait(self.clock.age(), elapsed);
@@ -395,11 +472,14 @@ impl Controller {
     }
 }
 
-fn desired_limits(desired: &DesiredMotion) -> Result<[Limits; 6], Error> {
+fn desired_limits(desired: &DesiredMotion) -> Result<[JerkLimits; 6], Error> {
     let free = (f64::NEG_INFINITY, f64::INFINITY);
     // A cube within the sphere of all changes.
     let [linear, angular] = desired.axis_accelerations();
-    let linear = Limits::new(free.0, free.1, desired.velocity, linear)?;
-    let angular = Limits::new(free.0, free.1, desired.angular_velocity, angular)?;
+    let limits = |velocity: f64, acceleration: f64| -> Result<JerkLimits, Error> {
+        Ok(Limits::new(free.0, free.1, velocity, acceleration)?.with_jerk(f64::INFINITY)?)
+    };
+    let linear = limits(desired.velocity, linear)?;
+    let angular = limits(desired.angular_velocity, angular)?;
     Ok([linear, linear, linear, angular, angular, angular])
 }

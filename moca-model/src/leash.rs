@@ -3,7 +3,7 @@
 use ahqp_core::rotation_log;
 use hrsw::SafetyState;
 use nalgebra::{Isometry3, UnitQuaternion};
-use whole_body::{JointKind, Model};
+use whole_body::{Following, JointKind, Model, Resynchronisation};
 
 use crate::command::Command;
 use crate::error::Error;
@@ -68,60 +68,50 @@ impl LeashSettings {
 #[derive(Debug, Clone)]
 pub(crate) struct Leash {
     settings: LeashSettings,
-    /// Of each joint \[m or rad\].
-    joints: Vec<f64>,
-    state: State,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum State {
-    /// Nothing has been measured yet.
-    Unknown,
-    /// The robot follows.
-    Following,
-    /// It does not: commanded is measured until it is at rest.
-    Resynchronising,
+    joints: Resynchronisation,
 }
 
 impl Leash {
-    pub(crate) fn new(settings: LeashSettings, model: &Model) -> Self {
+    pub(crate) fn new(settings: LeashSettings, model: &Model) -> Result<Self, Error> {
         let length = |kind: JointKind| match kind {
             JointKind::Prismatic => settings.prismatic,
             JointKind::Revolute | JointKind::Continuous | JointKind::Floating => settings.revolute,
         };
-        let joints = model.joints().iter().map(|joint| length(joint.kind)).collect();
-        Self { settings, joints, state: State::Unknown }
+        let lengths = model.joints().iter().map(|joint| length(joint.kind)).collect();
+        Ok(Self { settings, joints: Resynchronisation::new(lengths)? })
     }
 
-    /// Holds the commanded state to the measured `configuration` and the tool's pose there; returns
-    /// true if the joints' leash was reached.
+    /// Holds the commanded configuration to the measured one.
+    ///
+    /// # Errors
+    /// [`Error::Robot`] for a configuration of the wrong size.
     pub(crate) fn hold(
         &mut self,
         command: &mut Command,
         configuration: &[f64],
-        actual: &Isometry3<f64>,
-    ) -> bool {
-        let reached = self.state != State::Unknown && self.is_reached(command, configuration);
+    ) -> Result<Following, Error> {
         let stops = command.safety == SafetyState::ProtectiveStop;
         let rests = command.joint_velocity.iter().all(|&velocity| velocity == 0.0);
-        if reached {
-            self.state = State::Resynchronising;
-        }
-        if self.state == State::Following {
-            self.pull(&mut command.desired, actual);
-            return false;
-        }
-        command.joint_position.copy_from_slice(configuration);
-        command.desired = *actual;
-        if !reached && (rests || !stops) {
-            self.state = State::Following;
-        }
-        reached
+        Ok(self.joints.hold(&mut command.joint_position, configuration, rests || !stops)?)
     }
 
-    fn is_reached(&self, command: &Command, configuration: &[f64]) -> bool {
-        let apart = command.joint_position.iter().zip(configuration).map(|(a, b)| (a - b).abs());
-        apart.zip(&self.joints).any(|(apart, leash)| apart > *leash)
+    /// The commanded configuration is the measured one, from the next tick until the robot rests.
+    pub(crate) fn resynchronise(&mut self) {
+        self.joints.resynchronise();
+    }
+
+    /// Holds the desired pose to the tool's: at it while the joints are resynchronised, else within
+    /// the leash.
+    pub(crate) fn hold_pose(
+        &self,
+        desired: &mut Isometry3<f64>,
+        actual: &Isometry3<f64>,
+        following: Following,
+    ) {
+        match following {
+            Following::Follows => self.pull(desired, actual),
+            _ => *desired = *actual,
+        }
     }
 
     /// Moves the desired pose to within the leash of the actual one.

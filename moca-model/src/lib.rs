@@ -17,8 +17,8 @@
 
 mod command;
 mod controller;
+mod dynamic_robot;
 mod error;
-mod impedance;
 mod intention;
 mod leash;
 mod motion_limits;
@@ -28,11 +28,12 @@ mod settings;
 mod shared_space;
 mod simulation;
 mod stack;
+mod torque;
 
 pub use command::{Command, Outcome};
 pub use controller::Controller;
+pub use dynamic_robot::{DynamicRobot, DynamicRobotSettings};
 pub use error::Error;
-pub use impedance::{ImpedanceSettings, JointImpedance, JointState};
 pub use intention::{Intention, IntentionFilter, IntentionSettings};
 pub use leash::LeashSettings;
 pub use motion_limits::MecanumBase;
@@ -48,7 +49,9 @@ pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings, Stale
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
 pub use stack::{CollaborationStack, GoalTerms, PostureSettings, StackInput, StackSettings};
+pub use torque::{Measured, TorqueController, TorqueLoopSettings};
 pub use whole_body;
+pub use whole_body::{ImpedanceSettings, JointImpedance, JointState};
 
 /// The examples of the book's page on this crate.
 #[cfg(doctest)]

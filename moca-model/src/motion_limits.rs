@@ -1,6 +1,6 @@
 //! What the joints and the desired pose may do in the next tick.
 
-use ahqp_core::{AugmentedState, Limits, MotionState, Rows, VelocityInterval};
+use ahqp_core::{AcceleratedState, AugmentedState, JerkLimits, Limits, Rows, VelocityInterval};
 use whole_body::Model;
 
 use crate::error::Error;
@@ -87,37 +87,67 @@ pub(crate) fn nearest_to_rest(interval: &VelocityInterval) -> f64 {
     0.0_f64.max(interval.lower).min(interval.upper)
 }
 
-/// The limits of all joints as [`Limits`].
+/// Where coordinates are, the velocities commanded last, and how fast those changed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Motion<'a> {
+    pub(crate) position: &'a [f64],
+    pub(crate) velocity: &'a [f64],
+    pub(crate) acceleration: &'a [f64],
+}
+
+impl Motion<'_> {
+    fn states(&self) -> impl Iterator<Item = AcceleratedState> {
+        let motion = self.position.iter().zip(self.velocity).zip(self.acceleration);
+        motion.map(|((&position, &velocity), &acceleration)| AcceleratedState {
+            position,
+            velocity,
+            acceleration,
+        })
+    }
+}
+
+/// The limits of all joints as [`JerkLimits`].
 ///
 /// # Errors
 /// [`Error::Hierarchy`] for limits that are not positive or empty.
-pub(crate) fn joint_limits(model: &Model) -> Result<Vec<Limits>, Error> {
-    model
-        .limits()
-        .iter()
-        .map(|l| Ok(Limits::new(l.lower, l.upper, l.velocity, l.acceleration)?))
-        .collect()
+pub(crate) fn joint_limits(model: &Model) -> Result<Vec<JerkLimits>, Error> {
+    let limits = model.limits().iter();
+    let limits = limits
+        .map(|l| Ok(Limits::new(l.lower, l.upper, l.velocity, l.acceleration)?.with_jerk(l.jerk)?));
+    limits.collect()
+}
+
+/// The same limits for coming to rest, wherever that is.
+///
+/// # Errors
+/// None, as the limits are those of `limits`.
+pub(crate) fn braking_limits(limits: &[JerkLimits]) -> Result<Vec<JerkLimits>, Error> {
+    let limits = limits.iter().map(|limits| {
+        let (velocity, acceleration) = (limits.limits().velocity(), limits.limits().acceleration());
+        let free = Limits::new(f64::NEG_INFINITY, f64::INFINITY, velocity, acceleration)?;
+        Ok(free.with_jerk(limits.jerk())?.slowed(0.0))
+    });
+    limits.collect()
 }
 
 /// Lets joints outside their position limits wait: the interval of each that the limits force
 /// back is widened to admit braking, and what they force goes to `returns`, which bounds nothing
 /// for the others.
 pub(crate) fn admit_braking(
-    limits: &[Limits],
-    position: &[f64],
-    velocity: &[f64],
+    [limits, braking]: [&[JerkLimits]; 2],
+    motion: Motion<'_>,
     period: f64,
     intervals: &mut [VelocityInterval],
     returns: &mut [VelocityInterval],
 ) {
-    let joints = limits.iter().zip(position).zip(velocity);
-    for ((interval, forced), ((limits, &position), &velocity)) in
+    let joints = limits.iter().zip(braking).zip(motion.states());
+    for ((interval, forced), ((limits, braking), state)) in
         intervals.iter_mut().zip(returns).zip(joints)
     {
         *forced = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
-        if position < limits.lower() || position > limits.upper() {
-            let change = limits.acceleration() * period;
-            let braked = velocity - velocity.clamp(-change, change);
+        let limits = limits.limits();
+        if state.position < limits.lower() || state.position > limits.upper() {
+            let braked = nearest_to_rest(&braking.velocity_interval(state, period));
             *forced = *interval;
             interval.lower = interval.lower.min(braked);
             interval.upper = interval.upper.max(braked);
@@ -128,32 +158,47 @@ pub(crate) fn admit_braking(
 /// The velocities that each coordinate may take for the next `period`, if only `elapsed` has passed
 /// since it took the last.
 pub(crate) fn write_intervals(
-    limits: &[Limits],
-    position: &[f64],
-    velocity: &[f64],
+    limits: &[JerkLimits],
+    motion: Motion<'_>,
     scale: f64,
     [period, elapsed]: [f64; 2],
     intervals: &mut [VelocityInterval],
 ) {
-    for (((interval, limits), &position), &velocity) in
-        intervals.iter_mut().zip(limits).zip(position).zip(velocity)
-    {
-        let state = MotionState { position, velocity };
+    for ((interval, limits), state) in intervals.iter_mut().zip(limits).zip(motion.states()) {
         *interval = limits.slowed(scale).velocity_interval(state, period);
         if elapsed < period {
-            let change = limits.acceleration() * elapsed;
-            let reachable = |end: f64| end.clamp(velocity - change, velocity + change);
-            interval.lower = reachable(interval.lower);
-            interval.upper = reachable(interval.upper);
+            let reachable = reachable(limits, state, elapsed);
+            let within = |end: f64| end.max(reachable.lower).min(reachable.upper);
+            interval.lower = within(interval.lower);
+            interval.upper = within(interval.upper);
         }
     }
 }
 
-/// Lets each coordinate brake for `elapsed` seconds.
-pub(crate) fn brake(limits: &[Limits], elapsed: f64, velocity: &mut [f64]) {
-    for (velocity, limits) in velocity.iter_mut().zip(limits) {
-        let change = limits.acceleration() * elapsed;
-        *velocity -= velocity.clamp(-change, change);
+/// The velocities that acceleration and jerk limits allow after `elapsed` seconds.
+fn reachable(limits: &JerkLimits, state: AcceleratedState, elapsed: f64) -> VelocityInterval {
+    let AcceleratedState { velocity, acceleration, .. } = state;
+    let (strongest, change) = (limits.limits().acceleration(), limits.jerk() * elapsed);
+    // From beyond the limit, back towards it.
+    let within = acceleration.max(-strongest - change).min(strongest + change);
+    let lower = (within - change).max(-strongest).min(strongest);
+    let upper = (within + change).min(strongest).max(-strongest);
+    VelocityInterval { lower: velocity + lower * elapsed, upper: velocity + upper * elapsed }
+}
+
+/// Lets each coordinate brake for `elapsed` seconds, wherever it is.
+pub(crate) fn brake(
+    braking: &[JerkLimits],
+    acceleration: &[f64],
+    elapsed: f64,
+    velocity: &mut [f64],
+) {
+    if elapsed <= 0.0 {
+        return;
+    }
+    for ((velocity, limits), &acceleration) in velocity.iter_mut().zip(braking).zip(acceleration) {
+        let state = AcceleratedState { position: 0.0, velocity: *velocity, acceleration };
+        *velocity = nearest_to_rest(&limits.velocity_interval(state, elapsed));
     }
 }
 

@@ -36,6 +36,7 @@ const BATCH: usize = 512;
 /// report's folder. Ctrl-C ends early and keeps what there is, in files named *.partial.*.
 #[derive(Debug, Parser)]
 #[command(version)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 struct Options {
     /// Play this recording (JSON Lines, as `record` makes them) instead of the one that is built in.
     #[arg(long, value_name = "FILE")]
@@ -54,6 +55,9 @@ struct Options {
     /// Keep people at their protective distances, by stops where there is no other way.
     #[arg(long)]
     separation: bool,
+    /// A robot that follows velocities exactly and at once, in place of one that moves under torques.
+    #[arg(long)]
+    kinematic: bool,
     /// The report's folder, made if it is not there: follow.svg, ticks-on.csv and ticks-off.csv.
     #[arg(long, short, alias = "report", value_name = "FOLDER", default_value = "report")]
     output: PathBuf,
@@ -152,6 +156,7 @@ impl Options {
         let (person, map) = self.person(session, &header)?;
         let scenario = Scenario::new(percepts, &person, map)?.arriving(&timings);
         let scenario = if self.separation { scenario.with_separation() } else { scenario };
+        let scenario = if self.kinematic { scenario.kinematic() } else { scenario };
         Ok((scenario, recorded))
     }
 

@@ -10,7 +10,7 @@ use examples::soak::Soak;
 /// violated promise.
 ///
 /// Each millisecond of the simulated loop is checked apart from the controller: problems not solved,
-/// numbers that are not finite, limits of position, velocity and acceleration, distances from the
+/// numbers that are not finite, limits of position, velocity, acceleration, jerk and torque, distances from the
 /// person, jumps of the desired motion, self-collisions. What is found goes to standard error, the
 /// counts to standard output. The exit status is 1 if anything was found. Ctrl-C ends a long soak
 /// and prints the counts up to there.
@@ -20,6 +20,9 @@ struct Options {
     /// Control periods of a millisecond to run.
     #[arg(long, value_name = "COUNT", default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     ticks: u64,
+    /// A robot that follows velocities exactly and at once, in place of one that moves under torques.
+    #[arg(long)]
+    kinematic: bool,
     #[command(flatten)]
     seed: Seed,
     #[command(flatten)]
@@ -36,7 +39,9 @@ impl Program for Options {
     fn run(self, session: &mut Session) -> anyhow::Result<Ending> {
         let progress = session.progress("soak", self.ticks);
         let interrupt = session.interrupt().clone();
-        let summary = Soak::new(self.seed.seed, self.ticks)?.run(|ticks| {
+        let soak = Soak::new(self.seed.seed, self.ticks)?;
+        let soak = if self.kinematic { soak.kinematic() } else { soak };
+        let summary = soak.run(|ticks| {
             progress.set(ticks);
             if interrupt.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })?;

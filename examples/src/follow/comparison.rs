@@ -28,6 +28,10 @@ struct Line {
     reba_measured_max: Option<u8>,
     tracking_error_rms_mm: f64,
     limit_violations: u64,
+    jerk_violations: u64,
+    /// None for a robot without torques.
+    torque_violations: Option<u64>,
+    protective_stops: u64,
     solver_failures: u64,
     tick_us_p50: f64,
     tick_us_p99: f64,
@@ -70,6 +74,9 @@ impl Serialize for Comparison {
             reba_measured_max: self.on.reba_measured.map(|measured| measured.max),
             tracking_error_rms_mm: worst(|run| run.tracking_error_rms_mm),
             limit_violations: sum(|run| run.limit_violations),
+            jerk_violations: sum(|run| run.jerk_violations),
+            torque_violations: self.runs().map(|run| run.torque_violations).sum(),
+            protective_stops: sum(|run| run.protective_stops),
             solver_failures: sum(|run| run.solver_failures),
             tick_us_p50: worst(|run| run.tick_us[0]),
             tick_us_p99: worst(|run| run.tick_us[1]),
@@ -84,7 +91,7 @@ impl Serialize for Comparison {
 /// One row of the table: what it says, its digits, and where the number comes from.
 type Row = (&'static str, usize, fn(&Summary) -> f64);
 
-const ROWS: [Row; 18] = [
+const ROWS: [Row; 21] = [
     ("e_s mean (0 good, 4.25 bad)", 2, |run| run.score_mean),
     ("e_s maximum", 2, |run| run.score_max),
     ("REBA predicted, mean (1 good, 15 bad)", 1, |run| run.reba_mean),
@@ -100,7 +107,12 @@ const ROWS: [Row; 18] = [
     ("worst position margin [%]", 1, |run| 100.0 * run.margins.position),
     ("worst velocity margin [%]", 1, |run| 100.0 * run.margins.velocity),
     ("worst acceleration margin [%]", 1, |run| 100.0 * run.margins.acceleration),
+    ("worst jerk margin [%]", 1, |run| 100.0 * run.margins.jerk),
     ("ticks with a violated limit", 0, |run| run.limit_violations as f64),
+    ("ticks with a violated torque limit", 0, |run| {
+        run.torque_violations.map_or(f64::NAN, |violations| violations as f64)
+    }),
+    ("protective stops", 0, |run| run.protective_stops as f64),
     ("ticks not solved", 0, |run| run.solver_failures as f64),
     ("tick, median [µs]", 1, |run| run.tick_us[0]),
     ("tick, 99th percentile [µs]", 1, |run| run.tick_us[1]),

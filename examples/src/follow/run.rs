@@ -7,22 +7,26 @@ use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, Person, PersonFrame};
 use hrsw::{SafetyState, Workspace};
 use moca_model::whole_body::Model;
 use moca_model::{
-    Command, Controller, ControllerSettings, Goal, MOCA_HOME, SafetySettings, SimulatedRobot,
-    SpaceSettings, moca,
+    Command, Controller, ControllerSettings, Goal, MOCA_HOME, SafetySettings, SpaceSettings, moca,
 };
 use nalgebra::Vector3;
 use vision_models::Percept;
 
 use super::scoring::Scorer;
 use super::summary::{MeasuredReba, Summary};
+use super::work::WorkForce;
 use crate::limits::{LimitMonitor, Return};
 use crate::perception::{Assessor, MeasuredAssessment};
+use crate::plant::{Drive, Plant};
 use crate::program::{Ending, Interrupt};
 use crate::recording::Timing;
 use crate::report::TickRow;
 
 /// A margin below which x_d counts as within the workspace \[m or rad\].
 const INSIDE: f64 = 1e-3;
+
+/// Of the robot's noise, the same in both runs.
+const SEED: u64 = 1;
 
 /// What both runs share.
 #[derive(Debug)]
@@ -41,6 +45,8 @@ pub struct Scenario {
     pub start: Vec<f64>,
     /// The controller, but for its goal.
     pub settings: ControllerSettings,
+    /// What the robot does with commands.
+    pub drive: Drive,
 }
 
 /// One controller against the simulated robot.
@@ -51,11 +57,12 @@ pub struct Run<'a> {
     assessor: Assessor,
     /// In the newest percept.
     measured: Option<MeasuredAssessment>,
-    controller: Controller,
-    robot: SimulatedRobot,
+    plant: Plant,
+    work: WorkForce,
     monitor: LimitMonitor,
     period: f64,
     engaged: bool,
+    stopped: bool,
     tally: Tally,
     ticks_us: Vec<f64>,
     interrupt: Interrupt,
@@ -78,6 +85,11 @@ struct Tally {
     outside: u64,
     out_of_reach: u64,
     violations: u64,
+    jerk_violations: u64,
+    /// None where there are no torques.
+    torque_violations: Option<u64>,
+    /// How often a protective stop began.
+    stops: u64,
     failures: u64,
 }
 
@@ -100,7 +112,8 @@ impl Scenario {
         let safety = SafetySettings::off();
         let settings = ControllerSettings { space, safety, ..ControllerSettings::default() };
         let arrivals = percepts.iter().map(|percept| percept.time).collect();
-        Ok(Self { percepts, arrivals, map, comfort, model, start: MOCA_HOME.to_vec(), settings })
+        let (start, drive) = (MOCA_HOME.to_vec(), Drive::default());
+        Ok(Self { percepts, arrivals, map, comfort, model, start, settings, drive })
     }
 
     /// The same, with percepts that come as late as their recording says.
@@ -120,6 +133,13 @@ impl Scenario {
     #[must_use]
     pub fn with_separation(mut self) -> Self {
         self.settings.safety = SafetySettings::default();
+        self
+    }
+
+    /// The same, with a robot that follows velocities exactly and at once.
+    #[must_use]
+    pub fn kinematic(mut self) -> Self {
+        self.drive = Drive::Kinematic;
         self
     }
 
@@ -146,11 +166,16 @@ impl<'a> Run<'a> {
             scorer: Scorer::new(&scenario.map, middle),
             assessor: Assessor::default(),
             measured: None,
-            controller: Controller::new(scenario.model.clone(), scenario.comfort, settings, start)?,
-            robot: SimulatedRobot::new(&scenario.model, start)?,
+            plant: Plant::new(
+                scenario.drive,
+                Controller::new(scenario.model.clone(), scenario.comfort, settings, start)?,
+                SEED,
+            )?,
+            work: WorkForce::default(),
             monitor: LimitMonitor::new(&scenario.model, desired, period, start),
             period,
             engaged: false,
+            stopped: false,
             tally: Tally::default(),
             ticks_us: Vec::new(),
             interrupt: Interrupt::default(),
@@ -185,7 +210,7 @@ impl<'a> Run<'a> {
                 break;
             }
             while let Some((percept, _)) = percepts.next_if(|(_, at)| **at <= begin + elapsed) {
-                self.controller.observe(percept)?;
+                self.plant.observe(percept)?;
                 self.measured = match &percept.body {
                     Some(body) => self.assessor.update(percept.time, body)?,
                     None => None,
@@ -202,22 +227,19 @@ impl<'a> Run<'a> {
     }
 
     fn tick(&mut self, now: f64) -> anyhow::Result<TickRow> {
-        let started = Instant::now();
-        self.controller.step(now, self.robot.position())?;
-        let tick_us = started.elapsed().as_secs_f64() * 1e6;
-        let actual = self.controller.actual().translation.vector;
-        let (command, space) = (self.controller.command(), self.controller.space());
+        let tick_us = self.plant.step(now)?;
+        let actual = self.plant.tool()?.translation.vector;
+        let (command, space) = (self.plant.command(), self.plant.controller().space());
         let undisturbed = command.safety == SafetyState::Normal && space.person().is_none();
         let returning = if undisturbed { Return::Free } else { Return::Hindered };
-        let breaches = self.monitor.check(command, self.robot.position(), returning);
-        self.robot.step(&command.joint_velocity, self.period)?;
+        let breaches = self.monitor.check(command, self.plant.reference(), returning);
 
         let violation = space.workspace().violation(&command.desired);
         let inside = violation.amax() <= INSIDE;
         // Working together begins when the tool first arrives in the shared workspace.
         self.engaged = space.is_shared() && (self.engaged || inside);
         let mut row = row(command, now, tick_us, &actual);
-        row.q.copy_from_slice(self.robot.position());
+        row.q.copy_from_slice(self.plant.configuration());
         (row.workspace_min, row.workspace_max) = extent(space.workspace());
         row.collaborating = self.engaged;
         let hand = space.person().and_then(|person| {
@@ -229,6 +251,7 @@ impl<'a> Run<'a> {
             row.score = hand.score;
             row.reba = hand.reba;
         }
+        let stops = command.safety == SafetyState::ProtectiveStop;
         row.reba_measured = self.measured.map(|measured| measured.reba.reba);
         let tally = &mut self.tally;
         if let (true, Some(reba)) = (self.engaged, row.reba_measured) {
@@ -238,6 +261,12 @@ impl<'a> Run<'a> {
         }
         tally.ticks += 1;
         tally.violations += u64::from(breaches.any());
+        tally.jerk_violations += u64::from(breaches.jerk);
+        tally.stops += u64::from(stops && !self.stopped);
+        if let Some(breaks) = self.plant.breaks_torque_limits() {
+            tally.torque_violations =
+                Some(tally.torque_violations.unwrap_or_default() + u64::from(breaks));
+        }
         tally.failures += u64::from(!command.outcome.is_optimal());
         tally.error_squared += (command.desired.translation.vector - actual).norm_squared();
         if let (true, Some(hand)) = (self.engaged, hand) {
@@ -249,7 +278,14 @@ impl<'a> Run<'a> {
             tally.outside += u64::from(!inside);
             tally.out_of_reach += u64::from(!hand.reached);
         }
+        self.stopped = stops;
         self.ticks_us.push(tick_us);
+        let towards =
+            self.plant.controller().space().person().map(|person| {
+                Vector3::new(actual.x - person.floor.x, actual.y - person.floor.y, 0.0)
+            });
+        let force = self.work.advance(towards.filter(|_| self.engaged), self.period);
+        self.plant.act(&force)?;
         Ok(row)
     }
 
@@ -280,6 +316,9 @@ impl<'a> Run<'a> {
             out_of_reach: time(tally.out_of_reach),
             margins: self.monitor.margins(),
             limit_violations: tally.violations,
+            jerk_violations: tally.jerk_violations,
+            torque_violations: tally.torque_violations,
+            protective_stops: tally.stops,
             solver_failures: tally.failures,
             tick_us: [quantile(50), quantile(99), quantile(100)],
             wall,

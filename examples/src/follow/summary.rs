@@ -34,6 +34,12 @@ pub struct Summary {
     pub margins: Margins,
     /// Ticks with a violated limit or a command that was not finite.
     pub limit_violations: u64,
+    /// Ticks of these in which a joint's jerk was too large.
+    pub jerk_violations: u64,
+    /// Ticks in which a torque, or its change, was too large; none for a robot without torques.
+    pub torque_violations: Option<u64>,
+    /// How often a protective stop began.
+    pub protective_stops: u64,
     /// Ticks whose hierarchy was not solved to its optimum.
     pub solver_failures: u64,
     /// Median, 99th percentile and maximum of the controller's time a tick \[µs\].

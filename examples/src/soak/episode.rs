@@ -1,11 +1,9 @@
 //! One robot, one person, one controller, for some seconds.
 
-use std::time::Instant;
-
 use anyhow::ensure;
 use ergo_map::ErgonomicsQuadratic;
 use moca_model::whole_body::Model;
-use moca_model::{Controller, ControllerSettings, Goal, MOCA_HOME, SimulatedRobot, SpaceSettings};
+use moca_model::{Controller, ControllerSettings, Goal, MOCA_HOME, SpaceSettings};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -14,6 +12,7 @@ use vision_models::Tool;
 use super::body;
 use super::monitor::{Monitor, Tick};
 use super::task::{POSITION_ROWS, Task};
+use crate::plant::{Drive, Plant};
 use crate::random;
 use crate::simulation::{CameraSettings, FRAME_RATE, Joints, Perception, Transport, Wanderer};
 
@@ -42,8 +41,7 @@ fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
 /// The closed loop.
 #[derive(Debug)]
 pub(super) struct Episode {
-    controller: Controller,
-    robot: SimulatedRobot,
+    plant: Plant,
     pub(super) monitor: Monitor,
     person: Wanderer,
     perception: Perception,
@@ -63,7 +61,7 @@ pub(super) struct Episode {
 
 impl Episode {
     /// The episode of this seed.
-    pub(super) fn new(model: &Model, seed: u64) -> anyhow::Result<Self> {
+    pub(super) fn new(model: &Model, seed: u64, drive: Drive) -> anyhow::Result<Self> {
         let draws = |streams: [Stream; 2]| streams.map(|stream| generator(seed, stream));
         let mut draw = generator(seed, Stream::Start);
         let start = start(model, &mut draw);
@@ -83,10 +81,13 @@ impl Episode {
             perception: Perception::new(camera, 0.0, Tool::Drill, eyes),
             transport: Transport::new(generator(seed, Stream::Transport)),
             task: Task::new(generator(seed, Stream::Task)),
-            robot: SimulatedRobot::new(model, &start)?,
             frame: ticks(1.0 / FRAME_RATE, settings.period),
             period: settings.period,
-            controller: Controller::new(model.clone(), comfort()?, settings, &start)?,
+            plant: Plant::new(
+                drive,
+                Controller::new(model.clone(), comfort()?, settings, &start)?,
+                seed,
+            )?,
             tick: 0,
             history: Vec::new(),
             known: None,
@@ -98,7 +99,7 @@ impl Episode {
     pub(super) fn step(&mut self) -> anyhow::Result<f64> {
         #[expect(clippy::cast_precision_loss, reason = "an episode lasts seconds")]
         let now = self.tick as f64 * self.period;
-        let tool = *self.controller.actual();
+        let tool = *self.plant.controller().actual();
         self.person.advance(now, self.period, tool.translation.vector.xy());
         self.history.push((self.person.person().joints(), self.person.jumped()));
         self.check_person()?;
@@ -107,24 +108,22 @@ impl Episode {
             if percept.body.is_some() {
                 self.known = Some(usize::try_from(ticks(percept.time, self.period))?);
             }
-            self.controller.observe(&percept)?;
+            self.plant.observe(&percept)?;
         }
-        self.task.advance(now, self.controller.space_mut(), &tool)?;
+        self.task.advance(now, self.plant.controller_mut().space_mut(), &tool)?;
 
-        let started = Instant::now();
-        self.controller.step(now, self.robot.position())?;
-        let tick_us = started.elapsed().as_secs_f64() * 1e6;
-
-        let command = self.controller.command();
+        let tick_us = self.plant.step(now)?;
         self.monitor.check(&Tick {
-            command,
-            configuration: self.robot.position(),
+            command: self.plant.command(),
+            configuration: self.plant.configuration(),
+            reference: self.plant.reference(),
+            breaks_torque: self.plant.breaks_torque_limits(),
             person: body_at(&self.history, self.history.len() - 1),
             known: self.known.map(|tick| body_at(&self.history, tick)),
-            contact: self.controller.safety().contact_speed() > 0.0,
+            contact: self.plant.controller().safety().contact_speed() > 0.0,
         })?;
-        if command.joint_velocity.iter().all(|velocity| velocity.is_finite()) {
-            self.robot.step(&command.joint_velocity, self.period)?;
+        if self.plant.command().joint_velocity.iter().all(|velocity| velocity.is_finite()) {
+            self.plant.act(&Vector3::zeros())?;
         }
         self.tick += 1;
         Ok(tick_us)
@@ -139,7 +138,7 @@ impl Episode {
         let mut percept = self.perception.look(now, person.person(), person.is_in_view());
         if let Some(percept) = &mut percept {
             // The robot cannot keep its distance from a part that it has never seen.
-            let least = self.controller.settings().safety.person.least_confidence;
+            let least = self.plant.controller().settings().safety.person.least_confidence;
             self.seen_whole |= percept.body.as_ref().is_some_and(|body| {
                 body::joints().all(|joint| {
                     body.get(joint).is_some_and(|seen| seen.confidence.value() >= least)
@@ -155,7 +154,7 @@ impl Episode {
     fn check_person(&self) -> anyhow::Result<()> {
         let (now, before) = body_at(&self.history, self.history.len() - 1);
         let Some(before) = before else { return Ok(()) };
-        let largest = self.controller.settings().safety.separation.human_speed;
+        let largest = self.plant.controller().settings().safety.separation.human_speed;
         let ends = |joints| body::capsules(joints).into_iter().flat_map(|rod| rod.ends);
         let speeds = ends(now).zip(ends(before)).map(|(to, from)| (to - from).norm() / self.period);
         let fastest = speeds.fold(0.0, f64::max);
@@ -170,7 +169,7 @@ impl Episode {
     pub(super) fn first_wrong(&mut self) -> Option<String> {
         let what = self.monitor.first_wrong.take()?;
         self.monitor.first_wrong = Some(String::new());
-        let (time, safety) = (self.tick, self.controller.safety());
+        let (time, safety) = (self.tick, self.plant.controller().safety());
         (!what.is_empty()).then(|| {
             let person = safety.person_bodies().first();
             format!(
@@ -184,7 +183,12 @@ impl Episode {
 
     /// Returns true if the robot moves.
     pub(super) fn moves(&self) -> bool {
-        self.controller.command().joint_velocity.iter().any(|velocity| velocity.abs() > 1e-3)
+        self.plant
+            .controller()
+            .command()
+            .joint_velocity
+            .iter()
+            .any(|velocity| velocity.abs() > 1e-3)
     }
 }
 

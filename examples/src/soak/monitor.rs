@@ -22,6 +22,10 @@ pub struct Counts {
     pub limit_violations: u64,
     /// An acceleration limit of a joint is violated.
     pub acceleration_violations: u64,
+    /// A jerk limit of a joint is violated.
+    pub jerk_violations: u64,
+    /// A torque, or its change, is too large.
+    pub torque_violations: u64,
     /// The robot moves towards a person who is too near, and is not the person's own doing.
     pub separation_violations: u64,
     /// The velocity of the desired pose changes faster than its limit.
@@ -41,6 +45,8 @@ impl Counts {
             + self.not_finite
             + self.limit_violations
             + self.acceleration_violations
+            + self.jerk_violations
+            + self.torque_violations
             + self.separation_violations
             + self.discontinuities
             + self.self_collisions
@@ -53,6 +59,8 @@ impl std::ops::AddAssign for Counts {
         self.not_finite += other.not_finite;
         self.limit_violations += other.limit_violations;
         self.acceleration_violations += other.acceleration_violations;
+        self.jerk_violations += other.jerk_violations;
+        self.torque_violations += other.torque_violations;
         self.separation_violations += other.separation_violations;
         self.discontinuities += other.discontinuities;
         self.self_collisions += other.self_collisions;
@@ -66,8 +74,12 @@ impl std::ops::AddAssign for Counts {
 pub struct Tick<'a> {
     /// The controller's answer.
     pub command: &'a Command,
-    /// q before the command \[m, rad\].
+    /// Where the robot is \[m, rad\].
     pub configuration: &'a [f64],
+    /// Where the command begins \[m, rad\].
+    pub reference: &'a [f64],
+    /// Whether torques broke a limit; none without torques.
+    pub breaks_torque: Option<bool>,
     /// The person's joints now, a period before (none after a jump) \[m\].
     pub person: (&'a Joints, Option<&'a Joints>),
     /// The same, when the newest frame was taken that shows the person and has arrived.
@@ -87,7 +99,11 @@ pub struct Monitor {
     joints: Vec<JointLimits>,
     limits: LimitMonitor,
     period: f64,
+    /// In an emergency stop, then as commanded.
     velocity: Vec<f64>,
+    /// Commanded last, and how fast that changed.
+    last: Vec<f64>,
+    acceleration: Vec<f64>,
     robot: Robot,
     /// What was found so far.
     pub counts: Counts,
@@ -119,6 +135,8 @@ impl Monitor {
             joints: model.limits().to_vec(),
             limits: LimitMonitor::new(model, settings.desired, period, configuration),
             velocity: vec![0.0; configuration.len()],
+            last: vec![0.0; configuration.len()],
+            acceleration: vec![0.0; configuration.len()],
             robot: Robot::default(),
             counts: Counts::default(),
             first_wrong: None,
@@ -142,15 +160,29 @@ impl Monitor {
         }
         let free = command.safety == SafetyState::Normal && tick.known.is_none();
         let returning = if free { Return::Free } else { Return::Hindered };
-        let breaches = self.limits.check(command, tick.configuration, returning);
+        let breaches = self.limits.check(command, tick.reference, returning);
         counts.limit_violations += u64::from(breaches.limit);
         counts.acceleration_violations += u64::from(breaches.acceleration);
+        counts.jerk_violations += u64::from(breaches.jerk);
+        counts.torque_violations += u64::from(tick.breaks_torque == Some(true));
         counts.discontinuities += u64::from(breaches.desired_acceleration);
 
         let velocity = &command.joint_velocity;
-        separation::emergency_stop(&self.joints, &mut self.velocity, self.period);
+        let before = std::mem::take(&mut self.last);
+        separation::emergency_stop(
+            &self.joints,
+            &self.acceleration,
+            &mut self.velocity,
+            self.period,
+        );
         self.place(tick)?;
+        for ((acceleration, now), before) in self.acceleration.iter_mut().zip(velocity).zip(&before)
+        {
+            *acceleration = (now - before) / self.period;
+        }
         self.velocity.copy_from_slice(velocity);
+        self.last = before;
+        self.last.copy_from_slice(velocity);
         let verdict = self.judge(tick);
         let counts = &mut self.counts;
         counts.separation_violations += u64::from(verdict.violation.is_some());

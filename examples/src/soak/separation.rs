@@ -13,7 +13,7 @@
 //! - if it is none against the body, as it was and moved when the newest camera frame that had
 //!   reached the robot was taken: then the person has moved since; or
 //! - if the robot comes no nearer than in an emergency stop, in which every joint brakes at its
-//!   limit of acceleration: then the breach began before the robot could know of it.
+//!   limits of acceleration and jerk: then the breach began before the robot could know of it.
 //!
 //! Every other breach is a **violation**. The arms of a person who works with the robot may touch
 //! what it holds: their pairs count apart, as contact.
@@ -177,10 +177,22 @@ fn stops(robot: &Robot, body: &Body, (link, part): (usize, usize)) -> bool {
     robot.commanded.towards(link, person) <= least.max(0.0) + TOWARDS
 }
 
-/// The velocities one period into an emergency stop.
-pub(super) fn emergency_stop(limits: &[JointLimits], velocity: &mut [f64], period: f64) {
-    for (limits, velocity) in limits.iter().zip(velocity) {
-        let change = limits.acceleration * period;
-        *velocity -= velocity.clamp(-change, change);
+/// The velocities one period into an emergency stop: every joint brakes at its limit of acceleration,
+/// which it comes to, and leaves, at its limit of jerk.
+///
+/// The last part of a stop, from the limit a to rest, is α² = 2 j v; α Δt + α²/(2j) = v comes onto it.
+pub(super) fn emergency_stop(
+    limits: &[JointLimits],
+    acceleration: &[f64],
+    velocity: &mut [f64],
+    period: f64,
+) {
+    for ((limits, acceleration), velocity) in limits.iter().zip(acceleration).zip(velocity) {
+        let speed = velocity.abs();
+        let root = (period * period + 2.0 * speed / limits.jerk).sqrt();
+        let onset = -(2.0 * speed / (period + root)).min(limits.acceleration).copysign(*velocity);
+        let change = limits.jerk * period;
+        let next = acceleration + (onset - acceleration).clamp(-change, change);
+        *velocity += next * period;
     }
 }

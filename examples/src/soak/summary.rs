@@ -13,6 +13,7 @@ use serde::{Serialize, Serializer};
 use super::episode::Episode;
 use super::monitor::Counts;
 use super::tick_times::TickTimes;
+use crate::plant::Drive;
 
 /// Ticks of an episode.
 const EPISODE: std::ops::Range<u64> = 4_000..25_000;
@@ -22,6 +23,7 @@ const EPISODE: std::ops::Range<u64> = 4_000..25_000;
 pub struct Soak {
     seed: u64,
     ticks: u64,
+    drive: Drive,
 }
 
 /// What a soak found.
@@ -49,6 +51,8 @@ struct Line {
     not_finite: u64,
     limit_violations: u64,
     acceleration_violations: u64,
+    jerk_violations: u64,
+    torque_violations: u64,
     separation_violations: u64,
     discontinuities: u64,
     tick_us_p50: f64,
@@ -67,7 +71,14 @@ impl Soak {
     /// No ticks at all.
     pub fn new(seed: u64, ticks: u64) -> anyhow::Result<Self> {
         ensure!(ticks > 0, "0 ticks are no soak; give at least 1");
-        Ok(Self { seed, ticks })
+        Ok(Self { seed, ticks, drive: Drive::default() })
+    }
+
+    /// The same, with a robot that follows velocities exactly and at once.
+    #[must_use]
+    pub fn kinematic(mut self) -> Self {
+        self.drive = Drive::Kinematic;
+        self
     }
 
     /// Runs it; `each` is told how many ticks are done, after each thousand, and may end it there.
@@ -89,7 +100,7 @@ impl Soak {
         let mut flow = ControlFlow::Continue(());
         while summary.ticks < self.ticks && flow.is_continue() {
             let (seed, length) = (draw.next_u64(), draw.random_range(EPISODE));
-            let mut episode = Episode::new(&model, seed)?;
+            let mut episode = Episode::new(&model, seed, self.drive)?;
             for _ in 0..length.min(self.ticks - summary.ticks) {
                 times.push(episode.step()?);
                 if let Some(what) = episode.first_wrong() {
@@ -122,6 +133,8 @@ impl Serialize for Summary {
             not_finite: counts.not_finite,
             limit_violations: counts.limit_violations,
             acceleration_violations: counts.acceleration_violations,
+            jerk_violations: counts.jerk_violations,
+            torque_violations: counts.torque_violations,
             separation_violations: counts.separation_violations,
             discontinuities: counts.discontinuities,
             tick_us_p50: self.tick_us[0],
@@ -147,6 +160,8 @@ impl fmt::Display for Summary {
             ("commands not finite", counts.not_finite),
             ("limits of position or velocity violated", counts.limit_violations),
             ("limits of acceleration violated", counts.acceleration_violations),
+            ("limits of jerk violated", counts.jerk_violations),
+            ("limits of torque violated", counts.torque_violations),
             ("protective distance violated by the robot", counts.separation_violations),
             ("jumps of the desired velocity", counts.discontinuities),
             ("self-collisions", counts.self_collisions),

@@ -30,6 +30,7 @@ fn play(scenario: &Scenario, goal: Goal) -> Summary {
 fn assert_sound(summary: &Summary, what: &str) {
     assert_eq!(summary.limit_violations, 0, "{what}: {:?}", summary.margins);
     assert_eq!(summary.solver_failures, 0, "{what}");
+    assert!(summary.torque_violations.is_none_or(|violations| violations == 0), "{what}");
 }
 
 #[test]
@@ -44,7 +45,9 @@ fn ergonomics_pay_on_the_shipped_recording() {
     assert!(on.score_mean <= 0.35, "e_s with ergonomics: {}", on.score_mean);
     assert!(off.score_mean >= 3.0 * on.score_mean, "{} {}", off.score_mean, on.score_mean);
     assert!(off.reba_max > on.reba_max);
-    assert!(on.tracking_error_rms_mm < 1.0, "{} mm", on.tracking_error_rms_mm);
+    // A person who works pushes a tool of some 2 N/mm with 20 N.
+    assert!(on.tracking_error_rms_mm < 15.0, "{} mm", on.tracking_error_rms_mm);
+    assert_eq!((on.protective_stops, on.torque_violations), (0, Some(0)));
     // Both keep to the shared workspace but for its fastest moves.
     assert!(on.outside < 0.1 * on.together && off.outside < 0.2 * off.together);
 }
@@ -106,7 +109,8 @@ fn random_recordings_violate_no_limit_and_fail_no_solve_without_ergonomics() {
 fn a_start_outside_the_limits_is_left_within_the_limits() {
     let mut scenario =
         Scenario::new(Walker::random(7).collect(), &Person::average(), average_map().clone())
-            .unwrap();
+            .unwrap()
+            .kinematic();
     scenario.start[4] = 1.9; // the second joint of the arm ends at 1.7628 rad
     scenario.start[6] = 0.1; // the fourth at -0.0698 rad
     let mut last = [0.0; 10];

@@ -6,8 +6,8 @@ use ergo_map::ErgonomicsQuadratic;
 use examples::limits::{Breaches, LimitMonitor, Margins, Return};
 use moca_model::whole_body::{JointLimits, Model};
 use moca_model::{
-    Command, Controller, ControllerSettings, DesiredMotion, MOCA_AXIS_SPEED, MOCA_HOME,
-    MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, moca,
+    Command, Controller, ControllerSettings, DesiredMotion, MOCA_AXIS_SPEED, MOCA_HOME, MOCA_URDF,
+    MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, moca, moca_description,
 };
 use nalgebra::{Matrix3, Vector3, Vector6};
 use proptest::prelude::*;
@@ -20,14 +20,20 @@ const DESIRED: DesiredMotion = DesiredMotion {
     angular_acceleration: 9.0,
 };
 const NOTHING: Breaches =
-    Breaches { limit: false, acceleration: false, desired_acceleration: false };
+    Breaches { limit: false, acceleration: false, jerk: false, desired_acceleration: false };
 const LIMIT: Breaches = Breaches { limit: true, ..NOTHING };
 const ACCELERATION: Breaches = Breaches { acceleration: true, ..NOTHING };
 const DESIRED_ACCELERATION: Breaches = Breaches { desired_acceleration: true, ..NOTHING };
 
-/// MOCA and a command at rest.
+const JERK: Breaches = Breaches { jerk: true, ..NOTHING };
+
+/// MOCA without jerk limits, and a command at rest.
 static AT_REST: LazyLock<(Model, Command)> = LazyLock::new(|| {
-    let model = moca().unwrap();
+    let mut description = moca_description();
+    for (_, limits) in &mut description.limits {
+        limits.jerk = None;
+    }
+    let model = Model::from_urdf(MOCA_URDF, &description).unwrap();
     let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 0.0).unwrap();
     let settings = ControllerSettings::default();
     let controller = Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap();
@@ -156,6 +162,32 @@ proptest! {
         prop_assert_eq!(hand.check(Return::Free), ACCELERATION);
         prop_assert!(hand.monitor.margins().acceleration < 0.0);
         prop_assert_eq!(hand.check(Return::Free), NOTHING);
+    }
+
+    /// Of the arm's joints, which have such limits: 500 times their accelerations.
+    #[test]
+    fn too_high_a_jerk_is_found(
+        joint in 0..10_usize, shares in prop::collection::vec(-0.5..=0.5_f64, 0..20),
+        excess in excess(), forwards in any::<bool>(),
+    ) {
+        let (model, command) = (moca().unwrap(), &AT_REST.1);
+        let mut monitor = LimitMonitor::new(&model, DESIRED, PERIOD, &MOCA_HOME);
+        let mut command = command.clone();
+        let acceleration = model.limits()[joint].acceleration;
+        // Of the limit of acceleration: at most half of it is gained in a tick.
+        let mut share = 0.0_f64;
+        let mut next = |share: f64| {
+            command.joint_velocity[joint] += share * acceleration * PERIOD;
+            monitor.check(&command, &MOCA_HOME, Return::Free)
+        };
+        for change in shares {
+            share = (share + change).clamp(-1.0, 1.0);
+            prop_assert_eq!(next(share), NOTHING);
+        }
+        let change = if forwards == (share < 0.0) { 0.5 * excess } else { -0.5 * excess };
+        prop_assume!((share + change).abs() <= 1.0);
+        let expected = if joint < 3 { NOTHING } else { JERK };
+        prop_assert_eq!(next(share + change), expected);
     }
 
     /// By the norm: also where no axis alone exceeds the limit.

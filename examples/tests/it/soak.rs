@@ -39,6 +39,8 @@ fn the_last_line_is_one_json_object_with_the_names_of_the_book() {
         "not_finite",
         "limit_violations",
         "acceleration_violations",
+        "jerk_violations",
+        "torque_violations",
         "separation_violations",
         "discontinuities",
         "tick_us_p50",

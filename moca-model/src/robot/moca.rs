@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use whole_body::{Description, LimitOverride, Model};
+use whole_body::{Description, JointFriction, LimitOverride, Model};
 
 use crate::error::Error;
 
@@ -121,7 +121,7 @@ pub fn moca() -> Result<Model, Error> {
 
 /// How [`MOCA_URDF`] is read: the joints of [`MOCA_JOINTS`] move [`MOCA_TOOL`] on a fixed base,
 /// with acceleration and jerk limits from the makers' specifications, positions and efforts of the
-/// base's joints unlimited.
+/// base's joints unlimited, and the friction of the arm's joints as Gaz et al. identified it.
 ///
 /// ```
 /// use moca_model::whole_body::Model;
@@ -148,8 +148,10 @@ pub fn moca_description() -> Description {
         ..LimitOverride::default()
     });
     let names = MOCA_JOINTS.map(str::to_owned);
+    let arm_names = names.iter().skip(MOCA_BASE_JOINTS).cloned();
     Description {
         tips: vec![MOCA_TOOL.to_owned()],
+        friction: arm_names.zip(JointFriction::PANDA).collect(),
         joints: names.to_vec(),
         limits: names.into_iter().zip(base.into_iter().chain(arm)).collect(),
         ..Description::default()

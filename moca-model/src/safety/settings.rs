@@ -131,7 +131,8 @@ impl Default for SafetySettings {
 
 impl SafetySettings {
     /// No bodies, no rows, and no stops once a camera frame has come: people are not kept at a
-    /// distance, and the robot may touch itself. For simulations and comparisons.
+    /// distance, and the robot may touch itself. Forces from outside still stop it. For simulations and
+    /// comparisons.
     ///
     /// ```
     /// use moca_model::SafetySettings;

@@ -182,14 +182,16 @@ fn a_jump_of_two_metres_is_followed_within_the_limits() {
     let place =
         |time: f64| person_at(1.3, if time < 4.0 { 0.0 } else { 2.0 }, std::f64::consts::PI);
     let limits = MOCA.limits().to_vec();
-    let mut last = vec![0.0; 10];
+    let (mut last, mut accelerations) = (vec![0.0; 10], vec![0.0; 10]);
     for _ in 0..12_000 {
         run.run(1, |time| Some(percept(time, &place(time), Action::Using(Tool::Polisher))));
-        for ((v, before), limits) in
-            run.controller.command().joint_velocity.iter().zip(&last).zip(&limits)
-        {
+        let joints = run.controller.command().joint_velocity.iter().zip(&last).zip(&limits);
+        for (((v, before), limits), acceleration) in joints.zip(&mut accelerations) {
             assert!(v.abs() <= limits.velocity * (1.0 + 1e-9));
-            assert!((v - before).abs() <= limits.acceleration * PERIOD * (1.0 + 1e-6));
+            let now = (v - before) / PERIOD;
+            assert!(now.abs() <= limits.acceleration * (1.0 + 1e-6));
+            assert!((now - *acceleration).abs() <= limits.jerk * PERIOD * (1.0 + 1e-6));
+            *acceleration = now;
         }
         last.copy_from_slice(&run.controller.command().joint_velocity);
     }

@@ -383,7 +383,7 @@ fn scenarios() -> BTreeMap<String, Scenario> {
         drive.controller.step(now, &measured).unwrap();
         drive.obey(PERIOD);
     }
-    let scenarios: [(Fault, Scenario); 14] = [
+    let scenarios: [(Fault, Scenario); 15] = [
         (ClockFault::NotFinite.into(), |drive| clock(drive, f64::NAN)),
         (ClockFault::StandsStill.into(), |drive| clock(drive, drive.time() - PERIOD)),
         (ClockFault::SetBack.into(), |drive| clock(drive, drive.time() - 5.0)),
@@ -405,6 +405,13 @@ fn scenarios() -> BTreeMap<String, Scenario> {
             let mut pushed = drive.robot.position().to_vec();
             pushed[4] += 0.2;
             drive.step_with(&pushed);
+        }),
+        (Fault::ContactForce, |drive| {
+            // What a torque controller does with the force that it observes.
+            let supervisor = drive.controller.safety_mut().supervisor_mut();
+            assert_eq!(supervisor.feel(59.0), None);
+            assert_eq!(supervisor.feel(61.0), Some(Fault::ContactForce));
+            drive.step();
         }),
         (Fault::NoSolution, |drive| {
             towards_work(drive);

@@ -3,7 +3,7 @@
 //! All sums are in world axes, so that nothing is turned from body to body, and about the origins of
 //! the bodies, so that they hold no distances larger than a link.
 
-mod articulated;
+pub(crate) mod articulated;
 mod carried;
 mod centre_of_mass;
 mod effective_mass;
@@ -12,5 +12,7 @@ pub(crate) mod external;
 mod forward;
 mod friction;
 mod gravity;
+mod hybrid;
 mod inverse;
+mod joint_momentum;
 mod mass_matrix;

@@ -434,6 +434,13 @@ pub enum Error {
         frame: String,
     },
 
+    /// A joint that follows another one cannot be simulated.
+    #[error("joint `{joint}` follows another joint, which a simulation does not do; hold it")]
+    MimicJoint {
+        /// The joint.
+        joint: String,
+    },
+
     /// The robot has no mass, and so no centre of mass.
     #[error("no link of robot `{robot}` that moves has a mass; add <inertial> to its URDF")]
     NoMass {
@@ -479,6 +486,17 @@ pub enum Error {
         gain: f64,
         /// The period \[s\].
         period: f64,
+    },
+
+    /// A gain of a joint is no positive number.
+    #[error("the {gain} of joint {joint} is {value}; it must be positive and finite")]
+    Gain {
+        /// `stiffness`, `damping`, or another gain.
+        gain: &'static str,
+        /// The joint, counted from 1 among those that are controlled.
+        joint: usize,
+        /// Its value.
+        value: f64,
     },
 
     /// A row of velocities has bounds that leave nothing between them.

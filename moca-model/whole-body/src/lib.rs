@@ -9,6 +9,9 @@
 //! those into commands for a robot that may be held. Both stand on a [`TaskStack`], levels over q̇ and
 //! further variables within bounds of your own.
 //!
+//! A [`TorqueControl`] turns velocities into torques, a [`MomentumObserver`] finds out who pushes, and a
+//! [`RigidBodySimulation`] is a robot to try them on.
+//!
 //! SI units, radians. Twists and accelerations are linear then angular, forces are forces then
 //! moments, all of a frame's origin in axes parallel to the world's unless [`Axes::Local`] is asked
 //! for. The size of q is [`Model::position_count`], that of q̇ [`Model::velocity_count`]; they
@@ -49,10 +52,12 @@ mod inertia;
 mod kinematics;
 mod limits;
 mod robot;
+mod simulation;
 mod spatial;
 mod stack;
 mod state;
 mod tasks;
+mod torque;
 mod urdf;
 mod vector;
 
@@ -78,6 +83,10 @@ pub use robot::joint::{Joint, JointId, JointKind, MimicJoint};
 pub use robot::limits::{JointLimits, LimitOverride, MissingAcceleration, UnusableLimits};
 pub use robot::model::Model;
 pub use robot::warning::{InertiaFault, Warning};
+pub use simulation::contact::Contact;
+pub use simulation::rigid_body::{JointDrive, RigidBodySimulation};
+pub use simulation::sensors::{RandomSource, SensorSettings, Sensors};
+pub use simulation::transmission::Transmission;
 pub use stack::task_level::{TaskId, TaskLevel};
 pub use stack::task_stack::TaskStack;
 pub use state::data::Data;
@@ -105,6 +114,11 @@ pub use tasks::task::{CloneTask, Limit, Task};
 pub use tasks::variables::{VariableLayout, Variables};
 pub use tasks::vector_task::{VectorQuantity, VectorTask};
 pub use tasks::velocity::VelocityTask;
+pub use torque::contact_force::ContactForce;
+pub use torque::control::{TorqueControl, TorqueSettings};
+pub use torque::impedance::{ImpedanceSettings, JointImpedance, JointState};
+pub use torque::momentum_observer::{MomentumObserver, ObservedFriction, ObserverSettings};
+pub use torque::resynchronisation::{Following, Resynchronisation};
 
 /// The example of the crate's front page.
 #[cfg(doctest)]
@@ -120,3 +134,8 @@ struct BookPage;
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/src/whole-body-tasks.md")]
 struct TasksPage;
+
+/// The examples of the book's page on torques and simulation.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/src/whole-body-torques.md")]
+struct TorquesPage;

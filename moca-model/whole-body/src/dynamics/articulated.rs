@@ -9,19 +9,32 @@ use crate::robot::description::Base;
 use crate::spatial::{Motion, Spatial};
 use crate::state::posed::Posed;
 
+/// How an entry of q̇ takes part where forces become accelerations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Part {
+    /// It is free, and what turns in front of its gear adds this inertia \[kg m² or kg\].
+    Free { rotor_inertia: f64 },
+    /// Its acceleration is prescribed: of x it is zero.
+    Prescribed,
+}
+
 impl Posed<'_> {
     /// Solves M x = b in place: articulated-body inertias and what is left of b go from the tips to
     /// the root, accelerations come back (Featherstone 2008, Sec. 7.3 without velocities), in world
-    /// axes. Not for models with mimic joints.
-    pub(super) fn solve_by_articulated_bodies(&mut self, b: &mut [f64]) -> Result<(), Error> {
-        self.eliminate(b)?;
+    /// axes. Not for models with mimic joints. Without `parts` all entries are free, without rotors.
+    pub(super) fn solve_by_articulated_bodies(
+        &mut self,
+        b: &mut [f64],
+        parts: &[Part],
+    ) -> Result<(), Error> {
+        self.eliminate(b, parts)?;
         self.accelerate_base(b)?;
         self.accelerate_joints(b);
         Ok(())
     }
 
     /// Takes out one joint after the other, the last first.
-    fn eliminate(&mut self, b: &mut [f64]) -> Result<(), Error> {
+    fn eliminate(&mut self, b: &mut [f64], parts: &[Part]) -> Result<(), Error> {
         let (model, data) = (self.model, &mut *self.data);
         let (scratch, poses) = (&mut data.scratch, &data.poses);
         for (body, (inertia, pose)) in data.inertias.iter().zip(poses).enumerate() {
@@ -33,11 +46,19 @@ impl Posed<'_> {
             let pose = &poses[index + 1];
             let own = &scratch.articulated[index + 1];
             let (force, pivot) = own.along(mover.motion, &pose.axis());
-            // No more than the rounding of the pivot's own sum.
-            if pivot <= 8.0 * f64::EPSILON * own.size(mover.motion) || pivot.is_nan() {
-                return Err(self.no_inertia(mover.velocity));
-            }
-            let joint = ArticulatedJoint { force, inverse: 1.0 / pivot };
+            let inverse = match parts.get(mover.velocity) {
+                // A joint that does not give way.
+                Some(Part::Prescribed) => 0.0,
+                Some(Part::Free { rotor_inertia }) if *rotor_inertia > 0.0 => {
+                    1.0 / (pivot + rotor_inertia)
+                }
+                // No more than the rounding of the pivot's own sum.
+                _ if pivot <= 8.0 * f64::EPSILON * own.size(mover.motion) || pivot.is_nan() => {
+                    return Err(self.no_inertia(mover.velocity));
+                }
+                _ => 1.0 / pivot,
+            };
+            let joint = ArticulatedJoint { force, inverse };
             scratch.pivots[index] = joint;
             let mut left = scratch.wrenches[index + 1];
             let rest = b[mover.velocity] - mover.motion.part(&pose.axis(), &left);

@@ -48,7 +48,7 @@ impl Posed<'_> {
 
     pub(super) fn divide_by_mass_matrix(&mut self, b: &mut [f64]) -> Result<(), Error> {
         if self.model.mimics.is_empty() {
-            return self.solve_by_articulated_bodies(b);
+            return self.solve_by_articulated_bodies(b, &[]);
         }
         let mut matrix = std::mem::take(&mut self.data.scratch.mass_matrix);
         self.fill_mass_matrix(&mut matrix);

@@ -3,9 +3,10 @@
 use allocation_counter::measure;
 use nalgebra::{DMatrix, IsometryMatrix3, Matrix3, Matrix3xX, Matrix6xX, Point3, Vector3, Vector6};
 use whole_body::{
-    Axes, AxisTask, Base, CentreOfMassTask, Commanded, DampingTask, Data, Description,
-    ExternalWrench, FrameTask, FrameVelocityLimit, Ik, Leash, ManipulabilityTask, Model, Payload,
-    PostureTask,
+    Axes, AxisTask, Base, CentreOfMassTask, Commanded, Contact, ContactForce, DampingTask, Data,
+    Description, ExternalWrench, FrameTask, FrameVelocityLimit, Ik, JointDrive, JointState, Leash,
+    ManipulabilityTask, Model, MomentumObserver, ObserverSettings, Payload, PostureTask,
+    RigidBodySimulation, SensorSettings, Sensors, TorqueControl, TorqueSettings,
 };
 
 use crate::support::stacks;
@@ -75,6 +76,44 @@ fn kinematics_and_dynamics_allocate_nothing() {
     // Mimic joints take the way of Cholesky.
     let two_arms = include_str!("../golden/two_arms.urdf");
     assert_eq!(allocations(two_arms, Base::Planar, "left_finger2_link"), 0);
+}
+
+#[test]
+fn torques_observation_and_simulation_allocate_nothing() {
+    let model = crate::momentum::arm(true);
+    let home = crate::momentum::HOME;
+    let tool = model.frame_id("panda_tcp").unwrap();
+    let mut control = TorqueControl::new(&model, TorqueSettings::default(), &home).unwrap();
+    let mut observer = MomentumObserver::new(&model, ObserverSettings::default()).unwrap();
+    let mut contact = ContactForce::new(&model, tool, &[]).unwrap();
+    let drives = [JointDrive::Torque { rotor_inertia: 0.1 }; 7];
+    let mut robot = RigidBodySimulation::new(&model, &drives, &home).unwrap();
+    let noise = SensorSettings { delay: 2, loss: 0.1, ..SensorSettings::ideal(&model) };
+    let mut sensors = Sensors::new(noise, &home).unwrap();
+    let mut random = crate::simulation::Noise(stacks::Random(3));
+    let wall = Contact::wall(tool, Vector3::x_axis(), 0.4);
+    robot.contacts_mut().push(wall);
+    let push = [ExternalWrench { frame: tool, wrench: Vector6::repeat(1.0) }];
+    robot.step(&[0.0; 7], &push, 1e-3).unwrap(); // room for wrenches and contacts
+    let mut data = Data::new(&model);
+    let count = measure(|| {
+        for tick in 0..100 {
+            sensors.measure(&robot, &mut random).unwrap();
+            let mut moving =
+                data.pose(&model, sensors.position()).unwrap().moving(sensors.velocity()).unwrap();
+            let found = observer.update(&mut moving, sensors.torque(), 1e-3).unwrap();
+            contact.estimate(moving.posed(), found).unwrap();
+            if tick == 50 {
+                control.give_way();
+            }
+            let measured =
+                JointState { position: sensors.position(), velocity: sensors.velocity() };
+            let torque = control.step(&[0.2; 7], measured, 1e-3).unwrap();
+            robot.step(torque, &push, 1e-3).unwrap();
+        }
+    })
+    .count_total;
+    assert_eq!(count, 0);
 }
 
 /// How often `steps` of a stack allocate, once all has been set up.

@@ -1,8 +1,7 @@
-//! Joint impedance of a torque-controlled arm.
+//! Joint impedance of a torque-controlled robot.
 
-use whole_body::JointLimits;
-
-use crate::error::{Error, check_finite, check_positive, check_size};
+use crate::error::{Error, check_finite, check_size};
+use crate::robot::limits::JointLimits;
 
 /// Gains and rate limit of a [`JointImpedance`], one element a joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,27 +36,25 @@ impl ImpedanceSettings {
         }
     }
 
-    /// Checks the settings for an arm of `joints` joints.
+    /// Checks the settings for `joints` joints.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::NotFinite`] or [`Error::NotPositive`] if a
-    /// gain is not a positive number or the rate is not positive.
+    /// [`Error::WrongSize`]; [`Error::Gain`] for a gain that is not a positive number;
+    /// [`Error::NotPositive`] for the rate.
     pub fn validate(&self, joints: usize) -> Result<(), Error> {
         for (name, gains) in [("stiffness", &self.stiffness), ("damping", &self.damping)] {
-            check_size(name, gains, joints)?;
-            for (index, &gain) in gains.iter().enumerate() {
-                check_finite(gain, || format!("the {name} of arm joint {}", index + 1))?;
-                if gain <= 0.0 {
-                    let what = format!("the {name} of arm joint {}", index + 1);
-                    return Err(Error::NotPositive { what, value: gain });
-                }
+            check_size(name, gains.len(), joints)?;
+            let bad =
+                gains.iter().enumerate().find(|(_, gain)| !(**gain > 0.0 && gain.is_finite()));
+            if let Some((index, &value)) = bad {
+                return Err(Error::Gain { gain: name, joint: index + 1, value });
             }
         }
         check_positive(self.torque_rate, "the torque rate [Nm/s]")
     }
 }
 
-/// Positions and velocities of an arm's joints.
+/// Positions and velocities of joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState<'a> {
     /// \[rad\]
@@ -66,31 +63,30 @@ pub struct JointState<'a> {
     pub velocity: &'a [f64],
 }
 
-/// Torques that make an arm follow its desired motion like springs and dampers.
+/// Torques that make joints follow their desired motion like springs and dampers.
 ///
-/// τ = `K_qd` (q̇* − q̇) + `K_qp` (q* − q) + g(q), the paper's equation for τ, with
-/// each torque's change a tick and then its size limited. A torque leaves only
-/// if every element is finite and within the limits.
+/// τ = `K_qd` (q̇* − q̇) + `K_qp` (q* − q) + g(q): joint impedance control with gravity compensation
+/// (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009, Sec. 8.5.1). Each torque's change a tick
+/// and then its size are limited. A torque leaves only if every element is finite and within the
+/// limits. [`TorqueControl`](crate::TorqueControl) holds q* to q beside it.
 ///
 /// ```
-/// use moca_model::whole_body::Data;
-/// use moca_model::{ImpedanceSettings, JointImpedance, JointState, MOCA_HOME, moca};
+/// use whole_body::{ImpedanceSettings, JointImpedance, JointLimits, JointState};
 ///
-/// let model = moca()?;
-/// let mut data = Data::new(&model);
-/// let arm = &model.limits()[3..];
-/// let mut impedance = JointImpedance::new(ImpedanceSettings::default(), arm)?;
+/// let limits = [JointLimits { effort: 12.0, ..JointLimits::UNLIMITED }; 2];
+/// let settings = ImpedanceSettings {
+///     stiffness: vec![600.0, 250.0],
+///     damping: vec![50.0, 20.0],
+///     torque_rate: 1000.0,
+/// };
+/// let mut impedance = JointImpedance::new(settings, &limits)?;
 ///
-/// // Each millisecond, at the position measured:
-/// let mut gravity = [0.0; 10];
-/// data.pose(&model, &MOCA_HOME)?.gravity_into(&mut gravity)?;
-/// let measured = JointState { position: &MOCA_HOME[3..], velocity: &[0.0; 7] };
-/// let mut desired = MOCA_HOME;
-/// desired[3] += 0.001;
-/// let desired = JointState { position: &desired[3..], velocity: &[0.0; 7] };
-/// let torque = impedance.torque(desired, measured, &gravity[3..], 0.001)?;
-/// assert!((torque[0] - 0.6).abs() < 1e-12); // 600 Nm/rad · 0.001 rad
-/// # Ok::<(), moca_model::Error>(())
+/// // Each millisecond, with g(q) at the position measured:
+/// let measured = JointState { position: &[0.3, 0.2], velocity: &[0.0, 0.0] };
+/// let desired = JointState { position: &[0.301, 0.2], velocity: &[0.0, 0.0] };
+/// let torque = impedance.torque(desired, measured, &[4.0, 1.0], 0.001)?;
+/// assert!((torque[0] - 4.6).abs() < 1e-12); // 4 Nm + 600 Nm/rad · 0.001 rad
+/// # Ok::<(), whole_body::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct JointImpedance {
@@ -114,7 +110,7 @@ impl JointImpedance {
         let joints = limits.len();
         settings.validate(joints)?;
         for limit in limits {
-            check_positive(limit.effort, "an effort limit of the arm [Nm]")?;
+            check_positive(limit.effort, "an effort limit [Nm]")?;
         }
         Ok(Self {
             settings,
@@ -128,7 +124,7 @@ impl JointImpedance {
     /// The torques for one tick of `dt` \[s\], one a joint \[Nm\].
     ///
     /// `gravity` is g(q) at the measured position \[Nm\]. The first torque's
-    /// change counts from `gravity`, as if the arm had been held still.
+    /// change counts from `gravity`, as if the robot had been held still.
     ///
     /// # Errors
     /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::NotPositive`] on dt.
@@ -144,7 +140,7 @@ impl JointImpedance {
         self.spring_and_damper(&desired, &measured, gravity);
         self.limit(gravity, self.settings.torque_rate * dt);
         for (joint, &torque) in self.torque.iter().enumerate() {
-            check_finite(torque, || format!("the torque of arm joint {}", joint + 1))?;
+            check_finite(torque, || format!("the torque of joint {}", joint + 1))?;
         }
         self.sent.copy_from_slice(&self.torque);
         self.has_sent = true;
@@ -164,14 +160,14 @@ impl JointImpedance {
         dt: f64,
     ) -> Result<(), Error> {
         let inputs = [
-            ("the desired arm position", desired.position),
-            ("the desired arm velocity", desired.velocity),
-            ("the measured arm position", measured.position),
-            ("the measured arm velocity", measured.velocity),
-            ("the arm's gravity torque", gravity),
+            ("the desired position", desired.position),
+            ("the desired velocity", desired.velocity),
+            ("the measured position", measured.position),
+            ("the measured velocity", measured.velocity),
+            ("the gravity torque", gravity),
         ];
         for (name, values) in inputs {
-            check_size(name, values, self.torque.len())?;
+            check_size(name, values.len(), self.torque.len())?;
             for (joint, &value) in values.iter().enumerate() {
                 check_finite(value, || format!("{name}, joint {},", joint + 1))?;
             }
@@ -209,6 +205,11 @@ impl JointImpedance {
             *torque = clamp(last + clamp(*torque - last, step), *effort);
         }
     }
+}
+
+/// An error unless `value` is positive; infinity is.
+fn check_positive(value: f64, what: &'static str) -> Result<(), Error> {
+    if value > 0.0 { Ok(()) } else { Err(Error::NotPositive { what, value }) }
 }
 
 /// `value` between −`bound` and `bound`; NaN stays, for the check behind to find.

@@ -1,0 +1,245 @@
+//! A controller and the simulated robot that it moves, down to torque or by velocities alone.
+//!
+//! ```
+//! use ergo_map::ErgonomicsQuadratic;
+//! use examples::plant::{Drive, Plant};
+//! use moca_model::{Controller, ControllerSettings, MOCA_HOME, moca};
+//! use nalgebra::{Matrix3, Vector3};
+//!
+//! let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0)?;
+//! let controller = Controller::new(moca()?, comfort, ControllerSettings::default(), &MOCA_HOME)?;
+//! let mut plant = Plant::new(Drive::Torque, controller, 1)?;
+//! for tick in 0..100_u32 {
+//!     plant.step(1e-3 * f64::from(tick))?;
+//!     plant.act(&Vector3::zeros())?;
+//! }
+//! assert!((plant.configuration()[6] - MOCA_HOME[6]).abs() < 1e-3); // the arm carries itself
+//! # Ok::<(), anyhow::Error>(())
+//! ```
+
+use std::time::Instant;
+
+use anyhow::Result;
+use moca_model::whole_body::{Data, ExternalWrench, Model, RandomSource};
+use moca_model::{
+    Command, Controller, DynamicRobot, DynamicRobotSettings, SimulatedRobot, TorqueController,
+    TorqueLoopSettings,
+};
+use nalgebra::{Isometry3, Vector3, Vector6};
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use vision_models::Percept;
+
+use crate::limits::TorqueMonitor;
+use crate::random;
+
+/// What the robot does with a command.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Drive {
+    /// Its arm moves as rigid bodies do under torques, with friction and noise; its base follows
+    /// velocities with a lag.
+    #[default]
+    Torque,
+    /// All joints follow velocities, exactly and at once.
+    Kinematic,
+}
+
+/// The stream of a plant's random numbers.
+const STREAM: u64 = 100;
+
+/// The closed loop.
+#[derive(Debug)]
+pub struct Plant {
+    robot: Robot,
+    model: Model,
+    data: Data,
+    random: Random,
+    period: f64,
+    /// Where the command begins \[m, rad\].
+    reference: Vec<f64>,
+    monitor: TorqueMonitor,
+    breaks_torque: bool,
+}
+
+#[derive(Debug)]
+enum Robot {
+    Torque(Box<(TorqueController, DynamicRobot)>),
+    Kinematic(Box<(Controller, SimulatedRobot)>),
+}
+
+#[derive(Debug)]
+struct Random(ChaCha8Rng);
+
+impl RandomSource for Random {
+    fn normal(&mut self) -> f64 {
+        self.0.sample(StandardNormal)
+    }
+
+    fn uniform(&mut self) -> f64 {
+        self.0.random()
+    }
+}
+
+impl Plant {
+    /// With a controller that has not made a step yet, and the robot where that has it.
+    ///
+    /// # Errors
+    /// A robot that cannot be simulated.
+    pub fn new(drive: Drive, controller: Controller, seed: u64) -> Result<Self> {
+        let model = controller.robot().model().clone();
+        let start = controller.command().joint_position.clone();
+        let period = controller.settings().period;
+        let torques = TorqueLoopSettings::default();
+        let monitor = TorqueMonitor::new(&model, &torques, period);
+        let robot = match drive {
+            Drive::Torque => {
+                let robot = DynamicRobot::new(&model, &DynamicRobotSettings::default(), &start)?;
+                Robot::Torque(Box::new((TorqueController::new(controller, torques)?, robot)))
+            }
+            Drive::Kinematic => {
+                Robot::Kinematic(Box::new((controller, SimulatedRobot::new(&model, &start)?)))
+            }
+        };
+        Ok(Self {
+            data: Data::new(&model),
+            random: Random(random::generator(seed, STREAM)),
+            reference: start,
+            breaks_torque: false,
+            robot,
+            model,
+            period,
+            monitor,
+        })
+    }
+
+    /// The controller of velocities.
+    pub fn controller(&self) -> &Controller {
+        match &self.robot {
+            Robot::Torque(both) => both.0.controller(),
+            Robot::Kinematic(both) => &both.0,
+        }
+    }
+
+    /// The same, to place the workspace.
+    pub fn controller_mut(&mut self) -> &mut Controller {
+        match &mut self.robot {
+            Robot::Torque(both) => both.0.controller_mut(),
+            Robot::Kinematic(both) => &mut both.0,
+        }
+    }
+
+    /// Gives the controller a camera frame.
+    ///
+    /// # Errors
+    /// Those of [`Controller::observe`].
+    pub fn observe(&mut self, percept: &Percept) -> Result<()> {
+        Ok(self.controller_mut().observe(percept)?)
+    }
+
+    /// Measures the robot and makes a step of the controller; how long that took (µs).
+    ///
+    /// # Errors
+    /// Those of the controller.
+    pub fn step(&mut self, now: f64) -> Result<f64> {
+        let started = match &mut self.robot {
+            Robot::Torque(both) => {
+                let (controller, robot) = &mut **both;
+                robot.measure(&mut self.random)?;
+                let started = Instant::now();
+                controller.step(now, &robot.measured())?;
+                started
+            }
+            Robot::Kinematic(both) => {
+                let (controller, robot) = &mut **both;
+                let started = Instant::now();
+                controller.step(now, robot.position())?;
+                started
+            }
+        };
+        let time = started.elapsed().as_secs_f64() * 1e6;
+        self.breaks_torque = match &self.robot {
+            Robot::Torque(both) => self.monitor.check(both.0.torque()),
+            Robot::Kinematic(_) => false,
+        };
+        self.refer();
+        Ok(time)
+    }
+
+    /// The command begins where it ends, but for what it moves in a period.
+    fn refer(&mut self) {
+        match &self.robot {
+            Robot::Torque(both) => {
+                let command = both.0.controller().command();
+                let joints = command.joint_position.iter().zip(&command.joint_velocity);
+                for (reference, (position, velocity)) in self.reference.iter_mut().zip(joints) {
+                    *reference = position - velocity * self.period;
+                }
+            }
+            Robot::Kinematic(both) => self.reference.copy_from_slice(both.1.position()),
+        }
+    }
+
+    /// The robot moves for a period, and something pushes its tool with `force` \[N, world\], which only
+    /// a robot under torques feels.
+    ///
+    /// # Errors
+    /// Commands that are not finite.
+    pub fn act(&mut self, force: &Vector3<f64>) -> Result<()> {
+        match &mut self.robot {
+            Robot::Torque(both) => {
+                let (controller, robot) = &mut **both;
+                let wrench = Vector6::new(force.x, force.y, force.z, 0.0, 0.0, 0.0);
+                let frame = controller.controller().robot().tool();
+                let push = [ExternalWrench { frame, wrench }];
+                let command = controller.controller().command();
+                let torque = controller.torque();
+                robot.step(command, torque, &push, self.period, &mut self.random)?;
+            }
+            Robot::Kinematic(both) => {
+                let (controller, robot) = &mut **both;
+                robot.step(&controller.command().joint_velocity, self.period)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The last command.
+    pub fn command(&self) -> &Command {
+        self.controller().command()
+    }
+
+    /// Where the robot truly is \[m, rad\].
+    pub fn configuration(&self) -> &[f64] {
+        match &self.robot {
+            Robot::Torque(both) => both.1.simulation().position(),
+            Robot::Kinematic(both) => both.1.position(),
+        }
+    }
+
+    /// Where the last command begins \[m, rad\]: the robot itself, if it follows at once.
+    pub fn reference(&self) -> &[f64] {
+        &self.reference
+    }
+
+    /// Where the tool truly is.
+    ///
+    /// # Errors
+    /// None.
+    pub fn tool(&mut self) -> Result<Isometry3<f64>> {
+        let tool = self.controller().robot().tool();
+        let configuration = match &self.robot {
+            Robot::Torque(both) => both.1.simulation().position(),
+            Robot::Kinematic(both) => both.1.position(),
+        };
+        Ok(self.data.pose(&self.model, configuration)?.world_from(tool)?)
+    }
+
+    /// Whether the last torques broke a limit; none where there are no torques.
+    pub fn breaks_torque_limits(&self) -> Option<bool> {
+        match &self.robot {
+            Robot::Torque(_) => Some(self.breaks_torque),
+            Robot::Kinematic(_) => None,
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! A robot whose arm takes torques, for want of a real one.
+
+use whole_body::{
+    ExternalWrench, JointDrive, Model, RandomSource, RigidBodySimulation, SensorSettings, Sensors,
+    Transmission,
+};
+
+use crate::command::Command;
+use crate::error::{Error, check_plain};
+use crate::robot::moca::MOCA_BASE_JOINTS;
+use crate::torque::Measured;
+
+/// How a [`DynamicRobot`] is driven and measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DynamicRobotSettings {
+    /// How many joints come first that follow velocities. Default the three of MOCA's base.
+    pub base_joints: usize,
+    /// Time constant with which they do \[s\]. Default 0.03.
+    pub base_time_constant: f64,
+    /// Of what turns in front of the gears of the others, seen at the joint \[kg m²\]. Default 0.1, as in
+    /// MuJoCo Menagerie's Panda.
+    pub rotor_inertia: f64,
+    /// Noise of measured positions, of the base \[m, rad\] and of the arm \[rad\]. Default 2e-5, 2e-5.
+    pub position_noise: [f64; 2],
+    /// Noise of measured velocities, likewise. Default 1e-3, 2e-3.
+    pub velocity_noise: [f64; 2],
+    /// Noise of measured torques \[Nm\]. Default 0.05.
+    pub torque_noise: f64,
+    /// How many ticks measurements are late. Default 1.
+    pub delay: usize,
+    /// The share of packets that are lost, in each direction. Default 0.001.
+    pub loss: f64,
+}
+
+impl Default for DynamicRobotSettings {
+    fn default() -> Self {
+        Self {
+            base_joints: MOCA_BASE_JOINTS,
+            base_time_constant: 0.03,
+            rotor_inertia: 0.1,
+            position_noise: [2e-5, 2e-5],
+            velocity_noise: [1e-3, 2e-3],
+            torque_noise: 0.05,
+            delay: 1,
+            loss: 1e-3,
+        }
+    }
+}
+
+impl DynamicRobotSettings {
+    /// Exact and at once: without noise, delay and losses.
+    pub fn ideal() -> Self {
+        Self {
+            position_noise: [0.0; 2],
+            velocity_noise: [0.0; 2],
+            torque_noise: 0.0,
+            delay: 0,
+            loss: 0.0,
+            ..Self::default()
+        }
+    }
+
+    fn sensors(&self, joints: usize) -> SensorSettings {
+        let base = |index: usize| index < self.base_joints;
+        let each = |[of_base, of_arm]: [f64; 2]| -> Vec<f64> {
+            (0..joints).map(|index| if base(index) { of_base } else { of_arm }).collect()
+        };
+        SensorSettings {
+            position_noise: each(self.position_noise),
+            velocity_noise: each(self.velocity_noise),
+            torque_noise: each([0.0, self.torque_noise]),
+            delay: self.delay,
+            loss: self.loss,
+        }
+    }
+}
+
+/// MOCA as rigid bodies: the arm under torques, with friction and rotors, on a base that follows
+/// velocities with a lag; measured with noise, late, over a line that loses packets. A command that is
+/// lost is repeated.
+///
+/// ```
+/// use moca_model::{DynamicRobot, DynamicRobotSettings, MOCA_HOME, moca};
+/// # struct None;
+/// # impl moca_model::whole_body::RandomSource for None {
+/// #     fn normal(&mut self) -> f64 { 0.0 }
+/// #     fn uniform(&mut self) -> f64 { 1.0 }
+/// # }
+/// # let mut random = None;
+/// let settings = DynamicRobotSettings::default();
+/// let mut robot = DynamicRobot::new(&moca()?, &settings, &MOCA_HOME)?;
+/// robot.measure(&mut random)?;
+/// let _measured = robot.measured(); // for TorqueController::step
+/// # Ok::<(), moca_model::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct DynamicRobot {
+    simulation: RigidBodySimulation,
+    base_joints: usize,
+    sensors: Sensors,
+    line: Transmission,
+    command: Vec<f64>,
+    loss: f64,
+}
+
+impl DynamicRobot {
+    /// At rest at `position`, n \[m or rad\], carrying itself.
+    ///
+    /// # Errors
+    /// [`Error::FloatingBase`]; [`Error::Robot`] for settings out of range.
+    pub fn new(
+        model: &Model,
+        settings: &DynamicRobotSettings,
+        position: &[f64],
+    ) -> Result<Self, Error> {
+        let n = check_plain(model)?;
+        let base = JointDrive::Velocity { time_constant: settings.base_time_constant };
+        let arm = JointDrive::Torque { rotor_inertia: settings.rotor_inertia };
+        let drives: Vec<_> =
+            (0..n).map(|index| if index < settings.base_joints { base } else { arm }).collect();
+        let mut simulation = RigidBodySimulation::new(model, &drives, position)?;
+        let mut command = vec![0.0; n];
+        simulation.data_mut().pose(model, position)?.gravity_into(&mut command)?;
+        command.iter_mut().take(settings.base_joints).for_each(|velocity| *velocity = 0.0);
+        Ok(Self {
+            sensors: Sensors::new(settings.sensors(n), position)?,
+            line: Transmission::new(0, settings.loss, &command)?,
+            base_joints: settings.base_joints,
+            loss: settings.loss,
+            simulation,
+            command,
+        })
+    }
+
+    /// Measures the robot as it is; see [`measured`](Self::measured).
+    ///
+    /// # Errors
+    /// None.
+    pub fn measure(&mut self, random: &mut impl RandomSource) -> Result<(), Error> {
+        Ok(self.sensors.measure(&self.simulation, random)?)
+    }
+
+    /// What was measured last.
+    pub fn measured(&self) -> Measured<'_> {
+        Measured {
+            position: self.sensors.position(),
+            velocity: self.sensors.velocity(),
+            torque: self.sensors.torque(),
+        }
+    }
+
+    /// Moves for `period` \[s\]: the base at the command's velocities, in the world's axes, the arm under
+    /// `torque`, with wrenches from outside that hold on.
+    ///
+    /// # Errors
+    /// [`Error::Robot`] for numbers that are not finite, or sizes that are wrong.
+    pub fn step(
+        &mut self,
+        command: &Command,
+        torque: &[f64],
+        external: &[ExternalWrench],
+        period: f64,
+        random: &mut impl RandomSource,
+    ) -> Result<(), Error> {
+        let all = command.joint_velocity.iter().take(self.base_joints).chain(torque);
+        for (own, value) in self.command.iter_mut().zip(all) {
+            *own = *value;
+        }
+        let draw = if self.loss > 0.0 { random.uniform() } else { 1.0 };
+        let received = self.line.pass(&self.command, draw)?;
+        Ok(self.simulation.step(received, external, period)?)
+    }
+
+    /// The robot as it truly is.
+    pub fn simulation(&self) -> &RigidBodySimulation {
+        &self.simulation
+    }
+
+    /// The same, for contacts and payloads.
+    pub fn simulation_mut(&mut self) -> &mut RigidBodySimulation {
+        &mut self.simulation
+    }
+}

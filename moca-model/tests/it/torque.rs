@@ -1,0 +1,276 @@
+//! The loop down to torque: MOCA follows, is pushed, is held, and measures badly.
+
+use ergo_map::ErgonomicsQuadratic;
+use hrsw::{Attachment, Fault, SafetyState};
+use moca_model::whole_body::{Contact, ExternalWrench, RandomSource};
+use moca_model::{
+    Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, LeashSettings, MOCA_HOME,
+    MOCA_TOOL, Measured, TorqueController, TorqueLoopSettings,
+};
+use nalgebra::{Isometry3, Matrix3, Vector3, Vector6};
+
+use crate::drive::{FRAME, PERIOD, percept};
+use crate::shared::MOCA;
+
+/// Random numbers by SplitMix64.
+#[derive(Debug, Clone)]
+pub(crate) struct Noise(u64);
+
+impl RandomSource for Noise {
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// The robot with nobody there, whose tool goes where it is told.
+struct Loop {
+    controller: TorqueController,
+    robot: DynamicRobot,
+    noise: Noise,
+    tick: u32,
+    external: Vec<ExternalWrench>,
+}
+
+impl Loop {
+    fn new(settings: ControllerSettings) -> Self {
+        let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+        let controller = Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME).unwrap();
+        Self {
+            controller: TorqueController::new(controller, TorqueLoopSettings::default()).unwrap(),
+            robot: DynamicRobot::new(&MOCA, &DynamicRobotSettings::default(), &MOCA_HOME).unwrap(),
+            noise: Noise(5),
+            tick: 0,
+            external: Vec::new(),
+        }
+    }
+
+    /// The middle of the workspace is to be here.
+    fn assign(&mut self, middle: Vector3<f64>) {
+        let space = self.controller.controller().space().workspace();
+        let rotation = space.world_from_workspace().rotation;
+        let centre = (space.position().min() + space.position().max()) * 0.5;
+        let place = Isometry3::from_parts((middle - rotation * centre).into(), rotation);
+        let space = self.controller.controller_mut().space_mut();
+        space.assign(Some(Attachment::World(place))).unwrap();
+    }
+
+    fn step(&mut self) {
+        self.robot.measure(&mut self.noise).unwrap();
+        let now = f64::from(self.tick) * PERIOD;
+        if self.tick.is_multiple_of(FRAME) {
+            self.controller.observe(&percept(now, None)).unwrap();
+        }
+        self.controller.step(now, &self.robot.measured()).unwrap();
+        self.obey();
+    }
+
+    fn obey(&mut self) {
+        let (command, torque) = (self.controller.controller().command(), self.controller.torque());
+        self.robot.step(command, torque, &self.external, PERIOD, &mut self.noise).unwrap();
+        self.tick += 1;
+    }
+
+    fn run(&mut self, seconds: f64) {
+        let end = f64::from(self.tick) * PERIOD + seconds - 0.5 * PERIOD;
+        while f64::from(self.tick) * PERIOD < end {
+            self.step();
+        }
+    }
+
+    fn tool(&self) -> Vector3<f64> {
+        let mut data = moca_model::whole_body::Data::new(&MOCA);
+        let posed = data.pose(&MOCA, self.robot.simulation().position()).unwrap();
+        posed.world_from(MOCA.frame_id(MOCA_TOOL).unwrap()).unwrap().translation.vector
+    }
+
+    fn push(&mut self, force: Vector3<f64>) {
+        let frame = MOCA.frame_id(MOCA_TOOL).unwrap();
+        let wrench = Vector6::new(force.x, force.y, force.z, 0.0, 0.0, 0.0);
+        self.external = vec![ExternalWrench { frame, wrench }];
+    }
+
+    fn state(&self) -> SafetyState {
+        self.controller.controller().safety().supervisor().state()
+    }
+
+    fn cause(&self) -> Option<Fault> {
+        self.controller.controller().safety().supervisor().unacknowledged()
+    }
+
+    fn excursion(&self) -> f64 {
+        let desired = &self.controller.controller().command().joint_position;
+        let joints = desired.iter().zip(self.robot.simulation().position()).skip(3);
+        joints.fold(0.0, |most: f64, (desired, actual)| most.max((desired - actual).abs()))
+    }
+}
+
+#[test]
+fn the_tool_comes_to_its_place_under_torque() {
+    let mut robot = Loop::new(ControllerSettings::default());
+    let middle = robot.tool() + Vector3::new(1.0, 0.3, 0.1);
+    robot.assign(middle);
+    for _ in 0..8000 {
+        robot.step();
+        let felt = robot.controller.external_force().norm();
+        assert!(felt < 30.0, "nobody pushes: {felt} N at tick {}", robot.tick);
+    }
+    assert_eq!(robot.state(), SafetyState::Normal);
+    let controller = robot.controller.controller();
+    let desired = controller.command().desired;
+    assert!(controller.space().workspace().violation(&desired).amax() < 1e-3, "it is there");
+    let gap = (desired.translation.vector - robot.tool()).norm();
+    assert!(gap < 5e-3, "{gap} m");
+}
+
+#[test]
+fn a_push_that_is_too_hard_stops_the_arm_which_gives_way() {
+    let mut robot = Loop::new(ControllerSettings::default());
+    robot.run(0.5);
+    // Work does not trip.
+    robot.push(Vector3::new(25.0, -25.0, 0.0));
+    robot.run(0.5);
+    assert_eq!(robot.state(), SafetyState::Normal, "35 N are work");
+    let felt = robot.controller.external_force();
+    assert!((felt - Vector3::new(25.0, -25.0, 0.0)).norm() < 4.0, "{felt}");
+    let start = robot.tool();
+    robot.push(Vector3::new(0.0, 90.0, 0.0));
+    let mut ticks = 0;
+    while robot.state() != SafetyState::ProtectiveStop {
+        robot.step();
+        ticks += 1;
+    }
+    assert!(ticks < 60, "noticed after {ticks} ms");
+    assert_eq!(robot.cause(), Some(Fault::ContactForce));
+    robot.run(0.3);
+    assert!(robot.tool().y > start.y + 0.01, "it gives way");
+    robot.external.clear();
+    robot.run(0.5);
+    let there = robot.tool();
+    robot.run(1.0);
+    assert!((robot.tool() - there).norm() < 2e-3, "it stays where it was left");
+    assert_eq!(robot.cause(), Some(Fault::ContactForce));
+    robot.controller.controller_mut().safety_mut().supervisor_mut().acknowledge();
+    robot.run(1.0);
+    assert_eq!(robot.state(), SafetyState::Normal);
+}
+
+/// The floors of the issue: q* within the leash for 3 s at a wall; no jump of more than 5 mm.
+#[test]
+fn a_tool_pushed_against_a_wall_is_let_go_without_a_jump() {
+    let leash = LeashSettings::default().revolute;
+    for contact_force in [60.0, 1e6] {
+        let mut settings = ControllerSettings::default();
+        settings.safety.supervisor.contact_force = contact_force;
+        let mut robot = Loop::new(settings);
+        let start = robot.tool();
+        let frame = MOCA.frame_id(MOCA_TOOL).unwrap();
+        let wall = Contact::wall(frame, -Vector3::x_axis(), -(start.x + 0.05));
+        robot.robot.simulation_mut().contacts_mut().push(wall);
+        robot.assign(start + Vector3::new(1.0, 0.0, 0.0));
+        robot.run(1.5);
+        let mut excursion = 0.0_f64;
+        for _ in 0..3000 {
+            robot.step();
+            excursion = excursion.max(robot.excursion());
+        }
+        assert!(robot.robot.simulation().contacts()[0].peak_force > 20.0, "it was at the wall");
+        assert_eq!(robot.state(), SafetyState::ProtectiveStop);
+        robot.robot.simulation_mut().contacts_mut().clear();
+        let before = robot.tool();
+        let mut jump = 0.0_f64;
+        for _ in 0..1000 {
+            robot.step();
+            jump = jump.max((robot.tool() - before).norm());
+            excursion = excursion.max(robot.excursion());
+        }
+        // What is commanded in one period comes on top.
+        assert!(excursion <= leash + 2.61e-3 + 1e-3, "{excursion} rad");
+        assert!(jump <= 5e-3, "{jump} m");
+    }
+}
+
+#[test]
+fn a_bad_measurement_leaves_an_arm_that_carries_itself() {
+    let mut robot = Loop::new(ControllerSettings::default());
+    robot.assign(robot.tool() + Vector3::new(1.0, 0.0, 0.0));
+    robot.run(1.5);
+    let nan = [f64::NAN; 10];
+    for part in 0..3 {
+        let mut copy = robot.robot.clone();
+        let mut controller = robot.controller.clone();
+        let before = copy.simulation().position().to_vec();
+        let torque = controller.torque().to_vec();
+        for tick in 0..200_u32 {
+            copy.measure(&mut robot.noise).unwrap();
+            let truth = copy.measured();
+            let measured = match part {
+                0 => Measured { position: &nan, ..truth },
+                1 => Measured { velocity: &nan, ..truth },
+                _ => Measured { torque: &nan, ..truth },
+            };
+            let now = f64::from(robot.tick + tick) * PERIOD;
+            let last = controller.torque().to_vec();
+            controller.step(now, &measured).unwrap();
+            for (torque, last) in controller.torque().iter().zip(&last) {
+                assert!(torque.is_finite() && (torque - last).abs() <= 1.0 + 1e-12);
+            }
+            let command = controller.controller().command();
+            assert_eq!(command.fault, Some(Fault::BadMeasurement));
+            copy.step(command, controller.torque(), &[], PERIOD, &mut robot.noise).unwrap();
+        }
+        assert_eq!(torque.len(), 7);
+        let supervisor = controller.controller().safety().supervisor();
+        assert_eq!(supervisor.state(), SafetyState::ProtectiveStop);
+        for (joint, (q, before)) in copy.simulation().position().iter().zip(&before).enumerate() {
+            assert!((q - before).abs() < 0.3, "part {part}, joint {joint}: {before} to {q}");
+        }
+    }
+}
+
+#[test]
+fn a_tick_down_to_torque_allocates_nothing() {
+    let mut robot = Loop::new(ControllerSettings::default());
+    robot.assign(robot.tool() + Vector3::new(1.0, 0.0, 0.0));
+    robot.push(Vector3::new(0.0, 100.0, 0.0));
+    robot.run(0.1);
+    let count = allocation_counter::measure(|| {
+        for _ in 0..300 {
+            robot.robot.measure(&mut robot.noise).unwrap();
+            let now = f64::from(robot.tick) * PERIOD;
+            robot.controller.step(now, &robot.robot.measured()).unwrap();
+            let nan = Measured { velocity: &[f64::NAN; 10], ..robot.robot.measured() };
+            if robot.tick == 200 {
+                robot.controller.step(now, &nan).unwrap();
+            }
+            robot.obey();
+        }
+    })
+    .count_total;
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn joints_that_nobody_knows_are_refused() {
+    let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+    let new = |settings| {
+        let controller =
+            Controller::new(MOCA.clone(), comfort, ControllerSettings::default(), &MOCA_HOME);
+        TorqueController::new(controller.unwrap(), settings).unwrap_err().to_string()
+    };
+    let default = TorqueLoopSettings::default;
+    let error = new(TorqueLoopSettings { joints: Vec::new(), ..default() });
+    assert!(error.contains("at least one"), "{error}");
+    let mut settings = default();
+    settings.joints[2] = "elbow".into();
+    assert!(new(settings).contains("elbow"));
+    let error = new(TorqueLoopSettings { observer_rates: vec![0.0; 7], ..default() });
+    assert!(error.contains("rate of joint 1"), "{error}");
+}

@@ -1,0 +1,393 @@
+//! Rigid bodies under torques.
+
+use super::contact::Contact;
+use crate::dynamics::articulated::Part;
+use crate::dynamics::external::ExternalWrench;
+use crate::error::{Error, check_size};
+use crate::robot::description::Base;
+use crate::robot::model::Model;
+use crate::state::data::Data;
+
+/// How many wrenches there is room for from the beginning.
+const WRENCHES: usize = 8;
+
+/// What moves a joint of a simulated robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum JointDrive {
+    /// The torque or force that is commanded, within the joint's effort limit; friction is that of the
+    /// [`Description`](crate::Description).
+    Torque {
+        /// Of what turns in front of the gear, seen at the joint: that of the rotor times the ratio
+        /// squared \[kg m² or kg\].
+        rotor_inertia: f64,
+    },
+    /// A controller of its own follows the velocity that is commanded, T q̈ + q̇ = q̇*, whatever the
+    /// other joints do: a base of large mass.
+    Velocity {
+        /// T \[s\].
+        time_constant: f64,
+    },
+}
+
+impl JointDrive {
+    /// Torque, without a rotor.
+    pub const TORQUE: Self = Self::Torque { rotor_inertia: 0.0 };
+
+    fn validate(&self) -> Result<(), Error> {
+        let (what, value, least) = match *self {
+            Self::Torque { rotor_inertia } => ("a rotor's inertia [kg m²]", rotor_inertia, 0.0),
+            Self::Velocity { time_constant } => {
+                ("a drive's time constant [s]", time_constant, f64::MIN_POSITIVE)
+            }
+        };
+        if value >= least && value.is_finite() {
+            return Ok(());
+        }
+        let expected = "positive and finite; an inertia may be zero";
+        Err(Error::Parameter { what, value, expected })
+    }
+
+    fn part(self) -> Part {
+        match self {
+            Self::Torque { rotor_inertia } => Part::Free { rotor_inertia },
+            Self::Velocity { .. } => Part::Prescribed,
+        }
+    }
+}
+
+/// A robot of rigid bodies under torques, gravity, friction and contacts.
+///
+/// Forward dynamics are the articulated-body algorithm; joints that follow velocities are prescribed
+/// (Featherstone 2008, Sec. 7.3 and 9.2). Commands hold for a step, which is integrated by the classical
+/// Runge-Kutta method of fourth order in equal substeps: with smooth forces halving them divides the error
+/// by 16, at a contact that begins or ends by 2 at least. Position and velocity limits are not enforced:
+/// what a controller gets wrong stays visible. The same input gives the same bits.
+///
+/// ```
+/// use whole_body::{JointDrive, RigidBodySimulation};
+/// # use whole_body::{Description, Model};
+/// # let model = Model::from_urdf(r#"<robot name="one"><link name="base"/>
+/// #   <link name="tip"><inertial><origin xyz="0 0 -0.2"/><mass value="2"/>
+/// #   <inertia ixx="0.1" iyy="0.02" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+/// #   <joint name="hinge" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 1 0"/>
+/// #   <limit lower="-1" upper="1" velocity="1" effort="50"/></joint></robot>"#, &Description::default())?;
+/// let mut pendulum = RigidBodySimulation::new(&model, &[JointDrive::TORQUE], &[0.1])?;
+/// for _ in 0..1000 {
+///     pendulum.step(&[0.0], &[], 1e-3)?; // Nm
+/// }
+/// assert!(pendulum.position()[0].abs() <= 0.1 + 1e-9);
+/// # Ok::<(), whole_body::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct RigidBodySimulation {
+    model: Model,
+    drives: Vec<JointDrive>,
+    substeps: u32,
+    state: State,
+    contacts: Vec<Contact>,
+    /// Of the last step, behind the gears.
+    torque: Vec<f64>,
+    room: Room,
+}
+
+/// q and q̇, then position and velocity of each contact.
+#[derive(Debug, Clone)]
+struct State {
+    q: Vec<f64>,
+    v: Vec<f64>,
+    surfaces: Vec<[f64; 2]>,
+}
+
+/// The rates of a state's velocities.
+#[derive(Debug, Clone)]
+struct Rates {
+    v: Vec<f64>,
+    a: Vec<f64>,
+    /// Velocity, then acceleration.
+    surfaces: Vec<[f64; 2]>,
+}
+
+#[derive(Debug, Clone)]
+struct Room {
+    data: Data,
+    parts: Vec<Part>,
+    /// Of the joints, in this step.
+    command: Vec<f64>,
+    torque: Vec<f64>,
+    solved: Vec<f64>,
+    wrenches: Vec<ExternalWrench>,
+    start: State,
+    stage: State,
+    rates: [Rates; 4],
+    forces: Vec<f64>,
+    peaks: Vec<f64>,
+}
+
+impl RigidBodySimulation {
+    /// At rest at the configuration `position`, with a drive for each entry of q̇; one substep.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`]; [`Error::Parameter`] for a drive; [`Error::FloatingJoint`] for a floating
+    /// base, [`Error::MimicJoint`] for a joint that follows another; those of [`Data::pose`].
+    pub fn new(model: &Model, drives: &[JointDrive], position: &[f64]) -> Result<Self, Error> {
+        if model.base() == Base::Floating {
+            let joint = model.joints().first().map_or_else(String::new, |joint| joint.name.clone());
+            return Err(Error::FloatingJoint { joint });
+        }
+        if let Some(mimic) = model.mimic_joints().first() {
+            return Err(Error::MimicJoint { joint: mimic.name.clone() });
+        }
+        model.check_configuration(position)?;
+        let n = model.velocity_count();
+        check_size("the list of drives", drives.len(), n)?;
+        drives.iter().try_for_each(JointDrive::validate)?;
+        let none = vec![0.0; n];
+        let state = State { q: position.to_vec(), v: none.clone(), surfaces: Vec::new() };
+        let rates = Rates { v: none.clone(), a: none.clone(), surfaces: Vec::new() };
+        Ok(Self {
+            drives: drives.to_vec(),
+            substeps: 1,
+            contacts: Vec::new(),
+            torque: none.clone(),
+            room: Room {
+                data: Data::new(model),
+                parts: drives.iter().map(|drive| drive.part()).collect(),
+                command: none.clone(),
+                torque: none.clone(),
+                solved: none,
+                wrenches: Vec::with_capacity(WRENCHES),
+                start: state.clone(),
+                stage: state.clone(),
+                rates: [rates.clone(), rates.clone(), rates.clone(), rates],
+                forces: Vec::new(),
+                peaks: Vec::new(),
+            },
+            model: model.clone(),
+            state,
+        })
+    }
+
+    /// The same with each step cut in so many parts.
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`] for none.
+    pub fn with_substeps(mut self, substeps: u32) -> Result<Self, Error> {
+        if substeps == 0 {
+            return Err(Error::NotPositive { what: "the number of substeps", value: 0.0 });
+        }
+        self.substeps = substeps;
+        Ok(self)
+    }
+
+    /// The robot.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// q \[rad or m\].
+    pub fn position(&self) -> &[f64] {
+        &self.state.q
+    }
+
+    /// q̇ \[rad/s or m/s\].
+    pub fn velocity(&self) -> &[f64] {
+        &self.state.v
+    }
+
+    /// The mean torque of the last step as a sensor between gear and link has it: that of the motor
+    /// without what the rotor takes, friction included \[Nm or N\]. Zero for joints that follow
+    /// velocities.
+    pub fn torque(&self) -> &[f64] {
+        &self.torque
+    }
+
+    /// What touches the robot, as of the end of the last step.
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// The same, to add, move and take away. Room for a new one is made in the next step.
+    pub fn contacts_mut(&mut self) -> &mut Vec<Contact> {
+        &mut self.contacts
+    }
+
+    /// Payloads and other data of what is moved: see [`Data::attach`].
+    pub fn data_mut(&mut self) -> &mut Data {
+        &mut self.room.data
+    }
+
+    /// Moves for `period` \[s\] with a `command` for each entry of q̇, a torque or a velocity as the
+    /// drives have it \[Nm or N, rad/s or m/s\], and wrenches from outside that hold on. Allocates
+    /// nothing once there is room for wrenches and contacts.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::NotPositive`], [`Error::ForeignId`];
+    /// [`Error::NoInertia`]; a state whose numbers have grown beyond all sense. The robot is then where
+    /// it was.
+    pub fn step(
+        &mut self,
+        command: &[f64],
+        external: &[ExternalWrench],
+        period: f64,
+    ) -> Result<(), Error> {
+        self.model.check_velocity("the command", command)?;
+        if !(period > 0.0 && period.is_finite()) {
+            return Err(Error::NotPositive { what: "the time step [s]", value: period });
+        }
+        self.contacts.iter().try_for_each(Contact::validate)?;
+        self.begin(command);
+        let step = period / f64::from(self.substeps);
+        for _ in 0..self.substeps {
+            self.substep(external, step)?;
+        }
+        self.finish(external, period)
+    }
+
+    /// Takes the command within the limits, and the contacts as they are now.
+    fn begin(&mut self, command: &[f64]) {
+        let Room { command: held, start, stage, rates, forces, peaks, .. } = &mut self.room;
+        let drives = self.drives.iter().zip(self.model.limits());
+        for ((held, command), (drive, limits)) in held.iter_mut().zip(command).zip(drives) {
+            *held = match drive {
+                JointDrive::Torque { .. } => command.max(-limits.effort).min(limits.effort),
+                JointDrive::Velocity { .. } => *command,
+            };
+        }
+        let count = self.contacts.len();
+        start.q.copy_from_slice(&self.state.q);
+        start.v.copy_from_slice(&self.state.v);
+        for surfaces in [&mut start.surfaces, &mut stage.surfaces] {
+            surfaces.resize(count, [0.0; 2]);
+        }
+        for (surface, contact) in start.surfaces.iter_mut().zip(&self.contacts) {
+            *surface = [contact.position, contact.velocity];
+        }
+        for rates in rates {
+            rates.surfaces.resize(count, [0.0; 2]);
+        }
+        forces.resize(count, 0.0);
+        peaks.clear();
+        peaks.resize(count, 0.0);
+    }
+
+    /// y ← y + h (k₁ + 2 k₂ + 2 k₃ + k₄) / 6.
+    fn substep(&mut self, external: &[ExternalWrench], step: f64) -> Result<(), Error> {
+        self.copy_start();
+        self.evaluate(0, external)?;
+        for (stage, share) in [(1, 0.5), (2, 0.5), (3, 1.0)] {
+            self.move_stage(stage - 1, share * step);
+            self.evaluate(stage, external)?;
+        }
+        let Room { start, rates, .. } = &mut self.room;
+        let [first, second, third, fourth] = rates;
+        let mean = |a: f64, b: f64, c: f64, d: f64| step / 6.0 * (a + 2.0 * (b + c) + d);
+        for entry in 0..start.v.len() {
+            let at = |rates: &Rates| (rates.v[entry], rates.a[entry]);
+            let [a, b, c, d] = [at(first), at(second), at(third), at(fourth)];
+            start.q[entry] += mean(a.0, b.0, c.0, d.0);
+            start.v[entry] += mean(a.1, b.1, c.1, d.1);
+        }
+        for (contact, surface) in start.surfaces.iter_mut().enumerate() {
+            for (part, value) in surface.iter_mut().enumerate() {
+                let at = |rates: &Rates| rates.surfaces[contact][part];
+                *value += mean(at(first), at(second), at(third), at(fourth));
+            }
+        }
+        Ok(())
+    }
+
+    fn copy_start(&mut self) {
+        let Room { start, stage, .. } = &mut self.room;
+        stage.q.copy_from_slice(&start.q);
+        stage.v.copy_from_slice(&start.v);
+        stage.surfaces.copy_from_slice(&start.surfaces);
+    }
+
+    /// The stage is the start, moved on by `time` at the rates of a stage.
+    fn move_stage(&mut self, of: usize, time: f64) {
+        let Room { start, stage, rates, .. } = &mut self.room;
+        let rates = &rates[of];
+        let moved = |out: &mut [f64], from: &[f64], rates: &[f64]| {
+            for ((out, from), rate) in out.iter_mut().zip(from).zip(rates) {
+                *out = from + time * rate;
+            }
+        };
+        moved(&mut stage.q, &start.q, &rates.v);
+        moved(&mut stage.v, &start.v, &rates.a);
+        let surfaces = stage.surfaces.iter_mut().zip(&start.surfaces);
+        for ((out, from), rates) in surfaces.zip(&rates.surfaces) {
+            moved(out, from, rates);
+        }
+    }
+
+    /// Writes the rates of the stage.
+    fn evaluate(&mut self, stage: usize, external: &[ExternalWrench]) -> Result<(), Error> {
+        let Room {
+            data,
+            parts,
+            command,
+            torque,
+            solved,
+            wrenches,
+            stage: at,
+            rates,
+            forces,
+            peaks,
+            ..
+        } = &mut self.room;
+        let rates = &mut rates[stage];
+        let mut robot = data.pose(&self.model, &at.q)?.moving(&at.v)?;
+        robot.friction_into(torque)?;
+        let drives = self.drives.iter().zip(command).zip(&at.v);
+        for ((torque, acceleration), ((drive, command), velocity)) in
+            torque.iter_mut().zip(&mut rates.a).zip(drives)
+        {
+            match drive {
+                JointDrive::Torque { .. } => *torque = *command - *torque,
+                JointDrive::Velocity { time_constant } => {
+                    *acceleration = (*command - velocity) / time_constant;
+                }
+            }
+        }
+        wrenches.clear();
+        wrenches.extend_from_slice(external);
+        for (index, contact) in self.contacts.iter().enumerate() {
+            let [position, velocity] = at.surfaces[index];
+            let force = contact.force_on(&robot, position, velocity)?;
+            (forces[index], peaks[index]) = (force, force.max(peaks[index]));
+            wrenches.push(contact.wrench(force));
+            rates.surfaces[index] = [velocity, -force / contact.mass];
+        }
+        robot.hybrid_dynamics_into(torque, parts, wrenches, solved, &mut rates.a)?;
+        rates.v.copy_from_slice(&at.v);
+        Ok(())
+    }
+
+    /// Takes what was computed, with the contact forces where it ends.
+    fn finish(&mut self, external: &[ExternalWrench], period: f64) -> Result<(), Error> {
+        if !self.contacts.is_empty() {
+            self.copy_start();
+            self.evaluate(0, external)?;
+        }
+        let Room { start, command, forces, peaks, .. } = &mut self.room;
+        self.model.check_configuration(&start.q)?;
+        self.model.check_velocity("q̇", &start.v)?;
+        let joints = self.drives.iter().zip(command).zip(start.v.iter().zip(&self.state.v));
+        for (torque, ((drive, command), (after, before))) in self.torque.iter_mut().zip(joints) {
+            *torque = match drive {
+                JointDrive::Torque { rotor_inertia } => {
+                    *command - rotor_inertia * (after - before) / period
+                }
+                JointDrive::Velocity { .. } => 0.0,
+            };
+        }
+        for (index, contact) in self.contacts.iter_mut().enumerate() {
+            [contact.position, contact.velocity] = start.surfaces[index];
+            contact.force = forces[index];
+            contact.peak_force = contact.peak_force.max(peaks[index]);
+        }
+        self.state.q.copy_from_slice(&start.q);
+        self.state.v.copy_from_slice(&start.v);
+        Ok(())
+    }
+}

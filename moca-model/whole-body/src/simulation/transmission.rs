@@ -1,0 +1,83 @@
+//! Packets that come late, or not at all.
+
+use crate::error::{Error, check_size};
+
+/// A line that sends a packet of numbers each tick: it arrives so many ticks later, or is lost. What was
+/// received last holds until the next arrives.
+///
+/// ```
+/// use whole_body::Transmission;
+///
+/// let mut line = Transmission::new(1, 0.1, &[0.0])?;
+/// assert_eq!(line.pass(&[1.0], 0.5)?, [0.0]); // on its way
+/// assert_eq!(line.pass(&[2.0], 0.05)?, [1.0]); // the second is lost
+/// assert_eq!(line.pass(&[3.0], 0.5)?, [1.0]);
+/// assert_eq!(line.lost_in_a_row(), 1);
+/// # Ok::<(), whole_body::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Transmission {
+    /// Packets on their way.
+    ring: Vec<Vec<f64>>,
+    /// Whether each will arrive.
+    arrives: Vec<bool>,
+    next: usize,
+    loss: f64,
+    received: Vec<f64>,
+    lost_in_a_row: u32,
+}
+
+impl Transmission {
+    /// With a delay in ticks, the share of packets that are lost, and what holds until the first arrives.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a share that is not from 0 to 1.
+    pub fn new(delay: usize, loss: f64, initial: &[f64]) -> Result<Self, Error> {
+        if !(0.0..=1.0).contains(&loss) {
+            let (what, expected) = ("the share of lost packets", "from 0 to 1");
+            return Err(Error::Parameter { what, value: loss, expected });
+        }
+        Ok(Self {
+            ring: vec![initial.to_vec(); delay],
+            arrives: vec![true; delay],
+            next: 0,
+            loss,
+            received: initial.to_vec(),
+            lost_in_a_row: 0,
+        })
+    }
+
+    /// Sends a packet, and gives what has been received. `draw` is a random number from 0 to 1: below
+    /// the share of losses the packet is lost. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`].
+    pub fn pass(&mut self, packet: &[f64], draw: f64) -> Result<&[f64], Error> {
+        check_size("the packet", packet.len(), self.received.len())?;
+        let mut arrives = draw >= self.loss;
+        if let (Some(place), Some(kept)) =
+            (self.ring.get_mut(self.next), self.arrives.get_mut(self.next))
+        {
+            std::mem::swap(&mut arrives, kept);
+            if arrives {
+                self.received.copy_from_slice(place);
+            }
+            place.copy_from_slice(packet);
+            self.next = (self.next + 1) % self.ring.len();
+        } else if arrives {
+            self.received.copy_from_slice(packet);
+        }
+        self.lost_in_a_row = if arrives { 0 } else { self.lost_in_a_row.saturating_add(1) };
+        Ok(&self.received)
+    }
+
+    /// What has been received last.
+    pub fn received(&self) -> &[f64] {
+        &self.received
+    }
+
+    /// How many packets have been lost since one arrived.
+    pub fn lost_in_a_row(&self) -> u32 {
+        self.lost_in_a_row
+    }
+}

@@ -1,0 +1,7 @@
+//! From velocities to torques, and from torques and motion to what pushes the robot.
+
+pub(crate) mod contact_force;
+pub(crate) mod control;
+pub(crate) mod impedance;
+pub(crate) mod momentum_observer;
+pub(crate) mod resynchronisation;

@@ -1,0 +1,211 @@
+//! Torques of a robot that follows velocities.
+
+use super::impedance::{ImpedanceSettings, JointImpedance, JointState};
+use super::resynchronisation::{Following, Resynchronisation};
+use crate::error::{Error, check_finite};
+use crate::ik::leash::Leash;
+use crate::robot::joint::JointKind;
+use crate::robot::model::Model;
+use crate::state::data::Data;
+
+/// What a [`TorqueControl`] is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TorqueSettings {
+    /// The joints that are driven by torque, in the order of q; none for all. Default none.
+    pub joints: Vec<String>,
+    /// Gains of these joints, and the torque rate. Default a Panda's.
+    pub impedance: ImpedanceSettings,
+    /// The largest following errors; beyond them the desired state starts anew. Default that of
+    /// [`Leash`], 0.1 rad or m.
+    pub leash: Leash,
+}
+
+impl Default for TorqueSettings {
+    fn default() -> Self {
+        let impedance = ImpedanceSettings::default();
+        Self { joints: Vec::new(), impedance, leash: Leash::default() }
+    }
+}
+
+/// Torques for velocities: the law of [`JointImpedance`] with gravity at the measured position, and
+/// a desired state that never runs away from a robot that is held ([`Resynchronisation`]).
+///
+/// Each tick takes q̇*, from an [`Ik`](crate::Ik) for example, and the measured state. q* is the integral of q̇*
+/// within the leash of q. When the leash is reached q* is q until the caller, who is told so, has brought
+/// q̇* to rest. Joints that are not driven by torque, such as those of a base that takes velocities,
+/// are desired where they are measured. Torque limits are the model's efforts. After construction nothing
+/// allocates, unless an error is returned.
+///
+/// ```
+/// use whole_body::{Following, Ik, JointState, PostureTask, TorqueControl, TorqueSettings};
+/// # use whole_body::{Description, ImpedanceSettings, Model};
+/// # let model = Model::from_urdf(r#"<robot name="one"><link name="base"/>
+/// #   <link name="tip"><inertial><origin xyz="0 0 0.2"/><mass value="2"/>
+/// #   <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+/// #   <joint name="hinge" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 1 0"/>
+/// #   <limit lower="-1" upper="1" velocity="1" effort="50"/></joint></robot>"#, &Description::default())?;
+/// let settings = TorqueSettings {
+///     impedance: ImpedanceSettings {
+///         stiffness: vec![400.0],
+///         damping: vec![20.0],
+///         torque_rate: 1000.0,
+///     },
+///     ..TorqueSettings::default()
+/// };
+/// let (q, v) = ([0.1], [0.0]); // measured
+/// let mut control = TorqueControl::new(&model, settings, &q)?;
+/// let mut builder = Ik::builder(&model);
+/// builder.push("posture", PostureTask::new());
+/// let mut ik = builder.build_at(&q)?;
+/// for _ in 0..10 {
+///     // Each millisecond:
+///     let velocity = match control.following() {
+///         Following::Follows => ik.step(control.desired(), 1e-3)?.velocity(),
+///         _ => ik.brake(1e-3)?,
+///     };
+///     let torque = control.step(velocity, JointState { position: &q, velocity: &v }, 1e-3)?;
+///     assert!((torque[0] + 2.0 * 9.81 * 0.2 * 0.1_f64.sin()).abs() < 1e-9); // carries itself
+/// }
+/// # Ok::<(), whole_body::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct TorqueControl {
+    model: Model,
+    data: Data,
+    /// Of each joint that is driven by torque: its entries of q and of q̇.
+    joints: Vec<(usize, usize)>,
+    impedance: JointImpedance,
+    resynchronisation: Resynchronisation,
+    following: Following,
+    /// q*.
+    desired: Vec<f64>,
+    gravity: Vec<f64>,
+    room: Gathered,
+}
+
+/// What the law sees, one element a joint that is driven by torque.
+#[derive(Debug, Clone)]
+struct Gathered {
+    desired: Vec<f64>,
+    desired_velocity: Vec<f64>,
+    measured: Vec<f64>,
+    measured_velocity: Vec<f64>,
+    gravity: Vec<f64>,
+}
+
+impl TorqueControl {
+    /// A robot at rest at the `measured` configuration.
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`], [`Error::FloatingJoint`] for a joint that torque cannot drive; those of
+    /// [`JointImpedance::new`]; [`Error::Parameter`] for a leash out of range; those of
+    /// [`Data::pose`] on the configuration.
+    pub fn new(model: &Model, settings: TorqueSettings, measured: &[f64]) -> Result<Self, Error> {
+        model.check_configuration(measured)?;
+        let joints = joints(model, &settings.joints)?;
+        let limits: Vec<_> = joints.iter().map(|(_, entry)| model.limits()[*entry]).collect();
+        let none = vec![0.0; joints.len()];
+        Ok(Self {
+            data: Data::new(model),
+            impedance: JointImpedance::new(settings.impedance, &limits)?,
+            resynchronisation: Resynchronisation::of_model(model, &settings.leash)?,
+            following: Following::Follows,
+            desired: measured.to_vec(),
+            gravity: vec![0.0; model.velocity_count()],
+            room: Gathered {
+                desired: none.clone(),
+                desired_velocity: none.clone(),
+                measured: none.clone(),
+                measured_velocity: none.clone(),
+                gravity: none,
+            },
+            model: model.clone(),
+            joints,
+        })
+    }
+
+    /// The torques for the next `period` \[s\], one a joint that is driven by torque \[Nm or N\], with
+    /// q̇* = `velocity` and the `measured` state, q and q̇ of the whole robot.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::Quaternion`], [`Error::NotPositive`] for the
+    /// period. No torque then leaves, and the desired state is as before.
+    pub fn step(
+        &mut self,
+        velocity: &[f64],
+        measured: JointState<'_>,
+        period: f64,
+    ) -> Result<&[f64], Error> {
+        check_finite(period, || "the time step [s]".to_owned())?;
+        if period <= 0.0 {
+            return Err(Error::NotPositive { what: "the time step [s]", value: period });
+        }
+        self.model.check_velocity("q̇*", velocity)?;
+        self.model.check_velocity("q̇", measured.velocity)?;
+        self.data.pose(&self.model, measured.position)?.gravity_into(&mut self.gravity)?;
+        let rests = velocity.iter().all(|velocity| *velocity == 0.0);
+        self.following =
+            self.resynchronisation.hold(&mut self.desired, measured.position, rests)?;
+        self.advance(velocity, measured.position, period);
+        self.gather(velocity, &measured);
+        let room = &self.room;
+        let desired = JointState { position: &room.desired, velocity: &room.desired_velocity };
+        let state = JointState { position: &room.measured, velocity: &room.measured_velocity };
+        self.impedance.torque(desired, state, &room.gravity, period)
+    }
+
+    /// q* goes on along q̇*, where torque drives it.
+    fn advance(&mut self, velocity: &[f64], measured: &[f64], period: f64) {
+        let mut driven = self.joints.iter().peekable();
+        for (index, (desired, measured)) in self.desired.iter_mut().zip(measured).enumerate() {
+            match driven.next_if(|(position, _)| *position == index) {
+                Some((_, entry)) => *desired += velocity[*entry] * period,
+                None => *desired = *measured,
+            }
+        }
+    }
+
+    fn gather(&mut self, velocity: &[f64], measured: &JointState<'_>) {
+        for (joint, (position, entry)) in self.joints.iter().enumerate() {
+            self.room.desired[joint] = self.desired[*position];
+            self.room.desired_velocity[joint] = velocity[*entry];
+            self.room.measured[joint] = measured.position[*position];
+            self.room.measured_velocity[joint] = measured.velocity[*entry];
+            self.room.gravity[joint] = self.gravity[*entry];
+        }
+    }
+
+    /// Whether the robot followed in the last tick; where it does not, bring q̇* to rest.
+    pub fn following(&self) -> Following {
+        self.following
+    }
+
+    /// q*, a whole q: where tasks are to be computed.
+    pub fn desired(&self) -> &[f64] {
+        &self.desired
+    }
+
+    /// q* starts anew from q, as at the end of the leash: the robot gives way until q̇* has come to rest.
+    pub fn give_way(&mut self) {
+        self.resynchronisation.resynchronise();
+        self.following = Following::Resynchronising;
+    }
+}
+
+/// The entries of q and q̇ of joints by name, in the order of q.
+pub(crate) fn joints(model: &Model, names: &[String]) -> Result<Vec<(usize, usize)>, Error> {
+    let mut ids: Vec<_> = model.joint_ids().collect();
+    if !names.is_empty() {
+        let named: Vec<_> =
+            names.iter().map(|name| model.joint_id(name)).collect::<Result<_, _>>()?;
+        ids.retain(|id| named.contains(id));
+    }
+    let joints = ids.into_iter().map(|id| {
+        let joint = model.joint(id)?;
+        if joint.kind == JointKind::Floating {
+            return Err(Error::FloatingJoint { joint: joint.name.clone() });
+        }
+        Ok((joint.position_index, joint.velocity_index))
+    });
+    joints.collect()
+}

@@ -1,0 +1,173 @@
+//! What pushes a robot from outside, from its motion and its motors' torques.
+
+use super::control::joints;
+use crate::error::{Error, check_size};
+use crate::robot::model::Model;
+use crate::state::moving::Moving;
+
+/// Whether an observer knows of friction in the joints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ObservedFriction {
+    /// It does not: friction is part of what it finds. Fit for torques measured behind the gears.
+    #[default]
+    External,
+    /// It takes the friction off that the [`Description`](crate::Description) states.
+    Modelled,
+}
+
+/// What a [`MomentumObserver`] is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObserverSettings {
+    /// The joints that are observed, in the order of q; none for all. Default none.
+    pub joints: Vec<String>,
+    /// `K_O` of each of them \[1/s\]: the estimate follows the torque from outside as a first-order
+    /// lag of time constant `1/K_O`. Default 50 1/s for seven joints.
+    pub rates: Vec<f64>,
+    /// Default external.
+    pub friction: ObservedFriction,
+}
+
+impl Default for ObserverSettings {
+    fn default() -> Self {
+        Self { joints: Vec::new(), rates: vec![50.0; 7], friction: ObservedFriction::default() }
+    }
+}
+
+/// The torque from outside on each joint, without acceleration sensors and without inverting the mass
+/// matrix: the generalised-momentum observer.
+///
+/// r = `K_O` (p(t) − p(0) − ∫ (τ + C(q, q̇)ᵀ q̇ − g(q) + r) ds), p = M(q) q̇, so that
+/// ṙ = `K_O` (τ_ext − r). (De Luca, Albu-Schäffer, Haddadin, Hirzinger, "Collision detection and safe
+/// reaction with the DLR-III lightweight robot arm", IROS 2006; De Luca, Mattone, "Sensorless robot
+/// collision detection and hybrid force/motion control", ICRA 2005.)
+///
+/// In discrete time the integral of τ is that of the torque applied since the last update, that of
+/// Cᵀ q̇ − g is by the trapezoidal rule, and that of r is implicit, so that the observer is stable for
+/// every rate: r ← (r + `K_O` (Δp − Δt u)) / (1 + `K_O` Δt). After construction nothing allocates.
+///
+/// ```
+/// use whole_body::{Data, MomentumObserver, ObserverSettings};
+/// # use whole_body::{Description, Model};
+/// # let model = Model::from_urdf(r#"<robot name="one"><link name="base"/>
+/// #   <link name="tip"><inertial><origin xyz="0 0 0.2"/><mass value="2"/>
+/// #   <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+/// #   <joint name="hinge" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/>
+/// #   <limit lower="-1" upper="1" velocity="1" effort="50"/></joint></robot>"#, &Description::default())?;
+/// let settings = ObserverSettings { rates: vec![50.0], ..ObserverSettings::default() };
+/// let mut observer = MomentumObserver::new(&model, settings)?;
+/// let mut data = Data::new(&model);
+/// for _ in 0..500 {
+///     // Each millisecond. The motor gives 3 Nm, and the robot stands still: somebody holds it.
+///     let mut moving = data.pose(&model, &[0.1])?.moving(&[0.0])?;
+///     observer.update(&mut moving, &[3.0], 1e-3)?;
+/// }
+/// assert!((observer.torque()[0] + 3.0).abs() < 1e-6);
+/// # Ok::<(), whole_body::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct MomentumObserver {
+    /// Of each joint: its entry of q̇ and its rate.
+    joints: Vec<(usize, f64)>,
+    friction: ObservedFriction,
+    /// Whether there was an update.
+    began: bool,
+    /// Of the whole robot, now and at the last update.
+    momentum: [Vec<f64>; 2],
+    /// Cᵀ q̇ − g − friction, likewise.
+    bias: [Vec<f64>; 2],
+    friction_torque: Vec<f64>,
+    /// r.
+    torque: Vec<f64>,
+}
+
+impl MomentumObserver {
+    /// For a robot.
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`]; [`Error::FloatingJoint`]; [`Error::WrongSize`] unless there is a rate for
+    /// each joint; [`Error::Gain`] for one that is not positive.
+    pub fn new(model: &Model, settings: ObserverSettings) -> Result<Self, Error> {
+        let entries = joints(model, &settings.joints)?;
+        check_size("the list of rates", settings.rates.len(), entries.len())?;
+        let bad = |rate: &f64| !(*rate > 0.0 && rate.is_finite());
+        if let Some((index, &value)) = settings.rates.iter().enumerate().find(|(_, rate)| bad(rate))
+        {
+            return Err(Error::Gain { gain: "rate", joint: index + 1, value });
+        }
+        let none = vec![0.0; model.velocity_count()];
+        Ok(Self {
+            torque: vec![0.0; entries.len()],
+            joints: entries.into_iter().map(|(_, entry)| entry).zip(settings.rates).collect(),
+            friction: settings.friction,
+            began: false,
+            momentum: [none.clone(), none.clone()],
+            bias: [none.clone(), none.clone()],
+            friction_torque: none,
+        })
+    }
+
+    /// The torque from outside, with the robot as measured now and the mean `torque` that acted on each
+    /// observed joint since the last update, `period` \[s\] ago \[Nm or N\]. The first update begins with
+    /// none.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`]; [`Error::NotFinite`] and [`Error::NotPositive`] on torque and period. The
+    /// estimate is then as before.
+    pub fn update(
+        &mut self,
+        robot: &mut Moving<'_>,
+        torque: &[f64],
+        period: f64,
+    ) -> Result<&[f64], Error> {
+        check_size("the list of torques", torque.len(), self.joints.len())?;
+        for (index, &value) in torque.iter().enumerate() {
+            let what = || format!("the torque of joint {}", index + 1);
+            crate::error::check_finite(value, what)?;
+        }
+        if !(period > 0.0 && period.is_finite()) {
+            return Err(Error::NotPositive { what: "the time step [s]", value: period });
+        }
+        check_size("the robot's q̇", robot.velocity().len(), self.friction_torque.len())?;
+        self.remember(robot)?;
+        if self.began {
+            self.advance(torque, period);
+        }
+        self.began = true;
+        Ok(&self.torque)
+    }
+
+    /// Takes momentum and bias of the robot, and keeps those of the update before.
+    fn remember(&mut self, robot: &mut Moving<'_>) -> Result<(), Error> {
+        self.momentum.swap(0, 1);
+        self.bias.swap(0, 1);
+        let ([momentum, _], [bias, _]) = (&mut self.momentum, &mut self.bias);
+        robot.joint_momentum_into(momentum, bias)?;
+        if self.friction == ObservedFriction::Modelled {
+            robot.friction_into(&mut self.friction_torque)?;
+            let friction = bias.iter_mut().zip(&self.friction_torque);
+            friction.for_each(|(bias, friction)| *bias -= friction);
+        }
+        Ok(())
+    }
+
+    fn advance(&mut self, torque: &[f64], period: f64) {
+        let ([momentum, last_momentum], [bias, last_bias]) = (&self.momentum, &self.bias);
+        let joints = self.joints.iter().zip(torque);
+        for (estimate, ((entry, rate), torque)) in self.torque.iter_mut().zip(joints) {
+            let known = torque + 0.5 * (bias[*entry] + last_bias[*entry]);
+            let missing = momentum[*entry] - last_momentum[*entry] - period * known;
+            *estimate = (*estimate + rate * missing) / (1.0 + rate * period);
+        }
+    }
+
+    /// The torque from outside on each observed joint, as of the last update \[Nm or N\].
+    pub fn torque(&self) -> &[f64] {
+        &self.torque
+    }
+
+    /// Begins anew, with none.
+    pub fn reset(&mut self) {
+        self.began = false;
+        self.torque.fill(0.0);
+    }
+}

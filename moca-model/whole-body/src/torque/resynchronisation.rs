@@ -1,0 +1,133 @@
+//! A desired position that never runs away from the measured one.
+
+use crate::error::{Error, check_size};
+use crate::ik::leash::Leash;
+use crate::robot::joint::JointKind;
+use crate::robot::model::Model;
+
+/// Whether a robot follows what is desired.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Following {
+    /// It does.
+    Follows,
+    /// It does not since now: the end of the leash was reached.
+    Reached,
+    /// The desired position started anew from the measured one in this tick, because the robot does not
+    /// follow, or was to give way, and has not been let go on.
+    Resynchronising,
+}
+
+/// Holds a desired position q* to the measured one q.
+///
+/// Within the leash q* is the caller's. Where a joint is farther from it than its leash the whole of q*
+/// starts anew from q, tick by tick, until the caller lets it go on, which it should do once the
+/// velocities that it asks for have come to rest. No difference q* − q is left then that a spring could
+/// release: a robot that was held does not jump when it is let go.
+///
+/// ```
+/// use whole_body::{Following, Resynchronisation};
+///
+/// let mut held = Resynchronisation::new(vec![0.1])?;
+/// let mut desired = [0.3];
+/// held.hold(&mut desired, &[0.25], false)?; // the first tick starts from what is measured
+/// assert_eq!(desired, [0.25]);
+/// desired[0] += 0.05;
+/// assert_eq!(held.hold(&mut desired, &[0.25], false)?, Following::Follows);
+/// desired[0] += 0.06; // the robot is held
+/// assert_eq!(held.hold(&mut desired, &[0.25], false)?, Following::Reached);
+/// assert_eq!(desired, [0.25]);
+/// # Ok::<(), whole_body::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resynchronisation {
+    /// Of each entry of q \[rad or m\].
+    lengths: Vec<f64>,
+    state: State,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// Nothing has been measured yet.
+    Unknown,
+    Following,
+    Resynchronising,
+}
+
+impl Resynchronisation {
+    /// With the largest following error of each entry of q \[rad or m\]; infinite for none.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a length that is not positive.
+    pub fn new(lengths: Vec<f64>) -> Result<Self, Error> {
+        if let Some(&value) = lengths.iter().find(|length| length.is_nan() || **length <= 0.0) {
+            let (what, expected) = ("a leash", "positive, or infinite for none");
+            return Err(Error::Parameter { what, value, expected });
+        }
+        Ok(Self { lengths, state: State::Unknown })
+    }
+
+    /// For all joints of a robot; a floating base is estimated, not commanded, and has none.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a leash out of range.
+    pub fn of_model(model: &Model, leash: &Leash) -> Result<Self, Error> {
+        leash.validate()?;
+        let mut lengths = vec![f64::INFINITY; model.position_count()];
+        for joint in model.joints() {
+            let length = match joint.kind {
+                JointKind::Floating => continue,
+                JointKind::Prismatic => leash.prismatic,
+                JointKind::Revolute | JointKind::Continuous => leash.revolute,
+            };
+            if let Some(own) = lengths.get_mut(joint.position_index) {
+                *own = length;
+            }
+        }
+        Self::new(lengths)
+    }
+
+    /// The largest following error of each entry of q \[rad or m\].
+    pub fn lengths(&self) -> &[f64] {
+        &self.lengths
+    }
+
+    /// Holds `desired` to `measured`; `may_go_on` ends the resynchronisation, unless the leash is
+    /// reached. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`]; nothing has changed then.
+    pub fn hold(
+        &mut self,
+        desired: &mut [f64],
+        measured: &[f64],
+        may_go_on: bool,
+    ) -> Result<Following, Error> {
+        check_size("the desired position", desired.len(), self.lengths.len())?;
+        check_size("the measured position", measured.len(), self.lengths.len())?;
+        let is_new = self.state == State::Unknown;
+        let reached = !is_new && self.is_reached(desired, measured);
+        if self.state == State::Following && !reached {
+            return Ok(Following::Follows);
+        }
+        desired.copy_from_slice(measured);
+        if is_new || (may_go_on && !reached) {
+            self.state = State::Following;
+            return Ok(if is_new { Following::Follows } else { Following::Resynchronising });
+        }
+        self.state = State::Resynchronising;
+        Ok(if reached { Following::Reached } else { Following::Resynchronising })
+    }
+
+    /// Lets the desired position be the measured one, from the next tick until it may go on: a robot
+    /// that is to give way.
+    pub fn resynchronise(&mut self) {
+        self.state = State::Resynchronising;
+    }
+
+    /// A number that is none counts as too far.
+    fn is_reached(&self, desired: &[f64], measured: &[f64]) -> bool {
+        let apart = desired.iter().zip(measured).map(|(desired, measured)| desired - measured);
+        let within = apart.zip(&self.lengths).all(|(apart, length)| apart.abs() <= *length);
+        !within
+    }
+}
