@@ -43,6 +43,7 @@
 //! ```
 
 mod dynamics;
+mod eigen;
 mod error;
 mod ik;
 mod inertia;
@@ -78,7 +79,7 @@ pub use robot::joint::{Joint, JointId, JointKind, MimicJoint};
 pub use robot::limits::{JointLimits, LimitOverride, MissingAcceleration, UnusableLimits};
 pub use robot::model::Model;
 pub use robot::warning::{InertiaFault, Warning};
-pub use stack::task_level::{TaskId, TaskLevel};
+pub use stack::task_level::{OutOfReach, TaskId, TaskLevel};
 pub use stack::task_stack::TaskStack;
 pub use state::data::Data;
 pub use state::moving::Moving;

@@ -14,6 +14,7 @@ mod ik_changes;
 mod ik_figures;
 mod ik_limits;
 mod kinematics;
+mod out_of_reach;
 mod parsed;
 mod placement;
 mod support;
