@@ -1,4 +1,5 @@
 mod changes;
+mod curvature_rows;
 mod level_tasks;
 mod row_tasks;
 pub(crate) mod task_level;

@@ -35,6 +35,7 @@ impl Ik {
             (Place::Above(level), _) => Place::Above(self.expect_level(level)?),
             (place, _) => place,
         };
+        let level = self.settings.apply(level);
         let id = self.stack.insert(level, place, duration)?;
         self.make_room();
         Ok(id)

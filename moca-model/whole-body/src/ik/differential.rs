@@ -95,6 +95,8 @@ pub struct Ik {
 #[derive(Debug, Clone)]
 pub(super) struct AskedRows {
     rows: Rows,
+    /// How many of them are of tasks.
+    count: usize,
     counts: bool,
 }
 
@@ -141,14 +143,17 @@ impl Ik {
         let damped = self.stack.stacked().map(|(level, _)| level.tasks.is_damped);
         let last = damped.enumerate().filter(|(_, is)| *is).last().map_or(0, |(last, _)| last + 1);
         let levels = self.stack.stacked().take(last);
-        let counts: Vec<usize> = levels.map(|(level, _)| level.tasks.row_count()).collect();
+        let sizes: Vec<[usize; 2]> = levels
+            .map(|(level, _)| [level.tasks.row_count(), level.tasks.rows_with_curvature()])
+            .collect();
+        let counts: Vec<usize> = sizes.iter().map(|[count, _]| *count).collect();
         let (threshold, columns) = (self.settings.singularity_threshold, self.stack.names().len());
         self.singularity = SingularityDamping::new(threshold, &counts, columns);
-        let asked = counts.into_iter().map(|count| {
-            let mut rows = Rows::zeros(count, columns);
+        let asked = sizes.into_iter().map(|[count, all]| {
+            let mut rows = Rows::zeros(all, columns);
             // Of the right size and positive: no error is possible. The room for them is there then.
-            let _ = rows.set_weights(&vec![1.0; count]);
-            AskedRows { rows, counts: false }
+            let _ = rows.set_weights(&vec![1.0; all]);
+            AskedRows { rows, count, counts: false }
         });
         self.asked = asked.collect();
     }
@@ -221,7 +226,7 @@ impl Ik {
             } else if let Some(asked) = asked.get_mut(index)
                 && let Ok(rows) = level.rows_mut()
             {
-                asked.counts = singularity.damp(rows, &mut asked.rows);
+                asked.counts = singularity.damp(rows, asked.count, &mut asked.rows);
             }
         })
     }

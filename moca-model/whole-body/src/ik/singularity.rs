@@ -1,6 +1,5 @@
 //! Damping of targets near singular configurations.
 
-mod eigen;
 #[cfg(test)]
 mod tests;
 
@@ -8,8 +7,7 @@ use std::ops::Range;
 
 use ahqp_core::Rows;
 
-use eigen::eigenvectors;
-
+use crate::eigen::eigenvectors;
 use crate::vector::{dot, subtract};
 
 /// Takes from the targets of levels what their rows reach only by very large velocities, and hands
@@ -122,7 +120,8 @@ impl SingularityDamping {
             vectors: vec![0.0; most * most],
             turned: vec![0.0; most * columns],
             turned_targets: vec![0.0; most],
-            unit_weights: vec![1.0; most],
+            // A level has at most as many further rows as there are variables.
+            unit_weights: vec![1.0; most + columns],
         }
     }
 
@@ -131,13 +130,13 @@ impl SingularityDamping {
         self.first = 0;
     }
 
-    /// Damps the targets of the next level. Returns true if that changed them; what was asked is in
+    /// Damps the targets of the next level, of whose rows the first `m` count. Returns true if that changed them; what was asked is in
     /// `asked`, rows of the same size, then. A level with ranges, or for which there is no room, is
     /// left as it is.
-    pub(super) fn damp(&mut self, rows: &mut Rows, asked: &mut Rows) -> bool {
-        let (first, m) = (self.first, rows.len());
-        let fits = m <= self.most && first + m <= self.total;
-        let equalities = rows.lower().iter().eq(rows.upper());
+    pub(super) fn damp(&mut self, rows: &mut Rows, m: usize, asked: &mut Rows) -> bool {
+        let first = self.first;
+        let fits = m <= self.most && m <= rows.len() && first + m <= self.total;
+        let equalities = rows.lower().iter().zip(rows.upper()).take(m).all(|(l, u)| l == u);
         if self.threshold == 0.0 || m == 0 || !fits || !equalities {
             return false;
         }
@@ -161,7 +160,7 @@ impl SingularityDamping {
     /// above.
     fn load(&mut self, rows: &Rows, span: &Range<usize>) {
         let total = self.total;
-        for (i, (row, target, _)) in rows.iter().enumerate() {
+        for (i, (row, target, _)) in rows.iter().enumerate().take(span.len()) {
             let index = span.start + i;
             let norm = dot(row, row).sqrt();
             let norm = if norm > 0.0 { norm } else { 1.0 };
@@ -257,8 +256,8 @@ impl SingularityDamping {
             self.residual[i] -= part;
             self.given_up[i] = part * self.norms[i];
         }
-        subtract(rows.lower_mut(), 1.0, &self.given_up);
-        subtract(rows.upper_mut(), 1.0, &self.given_up);
+        subtract(&mut rows.lower_mut()[..m], 1.0, &self.given_up);
+        subtract(&mut rows.upper_mut()[..m], 1.0, &self.given_up);
         if is_lost {
             let share = (1.0 - lost) * GATE * GATE / (GATE * GATE - 1.0);
             self.hand_over(m, heaviest, share.min(1.0), rows);
@@ -306,7 +305,7 @@ impl SingularityDamping {
             .zip(self.turned.chunks_exact_mut(columns).zip(&mut self.turned_targets))
         {
             *target = 0.0;
-            for (i, (row, own, _)) in rows.iter().enumerate() {
+            for (i, (row, own, _)) in rows.iter().enumerate().take(m) {
                 let factor = root * vector[i] * self.scales[i] / self.norms[i];
                 subtract(turned, -factor, row);
                 *target += factor * own;
@@ -323,7 +322,7 @@ impl SingularityDamping {
             (rows.lower_mut()[k], rows.upper_mut()[k]) = (target - room, target + room);
         }
         // Of the size of the rows, and positive: no error is possible.
-        let _ = rows.set_weights(&self.unit_weights[..m]);
+        let _ = rows.set_weights(&self.unit_weights[..rows.len()]);
     }
 
     /// Weighs G, and returns the largest weight of a scaled row.

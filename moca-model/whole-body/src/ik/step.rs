@@ -104,7 +104,8 @@ impl<'a> Step<'a> {
         let tasks = stacked.filter(|(_, (entry, _))| Some(entry.id) != ik.limits);
         tasks.map(move |(index, (entry, level))| {
             let rows = ik.asked_rows(index, level);
-            let slack = rows.map_or(0.0, |rows| violation(rows, 0..rows.len(), x));
+            let own = 0..entry.tasks.row_count();
+            let slack = rows.map_or(0.0, |rows| violation(rows, own, x));
             LevelReport { id: entry.id, name: &entry.tasks.name, slack }
         })
     }
@@ -150,20 +151,24 @@ impl<'a> Step<'a> {
         let levels = self.ik.stack.stacked();
         let rows = levels.flat_map(|(entry, level)| {
             let named = entry.tasks.named_rows(level);
-            named.map(move |(rows, names)| (&*entry.tasks.name, rows, names))
+            named.map(move |(rows, count, names)| (&*entry.tasks.name, rows, count, names))
         });
-        rows.flat_map(move |(level, rows, names)| {
-            rows.iter().enumerate().filter_map(move |(row, (coefficients, lower, upper))| {
-                let value: f64 = coefficients.iter().zip(x).map(|(a, x)| a * x).sum();
-                let near = |bound: f64| (value - bound).abs() <= 1e-9 * (1e-3 + bound.abs());
-                let end = match (near(lower), near(upper)) {
-                    _ if lower == upper => return None,
-                    (_, true) => End::Upper,
-                    (true, _) => End::Lower,
-                    _ => return None,
-                };
-                Some(ActiveRow { level, task: names(row), row, end })
-            })
+        rows.flat_map(move |(level, rows, count, names)| {
+            rows.iter().enumerate().take(count).filter_map(
+                move |(row, (coefficients, lower, upper))| {
+                    let value: f64 = coefficients.iter().zip(x).map(|(a, x)| a * x).sum();
+                    let near = |bound: f64| {
+                        bound.is_finite() && (value - bound).abs() <= 1e-9 * (1e-3 + bound.abs())
+                    };
+                    let end = match (near(lower), near(upper)) {
+                        _ if lower == upper => return None,
+                        (_, true) => End::Upper,
+                        (true, _) => End::Lower,
+                        _ => return None,
+                    };
+                    Some(ActiveRow { level, task: names(row), row, end })
+                },
+            )
         })
     }
 }

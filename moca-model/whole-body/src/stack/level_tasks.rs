@@ -8,7 +8,7 @@ use ahqp_core::{Level, LevelId, Objective, Rows};
 use nalgebra::{DMatrix, DVector};
 
 use super::row_tasks::{RowTasks, in_task};
-use super::task_level::{Named, TaskLevel};
+use super::task_level::{Named, OutOfReach, TaskLevel};
 use crate::error::Error;
 use crate::robot::model::Model;
 use crate::tasks::input::TaskInput;
@@ -36,7 +36,7 @@ impl LevelTasks {
         if level.is_empty() {
             return Err(Error::EmptyLevel { level: level.name.to_string() });
         }
-        let TaskLevel { name, rows, quadratics, constraints } = level;
+        let TaskLevel { name, rows, quadratics, constraints, out_of_reach } = level;
         if !rows.is_empty() && !quadratics.is_empty() {
             return Err(Error::MixedLevel { level: name.to_string() });
         }
@@ -51,8 +51,8 @@ impl LevelTasks {
             let check = named.task.validate(model);
             check.map_err(|error| in_task(error, &named.name, &name))?;
         }
-        let rows = RowTasks::new(rows, &name, model)?;
-        let constraints = RowTasks::new(constraints, &name, model)?;
+        let rows = RowTasks::new(rows, &name, model, out_of_reach)?;
+        let constraints = RowTasks::new(constraints, &name, model, OutOfReach::Approach)?;
         let is_damped = rows.is_damped();
         Ok(Self { name, rows, quadratics, constraints, is_damped })
     }
@@ -60,6 +60,11 @@ impl LevelTasks {
     /// How many rows it minimises.
     pub(crate) fn row_count(&self) -> usize {
         self.rows.len()
+    }
+
+    /// The same with the rows of their curvature, which stand behind them.
+    pub(crate) fn rows_with_curvature(&self) -> usize {
+        self.rows.rows_with_curvature()
     }
 
     /// The level over so many variables, its data still to be written.
@@ -120,16 +125,16 @@ impl LevelTasks {
         self.rows.rows_of(number)
     }
 
-    /// Rows of a level with the names of their tasks: what it minimises, then what must hold.
+    /// Rows of a level, how many of them are of tasks, and the names of these: what it minimises, then what must hold.
     pub(crate) fn named_rows<'a>(
         &'a self,
         level: &'a Level,
-    ) -> impl Iterator<Item = (&'a Rows, impl Fn(usize) -> &'a str)> {
+    ) -> impl Iterator<Item = (&'a Rows, usize, impl Fn(usize) -> &'a str)> {
         let minimised = match level.objective() {
             Objective::LeastSquares(rows) => Some((rows, &self.rows)),
             _ => None,
         };
         let pairs = minimised.into_iter().chain([(level.constraints(), &self.constraints)]);
-        pairs.map(|(rows, tasks)| (rows, |row| tasks.task_name(row)))
+        pairs.map(|(rows, tasks)| (rows, tasks.len(), |row| tasks.task_name(row)))
     }
 }

@@ -5,7 +5,8 @@ use std::ops::Range;
 
 use ahqp_core::Rows;
 
-use super::task_level::Named;
+use super::curvature_rows::CurvatureRows;
+use super::task_level::{Named, OutOfReach};
 use crate::error::Error;
 use crate::robot::model::Model;
 use crate::tasks::input::TaskInput;
@@ -16,7 +17,11 @@ use crate::tasks::task::Task;
 #[derive(Debug, Clone)]
 pub(super) struct RowTasks {
     entries: Vec<TaskEntry>,
+    count: usize,
+    /// Of all rows, those of the curvature among them.
     weights: Vec<f64>,
+    /// Of tasks whose errors may remain.
+    curvature: Option<CurvatureRows>,
 }
 
 #[derive(Debug, Clone)]
@@ -32,6 +37,7 @@ impl RowTasks {
         tasks: Vec<Named<dyn Task>>,
         level: &str,
         model: &Model,
+        out_of_reach: OutOfReach,
     ) -> Result<Self, Error> {
         let mut entries = Vec::with_capacity(tasks.len());
         let mut first = 0;
@@ -43,10 +49,22 @@ impl RowTasks {
             entries.push(TaskEntry { named, first, count });
             first += count;
         }
-        Ok(Self { entries, weights: vec![1.0; first] })
+        let mut tasks = entries.iter().map(|entry: &TaskEntry| &entry.named.task);
+        let has_curvature =
+            out_of_reach == OutOfReach::Rest && tasks.any(|task| task.has_curvature());
+        let velocities = model.velocity_count();
+        let curvature = has_curvature.then(|| CurvatureRows::new(velocities));
+        let rows = first + if has_curvature { velocities } else { 0 };
+        Ok(Self { entries, count: first, weights: vec![1.0; rows], curvature })
     }
 
+    /// How many rows the tasks have. Behind them there may be more, of their curvature.
     pub(super) fn len(&self) -> usize {
+        self.count
+    }
+
+    /// How many rows there are with those of the curvature.
+    pub(super) fn rows_with_curvature(&self) -> usize {
         self.weights.len()
     }
 
@@ -62,7 +80,11 @@ impl RowTasks {
                 if entry.count == 1 { name.to_string() } else { format!("{name} {row}") }
             })
         });
-        let mut rows = Rows::zeros(self.len(), columns).with_names(names.collect::<Vec<_>>())?;
+        let curvature =
+            (self.count..self.weights.len()).map(|row| format!("curvature {}", row - self.count));
+        let names = names.chain(curvature);
+        let mut rows =
+            Rows::zeros(self.weights.len(), columns).with_names(names.collect::<Vec<_>>())?;
         rows.set_weights(&self.weights)?;
         Ok(rows)
     }
@@ -74,15 +96,26 @@ impl RowTasks {
         input: &mut TaskInput<'_, '_>,
         rows: &mut Rows,
     ) -> Result<(), Error> {
+        if let Some(rows) = &mut self.curvature {
+            rows.curvature.clear();
+        }
         for entry in &mut self.entries {
-            let mut own = TaskRows::new(rows, &mut self.weights, entry.first, entry.count);
+            let curvature = self.curvature.as_mut().map(|rows| &mut rows.curvature);
+            let (first, count) = (entry.first, entry.count);
+            let mut own = TaskRows::new(rows, &mut self.weights, curvature, first, count);
             own.clear();
             let written = entry.named.task.write(input, &mut own);
             written.map_err(|error| in_task(error, &entry.named.name, level))?;
         }
-        let mut weights = self.weights.iter().enumerate();
-        if weights.any(|(row, weight)| rows.weight(row) != *weight) {
+        let is_written = match rows.weights() {
+            Some(weights) => weights == self.weights,
+            None => self.weights.iter().all(|weight| *weight == 1.0),
+        };
+        if !is_written {
             rows.set_weights(&self.weights)?;
+        }
+        if let Some(curvature) = &mut self.curvature {
+            curvature.write(rows, self.count);
         }
         Ok(())
     }

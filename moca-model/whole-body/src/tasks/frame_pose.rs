@@ -1,7 +1,7 @@
 //! A frame at a pose.
 
 use ahqp_core::PoseAxes;
-use nalgebra::{Isometry3, Vector6};
+use nalgebra::{Isometry3, Vector3, Vector6};
 
 use super::input::TaskInput;
 use super::pose_task::{PoseQuantity, PoseTask};
@@ -69,6 +69,20 @@ impl PoseQuantity for FramePose {
         for (row, axis) in coordinates.iter().enumerate() {
             rows.set_jacobian_row(row, jacobian, axis);
         }
+        Ok(())
+    }
+
+    const HAS_CURVATURE: bool = true;
+
+    fn add_curvature(
+        &self,
+        [place, turn]: [&Vector3<f64>; 2],
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<(), Error> {
+        let jacobian = input.jacobian(self.frame, self.axes)?;
+        rows.add_position_curvature(jacobian, place);
+        rows.add_orientation_curvature(jacobian, turn);
         Ok(())
     }
 }

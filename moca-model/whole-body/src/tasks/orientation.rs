@@ -62,4 +62,16 @@ impl VectorQuantity for FrameOrientation {
         }
         Ok(())
     }
+
+    const HAS_CURVATURE: bool = true;
+
+    fn add_curvature(
+        &self,
+        missing: &Vector3<f64>,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<(), Error> {
+        rows.add_orientation_curvature(input.jacobian(self.0, Axes::World)?, missing);
+        Ok(())
+    }
 }

@@ -3,12 +3,13 @@
 use std::fmt::Debug;
 
 use ahqp_core::{PoseAxes, pose_error};
-use nalgebra::{Isometry3, Vector6};
+use nalgebra::{Isometry3, Vector3, Vector6};
 
 use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::mask::check_weights;
 use super::rows::TaskRows;
+use super::shortfall::Shortfall;
 use super::task::Task;
 use crate::error::{Error, check_finite};
 use crate::robot::model::Model;
@@ -40,6 +41,22 @@ pub trait PoseQuantity: Clone + Debug + Send + Sync + 'static {
         input: &mut TaskInput<'_, '_>,
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error>;
+
+    /// Whether it adds its curvature; see [`Task::has_curvature`].
+    const HAS_CURVATURE: bool = false;
+
+    /// Adds its curvature to that of the level, for what is missing to the target \[m, rad\].
+    ///
+    /// # Errors
+    /// An id of another robot.
+    fn add_curvature(
+        &self,
+        _missing: [&Vector3<f64>; 2],
+        _input: &mut TaskInput<'_, '_>,
+        _rows: &mut TaskRows<'_>,
+    ) -> Result<(), Error> {
+        Ok(())
+    }
 }
 
 /// Brings a pose to a target: J q̇ = ẋ_d + feedback(x_d − x), the error being [`pose_error`]
@@ -54,6 +71,8 @@ pub struct PoseTask<Q: PoseQuantity> {
     angular: Feedback,
     pub(super) coordinates: PoseAxes,
     weights: Vector6<f64>,
+    /// Of the linear and the angular part.
+    shortfalls: [Shortfall; 2],
 }
 
 impl<Q: PoseQuantity> PoseTask<Q> {
@@ -65,6 +84,7 @@ impl<Q: PoseQuantity> PoseTask<Q> {
             angular: Feedback::ANGULAR,
             coordinates: PoseAxes::ALL,
             weights: Vector6::repeat(1.0),
+            shortfalls: [Shortfall::default(); 2],
         }
     }
 
@@ -115,10 +135,39 @@ impl<Q: PoseQuantity> PoseTask<Q> {
         Ok(())
     }
 
-    /// The twist that takes the chosen coordinates of an error away.
-    fn twist(&self, error: &Vector6<f64>) -> Vector6<f64> {
+    /// A vector without the coordinates that are not chosen.
+    fn chosen(&self, vector: &Vector6<f64>) -> Vector6<f64> {
         let mut chosen = Vector6::zeros();
-        self.coordinates.iter().for_each(|axis| chosen[axis] = error[axis]);
+        self.coordinates.iter().for_each(|axis| chosen[axis] = vector[axis]);
+        chosen
+    }
+
+    /// What to ask for of a twist that is wanted. Adds the curvature of what cannot be had.
+    fn ask(
+        &mut self,
+        wanted: &Vector6<f64>,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<Vector6<f64>, Error> {
+        let mut got = Vector6::zeros();
+        for (row, axis) in self.coordinates.iter().enumerate() {
+            got[axis] = rows.value(row, input.velocity());
+        }
+        let part = |vector: &Vector6<f64>, first| vector.fixed_rows::<3>(first).into_owned();
+        let (period, [linear, angular]) = (input.period(), &mut self.shortfalls);
+        let linear = linear.ask(&part(wanted, 0), &part(&got, 0), period);
+        let angular = angular.ask(&part(wanted, 3), &part(&got, 3), period);
+        if linear.missing != Vector3::zeros() || angular.missing != Vector3::zeros() {
+            let place = linear.missing.component_mul(&part(&self.weights, 0)) / self.linear.gain;
+            let turn = angular.missing.component_mul(&part(&self.weights, 3)) / self.angular.gain;
+            self.quantity.add_curvature([&place, &turn], input, rows)?;
+        }
+        let (v, w) = (linear.velocity, angular.velocity);
+        Ok(Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z))
+    }
+
+    /// The twist that takes an error away.
+    fn twist(&self, chosen: &Vector6<f64>) -> Vector6<f64> {
         let linear = self.linear.velocity(&chosen.fixed_rows::<3>(0).into_owned());
         let angular = self.angular.velocity(&chosen.fixed_rows::<3>(3).into_owned());
         Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
@@ -135,6 +184,10 @@ impl<Q: PoseQuantity> Task for PoseTask<Q> {
         self.angular.validate()?;
         check_weights(self.weights.as_slice())?;
         self.quantity.validate(model)
+    }
+
+    fn has_curvature(&self) -> bool {
+        Q::HAS_CURVATURE
     }
 
     fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
@@ -156,8 +209,11 @@ impl<Q: PoseQuantity> Task for PoseTask<Q> {
         let mut error = pose_error(&target, &actual);
         self.quantity.turn(&actual, &mut error);
         self.quantity.turn(&actual, &mut twist);
-        twist += self.twist(&error);
+        twist = self.chosen(&twist) + self.twist(&self.chosen(&error));
         self.quantity.write_jacobian(self.coordinates, input, rows)?;
+        if Q::HAS_CURVATURE && rows.takes_curvature() {
+            twist = self.ask(&twist, input, rows)?;
+        }
         for (row, axis) in self.coordinates.iter().enumerate() {
             rows.set_target(row, twist[axis]);
             rows.set_weight(row, self.weights[axis]);

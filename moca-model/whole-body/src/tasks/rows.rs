@@ -1,7 +1,10 @@
 //! The rows of one task within those of its level.
 
 use ahqp_core::Rows;
-use nalgebra::Matrix6xX;
+use nalgebra::{Matrix6xX, Vector3};
+
+use super::curvature::Curvature;
+use crate::vector::dot;
 
 /// Where a task writes its rows: a part of the rows of its level.
 ///
@@ -11,6 +14,7 @@ use nalgebra::Matrix6xX;
 pub struct TaskRows<'a> {
     rows: &'a mut Rows,
     weights: &'a mut [f64],
+    curvature: Option<&'a mut Curvature>,
     first: usize,
     count: usize,
 }
@@ -19,19 +23,22 @@ impl<'a> TaskRows<'a> {
     pub(crate) fn new(
         rows: &'a mut Rows,
         weights: &'a mut [f64],
+        curvature: Option<&'a mut Curvature>,
         first: usize,
         count: usize,
     ) -> Self {
-        Self { rows, weights, first, count }
+        Self { rows, weights, curvature, first, count }
     }
 
     /// Zero rows with targets of zero and weights of one.
     pub(crate) fn clear(&mut self) {
         for row in 0..self.count {
             self.row_mut(row).fill(0.0);
-            self.set_target(row, 0.0);
-            self.set_weight(row, 1.0);
         }
+        let own = self.first..self.first + self.count;
+        self.rows.lower_mut().get_mut(own.clone()).unwrap_or_default().fill(0.0);
+        self.rows.upper_mut().get_mut(own.clone()).unwrap_or_default().fill(0.0);
+        self.weights.get_mut(own).unwrap_or_default().fill(1.0);
     }
 
     /// How many rows the task has.
@@ -56,11 +63,61 @@ impl<'a> TaskRows<'a> {
         own.zip(coefficients).for_each(|(own, coefficient)| *own = *coefficient);
     }
 
+    /// Takes all rows: the first coefficients of each, bounds, weights.
+    pub(crate) fn copy_from(
+        &mut self,
+        matrix: &[f64],
+        columns: usize,
+        bounds: [&[f64]; 2],
+        weights: &[f64],
+    ) {
+        for (row, coefficients) in matrix.chunks_exact(columns.max(1)).enumerate() {
+            let own = self.row_mut(row);
+            if let Some(own) = own.get_mut(..coefficients.len()) {
+                own.copy_from_slice(coefficients);
+            }
+        }
+        let (first, count) = (self.first, self.count);
+        for (to, from) in [(self.rows.lower_mut(), bounds[0]), (&mut *self.weights, weights)] {
+            to.iter_mut().skip(first).take(count).zip(from).for_each(|(to, from)| *to = *from);
+        }
+        let upper = self.rows.upper_mut().iter_mut().skip(first).take(count);
+        upper.zip(bounds[1]).for_each(|(to, from)| *to = *from);
+    }
+
     /// Writes a row of a Jacobian, by columns as it is stored.
     pub(crate) fn set_jacobian_row(&mut self, row: usize, jacobian: &Matrix6xX<f64>, axis: usize) {
         let columns = jacobian.as_slice().as_chunks::<6>().0;
         for (own, column) in self.row_mut(row).iter_mut().zip(columns) {
             *own = column[axis];
+        }
+    }
+
+    /// What a row has at the velocity q̇.
+    pub(crate) fn value(&self, row: usize, velocity: &[f64]) -> f64 {
+        let index = if row < self.count { self.first + row } else { usize::MAX };
+        let own = self.rows.row(index).unwrap_or_default();
+        dot(own.get(..velocity.len()).unwrap_or_default(), velocity)
+    }
+
+    /// Whether the level comes to rest out of reach, and so needs the curvature of its tasks.
+    pub fn takes_curvature(&self) -> bool {
+        self.curvature.is_some()
+    }
+
+    /// Adds the curvature of a frame's position to that of the level: `missing` \[m\] is what is
+    /// missing to its target and cannot be taken away, in the axes of the Jacobian, times the task's
+    /// weights. Does nothing where the level does not [take it](Self::takes_curvature).
+    pub fn add_position_curvature(&mut self, jacobian: &Matrix6xX<f64>, missing: &Vector3<f64>) {
+        if let Some(curvature) = &mut self.curvature {
+            curvature.add_position(jacobian, missing);
+        }
+    }
+
+    /// The same for its orientation, `missing` \[rad\] being a rotation vector.
+    pub fn add_orientation_curvature(&mut self, jacobian: &Matrix6xX<f64>, missing: &Vector3<f64>) {
+        if let Some(curvature) = &mut self.curvature {
+            curvature.add_orientation(jacobian, missing);
         }
     }
 

@@ -52,6 +52,12 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
         true
     }
 
+    /// Whether it adds its curvature to a level where its error remains:
+    /// [`TaskRows::add_position_curvature`], [`TaskRows::add_orientation_curvature`].
+    fn has_curvature(&self) -> bool {
+        false
+    }
+
     /// Takes what it finds for its target, unless it has one; see
     /// [`IkBuilder::build_at`](crate::IkBuilder::build_at). A task without a target does nothing.
     ///

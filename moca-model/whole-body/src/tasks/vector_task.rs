@@ -8,6 +8,7 @@ use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::mask::{Axis, VectorMask};
 use super::rows::TaskRows;
+use super::shortfall::Shortfall;
 use super::task::Task;
 use crate::error::{Error, check_finite};
 use crate::robot::model::Model;
@@ -48,6 +49,22 @@ pub trait VectorQuantity: Clone + Debug + Send + Sync + 'static {
         input: &mut TaskInput<'_, '_>,
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error>;
+
+    /// Whether it adds its curvature; see [`Task::has_curvature`].
+    const HAS_CURVATURE: bool = false;
+
+    /// Adds its curvature to that of the level, for what is missing to the target \[m or rad\].
+    ///
+    /// # Errors
+    /// An id of another robot.
+    fn add_curvature(
+        &self,
+        _missing: &Vector3<f64>,
+        _input: &mut TaskInput<'_, '_>,
+        _rows: &mut TaskRows<'_>,
+    ) -> Result<(), Error> {
+        Ok(())
+    }
 }
 
 /// Brings a vector of the robot to a target: J q̇ = ẏ_d + feedback(y_d − y). Up to three rows, in
@@ -59,12 +76,14 @@ pub struct VectorTask<Q: VectorQuantity> {
     target: Option<(Q::Value, Vector3<f64>)>,
     feedback: Feedback,
     mask: VectorMask,
+    shortfall: Shortfall,
 }
 
 impl<Q: VectorQuantity> VectorTask<Q> {
     /// Of this quantity, along all axes; the target is to be set before the first step.
     pub fn of(quantity: Q) -> Self {
-        Self { quantity, target: None, feedback: Q::FEEDBACK, mask: VectorMask::default() }
+        let (feedback, mask) = (Q::FEEDBACK, VectorMask::default());
+        Self { quantity, target: None, feedback, mask, shortfall: Shortfall::default() }
     }
 
     /// With this gain \[1/s\].
@@ -122,6 +141,27 @@ impl<Q: VectorQuantity> VectorTask<Q> {
     }
 }
 
+impl<Q: VectorQuantity> VectorTask<Q> {
+    /// What to ask for of a velocity that is wanted. Adds the curvature of what cannot be had.
+    fn ask(
+        &mut self,
+        wanted: &Vector3<f64>,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<Vector3<f64>, Error> {
+        let mut got = Vector3::zeros();
+        for (row, axis) in self.mask.iter().enumerate() {
+            got[axis] = rows.value(row, input.velocity());
+        }
+        let ask = self.shortfall.ask(wanted, &got, input.period());
+        if ask.missing != Vector3::zeros() {
+            let missing = ask.missing.component_mul(&self.mask.weights) / self.feedback.gain;
+            self.quantity.add_curvature(&missing, input, rows)?;
+        }
+        Ok(ask.velocity)
+    }
+}
+
 impl<Q: VectorQuantity> Task for VectorTask<Q> {
     fn dimension(&self, _model: &Model) -> usize {
         self.mask.len()
@@ -131,6 +171,10 @@ impl<Q: VectorQuantity> Task for VectorTask<Q> {
         self.feedback.validate()?;
         self.mask.validate()?;
         self.quantity.validate(model)
+    }
+
+    fn has_curvature(&self) -> bool {
+        Q::HAS_CURVATURE
     }
 
     fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
@@ -149,8 +193,13 @@ impl<Q: VectorQuantity> Task for VectorTask<Q> {
         self.feedback.check_period(input.period())?;
         let actual = self.quantity.value(input)?;
         let error = self.mask.apply(&Q::difference(&target, &actual));
-        let velocity = velocity + self.feedback.velocity(&error);
+        let wanted = self.mask.apply(&velocity) + self.feedback.velocity(&error);
         self.quantity.write_jacobian(self.mask.iter(), input, rows)?;
+        let velocity = if Q::HAS_CURVATURE && rows.takes_curvature() {
+            self.ask(&wanted, input, rows)?
+        } else {
+            wanted
+        };
         for (row, axis) in self.mask.iter().enumerate() {
             rows.set_target(row, velocity[axis]);
             rows.set_weight(row, self.mask.weights[axis]);

@@ -25,38 +25,31 @@ use crate::robot::model::Model;
 /// ```
 #[derive(Debug, Clone)]
 pub struct VelocityTask {
-    rows: Vec<OwnRow>,
-}
-
-#[derive(Debug, Clone)]
-struct OwnRow {
-    coefficients: Vec<f64>,
-    lower: f64,
-    upper: f64,
-    weight: f64,
+    /// By row, of as many columns as the longest row that was written.
+    matrix: Vec<f64>,
+    columns: usize,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    weights: Vec<f64>,
 }
 
 impl VelocityTask {
     /// With room for so many rows.
     pub fn new(rows: usize) -> Self {
-        let free = OwnRow {
-            coefficients: Vec::new(),
-            lower: f64::NEG_INFINITY,
-            upper: f64::INFINITY,
-            weight: 1.0,
-        };
-        Self { rows: vec![free; rows] }
+        Self {
+            matrix: Vec::new(),
+            columns: 0,
+            lower: vec![f64::NEG_INFINITY; rows],
+            upper: vec![f64::INFINITY; rows],
+            weights: vec![1.0; rows],
+        }
     }
 
     /// With these rows, to be [copied](Self::copy_from) over later.
     pub fn from_rows(rows: &Rows) -> Self {
-        let own = rows.iter().enumerate().map(|(index, (row, lower, upper))| OwnRow {
-            coefficients: row.to_vec(),
-            lower,
-            upper,
-            weight: rows.weight(index),
-        });
-        Self { rows: own.collect() }
+        let mut task = Self::new(rows.len());
+        task.take(rows);
+        task
     }
 
     /// Writes a row: the coefficients of q̇ and of further variables behind it (missing ones are
@@ -77,10 +70,13 @@ impl VelocityTask {
             check_finite(*value, || format!("a coefficient of row {row}"))?;
         }
         check_range(row, lower, upper)?;
-        let own = self.row(row)?;
-        own.coefficients.clear();
-        own.coefficients.extend_from_slice(coefficients);
-        (own.lower, own.upper) = (lower, upper);
+        self.expect_row(row)?;
+        self.widen(coefficients.len());
+        if let Some(own) = self.matrix.chunks_exact_mut(self.columns.max(1)).nth(row) {
+            own.fill(0.0);
+            own[..coefficients.len()].copy_from_slice(coefficients);
+        }
+        (self.lower[row], self.upper[row]) = (lower, upper);
         Ok(())
     }
 
@@ -90,8 +86,8 @@ impl VelocityTask {
     /// As [`set_row`](Self::set_row).
     pub fn set_range(&mut self, row: usize, lower: f64, upper: f64) -> Result<(), Error> {
         check_range(row, lower, upper)?;
-        let own = self.row(row)?;
-        (own.lower, own.upper) = (lower, upper);
+        self.expect_row(row)?;
+        (self.lower[row], self.upper[row]) = (lower, upper);
         Ok(())
     }
 
@@ -101,14 +97,27 @@ impl VelocityTask {
     /// # Errors
     /// [`Error::WrongSize`] unless there are as many; what is not finite is an error of the step.
     pub fn copy_from(&mut self, rows: &Rows) -> Result<(), Error> {
-        check_size("the rows to copy", rows.len(), self.rows.len())?;
-        for (index, (own, (row, lower, upper))) in self.rows.iter_mut().zip(rows.iter()).enumerate()
-        {
-            own.coefficients.clear();
-            own.coefficients.extend_from_slice(row);
-            (own.lower, own.upper, own.weight) = (lower, upper, rows.weight(index));
-        }
+        check_size("the rows to copy", rows.len(), self.lower.len())?;
+        self.take(rows);
         Ok(())
+    }
+
+    /// Takes rows of the same number.
+    fn take(&mut self, rows: &Rows) {
+        if self.columns != rows.columns() {
+            self.columns = rows.columns();
+            self.matrix.resize(self.lower.len() * self.columns, 0.0);
+        }
+        for (own, (row, _, _)) in self.matrix.chunks_exact_mut(self.columns.max(1)).zip(rows.iter())
+        {
+            own.copy_from_slice(row);
+        }
+        self.lower.copy_from_slice(rows.lower());
+        self.upper.copy_from_slice(rows.upper());
+        match rows.weights() {
+            Some(weights) => self.weights.copy_from_slice(weights),
+            None => self.weights.fill(1.0),
+        }
     }
 
     /// Lets a row bound nothing.
@@ -116,10 +125,7 @@ impl VelocityTask {
     /// # Errors
     /// [`Error::WrongSize`] for a row past the last.
     pub fn clear_row(&mut self, row: usize) -> Result<(), Error> {
-        let own = self.row(row)?;
-        own.coefficients.clear();
-        (own.lower, own.upper) = (f64::NEG_INFINITY, f64::INFINITY);
-        Ok(())
+        self.set_row(row, &[], f64::NEG_INFINITY, f64::INFINITY)
     }
 
     /// What a row weighs against the other rows of the level; nothing for a hard limit.
@@ -128,14 +134,26 @@ impl VelocityTask {
     /// [`Error::WrongSize`] for a row past the last, [`Error::Parameter`] for a bad weight.
     pub fn set_weight(&mut self, row: usize, weight: f64) -> Result<(), Error> {
         check_weights(&[weight])?;
-        self.row(row)?.weight = weight;
+        self.expect_row(row)?;
+        self.weights[row] = weight;
         Ok(())
     }
 
-    fn row(&mut self, row: usize) -> Result<&mut OwnRow, Error> {
-        let expected = self.rows.len();
-        let what = "the list of rows up to this one";
-        self.rows.get_mut(row).ok_or(Error::WrongSize { what, expected, got: row + 1 })
+    fn expect_row(&self, row: usize) -> Result<(), Error> {
+        let (what, expected) = ("the list of rows up to this one", self.lower.len());
+        if row < expected { Ok(()) } else { Err(Error::WrongSize { what, expected, got: row + 1 }) }
+    }
+
+    /// Makes room for longer rows.
+    fn widen(&mut self, columns: usize) {
+        if columns > self.columns {
+            let mut matrix = vec![0.0; self.lower.len() * columns];
+            let old = self.matrix.chunks_exact(self.columns.max(1));
+            for (new, old) in matrix.chunks_exact_mut(columns).zip(old) {
+                new[..old.len()].copy_from_slice(old);
+            }
+            (self.matrix, self.columns) = (matrix, columns);
+        }
     }
 }
 
@@ -149,7 +167,7 @@ fn check_range(row: usize, lower: f64, upper: f64) -> Result<(), Error> {
 
 impl Task for VelocityTask {
     fn dimension(&self, _model: &Model) -> usize {
-        self.rows.len()
+        self.lower.len()
     }
 
     fn is_damped(&self) -> bool {
@@ -161,15 +179,11 @@ impl Task for VelocityTask {
         _input: &mut TaskInput<'_, '_>,
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error> {
-        for (index, own) in self.rows.iter().enumerate() {
-            let size = rows.row_mut(index).len();
-            if own.coefficients.len() > size {
-                check_size("a row", own.coefficients.len(), size)?;
-            }
-            rows.set_coefficients(index, &own.coefficients);
-            rows.set_range(index, own.lower, own.upper);
-            rows.set_weight(index, own.weight);
+        let size = rows.row_mut(0).len();
+        if self.columns > size {
+            check_size("a row", self.columns, size)?;
         }
+        rows.copy_from(&self.matrix, self.columns, [&self.lower, &self.upper], &self.weights);
         Ok(())
     }
 }

@@ -16,6 +16,7 @@ mod ik_limits;
 mod impedance;
 mod kinematics;
 mod momentum;
+mod out_of_reach;
 mod parsed;
 mod placement;
 mod simulation;

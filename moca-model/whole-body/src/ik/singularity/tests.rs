@@ -14,7 +14,7 @@ fn damping(levels: &[usize], columns: usize) -> SingularityDamping {
 /// The rows after damping, and whether it changed them.
 fn damped(a: &DMatrix<f64>, b: &[f64]) -> (Rows, bool) {
     let (mut rows, mut asked) = (Rows::equalities(a, b).unwrap(), Rows::equalities(a, b).unwrap());
-    let changed = damping(&[a.nrows()], a.ncols()).damp(&mut rows, &mut asked);
+    let changed = damping(&[a.nrows()], a.ncols()).damp(&mut rows, a.nrows(), &mut asked);
     (rows, changed)
 }
 
@@ -40,7 +40,7 @@ fn a_clone_damps_too() {
     let a = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, 1e-3]);
     let mut rows = Rows::equalities(&a, &[1.0, -1.0]).unwrap();
     let mut asked = rows.clone();
-    assert!(damping(&[2], 2).clone().damp(&mut rows, &mut asked));
+    assert!(damping(&[2], 2).clone().damp(&mut rows, 2, &mut asked));
 }
 
 proptest! {
@@ -98,8 +98,8 @@ proptest! {
         let mut above = Rows::equalities(&DMatrix::from_row_slice(1, 2, &[1.0, 0.0]), &[0.5]).unwrap();
         let mut below = Rows::equalities(&DMatrix::from_row_slice(1, 2, &[1.0, gap]), &[b]).unwrap();
         let mut asked = above.clone();
-        damping.damp(&mut above, &mut asked);
-        prop_assert!(damping.damp(&mut below, &mut asked));
+        damping.damp(&mut above, 1, &mut asked);
+        prop_assert!(damping.damp(&mut below, 1, &mut asked));
         prop_assert_eq!(above.lower()[0], 0.5);
         prop_assert_eq!(asked.lower()[0], b);
         // x₀ = 0.5; what x₁ must add is damped, and may be more or less at will.
@@ -117,7 +117,7 @@ proptest! {
         let mut rows = Rows::equalities(&a, &[one, 2.0 * other]).unwrap();
         rows.set_weights(&[weight, 0.25]).unwrap();
         let mut asked = rows.clone();
-        damping(&[2], 2).damp(&mut rows, &mut asked);
+        damping(&[2], 2).damp(&mut rows, 2, &mut asked);
         // With rows of norm one the second weighs 0.25 · 4.
         let (matrix, right) = normal_equations(&rows);
         let found = right[0] / matrix[(0, 0)];

@@ -7,7 +7,7 @@ const ROUNDING: f64 = 1e-15;
 
 /// Turns a symmetric matrix into the diagonal one of its eigenvalues and writes the eigenvectors,
 /// one a row, by Jacobi's rotations (Golub and Van Loan, *Matrix Computations*, 4th ed., Sec. 8.5.3).
-pub(super) fn eigenvectors(matrix: &mut [f64], m: usize, vectors: &mut [f64]) {
+pub(crate) fn eigenvectors(matrix: &mut [f64], m: usize, vectors: &mut [f64]) {
     vectors.fill(0.0);
     vectors.iter_mut().step_by(m + 1).for_each(|entry| *entry = 1.0);
     for _ in 0..SWEEPS {
