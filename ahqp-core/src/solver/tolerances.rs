@@ -60,16 +60,12 @@ pub(crate) const NEAR_ONE: Range<f64> = 0.0625..32.0;
 
 /// Rounds of repairing a predicted active set after which the levels are searched.
 pub(crate) const ROUNDS: usize = 14;
-/// A prediction that is wrong in more than one row in so many variables is not repaired but searched.
+/// A prediction that is wrong in more than one row in so many variables is not repaired: it is where a
+/// search begins.
 pub(crate) const FAR: usize = 6;
-/// Rows in which a prediction may turn out wrong for the next to be repaired.
-pub(crate) const FEW: usize = 4;
 /// A change of more than one row in so many variables is a jump to another problem, and says nothing
 /// of the next prediction.
 pub(crate) const JUMP: usize = 3;
-/// Of the rows whose multipliers have the wrong sign, those with this part of the largest are let
-/// go together: all at once would have to come back one by one, one at a time takes more rounds.
-pub(crate) const RELEASED: f64 = 0.7;
 /// Up to one change in so many variables, a factorisation is updated and not made anew.
 pub(crate) const UPDATED: usize = 8;
 /// Rotations kept in a product, in numbers of variables, before everything is factored anew.
