@@ -27,7 +27,7 @@ use prediction::Prediction;
 use settings::{Settings, WarmStart};
 use solution::Solution;
 use status::Status;
-use tolerances::{FAR_AWAY, PASSES, ROUNDS, VANISHING};
+use tolerances::ROUNDS;
 
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
@@ -41,7 +41,7 @@ use tolerances::{FAR_AWAY, PASSES, ROUNDS, VANISHING};
 pub struct Solver {
     set: ActiveSet,
     prediction: Prediction,
-    /// What a search ended with, while another goes on from there.
+    /// What a search ended with, while another way to the optimum is tried.
     found: Found,
     settings: Settings,
     solution: Solution,
@@ -233,10 +233,13 @@ impl Solver {
     fn search(&mut self, levels: usize) -> Result<Status, Error> {
         let from_nothing = self.set.predicted.iter().all(|state| !state.is_active())
             && self.solution.x.iter().all(|&x| x == 0.0);
-        let mut status = self.search_in_passes(levels)?;
+        let status = self.search_levels(levels)?;
         if status == Status::Solved && !from_nothing && self.set.is_rank_in_doubt() {
+            self.found.copy_from(&self.set);
             self.start_from_nothing();
-            status = self.search_in_passes(levels)?;
+            if self.search_levels(levels)? != Status::Solved {
+                self.found.copy_to(&mut self.set);
+            }
         }
         if status == Status::Solved {
             self.polish();
@@ -261,37 +264,6 @@ impl Solver {
         let source_of_row = self.set.data.sources[id];
         let violation = self.set.violation(id).abs() / self.set.data.scale(id);
         Err(Error::Inaccurate { source_of_row, violation, names: Names::default() })
-    }
-
-    /// Solves level by level; again from where that ended if it came from far away, as what rounding
-    /// left open on the way is then near.
-    fn search_in_passes(&mut self, levels: usize) -> Result<Status, Error> {
-        let mut status = self.search_levels(levels)?;
-        let mut farthest = self.set.farthest;
-        for _ in 1..PASSES {
-            let x_norm = norm(&self.set.x);
-            let is_near = farthest <= FAR_AWAY * x_norm && self.set.broken_row().is_none();
-            if status != Status::Solved || is_near {
-                break;
-            }
-            if x_norm <= VANISHING * farthest {
-                // Nothing but the rounding of the way there and back.
-                self.set.x.fill(0.0);
-                break;
-            }
-            self.solution.x.copy_from_slice(&self.set.x);
-            self.found.copy_from(&self.set);
-            self.set.predicted.fill(Activity::Inactive);
-            status = self.search_levels(levels)?;
-            if status != Status::Solved {
-                // The optimum found before stands.
-                self.found.copy_to(&mut self.set);
-                status = Status::Solved;
-                break;
-            }
-            farthest = self.set.farthest;
-        }
-        Ok(status)
     }
 
     fn read_out(&mut self, status: Status) {

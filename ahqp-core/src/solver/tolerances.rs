@@ -22,11 +22,6 @@ pub(crate) const SHORTEST_STEP: f64 = 1e-14;
 /// A remainder of a row that has shrunk to this part of its square has lost half its digits to
 /// cancellation: it is computed anew.
 pub(crate) const SHRUNK: f64 = 1e-4;
-/// How many times longer than the solution x may have been on the way. Of what it was then, 1e-16
-/// remains as rounding; beyond this the search goes once more from where it ended.
-pub(crate) const FAR_AWAY: f64 = 1e3;
-/// Of the longest x on the way, a solution shorter than this is zero: rounding of the way there and back.
-pub(crate) const VANISHING: f64 = ROUNDING;
 
 /// Forces of one level that differ by more than this are not left to rotated bounds: half of the digits.
 pub(crate) const SPREAD: f64 = 1e8;
@@ -70,5 +65,3 @@ pub(crate) const JUMP: usize = 3;
 pub(crate) const UPDATED: usize = 8;
 /// Rotations kept in a product, in numbers of variables, before everything is factored anew.
 pub(crate) const ROTATIONS: usize = 24;
-/// Searches of one solve: each but the first begins where the one before ended.
-pub(crate) const PASSES: usize = 4;
