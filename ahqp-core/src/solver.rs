@@ -228,19 +228,24 @@ impl Solver {
         }
     }
 
-    /// Searches; from nothing where the rank tolerance has decided what the active set is, as that
-    /// depends on where a search begins.
+    /// Searches from the prediction; then from nothing where that ended with an error, or where the rank
+    /// tolerance has decided what the active set is, as both may depend on where a search begins.
     fn search(&mut self, levels: usize) -> Result<Status, Error> {
         let from_nothing = self.set.predicted.iter().all(|state| !state.is_active())
             && self.solution.x.iter().all(|&x| x == 0.0);
-        let status = self.search_levels(levels)?;
-        if status == Status::Solved && !from_nothing && self.set.is_rank_in_doubt() {
+        let mut end = self.search_levels(levels);
+        if !from_nothing && end.is_err() {
+            self.conflict.clear();
+            self.start_from_nothing();
+            end = self.search_levels(levels);
+        } else if !from_nothing && end == Ok(Status::Solved) && self.set.is_rank_in_doubt() {
             self.found.copy_from(&self.set);
             self.start_from_nothing();
             if self.search_levels(levels)? != Status::Solved {
                 self.found.copy_to(&mut self.set);
             }
         }
+        let status = end?;
         if status == Status::Solved {
             self.polish();
             self.expect_hard_rows()?;

@@ -4,8 +4,8 @@
 //! which becomes active. Where none is, the row whose multiplier has the wrong sign and the largest force
 //! becomes inactive (Nocedal & Wright, Numerical Optimization, algorithm 16.3; the violations of soft rows
 //! are variables that are never formed). The objective never rises. When it stalls for long, rows are taken
-//! by least index, which cannot cycle (Bland). A row that becomes inactive leaves its bound with the next
-//! step; one that stops that step was dropped by rounding, and stays until x moves.
+//! by least index, which cannot cycle (Bland). A row that becomes inactive leaves its bound with the very
+//! next step; one that stops that step was dropped by rounding, and stays until x moves.
 
 use std::ops::Range;
 
@@ -50,6 +50,8 @@ pub(super) struct Dropped {
     group: usize,
     /// Whether it has left a direction to an objective above the one that is minimised.
     frees_objectives_above: bool,
+    /// Whether no row has become active since.
+    is_last_change: bool,
 }
 
 impl ActiveSet {
@@ -88,13 +90,16 @@ impl ActiveSet {
                 stalled += 1;
             }
             if let Some((id, bound)) = blocking {
-                let came_back = stalled > 0 && dropped.is_some_and(|row| row.id == id);
-                if came_back {
-                    self.kept.push(id);
-                }
-                if came_back || stalled == 0 {
-                    dropped = None;
-                }
+                dropped = match dropped {
+                    Some(row) if stalled > 0 && row.id != id => {
+                        Some(Dropped { is_last_change: false, ..row })
+                    }
+                    Some(row) if stalled > 0 && row.is_last_change => {
+                        self.kept.push(id);
+                        None
+                    }
+                    _ => None,
+                };
                 self.activate(goal, id, bound);
                 continue;
             }
@@ -144,8 +149,9 @@ impl ActiveSet {
         for rows in &self.in_play {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
         }
-        for (id, step) in self.factorisation.steps_of_held() {
-            self.value[id] += length * step;
+        let Self { data, factorisation, value, direction, .. } = self;
+        for (id, step) in factorisation.steps_of_held(|id| data.row(id).dot(direction)) {
+            value[id] += length * step;
         }
         if let Goal::Rows(rows) = goal {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
@@ -177,7 +183,7 @@ impl ActiveSet {
         self.activity[id] = Activity::Inactive;
         self.factorisation.take_out(&self.data, &self.activity, id);
         let frees_objectives_above = self.factorisation.rank_of_objectives_above() > rank;
-        Dropped { id, state, group, frees_objectives_above }
+        Dropped { id, state, group, frees_objectives_above, is_last_change: true }
     }
 
     /// Makes a row active again without which an objective above would move x: that objective needs it,
