@@ -27,7 +27,7 @@ use prediction::Prediction;
 use settings::{Settings, WarmStart};
 use solution::Solution;
 use status::Status;
-use tolerances::{FAR_AWAY, FEW, JUMP, PASSES, ROUNDS, VANISHING};
+use tolerances::ROUNDS;
 
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
@@ -41,13 +41,11 @@ use tolerances::{FAR_AWAY, FEW, JUMP, PASSES, ROUNDS, VANISHING};
 pub struct Solver {
     set: ActiveSet,
     prediction: Prediction,
-    /// What a search ended with, while another goes on from there.
+    /// What a search ended with, while another way to the optimum is tried.
     found: Found,
     settings: Settings,
     solution: Solution,
     memory: Memory,
-    /// Whether the active set has been predicted so well lately that repairing it first pays.
-    is_predictable: bool,
     conflict: List<ConstraintSource>,
 }
 
@@ -93,7 +91,6 @@ impl Solver {
             prediction: Prediction::new(count, n),
             found: Found { x: vec![0.0; n], activity: vec![Activity::Inactive; count] },
             memory: Memory::Nothing,
-            is_predictable: true,
             conflict: List::with_capacity(count),
             set: ActiveSet::new(data, settings),
             settings,
@@ -191,51 +188,35 @@ impl Solver {
         Ok(())
     }
 
-    /// Predicts the active set from the solves before, and repairs the prediction where that is likely
-    /// to succeed. Returns true if it did. Leaves a prediction and a start for the search.
+    /// Predicts the active set from the solves before and repairs the prediction. Returns true if that
+    /// led to the optimum. Otherwise leaves a start for the search.
     fn predict(&mut self, memory: Memory) -> bool {
-        let is_near = match (self.settings.warm_start, memory) {
-            (WarmStart::PreviousActiveSet, Memory::Optimum) => {
-                let other = self.prediction.predict(&mut self.set.activity);
-                if self.repair() {
-                    return true;
-                }
-                if other && self.set.prediction_is_far {
-                    // What each row does most of the time need not go together.
-                    self.prediction.last(&mut self.set.activity);
-                    if self.repair() {
-                        return true;
-                    }
-                }
-                !self.set.prediction_is_far
+        if self.settings.warm_start == WarmStart::Cold || memory == Memory::Nothing {
+            self.prediction.forget();
+            self.start_from_nothing();
+            return false;
+        }
+        if memory == Memory::Optimum {
+            self.prediction.predict(&mut self.set.activity);
+        }
+        self.set.fit();
+        self.set.predicted.copy_from_slice(&self.set.activity);
+        if memory == Memory::Optimum {
+            let left = self.set.allowance.left(self.set.iterations);
+            if self.set.repair(ROUNDS.min(left)) {
+                return true;
             }
-            (WarmStart::PreviousActiveSet, Memory::Part) => {
-                self.set.fit();
-                self.set.predicted.copy_from_slice(&self.set.activity);
-                true
+            if self.set.is_rank_in_doubt() {
+                self.start_from_nothing();
             }
-            _ => {
-                self.prediction.forget();
-                false
-            }
-        };
-        if !is_near {
-            self.set.predicted.fill(Activity::Inactive);
-            self.solution.x.fill(0.0);
         }
         false
     }
 
-    /// Repairs the predicted active set. Returns true if x is the optimum then.
-    fn repair(&mut self) -> bool {
-        self.set.fit();
-        self.set.predicted.copy_from_slice(&self.set.activity);
-        if !self.is_predictable {
-            self.set.prediction_is_far = false;
-            return false;
-        }
-        let left = self.set.allowance.left(self.set.iterations);
-        self.set.repair(ROUNDS.min(left))
+    /// Lets the next search begin at zero, with no row active but equalities.
+    fn start_from_nothing(&mut self) {
+        self.set.predicted.fill(Activity::Inactive);
+        self.solution.x.fill(0.0);
     }
 
     fn remember(&mut self, status: Status) {
@@ -247,17 +228,24 @@ impl Solver {
         }
     }
 
-    /// Searches; from nothing where the rank tolerance has decided what the active set is, as that
-    /// depends on where a search begins.
+    /// Searches from the prediction; then from nothing where that ended with an error, or where the rank
+    /// tolerance has decided what the active set is, as both may depend on where a search begins.
     fn search(&mut self, levels: usize) -> Result<Status, Error> {
         let from_nothing = self.set.predicted.iter().all(|state| !state.is_active())
             && self.solution.x.iter().all(|&x| x == 0.0);
-        let mut status = self.search_in_passes(levels)?;
-        if status == Status::Solved && !from_nothing && self.set.is_rank_in_doubt() {
-            self.set.predicted.fill(Activity::Inactive);
-            self.solution.x.fill(0.0);
-            status = self.search_in_passes(levels)?;
+        let mut end = self.search_levels(levels);
+        if !from_nothing && end.is_err() {
+            self.conflict.clear();
+            self.start_from_nothing();
+            end = self.search_levels(levels);
+        } else if !from_nothing && end == Ok(Status::Solved) && self.set.is_rank_in_doubt() {
+            self.found.copy_from(&self.set);
+            self.start_from_nothing();
+            if self.search_levels(levels)? != Status::Solved {
+                self.found.copy_to(&mut self.set);
+            }
         }
+        let status = end?;
         if status == Status::Solved {
             self.polish();
             self.expect_hard_rows()?;
@@ -281,40 +269,6 @@ impl Solver {
         let source_of_row = self.set.data.sources[id];
         let violation = self.set.violation(id).abs() / self.set.data.scale(id);
         Err(Error::Inaccurate { source_of_row, violation, names: Names::default() })
-    }
-
-    /// Solves level by level; again from where that ended if it came from far away, as what rounding
-    /// left open on the way is then near.
-    fn search_in_passes(&mut self, levels: usize) -> Result<Status, Error> {
-        let mut status = self.search_levels(levels)?;
-        let n = self.set.data.n;
-        let changes = self.set.changes();
-        self.is_predictable = changes <= FEW || changes > n / JUMP;
-        let mut farthest = self.set.farthest;
-        for _ in 1..PASSES {
-            let x_norm = norm(&self.set.x);
-            let is_near = farthest <= FAR_AWAY * x_norm && self.set.broken_row().is_none();
-            if status != Status::Solved || is_near {
-                break;
-            }
-            if x_norm <= VANISHING * farthest {
-                // Nothing but the rounding of the way there and back.
-                self.set.x.fill(0.0);
-                break;
-            }
-            self.solution.x.copy_from_slice(&self.set.x);
-            self.found.copy_from(&self.set);
-            self.set.predicted.fill(Activity::Inactive);
-            status = self.search_levels(levels)?;
-            if status != Status::Solved {
-                // The optimum found before stands.
-                self.found.copy_to(&mut self.set);
-                status = Status::Solved;
-                break;
-            }
-            farthest = self.set.farthest;
-        }
-        Ok(status)
     }
 
     fn read_out(&mut self, status: Status) {

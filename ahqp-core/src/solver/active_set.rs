@@ -22,9 +22,8 @@ use super::tolerances::{DOUBTFUL, ROUNDING};
 use crate::linalg::list::List;
 use crate::linalg::vector::norm;
 use crate::problem::source::ConstraintSource;
-use level_search::Dropped;
 use ratio_test::Candidate;
-use signs::{Signs, WrongRows};
+use signs::Signs;
 
 pub(crate) use level_search::{End, Goal};
 
@@ -47,8 +46,6 @@ pub(crate) struct ActiveSet {
     signs: Signs,
     violated: List<(usize, Activity)>,
     reached: Vec<f64>,
-    /// Whether the prediction was tried and turned out far from the right active set.
-    pub(crate) prediction_is_far: bool,
 
     /// Search: active rows that a level has decided stay active for good.
     fixed: Vec<bool>,
@@ -65,9 +62,6 @@ pub(crate) struct ActiveSet {
     kept: List<usize>,
     /// Rows of the level at hand that stay because an objective above would move x far without them.
     kept_for_objectives: List<usize>,
-    /// Rows that have just become inactive, and those that should.
-    dropped: List<Dropped>,
-    wrong: WrongRows,
     /// Rows of an objective that the end of its search makes inactive, and what they were.
     released: List<(usize, Activity)>,
     /// The largest ‖x‖ of this solve.
@@ -91,7 +85,6 @@ impl ActiveSet {
             signs: Signs::new(count),
             violated: List::with_capacity(count),
             reached: vec![0.0; count],
-            prediction_is_far: false,
             fixed: vec![false; count],
             has_gradient: false,
             in_play: List::with_capacity(2 * data.levels.len() + 1),
@@ -101,8 +94,6 @@ impl ActiveSet {
             candidates: List::with_capacity(count),
             kept: List::with_capacity(count),
             kept_for_objectives: List::with_capacity(count),
-            dropped: List::with_capacity(count),
-            wrong: WrongRows::with_capacity(count),
             released: List::with_capacity(count),
             farthest: 0.0,
             data,
@@ -381,11 +372,5 @@ impl ActiveSet {
     /// of rows for none.
     pub(crate) fn is_rank_in_doubt(&self) -> bool {
         self.factorisation.has_faint_rows() || self.multipliers.has_faint_pulls
-    }
-
-    /// In how many rows the prediction was wrong.
-    pub(crate) fn changes(&self) -> usize {
-        let pairs = self.predicted.iter().zip(&self.activity);
-        pairs.filter(|(predicted, activity)| predicted != activity).count()
     }
 }

@@ -222,17 +222,18 @@ impl Multipliers {
     /// Computes the rounding in the multipliers: that of the sums they come from.
     pub(crate) fn set_rounding(&mut self, data: &ProblemData, factorisation: &mut Factorisation) {
         let end = self.pivots.end;
-        let rounding = self.rounding_of_coordinates(data, factorisation);
-        self.rounding_of_pivots[..end].fill(rounding);
+        let in_coordinates = self.rounding_of_coordinates(data, factorisation);
+        self.rounding_of_pivots[..end].fill(in_coordinates);
         let has_spread = self.has_spread;
         let norm = |id| factorisation.norm_of_entries(data, id, has_spread);
         let (multipliers, rounding) = (&self.of_pivots[..end], &mut self.rounding_of_pivots[..end]);
         factorisation.balance_rounding(multipliers, norm, rounding);
         self.most_rounding_of_pivots[..end].copy_from_slice(rounding);
-        // Where rows nearly depend on each other, these bounds grow far beyond the real rounding.
+        // Where rows nearly depend on each other, these bounds grow far beyond the real rounding. Where all
+        // forces are rounding, a part of them says nothing.
         let pivots = &factorisation.pivots[self.pivots.clone()];
         let ids = pivots.iter().map(|&pivot| factorisation.stacked[pivot]);
-        let most = self.tolerance * self.size;
+        let most = in_coordinates.max(self.tolerance * self.size);
         for (rounding, id) in rounding[self.pivots.clone()].iter_mut().zip(ids) {
             *rounding = rounding.min(most / data.norm(id));
         }

@@ -44,20 +44,18 @@ impl Prediction {
         (self.solves, self.last_wrong, self.mean_wrong) = (0, 0.0, 0.0);
     }
 
-    /// Overwrites the last active set with the better guess. Returns true if that is another one.
-    pub(crate) fn predict(&self, activity: &mut [Activity]) -> bool {
-        let differs = |(&mean, &last): (&f32, &f32)| side(mean) != last;
-        let other =
-            self.mean_wrong < self.last_wrong && self.mean.iter().zip(&self.last).any(differs);
-        if other {
-            write(activity, &self.mean);
+    /// Overwrites the last active set with what each row does most of the time, if that has been the
+    /// better guess.
+    pub(crate) fn predict(&self, activity: &mut [Activity]) {
+        if self.mean_wrong < self.last_wrong {
+            for (state, &mean) in activity.iter_mut().zip(&self.mean) {
+                *state = match side(mean) {
+                    1.0 => Activity::Upper,
+                    -1.0 => Activity::Lower,
+                    _ => Activity::Inactive,
+                };
+            }
         }
-        other
-    }
-
-    /// The last active set.
-    pub(crate) fn last(&self, activity: &mut [Activity]) {
-        write(activity, &self.last);
     }
 
     /// Takes the active set that a solve ended with.
@@ -89,16 +87,6 @@ fn side(mean: f32) -> f32 {
 
 fn one_if(is: bool) -> f32 {
     f32::from(u8::from(is))
-}
-
-fn write(activity: &mut [Activity], sides: &[f32]) {
-    for (state, &mean) in activity.iter_mut().zip(sides) {
-        *state = match side(mean) {
-            1.0 => Activity::Upper,
-            -1.0 => Activity::Lower,
-            _ => Activity::Inactive,
-        };
-    }
 }
 
 #[cfg(test)]
@@ -180,9 +168,8 @@ mod tests {
                 prediction.learn(&pair[0]);
                 prediction.learn(&pair[1]);
                 if wrong(&pair[0], &pair[1]) > ROWS / JUMP {
-                    let mut activity = vec![Activity::Inactive; ROWS];
-                    prop_assert!(!prediction.predict(&mut activity));
-                    prediction.last(&mut activity);
+                    let mut activity = pair[1].clone();
+                    prediction.predict(&mut activity);
                     prop_assert_eq!(&activity, &pair[1]);
                 }
             }

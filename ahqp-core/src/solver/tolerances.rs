@@ -22,11 +22,6 @@ pub(crate) const SHORTEST_STEP: f64 = 1e-14;
 /// A remainder of a row that has shrunk to this part of its square has lost half its digits to
 /// cancellation: it is computed anew.
 pub(crate) const SHRUNK: f64 = 1e-4;
-/// How many times longer than the solution x may have been on the way. Of what it was then, 1e-16
-/// remains as rounding; beyond this the search goes once more from where it ended.
-pub(crate) const FAR_AWAY: f64 = 1e3;
-/// Of the longest x on the way, a solution shorter than this is zero: rounding of the way there and back.
-pub(crate) const VANISHING: f64 = ROUNDING;
 
 /// Forces of one level that differ by more than this are not left to rotated bounds: half of the digits.
 pub(crate) const SPREAD: f64 = 1e8;
@@ -60,19 +55,13 @@ pub(crate) const NEAR_ONE: Range<f64> = 0.0625..32.0;
 
 /// Rounds of repairing a predicted active set after which the levels are searched.
 pub(crate) const ROUNDS: usize = 14;
-/// A prediction that is wrong in more than one row in so many variables is not repaired but searched.
+/// A prediction that is wrong in more than one row in so many variables is not repaired: it is where a
+/// search begins.
 pub(crate) const FAR: usize = 6;
-/// Rows in which a prediction may turn out wrong for the next to be repaired.
-pub(crate) const FEW: usize = 4;
 /// A change of more than one row in so many variables is a jump to another problem, and says nothing
 /// of the next prediction.
 pub(crate) const JUMP: usize = 3;
-/// Of the rows whose multipliers have the wrong sign, those with this part of the largest are let
-/// go together: all at once would have to come back one by one, one at a time takes more rounds.
-pub(crate) const RELEASED: f64 = 0.7;
 /// Up to one change in so many variables, a factorisation is updated and not made anew.
 pub(crate) const UPDATED: usize = 8;
 /// Rotations kept in a product, in numbers of variables, before everything is factored anew.
 pub(crate) const ROTATIONS: usize = 24;
-/// Searches of one solve: each but the first begins where the one before ended.
-pub(crate) const PASSES: usize = 4;

@@ -114,6 +114,29 @@ fn transformed(hierarchy: &Hierarchy, by: impl Fn(usize, usize) -> DMatrix<f64>)
     })
 }
 
+fn expect_proofs(sequence: &[Hierarchy]) -> Result<(), TestCaseError> {
+    let mut solver = Solver::new(&sequence[0], Settings::default())?;
+    for hierarchy in sequence {
+        let x = solver.solve(hierarchy)?.optimum()?.to_vec();
+        let residuals = solver.certificate(hierarchy)?.residuals(hierarchy, &x)?;
+        prop_assert!(residuals.worst() < 1e-8, "{residuals:?}");
+    }
+    Ok(())
+}
+
+proptest! {
+    // Among the cases of this seed is one with rows of norm 300 that depend on each other: the rounding of
+    // their residuals, which are zero, must not decide which hard rows the least norm keeps.
+    #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(14), ..ProptestConfig::with_cases(160) })]
+
+    #[test]
+    fn rows_that_are_met_pull_at_nothing(
+        sequence in hierarchy_sequences(Sizes::default(), 3),
+    ) {
+        expect_proofs(&sequence)?;
+    }
+}
+
 proptest! {
     #![proptest_config(config())]
 
@@ -147,13 +170,7 @@ proptest! {
     fn the_certificate_proves_every_solution(
         sequence in hierarchy_sequences(Sizes::default(), 3),
     ) {
-        let mut solver = Solver::new(&sequence[0], Settings::default()).unwrap();
-        for hierarchy in &sequence {
-            let x = solver.solve(hierarchy).unwrap().optimum().unwrap().to_vec();
-            let certificate = solver.certificate(hierarchy).unwrap();
-            let residuals = certificate.residuals(hierarchy, &x).unwrap();
-            prop_assert!(residuals.worst() < 1e-8, "{residuals:?}");
-        }
+        expect_proofs(&sequence)?;
     }
 
     #[test]

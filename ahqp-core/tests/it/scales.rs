@@ -142,6 +142,15 @@ fn rows_that_a_level_does_not_need_leave_the_next_one_free() {
     expect_proof(&plan.build()).unwrap();
 }
 
+/// Five hard rows are active in four dimensions: the one that depends on the others moves with them, and
+/// comes back to its bound when one of them goes.
+#[test]
+fn a_hard_row_that_depends_on_others_moves_with_them() {
+    let (seed, nearness) = (5330735831441724863, -5.70734108673939);
+    let plan = Plan { variables: 4, levels: 2, bounded: false, nearness, units: 0.0, seed };
+    expect_proof(&plan.build()).unwrap();
+}
+
 fn nearly_dependent() -> impl Strategy<Value = Plan> {
     (2..9_usize, 1..6_usize, any::<bool>(), -6.0..-1.0_f64, any::<u64>().no_shrink()).prop_map(
         |(variables, levels, bounded, nearness, seed)| Plan {

@@ -1,11 +1,11 @@
 //! The primal active-set method within one level, from a point where every hard row in play holds.
 //!
 //! Each iteration goes to the minimum with the active rows held. It stops at the first row in the way,
-//! which becomes active. Where none is, rows whose multipliers have the wrong sign become inactive
-//! (Nocedal & Wright, Numerical Optimization, algorithm 16.3; the violations of soft rows are variables
-//! that are never formed). The objective never rises. When it stalls, one row at a time is let go, and
-//! rows are taken by least index, which cannot cycle (Bland). A row that becomes inactive alone leaves its
-//! bound with the next step; one that stops that step was let go by rounding, and stays until x moves.
+//! which becomes active. Where none is, the row whose multiplier has the wrong sign and the largest force
+//! becomes inactive (Nocedal & Wright, Numerical Optimization, algorithm 16.3; the violations of soft rows
+//! are variables that are never formed). The objective never rises. When it stalls for long, rows are taken
+//! by least index, which cannot cycle (Bland). A row that becomes inactive leaves its bound with the very
+//! next step; one that stops that step was dropped by rounding, and stays until x moves.
 
 use std::ops::Range;
 
@@ -50,6 +50,8 @@ pub(super) struct Dropped {
     group: usize,
     /// Whether it has left a direction to an objective above the one that is minimised.
     frees_objectives_above: bool,
+    /// Whether no row has become active since.
+    is_last_change: bool,
 }
 
 impl ActiveSet {
@@ -57,7 +59,7 @@ impl ActiveSet {
     pub(crate) fn search(&mut self, goal: &Goal) -> End {
         self.kept.clear();
         self.kept_for_objectives.clear();
-        self.dropped.clear();
+        let mut dropped: Option<Dropped> = None;
         let mut stalled = 0;
         let mut bounds_may_hide_light_rows = true;
         loop {
@@ -68,10 +70,11 @@ impl ActiveSet {
             // Least index first cannot cycle, but is slow: only after a stall.
             let choice = if stalled > self.data.n { Choice::First } else { Choice::Steepest };
             let has_minimum = self.set_direction(goal);
-            if self.dropped.iter().any(|row| row.frees_objectives_above)
+            if let Some(row) = dropped.filter(|row| row.frees_objectives_above)
                 && self.factorisation.moves_objectives_above(SETTLED * (1.0 + norm(&self.x)))
             {
-                self.take_back(goal);
+                self.take_back(goal, row);
+                dropped = None;
                 continue;
             }
             let full = if has_minimum { 1.0 } else { f64::INFINITY };
@@ -87,22 +90,24 @@ impl ActiveSet {
                 stalled += 1;
             }
             if let Some((id, bound)) = blocking {
-                if stalled > 0 && self.dropped.len() == 1 && self.dropped[0].id == id {
-                    self.kept.push(id);
-                }
-                if stalled > 0 {
-                    self.dropped.retain(|row| row.id != id);
-                } else {
-                    self.dropped.clear();
-                }
+                dropped = match dropped {
+                    Some(row) if stalled > 0 && row.id != id => {
+                        Some(Dropped { is_last_change: false, ..row })
+                    }
+                    Some(row) if stalled > 0 && row.is_last_change => {
+                        self.kept.push(id);
+                        None
+                    }
+                    _ => None,
+                };
                 self.activate(goal, id, bound);
                 continue;
             }
-            self.dropped.clear();
             if !has_minimum {
                 return End::Unbounded;
             }
-            if !self.drop_rows(goal, choice, stalled > 0) {
+            dropped = self.find_wrong_row(goal, choice).map(|id| self.drop_row(goal, id));
+            if dropped.is_none() {
                 if bounds_may_hide_light_rows && self.take_bounds_out(goal) {
                     bounds_may_hide_light_rows = false;
                     continue;
@@ -144,8 +149,9 @@ impl ActiveSet {
         for rows in &self.in_play {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
         }
-        for (id, step) in self.factorisation.steps_of_held() {
-            self.value[id] += length * step;
+        let Self { data, factorisation, value, direction, .. } = self;
+        for (id, step) in factorisation.steps_of_held(|id| data.row(id).dot(direction)) {
+            value[id] += length * step;
         }
         if let Goal::Rows(rows) = goal {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
@@ -177,22 +183,18 @@ impl ActiveSet {
         self.activity[id] = Activity::Inactive;
         self.factorisation.take_out(&self.data, &self.activity, id);
         let frees_objectives_above = self.factorisation.rank_of_objectives_above() > rank;
-        Dropped { id, state, group, frees_objectives_above }
+        Dropped { id, state, group, frees_objectives_above, is_last_change: true }
     }
 
-    /// Makes rows active again without which an objective above would move x: that objective needs them,
-    /// by multipliers that rounding hides. They stay to the end of the search.
-    fn take_back(&mut self, goal: &Goal) {
-        while let Some(row) = self.dropped.pop() {
-            if row.frees_objectives_above {
-                if goal.has_row(row.id) {
-                    self.residual[row.id] = 0.0;
-                }
-                self.activity[row.id] = row.state;
-                self.factorisation.add(&self.data, &self.activity, row.id, row.group);
-                self.kept_for_objectives.push(row.id);
-            }
+    /// Makes a row active again without which an objective above would move x: that objective needs it,
+    /// by a multiplier that rounding hides. It stays to the end of the search.
+    fn take_back(&mut self, goal: &Goal, row: Dropped) {
+        if goal.has_row(row.id) {
+            self.residual[row.id] = 0.0;
         }
+        self.activity[row.id] = row.state;
+        self.factorisation.add(&self.data, &self.activity, row.id, row.group);
+        self.kept_for_objectives.push(row.id);
     }
 
     /// aᵢx − bound of an active row.
@@ -209,47 +211,42 @@ impl ActiveSet {
             && self.factorisation.take_bounds_out(&self.data, &self.activity)
     }
 
-    /// Makes rows inactive whose multipliers are most wrong: several, or one where that may lead round in
-    /// circles. Returns false if there are none: at the optimum.
-    fn drop_rows(&mut self, goal: &Goal, choice: Choice, one: bool) -> bool {
+    /// The row that should become inactive, as its multiplier has the wrong sign: the one with the largest
+    /// force, or the first. None at the optimum.
+    fn find_wrong_row(&mut self, goal: &Goal, choice: Choice) -> Option<usize> {
         self.has_gradient = self.balance(goal);
         if !self.has_gradient {
-            return false;
+            return None;
         }
         // Most rows that should go are far above rounding: how much that is need not be known then.
-        self.wrong.clear();
         if choice == Choice::Steepest {
-            self.find_clearly_wrong();
-            if one { self.wrong.keep_largest() } else { self.wrong.keep_large() }
-        }
-        if self.wrong.is_empty() {
-            self.find_wrong();
-            match choice {
-                Choice::Steepest => self.wrong.keep_largest(),
-                Choice::First => self.wrong.keep_first(),
+            let clear = self.multipliers.clear_force(&self.factorisation);
+            let pairs = self.multipliers.pairs(&self.factorisation).map(|(id, m)| (id, m, 0.0));
+            let wrong = self.wrong_rows(pairs).filter(|&(_, force)| force > clear);
+            if let Some((id, _)) = wrong.max_by(|a, b| a.1.total_cmp(&b.1)) {
+                return Some(id);
             }
         }
-        for index in 0..self.wrong.len() {
-            let row = self.drop_row(goal, self.wrong[index].0);
-            self.dropped.push(row);
+        let Self { data, factorisation, multipliers, .. } = self;
+        multipliers.set_rounding(data, factorisation);
+        let wrong = self.wrong_rows(self.multipliers.with_rounding(&self.factorisation));
+        match choice {
+            Choice::Steepest => wrong.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(id, _)| id),
+            Choice::First => wrong.map(|(id, _)| id).min(),
         }
-        !self.wrong.is_empty()
     }
 
-    /// Finds the rows with a wrong sign whose forces are far above rounding.
-    fn find_clearly_wrong(&mut self) {
-        let clear = self.multipliers.clear_force(&self.factorisation);
-        let residuals = self.multipliers.residuals(&self.factorisation);
-        let rows = residuals.map(|(id, residual, _)| (id, residual));
-        for (id, multiplier) in rows.chain(self.multipliers.pairs(&self.factorisation)) {
-            let force = multiplier.abs() * self.data.norm(id);
-            if force > clear
-                && self.activity[id].has_wrong_sign(multiplier, 0.0)
-                && self.may_drop(id)
-            {
-                self.wrong.push((id, force));
-            }
-        }
+    /// The rows with a wrong sign that may become inactive, and their forces: those of the goal, and those
+    /// that balance its gradient, given as (row, multiplier, rounding).
+    fn wrong_rows(
+        &self,
+        pairs: impl Iterator<Item = (usize, f64, f64)>,
+    ) -> impl Iterator<Item = (usize, f64)> {
+        let rows = self.multipliers.residuals(&self.factorisation).chain(pairs);
+        rows.filter(|&(id, multiplier, rounding)| {
+            self.activity[id].has_wrong_sign(multiplier, rounding) && self.may_drop(id)
+        })
+        .map(|(id, multiplier, _)| (id, multiplier.abs() * self.data.norm(id)))
     }
 
     /// The gradient of the goal at x, balanced. Returns false if there is none but rounding.
@@ -274,18 +271,5 @@ impl ActiveSet {
         let is_inequality = matches!(self.activity[id], Activity::Lower | Activity::Upper);
         let is_kept = self.kept.contains(&id) || self.kept_for_objectives.contains(&id);
         is_inequality && !self.fixed[id] && !is_kept
-    }
-
-    /// Finds the rows with a wrong sign, multipliers judged by their own rounding.
-    fn find_wrong(&mut self) {
-        let Self { data, factorisation, multipliers, .. } = self;
-        multipliers.set_rounding(data, factorisation);
-        let residuals = self.multipliers.residuals(&self.factorisation);
-        let rows = residuals.chain(self.multipliers.with_rounding(&self.factorisation));
-        for (id, multiplier, rounding) in rows {
-            if self.activity[id].has_wrong_sign(multiplier, rounding) && self.may_drop(id) {
-                self.wrong.push((id, multiplier.abs() * self.data.norm(id)));
-            }
-        }
     }
 }

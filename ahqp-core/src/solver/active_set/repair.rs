@@ -16,29 +16,22 @@ use crate::solver::tolerances::{FAR, UPDATED};
 
 impl ActiveSet {
     /// Repairs the present active set, which fits the data, in up to `rounds` rounds. Returns true if x
-    /// is the optimum then.
+    /// is the optimum then, and false if that is not in sight.
     pub(crate) fn repair(&mut self, rounds: usize) -> bool {
-        self.prediction_is_far = true;
         for round in 0..rounds {
             self.iterations += 1;
             let first = round == 0;
             if !self.set_point(first) {
                 return false;
             }
-            let Some(changes) = self.correct(first) else { return false };
-            if changes == 0 {
-                if self.is_rank_in_doubt() {
-                    self.prediction_is_far = true;
-                    return false;
+            match self.correct(first) {
+                Some(0) if self.is_rank_in_doubt() => return false,
+                Some(0) => {
+                    self.x.copy_from_slice(&self.factorisation.x);
+                    return true;
                 }
-                self.x.copy_from_slice(&self.factorisation.x);
-                return true;
-            }
-            if first {
-                self.prediction_is_far = changes > self.data.n / FAR + 1;
-            }
-            if self.prediction_is_far {
-                return false;
+                Some(changes) if !first || changes <= self.data.n / FAR + 1 => {}
+                _ => return false,
             }
         }
         false
@@ -83,7 +76,7 @@ impl ActiveSet {
         Some(self.signs.changed.len())
     }
 
-    /// Lets go of rows with a multiplier of the wrong sign, at the first level that has any: signs
+    /// Makes the row inactive whose multiplier is most wrong at the first level that has a wrong one: signs
     /// below a level that is not at its optimum mean nothing.
     fn check_signs(&mut self) {
         for group in 0..self.factorisation.groups.len() {
@@ -96,7 +89,7 @@ impl ActiveSet {
                 if multipliers.balance_level(data, factorisation, value, activity, of) {
                     self.check_signs_of_level();
                 }
-                if self.signs.release(&mut self.activity) > 0 {
+                if self.signs.release(&mut self.activity) {
                     return;
                 }
             }

@@ -107,26 +107,32 @@ impl Factorisation {
     fn first_to_move(&mut self, gap: impl Fn(usize) -> f64) -> usize {
         let mut first = self.groups.len();
         for index in self.attained..self.groups.len() {
-            let Group { start, end, purpose, .. } = self.groups[index];
-            let mut is_there = purpose == Purpose::Held;
+            let Group { start, end, rank, purpose, .. } = self.groups[index];
             for (target, &id) in self.target[start..end].iter_mut().zip(&self.stacked[start..end]) {
                 *target = gap(id);
-                is_there &= *target == 0.0;
             }
-            if !is_there {
+            let mut pivots = self.target[start..start + rank].iter();
+            if purpose == Purpose::Minimised || pivots.any(|&target| target != 0.0) {
                 first = first.min(index);
             }
         }
         first
     }
 
-    /// The hard rows that the last step moves, and by how much: to where they are held.
-    pub(crate) fn steps_of_held(&self) -> impl Iterator<Item = (usize, f64)> {
+    /// The active hard rows that the last step moves, and by how much: pivots to where they are held,
+    /// dependent rows by what the others make of them. `product` is aᵢ times the step.
+    pub(crate) fn steps_of_held(
+        &self,
+        product: impl Fn(usize) -> f64,
+    ) -> impl Iterator<Item = (usize, f64)> {
         let moving = self.groups.iter().skip(self.moving);
         let held = moving.filter(|group| group.purpose == Purpose::Held);
-        held.flat_map(|group| {
-            let pivots = group.start..group.start + group.rank;
-            pivots.map(|at| (self.stacked[at], self.target[at]))
+        let rows = held.flat_map(|group| {
+            (group.start..group.end).map(|at| (at, at < group.start + group.rank))
+        });
+        rows.map(move |(at, is_pivot)| {
+            let id = self.stacked[at];
+            (id, if is_pivot { self.target[at] } else { product(id) })
         })
     }
 
