@@ -5,7 +5,7 @@
 #   sh examples/chain.sh FOLDER [PROGRAMS] [full|short]
 #
 # FOLDER is made, and holds everything. PROGRAMS is the folder of the built programs (target/release). `full` takes
-# about half an hour on two cores; `short` shows in seconds that everything fits together, and measures nothing.
+# about five minutes of processor time; `short` shows in seconds that everything fits together, and measures nothing.
 # Options of `follow` may be given in the variable FOLLOW, as --map FILE.
 set -eu
 
@@ -14,16 +14,16 @@ folder=$1
 programs=${2:-target/release}
 case ${3:-full} in
 full)
-    training='1 2 3 4 5 6 7 8 9 10' test='101 102' perceived='101 102'
-    film='--size 192x192 --path directions --duration 60'
-    surface='--depth 50' images='--every 20' looks=10
-    network='--network slowonly_mm --length 8 --interval 2 --side 128'
-    clips='--length 15 --every 6 --settled 6'
-    head='--epochs 100 --standardise'
+    training='1 2 3 4' test='101 102' perceived='101 102'
+    film='--size 128x128' pixels=0.6
+    surface='--depth 18' images='--every 20' looks=10
+    network='--network slowonly_r18_mm --length 8 --interval 2 --side 96'
+    clips='--length 15 --every 8 --settled 8'
+    head='--epochs 60 --learning-rate 0.01 --dropout 0.2 --standardise'
     ;;
 short)
     training='1 2' test='101 102' perceived='101'
-    film='--size 32x32 --duration 5.5'
+    film='--size 32x32 --duration 5.5' pixels=0.2
     surface='--depth 18 --no-flips' images='--every 8' looks=20
     network='--network slowonly_r18_mm --length 2 --interval 2 --side 32'
     clips='--length 3 --every 10'
@@ -52,7 +52,7 @@ films() {
             [ $((seed % 2)) -eq 1 ] && tool=drill || tool=polisher
             # shellcheck disable=SC2086
             run "film$seed" record --frames "$name" --seed "$seed" --tool "$tool" \
-                --stature "1.$((62 + seed * 7 % 25))" $film
+                --stature "1.$((62 + seed * 7 % 23))" $film
         fi
         echo "$name"
     done
@@ -81,7 +81,8 @@ films() {
 
     for seed in $perceived; do
         run "perceive$seed" perceive "$folder/film$seed" --skeletons "$folder/film$seed/skeletons" \
-            --surface-model "$folder/surface" --surface-interval "$looks" --action-model "$folder/action" \
+            --surface-model "$folder/surface" --surface-interval "$looks" \
+            --action-model "$folder/action" --pixel-sigma "$pixels" \
             --truth "$folder/film$seed/truth.jsonl" --output "$folder/perceived$seed.jsonl"
         echo "film $seed, $(grep '^against the truth' "$folder/perceive$seed.txt")"
         run "follow$seed" follow --recording "$folder/perceived$seed.jsonl" --no-report ${FOLLOW:-}

@@ -178,8 +178,7 @@ impl Evaluate {
             let json = serde_json::to_string_pretty(&report)? + "\n";
             OutputFile::write_whole(folder.join("evaluation.json"), json.as_bytes())?;
         }
-        session.print_json(self.json, &report, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &report, ending)
     }
 
     /// The clips of the list, or of the part that is asked for, with the model's classes.

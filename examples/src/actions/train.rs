@@ -108,8 +108,7 @@ impl Train {
             Trained { classes, training_clips: clips.len(), test_clips, ..Trained::default() };
         if features.len() < clips.len() {
             session.warn("interrupted before the end: there is no model");
-            session.print_json(self.json, &report, Ending::Partial)?;
-            return Ok(Ending::Partial);
+            return session.conclude(self.json, &report, Ending::Partial);
         }
         let (rows, labels) = self.samples(&report.classes, &clips, &features)?;
         let progress = session.progress("last layer", settings.epochs as u64);
@@ -138,8 +137,7 @@ impl Train {
             report.loss.unwrap_or(f64::NAN),
             self.output.display()
         )?;
-        session.print_json(self.json, &report, Ending::Complete)?;
-        Ok(Ending::Complete)
+        session.conclude(self.json, &report, Ending::Complete)
     }
 
     /// The rows of all views with their classes. A mirrored view is of the class that a mirror shows, and left out where

@@ -335,8 +335,7 @@ impl Options {
             peak_memory_mib: peak_memory(),
         };
         print(&report, session)?;
-        session.print_json(self.json, &report, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &report, ending)
     }
 }
 

@@ -151,8 +151,7 @@ impl Program for Arguments {
         write_top_classes(results.writer(session), &classes)?;
         results.keep(ending)?;
         let result = Recognised { clips: seen, views: sums.views, classes };
-        session.print_json(self.json, &result, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &result, ending)
     }
 }
 

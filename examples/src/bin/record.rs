@@ -153,8 +153,7 @@ impl Program for Options {
         let partial = if ending == Ending::Partial { ", interrupted" } else { "" };
         let Recorded { output, frames } = &recorded;
         writeln!(session.output(), "{}: {frames} camera frames{partial}", output.display())?;
-        session.print_json(json, &recorded, ending)?;
-        Ok(ending)
+        session.conclude(json, &recorded, ending)
     }
 }
 

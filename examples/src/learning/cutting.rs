@@ -102,8 +102,7 @@ impl CutOptions {
             report.classes.len(),
             report.output.display()
         )?;
-        session.print_json(json, &report, ending)?;
-        Ok(ending)
+        session.conclude(json, &report, ending)
     }
 }
 

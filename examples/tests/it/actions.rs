@@ -2,6 +2,9 @@
 
 use std::{fs, path::Path};
 
+use examples::learning::confusion_figure::confusion_figure;
+use vision_models::Action;
+
 use crate::support::{Runs, save_picture, slow_only_r18};
 
 /// A folder of clips of two classes, one named as HRI30's copies do.
@@ -233,4 +236,23 @@ fn an_interrupted_training_keeps_the_features_so_far() {
     // Two views of 512 features each.
     let kept = fs::read(clips.path("cache/slowonly_r18_mm.features")).unwrap();
     assert!(kept.len() > 36 + 8 * 512 + 8, "{}", kept.len());
+}
+
+/// Thirty classes, as HRI30's: each name stands beside a row and below a column, and every share that is not zero
+/// in its cell.
+#[test]
+fn thirty_classes_fit_into_one_figure() {
+    let classes = Action::ALL.map(|action| action.name().to_owned());
+    let counts = |row: usize| {
+        (0..30).map(move |column| if row == column { 25 } else { u64::from(column % 7 == row % 5) })
+    };
+    let confusion: Vec<Vec<u64>> = (0..30).map(|row| counts(row).collect()).collect();
+    let figure = confusion_figure("SlowOnly", &classes, &confusion).unwrap();
+    let texts = |figure: &str| figure.matches("<text ").count();
+    for class in &classes {
+        let shown = figure.lines().filter(|line| line.trim() == class).count();
+        assert_eq!(shown, 2, "{class}");
+    }
+    let numbers = confusion.iter().flatten().filter(|count| **count > 0).count();
+    assert_eq!(texts(&figure), 1 + 2 * 30 + numbers);
 }
