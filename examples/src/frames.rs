@@ -4,6 +4,7 @@
 mod error;
 mod format;
 mod reader;
+pub mod truth;
 mod writer;
 
 pub use error::FramesError;

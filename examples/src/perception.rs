@@ -9,6 +9,7 @@ mod posture;
 mod quantiles;
 mod summary;
 mod surface_network;
+mod truth;
 
 pub use action_network::{ActionNetwork, ActionSettings};
 pub use chain::{Perceiver, PerceiverSettings, PerceptionError};
@@ -19,3 +20,4 @@ pub use posture::{Assessor, MeasuredAssessment, assess};
 pub use quantiles::Quantiles;
 pub use summary::{Summary, Tally};
 pub use surface_network::{SurfaceDecision, SurfaceNetwork};
+pub use truth::AgainstTruth;

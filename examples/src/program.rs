@@ -37,8 +37,7 @@
 //!         progress.finish();
 //!         writeln!(session.output(), "{last}")?;
 //!         let ending = if last < 10 { Ending::Partial } else { Ending::Complete };
-//!         session.print_json(self.json, &Counted { last }, ending)?;
-//!         Ok(ending)
+//!         session.conclude(self.json, &Counted { last }, ending)
 //!     }
 //! }
 //!

@@ -5,15 +5,18 @@
 //! in time and among neighbouring pixels, and is wrong or missing along edges. It is for testing
 //! perception, not for looking at.
 
+mod appearance;
 mod body;
 mod film;
 mod image;
 mod noise;
+mod on_board;
 mod scene;
 mod shape;
 mod skeleton;
 mod view;
 
+pub use appearance::Appearance;
 pub use film::{Film, Shot};
 pub use image::{RenderedImage, depth_png};
 pub use noise::DepthSensor;

@@ -2,6 +2,7 @@
 
 pub mod choices;
 pub mod classifier;
+pub mod clip_stream;
 pub mod clips;
 pub mod errors;
 pub mod folders;

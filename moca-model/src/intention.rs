@@ -1,6 +1,6 @@
 //! From recognised actions to what the person wants.
 
-use vision_models::{RecognisedAction, WalkingDirection};
+use vision_models::{Action, RecognisedAction, WalkingDirection};
 
 use crate::error::Error;
 
@@ -30,10 +30,13 @@ impl Intention {
             Self::Apart => None,
         }
     }
+}
 
-    fn of(action: &RecognisedAction) -> Self {
-        if action.action.is_collaborative() {
-            Self::Together { walking: action.action.walking_direction() }
+/// What somebody wants who does this.
+impl From<Action> for Intention {
+    fn from(action: Action) -> Self {
+        if action.is_collaborative() {
+            Self::Together { walking: action.walking_direction() }
         } else {
             Self::Apart
         }
@@ -132,7 +135,7 @@ impl IntentionFilter {
     /// Takes the action recognised in the frame at `time` \[s\], if any.
     pub fn update(&mut self, time: f64, action: Option<&RecognisedAction>) {
         let Some(action) = action else { return };
-        let seen = Intention::of(action);
+        let seen = Intention::from(action.action);
         let confidence = action.confidence.value();
         if seen == self.present {
             if confidence >= self.settings.keep {
@@ -202,7 +205,7 @@ mod tests {
                     time += 0.05;
                 }
             }
-            prop_assert_eq!(filter.intention(), Intention::of(&action(Action::ALL[index], 0.8)));
+            prop_assert_eq!(filter.intention(), Intention::from(Action::ALL[index]));
         }
 
         #[test]

@@ -162,6 +162,26 @@ impl Action {
         }
     }
 
+    /// The action that a mirror shows: left is right. All but walking while working are their own.
+    ///
+    /// ```
+    /// use vision_models::Action;
+    ///
+    /// let left = Action::from_name("Move Left While Drilling")?;
+    /// assert_eq!(left.mirrored().name(), "Move Right While Drilling");
+    /// assert_eq!(Action::Walking.mirrored(), Action::Walking);
+    /// # Ok::<(), vision_models::Error>(())
+    /// ```
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        match self {
+            Self::MoveWhileUsing(direction, tool) => {
+                Self::MoveWhileUsing(direction.mirrored(), tool)
+            }
+            other => other,
+        }
+    }
+
     /// The tool that the action is about.
     pub fn tool(self) -> Option<Tool> {
         match self {

@@ -2,14 +2,18 @@
 //! a frozen network).
 #![allow(clippy::needless_pass_by_value)] // views go by value, as everywhere in ndarray
 
+mod scaling;
 mod settings;
 mod trainer;
 
 use ndarray::{Array1, Array2, ArrayView1, ArrayView2, Axis};
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
+pub use scaling::FeatureScaling;
 pub use settings::HeadSettings;
 pub use trainer::{Epoch, HeadTrainer};
+
+use scaling::Standardisation;
 
 use crate::{
     Error, Tensor, TensorSource, Tensors,
@@ -65,13 +69,21 @@ impl LinearHead {
         check_samples(&samples, labels, &classes, Self::MAX_SAMPLES)?;
         let start = Self::random(classes, samples.ncols(), settings.seed)?;
         let mut trainer = HeadTrainer::new(&start, *settings)?;
+        let standardisation = match settings.scaling {
+            FeatureScaling::None => None,
+            FeatureScaling::Standardised => Some(Standardisation::of(&samples)),
+        };
+        let scaled =
+            standardisation.as_ref().map(|standardisation| standardisation.apply(&samples));
+        let samples = scaled.as_ref().map_or(samples, |scaled| scaled.view());
         for number in 1..=settings.epochs {
             let loss = trainer.epoch(samples, labels)?;
             if !go_on(Epoch { number, loss }) {
                 break;
             }
         }
-        Ok(trainer.head())
+        let head = trainer.head();
+        standardisation.map_or(Ok(head.clone()), |standardisation| standardisation.fold(&head))
     }
 
     /// A head to begin with: weights and biases uniform within 1/√features, as PyTorch's linear layer

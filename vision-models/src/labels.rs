@@ -103,6 +103,14 @@ impl ClassNames {
             .collect()
     }
 
+    /// Reads a file of at most 64 MiB as [`Self::clips`] does.
+    ///
+    /// # Errors
+    /// [`Error::File`], [`Error::Labels`].
+    pub fn read_clips(&self, path: impl AsRef<Path>) -> Result<Vec<(String, usize)>, Error> {
+        self.clips(&read_text(path.as_ref(), MAX_BYTES)?)
+    }
+
     /// Reads the classes of clips: a line each, its name and then its class, by name or number,
     /// with a comma or a space between. A first line whose class is unknown is a heading.
     ///

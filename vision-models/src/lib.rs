@@ -92,7 +92,7 @@ pub use confidence::Confidence;
 pub use engine::{Options, Scores};
 pub use error::Error;
 #[cfg(feature = "inference")]
-pub use head::{Epoch, HeadSettings, HeadTrainer, LinearHead};
+pub use head::{Epoch, FeatureScaling, HeadSettings, HeadTrainer, LinearHead};
 #[cfg(feature = "inference")]
 pub use kernels::InstructionSet;
 #[cfg(feature = "inference")]

@@ -79,8 +79,7 @@ impl ClipSet {
     /// # Errors
     /// With the line or the clip that is wrong.
     pub fn of_list(folder: &Path, list: &Path, names: &ClassNames) -> Result<Self> {
-        let text = fs::read_to_string(list).with_context(|| list.display().to_string())?;
-        let labelled = names.clips(&text).map_err(|error| in_file(list, error))?;
+        let labelled = names.read_clips(list).map_err(|error| in_file(list, error))?;
         let classes = names.names().iter().map(|name| class_name(name)).collect();
         let mut clips = Vec::new();
         for (clip, label) in labelled {

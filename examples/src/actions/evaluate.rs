@@ -4,6 +4,7 @@ use std::{io::Write, path::PathBuf};
 
 use anyhow::{Result, bail, ensure};
 use clap::{Args, ValueEnum};
+use moca_model::Intention;
 use serde::Serialize;
 use vision_models::{Action, ActionGroup, Crops};
 
@@ -90,6 +91,8 @@ struct Evaluated {
     classes: Vec<String>,
     #[serde(flatten)]
     evaluation: Evaluation,
+    /// The share of clips that were given a class of the same intention, where all classes are HRI30's.
+    intention_accuracy: Option<f64>,
     by_class: Vec<ClassReport>,
     /// Of the classes that are HRI30's.
     by_group: Vec<GroupReport>,
@@ -155,6 +158,7 @@ impl Evaluate {
         let samples = clips.iter().map(|clip| clip.label).zip(scored);
         let evaluation = Evaluation::of(classes.len(), samples)?;
         let report = Evaluated {
+            intention_accuracy: intention_accuracy(classes, &evaluation),
             by_class: by_class(classes, &evaluation),
             by_group: by_group(classes, &evaluation),
             classes: classes.to_vec(),
@@ -174,8 +178,7 @@ impl Evaluate {
             let json = serde_json::to_string_pretty(&report)? + "\n";
             OutputFile::write_whole(folder.join("evaluation.json"), json.as_bytes())?;
         }
-        session.print_json(self.json, &report, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &report, ending)
     }
 
     /// The clips of the list, or of the part that is asked for, with the model's classes.
@@ -231,12 +234,29 @@ impl Evaluated {
         }
         let Evaluation { samples, accuracy, top5, .. } = &self.evaluation;
         let (top1, top5) = (percent(*accuracy), percent(*top5));
-        writeln!(out, "\n{samples} clips: top-1 {top1:.2} %, top-5 {top5:.2} %")
+        write!(out, "\n{samples} clips: top-1 {top1:.2} %, top-5 {top5:.2} %")?;
+        if self.intention_accuracy.is_some() {
+            write!(out, ", right intention {:.2} %", percent(self.intention_accuracy))?;
+        }
+        writeln!(out)
     }
 }
 
 fn share(part: u64, whole: u64) -> Option<f64> {
     (whole > 0).then(|| part as f64 / whole as f64)
+}
+
+fn intention_accuracy(classes: &[String], evaluation: &Evaluation) -> Option<f64> {
+    let of_label = |class: &String| Some(Intention::from(Action::from_label(class).ok()?));
+    let intentions: Vec<Intention> = classes.iter().map(of_label).collect::<Option<_>>()?;
+    let (mut right, mut all) = (0, 0);
+    for (row, own) in evaluation.confusion.iter().zip(&intentions) {
+        for (count, given) in row.iter().zip(&intentions) {
+            all += count;
+            right += if own == given { *count } else { 0 };
+        }
+    }
+    share(right, all)
 }
 
 fn by_class(classes: &[String], evaluation: &Evaluation) -> Vec<ClassReport> {

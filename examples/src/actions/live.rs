@@ -1,21 +1,19 @@
 //! Recognition while the frames come.
 
-use std::{path::PathBuf, time::Instant};
+use std::{path::Path, time::Instant};
 
-use anyhow::{Result, ensure};
-use ndarray::Axis;
-use vision_models::{Crops, Preprocessing, SlowOnlyStream, read_image, softmax};
+use anyhow::Result;
+use vision_models::Crops;
 
 use super::{model::ActionModel, network::Window};
-use crate::{learning::backbone::Weights, vision::errors::in_file};
+use crate::{learning::backbone::Weights, vision::clip_stream::ClipStream};
 
-/// A network over the last frames: every `interval`-th frame goes into its window, and gives a decision once the window
-/// is full.
+/// A trained network over the last frames: every `interval`-th frame goes into its window, and gives a decision once
+/// the window is full.
 #[derive(Debug)]
-pub struct LiveRecogniser<'a> {
-    model: &'a ActionModel,
-    preprocessing: Preprocessing,
-    stream: SlowOnlyStream,
+pub struct LiveRecogniser {
+    stream: ClipStream,
+    interval: usize,
     /// Frames so far.
     frames: usize,
 }
@@ -31,38 +29,42 @@ pub struct Decision {
     pub latency: f64,
 }
 
-impl<'a> LiveRecogniser<'a> {
+impl ActionModel {
+    /// The network with its head over a sliding window.
+    ///
+    /// # Errors
+    /// As of the network's loading.
+    pub fn stream(&self, weights: Weights, threads: usize) -> Result<ClipStream> {
+        let network = self.window.backbone(weights, threads)?.load()?;
+        let preprocessing = self.window.preprocessing(Crops::Centre)?;
+        let Window { length, .. } = self.window;
+        Ok(ClipStream::new(network, length, preprocessing, Some(self.head.clone()))?)
+    }
+}
+
+impl LiveRecogniser {
     /// With an empty window.
     ///
     /// # Errors
     /// As of the network's loading.
-    pub fn new(model: &'a ActionModel, weights: Weights, threads: usize) -> Result<Self> {
-        let window = &model.window;
-        let Window { length, side, .. } = *window;
-        let network = window.backbone(weights, threads)?.load()?;
-        let stream = SlowOnlyStream::new(network, [length, side, side])?;
-        let preprocessing = window.preprocessing(Crops::Centre)?;
-        Ok(Self { model, preprocessing, stream, frames: 0 })
+    pub fn new(model: &ActionModel, weights: Weights, threads: usize) -> Result<Self> {
+        let stream = model.stream(weights, threads)?;
+        Ok(Self { stream, interval: model.window.interval, frames: 0 })
     }
 
     /// Takes the next frame; a decision if it is one of the window's and the window is full.
     ///
     /// # Errors
     /// With the name of a frame that cannot be used.
-    pub fn push(&mut self, path: &PathBuf) -> Result<Option<Decision>> {
+    pub fn push(&mut self, path: &Path) -> Result<Option<Decision>> {
         let frame = self.frames;
         self.frames += 1;
-        if !frame.is_multiple_of(self.model.window.interval) {
+        if !frame.is_multiple_of(self.interval) {
             return Ok(None);
         }
         let start = Instant::now();
-        let image = read_image(path)?;
-        let image = self.preprocessing.image(image.view()).map_err(|error| in_file(path, error))?;
-        let scores = self.stream.push(image.index_axis(Axis(0), 0))?;
-        let Some(scores) = scores else { return Ok(None) };
-        ensure!(scores.features.nrows() == 1, "the stream gave more than one window");
-        let logits = self.model.head.scores(scores.features.row(0))?;
-        let probabilities = softmax(&logits.to_vec());
-        Ok(Some(Decision { frame, probabilities, latency: start.elapsed().as_secs_f64() }))
+        let probabilities = self.stream.push(path)?;
+        let latency = start.elapsed().as_secs_f64();
+        Ok(probabilities.map(|probabilities| Decision { frame, probabilities, latency }))
     }
 }

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use ndarray::{Array2, ArrayView2};
 use serde::{Deserialize, Serialize};
@@ -120,21 +120,7 @@ impl ActionModel {
     /// # Errors
     /// If the checkpoint is missing or another one.
     pub fn weights(&self, given: &ModelWeights, interrupt: &Interrupt) -> Result<Weights> {
-        let own = match (&given.weights, &self.weights) {
-            (Some(file), _) => Weights::File(file.clone()),
-            (None, WeightsIdentity::RandomSeed(seed)) => Weights::Random(*seed),
-            (None, WeightsIdentity::Sha256(_)) => bail!("give the model's weights: --weights FILE"),
-        };
-        let identity = own.identity(interrupt)?;
-        if let Weights::File(file) = &own {
-            ensure!(
-                identity == self.weights,
-                "{}: these are {identity}, but the model was trained with {}",
-                file.display(),
-                self.weights
-            );
-        }
-        Ok(own)
+        self.weights.weights(given.weights.clone(), "--weights FILE", interrupt)
     }
 
     /// The mean probability of each class over views, a row of features each.

@@ -9,7 +9,7 @@ use vision_models::{ClipSampling, Crops, Preprocessing, Resize, SlowOnlyForm};
 
 use crate::{
     learning::backbone::{ClipBackbone, Weights},
-    vision::choices,
+    vision::{choices, clip_stream::preprocessing_of},
 };
 
 /// Which SlowOnly, and the size of its window.
@@ -110,12 +110,7 @@ impl Window {
     /// # Errors
     /// As of [`Self::form`].
     pub fn preprocessing(&self, crops: Crops) -> Result<Preprocessing> {
-        let library = match self.form()? {
-            SlowOnlyForm::PyTorchVideo => Preprocessing::PYTORCHVIDEO,
-            SlowOnlyForm::MmAction2
-            | SlowOnlyForm::MmAction2Depth18
-            | SlowOnlyForm::MmAction2Depth101 => Preprocessing::MMACTION2,
-        };
+        let library = preprocessing_of(self.form()?);
         let side = self.side;
         Ok(Preprocessing { crops, crop: side, resize: Resize::ShortSide(side), ..library })
     }

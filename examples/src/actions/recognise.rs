@@ -108,8 +108,7 @@ impl Recognise {
         };
         write_top_classes(results.writer(session), &report.classes)?;
         results.keep(ending)?;
-        session.print_json(self.json, &report, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &report, ending)
     }
 
     fn whole(

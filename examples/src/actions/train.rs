@@ -4,12 +4,12 @@ use std::{collections::BTreeMap, io::Write, path::PathBuf};
 
 use anyhow::{Result, bail, ensure};
 use clap::Args;
-use ndarray::{ArrayView2, Axis, concatenate};
+use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
 use serde::Serialize;
-use vision_models::{ClassNames, LinearHead};
+use vision_models::{Action, ClassNames, LinearHead};
 
 use super::{
-    clips::ClipSet,
+    clips::{ClipSet, LabelledClip},
     features::ClipFeatures,
     model::ActionModel,
     network::{NetworkOptions, Views},
@@ -51,7 +51,7 @@ pub struct Train {
     /// The folder for features, which later runs take from there. An interrupted run keeps them.
     #[arg(long, value_name = "FOLDER")]
     cache: Option<PathBuf>,
-    /// Train with the clips as they are, without their mirror images.
+    /// Train with the clips as they are, without their mirror images. A mirror image of walking left is of walking right.
     #[arg(long)]
     no_flips: bool,
     #[command(flatten)]
@@ -108,16 +108,9 @@ impl Train {
             Trained { classes, training_clips: clips.len(), test_clips, ..Trained::default() };
         if features.len() < clips.len() {
             session.warn("interrupted before the end: there is no model");
-            session.print_json(self.json, &report, Ending::Partial)?;
-            return Ok(Ending::Partial);
+            return session.conclude(self.json, &report, Ending::Partial);
         }
-        let labels: Vec<usize> = clips
-            .iter()
-            .zip(&features)
-            .flat_map(|(clip, views)| vec![clip.label; views.nrows()])
-            .collect();
-        let views: Vec<ArrayView2<'_, f32>> = features.iter().map(|views| views.view()).collect();
-        let rows = concatenate(Axis(0), &views)?;
+        let (rows, labels) = self.samples(&report.classes, &clips, &features)?;
         let progress = session.progress("last layer", settings.epochs as u64);
         let classes = report.classes.clone();
         let head = LinearHead::train(rows.view(), &labels, classes, &settings, |epoch| {
@@ -128,7 +121,9 @@ impl Train {
         progress.finish();
         ensure!(!session.interrupt().requested(), ProgramError::Interrupted);
         let model = ActionModel { head, window, weights: identity, parts };
-        let scores = model.of_clips(&features)?;
+        let plain: Vec<Array2<f32>> =
+            features.iter().map(|views| self.plain(views).to_owned()).collect();
+        let scores = model.of_clips(&plain)?;
         let scored = scores.iter().map(Vec::as_slice);
         let samples = clips.iter().map(|clip| clip.label).zip(scored);
         report.training_accuracy = Evaluation::of(report.classes.len(), samples)?.accuracy;
@@ -142,8 +137,40 @@ impl Train {
             report.loss.unwrap_or(f64::NAN),
             self.output.display()
         )?;
-        session.print_json(self.json, &report, Ending::Complete)?;
-        Ok(Ending::Complete)
+        session.conclude(self.json, &report, Ending::Complete)
+    }
+
+    /// The rows of all views with their classes. A mirrored view is of the class that a mirror shows, and left out where
+    /// that is none of the classes.
+    fn samples(
+        &self,
+        classes: &[String],
+        clips: &[LabelledClip],
+        features: &[Array2<f32>],
+    ) -> Result<(Array2<f32>, Vec<usize>)> {
+        let mirrored = |label: usize| {
+            let name = classes.get(label)?;
+            let name = Action::from_label(name).map_or(name.as_str(), |own| own.mirrored().name());
+            classes.iter().position(|class| class == name)
+        };
+        let (mut rows, mut labels) = (Vec::new(), Vec::new());
+        for (clip, views) in clips.iter().zip(features) {
+            let plain = self.plain(views);
+            let of_mirror = views.slice(s![plain.nrows().., ..]);
+            labels.extend(vec![clip.label; plain.nrows()]);
+            rows.push(plain);
+            if let Some(label) = mirrored(clip.label) {
+                labels.extend(vec![label; of_mirror.nrows()]);
+                rows.push(of_mirror);
+            }
+        }
+        Ok((concatenate(Axis(0), &rows)?, labels))
+    }
+
+    /// The views that are not mirrored.
+    fn plain<'a>(&self, views: &'a Array2<f32>) -> ArrayView2<'a, f32> {
+        let count = if self.no_flips { views.nrows() } else { views.nrows() / 2 };
+        views.slice(s![..count, ..])
     }
 
     /// The clips to train with, and what each clip of the folder is for.

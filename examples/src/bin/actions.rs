@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use examples::{
-    actions::{evaluate::Evaluate, recognise::Recognise, train::Train},
+    actions::{cut::Cut, evaluate::Evaluate, recognise::Recognise, train::Train},
     program::{self, Ending, Program, Quiet, Session},
 };
 
@@ -21,6 +21,7 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Cut(Cut),
     Train(Train),
     Evaluate(Evaluate),
     Recognise(Recognise),
@@ -29,6 +30,7 @@ enum Command {
 impl Program for Arguments {
     fn quiet(&self) -> Quiet {
         match &self.command {
+            Command::Cut(command) => command.quiet(),
             Command::Train(command) => command.quiet(),
             Command::Evaluate(command) => command.quiet(),
             Command::Recognise(command) => command.quiet(),
@@ -37,6 +39,7 @@ impl Program for Arguments {
 
     fn run(self, session: &mut Session) -> Result<Ending> {
         match self.command {
+            Command::Cut(command) => command.run(session),
             Command::Train(command) => command.run(session),
             Command::Evaluate(command) => command.run(session),
             Command::Recognise(command) => command.run(session),

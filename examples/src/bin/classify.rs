@@ -107,8 +107,7 @@ impl Program for Arguments {
             session.warn("interrupted: the results are of the images up to there");
         }
         results.keep(ending)?;
-        session.print_json(self.json, &report, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &report, ending)
     }
 }
 

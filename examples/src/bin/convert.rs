@@ -68,8 +68,7 @@ impl Program for Arguments {
             written.map_err(|error| in_file(&self.input, error))?;
             writer.file.keep()?;
         }
-        session.print_json(self.json, &contents, Ending::Complete)?;
-        Ok(Ending::Complete)
+        session.conclude(self.json, &contents, Ending::Complete)
     }
 }
 

@@ -136,8 +136,7 @@ impl Program for Options {
         write!(output, "{report}")?;
         writeln!(output, "{:<34}{seconds:.2}", "the map took [s]")?;
         writeln!(output, "written to {}", self.output.display())?;
-        session.print_json(self.json, &report, Ending::Complete)?;
-        Ok(Ending::Complete)
+        session.conclude(self.json, &report, Ending::Complete)
     }
 }
 

@@ -130,8 +130,7 @@ impl Program for Options {
             times,
             proofs,
         };
-        session.print_json(self.json, &result, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &result, ending)
     }
 }
 

@@ -133,8 +133,7 @@ impl Program for Options {
         if let Some(folder) = folder {
             writeln!(session.output(), "report: {}", folder.display())?;
         }
-        session.print_json(self.json, &summary, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &summary, ending)
     }
 }
 

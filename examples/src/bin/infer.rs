@@ -152,8 +152,7 @@ impl Program for Arguments {
         let shape = result.shape().to_vec();
         let network = self.model.to_string();
         let timed = Timed { network, output: self.output, shape, load_s, times, gflop_per_s };
-        session.print_json(self.json, &timed, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &timed, ending)
     }
 }
 

@@ -11,12 +11,14 @@ use std::{
 
 use anyhow::{Result, ensure};
 use clap::{ArgGroup, Args, Parser};
-use examples::frames::FramesReader;
+use examples::frames::{FramesReader, truth};
 use examples::perception::{
-    ActionNetwork, ActionSettings, Perceiver, PerceiverSettings, Pipeline, PoseNetwork, PoseSource,
-    SkeletonFolder, Summary, SurfaceDecision, SurfaceNetwork, Tally,
+    ActionNetwork, ActionSettings, AgainstTruth, Perceiver, PerceiverSettings, Pipeline,
+    PoseNetwork, PoseSource, SkeletonFolder, Summary, SurfaceDecision, SurfaceNetwork, Tally,
 };
-use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Session, Threads};
+use examples::program::{
+    self, Ending, Interrupt, Json, OutputFile, Program, Quiet, Session, Threads,
+};
 use examples::recording::{Header, MeasuredSegments, Timing, Writer};
 use examples::vision::choices;
 use serde::Serialize;
@@ -58,6 +60,10 @@ struct Options {
     /// Standard deviation of the joints in the image, each axis (pixels).
     #[arg(long, value_name = "PIXELS", default_value_t = LiftingSettings::default().pixel_sigma)]
     pixel_sigma: f64,
+    /// Compare with this recording of the truth, as `record --frames` writes it: shares of time in which surface, action
+    /// and intention are right.
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
     /// The person's stature (m), in place of the one that is measured.
     #[arg(long, value_name = "METRES")]
     stature: Option<f64>,
@@ -69,47 +75,68 @@ struct Options {
 
 /// How the surface is recognised in the images of the on-board camera.
 #[derive(Args, Debug)]
-#[command(group(ArgGroup::new("decision")))]
+#[command(group(ArgGroup::new("surface_network").multiple(true)))]
 #[expect(clippy::struct_field_names, reason = "they are the options' names")]
 struct SurfaceOptions {
-    /// The weights of a ResNet, whose features tell the surface.
-    #[arg(long, value_name = "FILE", requires = "decision")]
+    /// The folder that `surface train` has made: its model recognises the surface.
+    #[arg(long, value_name = "FOLDER", group = "surface_network")]
+    surface_model: Option<PathBuf>,
+    /// The weights of the ResNet that the model was trained with, unless they are random; without a model, of a
+    /// ResNet whose own last layer has the classes drilled and smooth.
+    #[arg(long, value_name = "FILE", group = "surface_network")]
     surface_weights: Option<PathBuf>,
-    /// How many layers it has.
-    #[arg(long, default_value = "50", value_parser = choices::depth(), requires = "surface_weights")]
-    surface_depth: ResNetDepth,
-    /// A linear SVM over the features, as `surface train` writes it.
-    #[arg(long, value_name = "FILE", group = "decision", requires = "surface_weights")]
-    surface_svm: Option<PathBuf>,
-    /// Or a linear layer: fc.weight and fc.bias for drilled and smooth.
-    #[arg(long, value_name = "FILE", group = "decision", requires = "surface_weights")]
-    surface_head: Option<PathBuf>,
+    /// How many layers it has: 50 without a model, and with one where it has several networks.
+    #[arg(long, value_parser = choices::depth(), requires = "surface_network")]
+    surface_depth: Option<ResNetDepth>,
+    /// Which part of the model decides.
+    #[arg(long, default_value = "svm", requires = "surface_model")]
+    surface_decision: SurfaceDecision,
     /// Camera frames from one look at the surface to the next.
-    #[arg(long, value_name = "FRAMES", default_value_t = 10, requires = "surface_weights")]
+    #[arg(long, value_name = "FRAMES", default_value_t = 10, requires = "surface_network")]
     surface_interval: u64,
 }
 
 /// How the action is recognised in the colour images.
 #[derive(Args, Debug)]
-#[expect(clippy::struct_field_names, reason = "they are the options' names")]
 struct ActionOptions {
-    /// The weights of a SlowOnly.
+    /// The folder that `actions train` has made: its model recognises the action, over its windows.
+    #[arg(long, value_name = "FOLDER")]
+    action_model: Option<PathBuf>,
+    /// The weights of the SlowOnly that the model was trained with, unless they are random; without a model, of a
+    /// SlowOnly with its own last layer.
     #[arg(long, value_name = "FILE")]
     action_weights: Option<PathBuf>,
+    #[command(flatten)]
+    own: OwnActionOptions,
+}
+
+/// Of a SlowOnly with its own last layer; a trained model says these itself.
+#[derive(Args, Debug)]
+#[expect(clippy::struct_field_names, reason = "they are the options' names")]
+struct OwnActionOptions {
     /// Whose network.
-    #[arg(long, default_value = "slowonly_mm", value_parser = choices::slow_only(), requires = "action_weights")]
-    action_model: SlowOnlyForm,
-    /// A linear layer over its features in place of its own: fc.weight and fc.bias.
-    #[arg(long, value_name = "FILE", requires = "action_weights")]
-    action_head: Option<PathBuf>,
+    #[arg(long, default_value = "slowonly_mm", value_parser = choices::slow_only(), requires = "action_weights", conflicts_with = "action_model")]
+    action_network: SlowOnlyForm,
     /// The names of the classes, actions of HRI30, one a line; all thirty if left out.
-    #[arg(long, value_name = "FILE", requires = "action_weights")]
+    #[arg(long, value_name = "FILE", requires = "action_weights", conflicts_with = "action_model")]
     action_names: Option<PathBuf>,
     /// Frames of a clip.
-    #[arg(long, value_name = "FRAMES", default_value_t = 8, requires = "action_weights")]
+    #[arg(
+        long,
+        value_name = "FRAMES",
+        default_value_t = 8,
+        requires = "action_weights",
+        conflicts_with = "action_model"
+    )]
     action_length: usize,
     /// Camera frames from one of a clip to the next.
-    #[arg(long, value_name = "FRAMES", default_value_t = 4, requires = "action_weights")]
+    #[arg(
+        long,
+        value_name = "FRAMES",
+        default_value_t = 4,
+        requires = "action_weights",
+        conflicts_with = "action_model"
+    )]
     action_interval: u64,
 }
 
@@ -128,6 +155,8 @@ struct Report {
     rate: f64,
     #[serde(flatten)]
     summary: Summary,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    truth: Option<AgainstTruth>,
     /// Most memory of the process (MiB), where the system tells.
     peak_memory_mib: Option<f64>,
 }
@@ -142,11 +171,13 @@ impl Program for Options {
         let wait = Duration::from_secs_f64(self.wait);
         let file = OutputFile::create(&self.output)?;
         let reader = FramesReader::open(&self.frames, wait)?;
-        let pipeline = self.pipeline(&reader)?;
+        let pipeline = self.pipeline(&reader, session.interrupt())?;
+        let truth = self.truth.as_deref().map(truth::read).transpose()?;
         let mut work = Work {
             reader,
             pipeline,
             percepts: Vec::new(),
+            truth,
             tally: Tally::default(),
             started: Instant::now(),
         };
@@ -157,7 +188,7 @@ impl Program for Options {
 
 impl Options {
     /// Everything that looks at the frames, loaded before the work.
-    fn pipeline(&self, reader: &FramesReader) -> Result<Pipeline> {
+    fn pipeline(&self, reader: &FramesReader, interrupt: &Interrupt) -> Result<Pipeline> {
         let pixel_sigma = self.pixel_sigma;
         let lifting = LiftingSettings { pixel_sigma, ..LiftingSettings::default() };
         let settings = PerceiverSettings { lifting, ..PerceiverSettings::default() };
@@ -171,29 +202,57 @@ impl Options {
             (None, None) => anyhow::bail!("give --skeletons or --pose-weights"),
         };
         let mut pipeline = Pipeline::new(perceiver, poses);
-        let of = &self.surface;
-        let decision = of.surface_svm.as_deref().map(SurfaceDecision::Svm);
-        let decision = decision.or(of.surface_head.as_deref().map(SurfaceDecision::Head));
-        if let (Some(weights), Some(decision)) = (&of.surface_weights, decision) {
+        if let Some(network) = self.surface.network(threads, interrupt)? {
             let images = reader.surfaces();
             ensure!(images.is_dir(), "{}: there are no images of a surface", images.display());
-            let network = SurfaceNetwork::load(weights, of.surface_depth, decision, threads)?;
-            pipeline = pipeline.with_surface(network, of.surface_interval);
+            pipeline = pipeline.with_surface(network, self.surface.surface_interval);
         }
-        let of = &self.action;
-        if let Some(weights) = &of.action_weights {
-            let network = ActionNetwork::load(&ActionSettings {
-                weights,
-                form: of.action_model,
-                head: of.action_head.as_deref(),
-                names: of.action_names.as_deref(),
-                length: of.action_length,
-                interval: of.action_interval,
-                threads,
-            })?;
+        if let Some(network) = self.action.network(threads, interrupt)? {
             pipeline = pipeline.with_action(network);
         }
         Ok(pipeline)
+    }
+}
+
+impl SurfaceOptions {
+    /// The network that is asked for.
+    fn network(&self, threads: usize, interrupt: &Interrupt) -> Result<Option<SurfaceNetwork>> {
+        let Self { surface_depth: depth, surface_decision: decision, .. } = *self;
+        Ok(match (&self.surface_model, &self.surface_weights) {
+            (Some(folder), weights) => {
+                let weights = weights.clone();
+                let own = (depth, decision);
+                Some(SurfaceNetwork::of_model(folder, own, weights, threads, interrupt)?)
+            }
+            (None, Some(weights)) => {
+                let depth = depth.unwrap_or(ResNetDepth::Fifty);
+                Some(SurfaceNetwork::load(weights, depth, threads)?)
+            }
+            (None, None) => None,
+        })
+    }
+}
+
+impl ActionOptions {
+    /// The network that is asked for.
+    fn network(&self, threads: usize, interrupt: &Interrupt) -> Result<Option<ActionNetwork>> {
+        let own = &self.own;
+        Ok(match (&self.action_model, &self.action_weights) {
+            (Some(folder), weights) => {
+                Some(ActionNetwork::of_model(folder, weights.clone(), threads, interrupt)?)
+            }
+            (None, Some(weights)) => {
+                let settings = ActionSettings {
+                    weights,
+                    form: own.action_network,
+                    names: own.action_names.as_deref(),
+                    length: own.action_length,
+                    interval: own.action_interval,
+                };
+                Some(ActionNetwork::load(&settings, threads)?)
+            }
+            (None, None) => None,
+        })
     }
 }
 
@@ -202,6 +261,7 @@ struct Work {
     reader: FramesReader,
     pipeline: Pipeline,
     percepts: Vec<(Percept, Timing)>,
+    truth: Option<Vec<Percept>>,
     tally: Tally,
     started: Instant,
 }
@@ -260,6 +320,8 @@ impl Options {
             Ending::Partial => writer.finish_partial()?.keep_partial()?,
             _ => writer.finish()?.keep().map(|()| self.output)?,
         };
+        let compare = |truth: &Vec<Percept>| AgainstTruth::of(&work.percepts, truth);
+        let against_truth = work.truth.as_ref().map(compare).transpose()?;
         let people = work.pipeline.perceiver().people();
         let report = Report {
             output,
@@ -269,11 +331,11 @@ impl Options {
             jumps: people.tracks().iter().map(PersonTrack::jumps).sum(),
             rate: work.tally.frames() as f64 / elapsed.max(1e-9),
             summary: work.tally.finish(),
+            truth: against_truth,
             peak_memory_mib: peak_memory(),
         };
         print(&report, session)?;
-        session.print_json(self.json, &report, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &report, ending)
     }
 }
 
@@ -294,6 +356,17 @@ fn print(report: &Report, session: &mut Session) -> Result<()> {
         let never = summary.unseen.iter().filter(|(_, share)| **share == 1.0);
         let never: Vec<_> = never.map(|(name, _)| *name).collect();
         writeln!(out, "  never seen: {}, loads, holds, support, how long", never.join(", "))?;
+    }
+    if let Some(truth) = &report.truth {
+        let percent = |share: Option<f64>| 100.0 * share.unwrap_or(f64::NAN);
+        let AgainstTruth { surface_right, action_right, intention_right, delay } = truth;
+        writeln!(
+            out,
+            "against the truth: surface {:.1} %, action {:.1} %, intention {:.1} % of the time ({delay} s late allowed)",
+            percent(*surface_right),
+            percent(*action_right),
+            percent(*intention_right)
+        )?;
     }
     let times = &summary.lifting_and_tracking;
     writeln!(

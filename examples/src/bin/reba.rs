@@ -99,8 +99,7 @@ impl Options {
         if ending == Ending::Partial {
             session.warn(format_args!("interrupted after {rows} rows"));
         }
-        session.print_json(self.json, &Scored { rows, passed_through }, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &Scored { rows, passed_through }, ending)
     }
 }
 

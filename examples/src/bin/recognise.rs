@@ -10,6 +10,7 @@ use clap::{Parser, ValueEnum};
 use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session, Threads};
 use examples::vision::{
     choices::{self, Accepted},
+    clip_stream::preprocessing_of,
     clips::read_clip,
     errors::{in_file, of_option, of_weights, open_checkpoint},
     results::Results,
@@ -150,8 +151,7 @@ impl Program for Arguments {
         write_top_classes(results.writer(session), &classes)?;
         results.keep(ending)?;
         let result = Recognised { clips: seen, views: sums.views, classes };
-        session.print_json(self.json, &result, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &result, ending)
     }
 }
 
@@ -182,13 +182,7 @@ impl Arguments {
             CropsOption::Three => Crops::Three,
             CropsOption::Ten => Crops::Ten,
         };
-        let library = match self.model {
-            SlowOnlyForm::PyTorchVideo => Preprocessing::PYTORCHVIDEO,
-            SlowOnlyForm::MmAction2
-            | SlowOnlyForm::MmAction2Depth18
-            | SlowOnlyForm::MmAction2Depth101 => Preprocessing::MMACTION2,
-        };
-        Preprocessing { crops, ..library }
+        Preprocessing { crops, ..preprocessing_of(self.model) }
     }
 }
 

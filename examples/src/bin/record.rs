@@ -9,7 +9,7 @@ use std::{
 
 use anyhow::{Result, bail};
 use clap::Parser;
-use examples::frames::FramesWriter;
+use examples::frames::{FramesWriter, truth};
 use examples::program::{
     self, Ending, Json, OutputFile, Program, Quiet, Seed, Session, check_folder,
 };
@@ -40,6 +40,9 @@ struct Options {
     /// Width and height of the rendered images (pixels).
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = size, requires = "frames")]
     size: [usize; 2],
+    /// Draw clothes, skin, room and light by the seed: another person on another day.
+    #[arg(long, requires = "frames")]
+    varied: bool,
     /// Standard deviation of the skeletons' joints, each axis, in images 640 pixels wide (pixels).
     #[arg(long, value_name = "PIXELS", default_value_t = SkeletonSettings::default().pixel_sigma, requires = "frames")]
     pixel_noise: f64,
@@ -47,7 +50,7 @@ struct Options {
     #[arg(long, value_name = "METRES", default_value_t = WalkerSettings::default().stature, allow_negative_numbers = true)]
     stature: f64,
     /// Where the person leads the robot: stations, straight, square, circle, figure-eight, random,
-    /// points on the floor (m) such as "1.4,0 2.4,0 2.4,-1", or a file with one point a line.
+    /// directions (each time along one of HRI30's eight), points on the floor (m) such as "1.4,0 2.4,0 2.4,-1", or a file with one point a line.
     #[arg(long, default_value = "stations", value_parser = WalkingPath::from_argument)]
     path: WalkingPath,
     /// The person only walks along the path, with empty hands.
@@ -140,6 +143,7 @@ impl Program for Options {
         let recorded = match (self.frames, self.output) {
             (Some(folder), _) => {
                 let film = Film::new(settings, self.view, self.size, self.pixel_noise)?;
+                let film = if self.varied { film.varied() } else { film };
                 film_frames(film, &folder, session)?
             }
             (None, Some(output)) => record(Walker::new(settings)?, output, session)?,
@@ -149,8 +153,7 @@ impl Program for Options {
         let partial = if ending == Ending::Partial { ", interrupted" } else { "" };
         let Recorded { output, frames } = &recorded;
         writeln!(session.output(), "{}: {frames} camera frames{partial}", output.display())?;
-        session.print_json(json, &recorded, ending)?;
-        Ok(ending)
+        session.conclude(json, &recorded, ending)
     }
 }
 
@@ -182,8 +185,8 @@ fn record(walker: Walker, output: PathBuf, session: &Session) -> Result<(Recorde
 fn film_frames(film: Film, folder: &Path, session: &Session) -> Result<(Recorded, Ending)> {
     check_folder(folder)?;
     let mut writer = FramesWriter::create(folder, film.camera())?;
-    let truth = OutputFile::create(folder.join("truth.jsonl"))?;
-    let mut truth = Writer::new(truth, &film.header())?;
+    let file = OutputFile::create(folder.join(truth::TRUTH))?;
+    let mut truth = Writer::new(file, &film.header())?;
     let progress = session.progress("frames", film.expected_frames());
     let mut frames = 0;
     let mut ending = Ending::Complete;

@@ -61,8 +61,7 @@ impl Program for Options {
                 .warn(format_args!("interrupted after {} of {} ticks", summary.ticks, self.ticks));
         }
         writeln!(session.output(), "{summary}")?;
-        session.print_json(self.json, &summary, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &summary, ending)
     }
 }
 

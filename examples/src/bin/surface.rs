@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use examples::{
     program::{self, Ending, Program, Quiet, Session},
-    surface::{evaluate::Evaluate, generate::Generate, predict::Predict, train::Train},
+    surface::{cut::Cut, evaluate::Evaluate, generate::Generate, predict::Predict, train::Train},
 };
 
 /// Learns to tell surfaces apart by images, as the paper's Experiment 1: over the features of ResNet-50 and
@@ -21,6 +21,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Generate(Generate),
+    Cut(Cut),
     Train(Train),
     Evaluate(Evaluate),
     Predict(Predict),
@@ -30,6 +31,7 @@ impl Program for Arguments {
     fn quiet(&self) -> Quiet {
         match &self.command {
             Command::Generate(command) => command.quiet(),
+            Command::Cut(command) => command.quiet(),
             Command::Train(command) => command.quiet(),
             Command::Evaluate(command) => command.quiet(),
             Command::Predict(command) => command.quiet(),
@@ -39,6 +41,7 @@ impl Program for Arguments {
     fn run(self, session: &mut Session) -> Result<Ending> {
         match self.command {
             Command::Generate(command) => command.run(session),
+            Command::Cut(command) => command.run(session),
             Command::Train(command) => command.run(session),
             Command::Evaluate(command) => command.run(session),
             Command::Predict(command) => command.run(session),

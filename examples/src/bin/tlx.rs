@@ -76,8 +76,7 @@ impl Program for Options {
         for file in [scores, result].into_iter().flatten() {
             file.keep()?;
         }
-        session.print_json(self.json, &study, Ending::Complete)?;
-        Ok(Ending::Complete)
+        session.conclude(self.json, &study, Ending::Complete)
     }
 }
 

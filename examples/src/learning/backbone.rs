@@ -2,7 +2,7 @@
 
 use std::{fmt, path::PathBuf};
 
-use anyhow::Result;
+use anyhow::{Result, bail, ensure};
 use ndarray::{Array4, Array5};
 use serde::{Deserialize, Serialize};
 use vision_models::{NetworkKind, Options, ResNet, ResNetDepth, SlowOnly, SlowOnlyForm};
@@ -50,6 +50,34 @@ pub enum WeightsIdentity {
     RandomSeed(u64),
 }
 
+impl WeightsIdentity {
+    /// The weights of this identity: of a checkpoint that is given, or drawn.
+    ///
+    /// # Errors
+    /// If the checkpoint is missing, with the option that gives it, or is another one.
+    pub fn weights(
+        &self,
+        file: Option<PathBuf>,
+        option: &str,
+        interrupt: &Interrupt,
+    ) -> Result<Weights> {
+        match (file, self) {
+            (None, Self::RandomSeed(seed)) => Ok(Weights::Random(*seed)),
+            (None, Self::Sha256(_)) => bail!("give the model's weights: {option}"),
+            (Some(file), _) => {
+                let shown = file.display().to_string();
+                let weights = Weights::File(file);
+                let own = weights.identity(interrupt)?;
+                ensure!(
+                    own == *self,
+                    "{shown}: these are {own}, but the model was trained with {self}"
+                );
+                Ok(weights)
+            }
+        }
+    }
+}
+
 impl fmt::Display for WeightsIdentity {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -81,27 +109,26 @@ impl ImageBackbone {
     /// # Errors
     /// As of [`ResNet::load`] and [`ResNet::infer`].
     pub fn features(&mut self, image: &Array4<f32>) -> Result<Vec<f32>> {
-        let network = match &mut self.network {
-            Some(network) => network,
-            none => none.insert(load_resnet(&self.weights, self.depth, self.side, &self.options)?),
-        };
+        if self.network.is_none() {
+            self.network = Some(self.load()?);
+        }
+        let Some(network) = &mut self.network else { return Ok(Vec::new()) };
         Ok(network.infer(image.view())?.features.row(0).to_vec())
     }
-}
 
-fn load_resnet(
-    weights: &Weights,
-    depth: ResNetDepth,
-    side: usize,
-    options: &Options,
-) -> Result<ResNet> {
-    let (size, options) = ([side, side], *options);
-    match weights {
-        Weights::File(path) => ResNet::load(depth, open_checkpoint(path)?, size, options)
-            .map_err(|error| of_weights(path, Accepted::ResNets, error)),
-        Weights::Random(seed) => {
-            let tensors = random_network(NetworkKind::ResNet(depth.into()), *seed)?;
-            Ok(ResNet::load(depth, tensors, size, options)?)
+    /// The network itself.
+    ///
+    /// # Errors
+    /// As of [`ResNet::load`].
+    pub fn load(&self) -> Result<ResNet> {
+        let (depth, size, options) = (self.depth, [self.side, self.side], self.options);
+        match &self.weights {
+            Weights::File(path) => ResNet::load(depth, open_checkpoint(path)?, size, options)
+                .map_err(|error| of_weights(path, Accepted::ResNets, error)),
+            Weights::Random(seed) => {
+                let tensors = random_network(NetworkKind::ResNet(depth.into()), *seed)?;
+                Ok(ResNet::load(depth, tensors, size, options)?)
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use clap::Args;
-use vision_models::HeadSettings;
+use vision_models::{FeatureScaling, HeadSettings};
 
 use crate::vision::errors::of_option;
 
@@ -18,6 +18,10 @@ pub struct HeadOptions {
     /// The probability that it is not shown a feature.
     #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
     dropout: f64,
+    /// Scale each feature to mean zero and variance one for the training: where a backbone's features differ in size,
+    /// as random ones do, the steps then go further. The layer takes features as they are all the same.
+    #[arg(long)]
+    standardise: bool,
 }
 
 impl HeadOptions {
@@ -26,9 +30,16 @@ impl HeadOptions {
     /// # Errors
     /// With the option that is out of its range.
     pub fn settings(self, seed: u64) -> Result<HeadSettings> {
-        let Self { epochs, learning_rate, dropout } = self;
-        let settings =
-            HeadSettings { learning_rate, dropout, epochs, seed, ..HeadSettings::default() };
+        let Self { epochs, learning_rate, dropout, standardise } = self;
+        let scaling = if standardise { FeatureScaling::Standardised } else { FeatureScaling::None };
+        let settings = HeadSettings {
+            learning_rate,
+            dropout,
+            epochs,
+            scaling,
+            seed,
+            ..HeadSettings::default()
+        };
         settings.validate().map_err(of_option)?;
         Ok(settings)
     }

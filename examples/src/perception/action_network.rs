@@ -1,44 +1,42 @@
 //! The person's action, by SlowOnly over the newest frames.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Result, ensure};
-use ndarray::Axis;
+use anyhow::{Context, Result, ensure};
+use moca_model::Intention;
 use vision_models::{
-    Action, ClassNames, Confidence, Error, LinearHead, Options, Preprocessing, RecognisedAction,
-    SlowOnly, SlowOnlyForm, SlowOnlyStream, read_image, softmax,
+    Action, ClassNames, Confidence, Error, Options, RecognisedAction, SlowOnly, SlowOnlyForm,
 };
 
-use crate::vision::{
-    choices::Accepted,
-    errors::{in_file, of_weights, open_checkpoint},
+use crate::{
+    actions::model::ActionModel,
+    program::Interrupt,
+    vision::{
+        choices::Accepted,
+        clip_stream::{ClipStream, preprocessing_of},
+        errors::{in_file, of_weights, open_checkpoint},
+    },
 };
 
-/// How the action is recognised.
+/// How a network with its own last layer recognises the action.
 #[derive(Clone, Copy, Debug)]
 pub struct ActionSettings<'a> {
     /// The checkpoint of the network.
     pub weights: &'a Path,
     /// Whose network.
     pub form: SlowOnlyForm,
-    /// A head over the network's features in place of its own, with `fc.weight` and `fc.bias`.
-    pub head: Option<&'a Path>,
     /// The names of the classes, one a line; HRI30's where there is none.
     pub names: Option<&'a Path>,
     /// Frames of a clip.
     pub length: usize,
     /// Camera frames from one of a clip to the next.
     pub interval: u64,
-    /// Threads that share the work.
-    pub threads: usize,
 }
 
 /// Recognises what the person does over a sliding window of colour images.
 #[derive(Debug)]
 pub struct ActionNetwork {
-    stream: SlowOnlyStream,
-    preprocessing: Preprocessing,
-    head: Option<LinearHead>,
+    stream: ClipStream,
     /// Of each class.
     actions: Vec<Action>,
     interval: u64,
@@ -47,55 +45,52 @@ pub struct ActionNetwork {
 }
 
 impl ActionNetwork {
-    /// Loads the network.
+    /// Loads a network with its own last layer.
     ///
     /// # Errors
     /// With the name of the file that does not fit.
-    pub fn load(settings: &ActionSettings<'_>) -> Result<Self> {
-        let ActionSettings { weights, form, length, interval, threads, .. } = *settings;
-        let names = match settings.names {
-            Some(file) => ClassNames::read(file).map_err(|error| in_file(file, error))?,
-            None => ClassNames::hri30(),
-        };
-        let names_of = |error: Error| match settings.names {
+    pub fn load(settings: &ActionSettings<'_>, threads: usize) -> Result<Self> {
+        let ActionSettings { weights, form, names, length, interval } = *settings;
+        let names_of = |error: Error| match names {
             Some(file) => in_file(file, error),
             None => error.into(),
         };
-        let actions = names.actions().map_err(names_of)?;
-        let preprocessing = match form {
-            SlowOnlyForm::PyTorchVideo => Preprocessing::PYTORCHVIDEO,
-            _ => Preprocessing::MMACTION2,
-        };
+        let actions = names.map_or_else(|| Ok(ClassNames::hri30()), ClassNames::read);
+        let actions = actions.and_then(|names| names.actions()).map_err(names_of)?;
+        let preprocessing = preprocessing_of(form);
         let size = [length, preprocessing.crop, preprocessing.crop];
         let options = Options { threads, ..Options::default() };
         let of_network = |error| of_weights(weights, Accepted::SlowOnlys, error);
         let network =
             SlowOnly::load(form, open_checkpoint(weights)?, size, options).map_err(of_network)?;
-        let (features, classes) = (network.features(), network.classes());
-        let read_head = |file: &Path| {
-            let classes = names.names().to_vec();
-            let head = LinearHead::read(&mut open_checkpoint(file)?, "fc", classes);
-            let head = head.map_err(|error| in_file(file, error))?;
-            let taken = head.weights().ncols();
-            ensure!(
-                taken == features,
-                "{}: it takes {taken} features, but the network has {features}: give the network that \
-                 it was trained with",
-                file.display()
-            );
-            Ok(head)
-        };
-        let head = settings.head.map(read_head).transpose()?;
-        let count = actions.len();
+        let (classes, count) = (network.classes(), actions.len());
         ensure!(
-            head.is_some() || classes == count,
+            classes == count,
             "{}: the network has {classes} classes, and there are {count} names: give those names, or \
-             a head",
+             a trained model",
             weights.display()
         );
-        let stream = SlowOnlyStream::new(network, size).map_err(of_network)?;
-        let newest = None;
-        Ok(Self { stream, preprocessing, head, actions, interval: interval.max(1), newest })
+        let stream = ClipStream::new(network, length, preprocessing, None).map_err(of_network)?;
+        Ok(Self { stream, actions, interval: interval.max(1), newest: None })
+    }
+
+    /// Loads what `actions train` has trained, over the network that it was trained with.
+    ///
+    /// # Errors
+    /// With the file that does not fit; a class that is no action of HRI30.
+    pub fn of_model(
+        folder: &Path,
+        weights: Option<PathBuf>,
+        threads: usize,
+        interrupt: &Interrupt,
+    ) -> Result<Self> {
+        let model = ActionModel::read(folder)?;
+        let classes = model.head.classes().iter().map(|class| Action::from_label(class));
+        let actions = classes.collect::<Result<_, _>>();
+        let actions = actions.with_context(|| folder.display().to_string())?;
+        let weights = model.weights.weights(weights, "--action-weights FILE", interrupt)?;
+        let interval = (model.window.interval as u64).max(1);
+        Ok(Self { stream: model.stream(weights, threads)?, actions, interval, newest: None })
     }
 
     /// Returns true if the frame of this number belongs into the window.
@@ -114,16 +109,22 @@ impl ActionNetwork {
             self.stream.clear();
         }
         self.newest = Some(frame);
-        let image = self.preprocessing.image(read_image(image)?.view())?;
-        let Some(scores) = self.stream.push(image.index_axis(Axis(0), 0))? else { return Ok(None) };
-        let logits = match &self.head {
-            Some(head) => head.scores(scores.features.row(0))?.to_vec(),
-            None => scores.logits.row(0).to_vec(),
+        let Some(probabilities) = self.stream.push(image)? else { return Ok(None) };
+        self.decide(&probabilities)
+    }
+
+    /// The most probable action of the most probable intention, with the probability of that intention: a controller
+    /// need not be sure which of two tools is in use to know that the person works.
+    fn decide(&self, probabilities: &[f32]) -> Result<Option<RecognisedAction>> {
+        let classes = || probabilities.iter().zip(&self.actions);
+        let of_intention = |action: Action| -> f32 {
+            let same = classes().filter(|(_, other)| Intention::from(**other) == action.into());
+            same.map(|(probability, _)| probability).sum()
         };
-        let probabilities = softmax(&logits);
+        let scored = classes().map(|(own, action)| (of_intention(*action), *own, *action));
         let best =
-            probabilities.iter().zip(&self.actions).max_by(|one, other| one.0.total_cmp(other.0));
-        let Some((&probability, &action)) = best else { return Ok(None) };
+            scored.max_by(|one, other| one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1)));
+        let Some((probability, _, action)) = best else { return Ok(None) };
         let confidence = Confidence::new(f64::from(probability).clamp(0.0, 1.0))?;
         Ok(Some(RecognisedAction { action, confidence }))
     }

@@ -1,31 +1,40 @@
-//! The surface of the object, by a ResNet's features.
+//! The surface of the object, by a ResNet.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
+use clap::ValueEnum;
 use vision_models::{
-    Confidence, LinearHead, LinearSvm, NetworkKind, RecognisedSurface, ResNet, ResNetDepth,
-    Surface, read_image, softmax,
+    Confidence, LinearHead, LinearSvm, RecognisedSurface, ResNet, ResNetDepth, Surface, read_image,
+    softmax,
 };
 
-use crate::surface::features::PREPROCESSING;
-use crate::vision::{
-    classifier::load_resnet,
-    errors::{in_file, open_checkpoint},
+use crate::{
+    learning::backbone::ImageBackbone,
+    program::Interrupt,
+    surface::{features::PREPROCESSING, model::SurfaceModel},
+    vision::classifier::load_resnet,
 };
 
-/// The classes of a head whose names are not given: folders of images in their order.
-const CLASSES: [&str; 2] = ["drilled", "smooth"];
+/// Which part of a trained model decides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SurfaceDecision {
+    /// The support vector machine.
+    Svm,
+    /// The new last layer.
+    Head,
+}
 
-/// What makes a surface of features.
+/// What makes a surface of an image.
 #[derive(Clone, Debug)]
 enum Decision {
+    /// The network's own last layer.
+    Own,
     Svm(LinearSvm),
     Head(LinearHead),
 }
 
-/// Recognises the surface in an image of the on-board camera, by an SVM or a head over the features of a
-/// ResNet (paper, Experiment 1).
+/// Recognises the surface in an image of the on-board camera (paper, Experiment 1).
 #[derive(Debug)]
 pub struct SurfaceNetwork {
     network: ResNet,
@@ -35,44 +44,52 @@ pub struct SurfaceNetwork {
 }
 
 impl SurfaceNetwork {
-    /// Loads the network, and an SVM as `surface train` writes it, or else a head with the tensors
-    /// `fc.weight` and `fc.bias` for drilled and smooth.
+    /// Loads a network whose last layer has two classes, drilled and smooth in this order.
     ///
     /// # Errors
     /// With the file's name.
-    pub fn load(
-        weights: &Path,
-        depth: ResNetDepth,
-        decision: SurfaceDecision<'_>,
-        threads: usize,
-    ) -> Result<Self> {
+    pub fn load(weights: &Path, depth: ResNetDepth, threads: usize) -> Result<Self> {
         let network = load_resnet(weights, depth, PREPROCESSING.crop, threads)?;
-        let (decision, file) = match decision {
-            SurfaceDecision::Svm(file) => {
-                let svm = LinearSvm::read(file).map_err(|error| in_file(file, error))?;
-                (Decision::Svm(svm), file)
-            }
-            SurfaceDecision::Head(file) => {
-                let classes = CLASSES.map(str::to_owned).into();
-                let head = LinearHead::read(&mut open_checkpoint(file)?, "fc", classes);
-                (Decision::Head(head.map_err(|error| in_file(file, error))?), file)
-            }
-        };
-        let (classes, taken) = match &decision {
-            Decision::Svm(svm) => (svm.classes(), svm.weights().ncols()),
-            Decision::Head(head) => (head.classes(), head.weights().ncols()),
-        };
-        let shown = file.display();
-        let given = network.features();
+        let classes = network.classes();
         ensure!(
-            taken == given,
-            "{shown}: it takes {taken} features, but the {} of {} has {given}: give the network that \
-             it was trained with",
-            NetworkKind::ResNet(depth.into()),
+            classes == 2,
+            "{}: the network has {classes} classes, not drilled and smooth: give one that has, or a trained model",
             weights.display()
         );
+        let surfaces = vec![Surface::Drilled, Surface::Smooth];
+        Ok(Self { network, decision: Decision::Own, surfaces })
+    }
+
+    /// Loads what `surface train` has trained, over the network that it was trained with: the one of this depth, if
+    /// there are several.
+    ///
+    /// # Errors
+    /// With the file that does not fit; a class that is no surface.
+    pub fn of_model(
+        folder: &Path,
+        (depth, decision): (Option<ResNetDepth>, SurfaceDecision),
+        weights: Option<PathBuf>,
+        threads: usize,
+        interrupt: &Interrupt,
+    ) -> Result<Self> {
+        let shown = folder.display();
+        let SurfaceModel { classes, networks, .. } = SurfaceModel::read(folder)?;
         let surfaces = classes.iter().map(|class| class.parse());
         let surfaces = surfaces.collect::<Result<_, _>>().with_context(|| shown.to_string())?;
+        let depths: Vec<_> = networks.iter().map(|own| own.depth.layers().to_string()).collect();
+        let mut chosen = networks.into_iter().filter(|own| depth.is_none_or(|d| own.depth == d));
+        let (Some(own), None) = (chosen.next(), chosen.next()) else {
+            bail!(
+                "{shown}: trained over networks of {} layers: choose one by --surface-depth",
+                depths.join(" and ")
+            );
+        };
+        let weights = own.weights.weights(weights, "--surface-weights FILE", interrupt)?;
+        let network = ImageBackbone::new(weights, own.depth, PREPROCESSING.crop, threads).load()?;
+        let decision = match decision {
+            SurfaceDecision::Svm => Decision::Svm(own.svm),
+            SurfaceDecision::Head => Decision::Head(own.head),
+        };
         Ok(Self { network, decision, surfaces })
     }
 
@@ -85,27 +102,19 @@ impl SurfaceNetwork {
         let image = PREPROCESSING.image(read_image(image)?.view())?;
         let scores = self.network.infer(image.view())?;
         let features = scores.features.row(0);
+        let of = |probabilities: &[f32]| {
+            let class = vision_models::top_k(probabilities, 1).first().copied().unwrap_or_default();
+            (class, probabilities.get(class).copied().unwrap_or_default().into())
+        };
         let (class, probability) = match &self.decision {
+            Decision::Own => of(&softmax(&scores.logits.row(0).to_vec())),
+            Decision::Head(head) => of(&softmax(&head.scores(features)?.to_vec())),
             Decision::Svm(svm) => {
                 let decision = svm.decide(features)?.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
                 (svm.classify(features)?, 1.0 / (1.0 + (-decision).exp()))
             }
-            Decision::Head(head) => {
-                let class = head.classify(features)?;
-                let scores = head.scores(features)?.to_vec();
-                (class, softmax(&scores).get(class).copied().unwrap_or_default().into())
-            }
         };
-        let confidence = Confidence::new(probability.clamp(0.0, 1.0))?;
+        let confidence = Confidence::new(f64::clamp(probability, 0.0, 1.0))?;
         Ok(self.surfaces.get(class).map(|&surface| RecognisedSurface { surface, confidence }))
     }
-}
-
-/// The file of what decides.
-#[derive(Clone, Copy, Debug)]
-pub enum SurfaceDecision<'a> {
-    /// An SVM.
-    Svm(&'a Path),
-    /// A head.
-    Head(&'a Path),
 }

@@ -92,4 +92,18 @@ impl Session {
         }
         Ok(())
     }
+
+    /// The same as the last line of a program that ends so.
+    ///
+    /// # Errors
+    /// Standard output that cannot be written.
+    pub fn conclude(
+        &mut self,
+        json: Json,
+        result: &impl Serialize,
+        ending: Ending,
+    ) -> anyhow::Result<Ending> {
+        self.print_json(json, result, ending)?;
+        Ok(ending)
+    }
 }

@@ -3,13 +3,15 @@
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{
-    Body, Camera, Confidence, DepthImage, Error, ImageBody, Keypoint, Percept, RecognisedAction,
-    RecognisedSurface,
+    Action, Body, Camera, Confidence, DepthImage, Error, ImageBody, Keypoint, Percept,
+    RecognisedAction, RecognisedSurface,
 };
 
 use super::{
+    appearance::Appearance,
     image::RenderedImage,
     noise::DepthSensor,
+    on_board::OnBoardCamera,
     scene::{Scene, SceneState},
     skeleton::{PoseEstimator, SkeletonSettings},
     view::{self, Viewpoint},
@@ -24,6 +26,7 @@ const SENSOR: u64 = 100;
 const POSES: u64 = 101;
 const LATENCY: u64 = 102;
 const ON_BOARD: u64 = 103;
+const APPEARANCE: u64 = 104;
 
 /// How late a frame is there (s).
 const LATE: std::ops::Range<f64> = 0.02..0.09;
@@ -53,7 +56,10 @@ pub struct Shot {
 pub struct Film {
     walker: Walker,
     camera: Camera,
-    on_board: Camera,
+    on_board: OnBoardCamera,
+    appearance: Appearance,
+    /// What the camera sees of the room, which does not change.
+    room: Option<RenderedImage>,
     sensor: DepthSensor,
     poses: PoseEstimator,
     latency: ChaCha8Rng,
@@ -80,8 +86,6 @@ impl Film {
         }
         let camera = view::simulated_camera(viewpoint, size)
             .map_err(|_| refuse("size", size[0] as f64, "sides of 1 to 16384 pixels"))?;
-        let on_board = view::on_board_camera(&mut random::generator(settings.seed, ON_BOARD))
-            .map_err(|_| refuse("seed", settings.seed as f64, "another seed"))?;
         let (seed, seen) = (settings.seed, settings.camera);
         let walker = Walker::new(settings)?;
         let draw = |stream| random::generator(seed, stream);
@@ -92,11 +96,22 @@ impl Film {
             sensor: DepthSensor::new(size, *camera.noise(), seen.noise, draw(SENSOR)),
             poses: PoseEstimator::new(skeletons, draw(POSES)),
             latency: draw(LATENCY),
+            on_board: OnBoardCamera::new(draw(ON_BOARD)),
+            appearance: Appearance::default(),
+            room: None,
             camera,
-            on_board,
             frame: 0,
             arrived: 0.0,
         })
+    }
+
+    /// The same, with clothes, room and light that are of the seed.
+    #[must_use]
+    pub fn varied(mut self) -> Self {
+        let seed = self.walker.settings().seed;
+        self.appearance = Appearance::random(&mut random::generator(seed, APPEARANCE));
+        self.room = None;
+        self
     }
 
     /// The camera.
@@ -120,9 +135,16 @@ impl Film {
         let person = self.walker.person();
         let (joints, stature) = (person.joints(), person.stature());
         let surface = self.walker.settings().tool.surface();
-        let state = SceneState { joints: &joints, stature, action: truth.action, surface };
-        let look = |camera: &Camera| view::render(&Scene::new(&state, camera), camera);
-        let (image, of_surface) = (look(&self.camera), look(&self.on_board));
+        let (action, appearance) = (truth.action, &self.appearance);
+        let state = SceneState { joints: &joints, stature, action, surface, appearance };
+        let scene = Scene::new(&state, &self.camera);
+        let room = self.room.get_or_insert_with(|| view::render_room(&scene, &self.camera));
+        let image = view::render_before(room.clone(), &scene, &self.camera);
+        let on_board = match self.on_board.next_view() {
+            Ok(camera) => camera,
+            Err(error) => return Some(Err(error)),
+        };
+        let of_surface = view::render(&Scene::new(&state, &on_board), &on_board);
         let depth = match self.sensor.measure(&image, 1.0 / FRAME_RATE) {
             Ok(depth) => depth,
             Err(error) => return Some(Err(error)),
@@ -131,14 +153,12 @@ impl Film {
             .filter(|skeleton| skeleton.iter().next().is_some());
         let confidence = Confidence::ONE;
         let keypoints = joints.map(|position| Some(Keypoint { position, confidence }));
-        let action = RecognisedAction { action: truth.action, confidence };
-        let surface = RecognisedSurface { surface, confidence };
-        let truth = Percept {
-            time,
-            body: Some(Body::new(keypoints)),
-            action: Some(action),
-            surface: Some(surface),
-        };
+        let action = RecognisedAction { action, confidence };
+        // Carried in the hands it does not face the on-board camera.
+        let faces = truth.action != Action::WalkingWithObject;
+        let surface = faces.then_some(RecognisedSurface { surface, confidence });
+        let body = Some(Body::new(keypoints));
+        let truth = Percept { time, body, action: Some(action), surface };
         let late = self.latency.random_range(LATE);
         self.arrived = self.arrived.max(time + late);
         let entry = FrameEntry { frame: self.frame, time, arrived: Some(self.arrived) };

@@ -1,8 +1,6 @@
 //! From a scene to an image.
 
 use nalgebra::{Point2, Point3, Vector3};
-use rand::Rng;
-use rand_chacha::ChaCha8Rng;
 use vision_models::{Camera, DepthNoise, Error, Intrinsics};
 
 use super::{
@@ -36,9 +34,6 @@ impl Viewpoint {
 /// The focal length of a D435i's colour camera over the image's width.
 const FOCAL: f64 = 615.0 / 640.0;
 
-/// Towards the light, from the camera.
-const LIGHT: Vector3<f64> = Vector3::new(0.3, -0.8, -0.5);
-
 /// The camera of the simulation: a RealSense D435i, with images of this width and height (pixels).
 ///
 /// # Errors
@@ -51,42 +46,27 @@ pub fn simulated_camera(viewpoint: Viewpoint, size: [usize; 2]) -> Result<Camera
     Camera::looking_at(intrinsics, viewpoint.eye(), TARGET, DepthNoise::D435I)
 }
 
-/// Width and height of the on-board camera's images (pixels).
-const ON_BOARD: [usize; 2] = [128, 96];
-
-/// Where the on-board camera is, on average, and what it looks at (world, m): the face of the object that
-/// the robot holds.
-const ON_BOARD_EYE: Point3<f64> = Point3::new(0.35, 0.0, 1.15);
-const ON_BOARD_TARGET: Point3<f64> = Point3::new(0.75, 0.0, 1.05);
-
-/// The robot's own camera, which looks at the object from a little elsewhere for each draw.
-///
-/// # Errors
-/// None that is known.
-pub(super) fn on_board_camera(draw: &mut ChaCha8Rng) -> Result<Camera, Error> {
-    let mut off = || Vector3::from_fn(|_, _| draw.random_range(-0.05..0.05));
-    let (eye, target) = (ON_BOARD_EYE + off(), ON_BOARD_TARGET + off());
-    let [width, height] = ON_BOARD.map(|side| side as f64);
-    let centre = [0.5 * (width - 1.0), 0.5 * (height - 1.0)];
-    let intrinsics = Intrinsics::new(ON_BOARD, [width, width], centre)?;
-    Camera::looking_at(intrinsics, eye, target, DepthNoise::D435I)
-}
-
 /// What a camera sees, without noise.
 pub fn render(scene: &Scene, camera: &Camera) -> RenderedImage {
-    let intrinsics = camera.intrinsics();
-    let size = intrinsics.size();
-    let [width, height] = size;
-    let mut view = View {
-        image: RenderedImage {
-            size,
-            colour: vec![0; 3 * width * height],
-            depth: vec![f32::INFINITY; width * height],
-        },
-        rays: *intrinsics,
-        light: LIGHT.normalize(),
+    render_before(render_room(scene, camera), scene, camera)
+}
+
+/// What a camera sees of floor and walls alone.
+pub(super) fn render_room(scene: &Scene, camera: &Camera) -> RenderedImage {
+    let [width, height] = camera.intrinsics().size();
+    let image = RenderedImage {
+        size: [width, height],
+        colour: vec![0; 3 * width * height],
+        depth: vec![f32::INFINITY; width * height],
     };
+    let mut view = View::new(image, scene, camera);
     view.draw([0, 0, width, height], |ray| scene.background(ray));
+    view.image
+}
+
+/// What a camera sees, where the room is drawn already.
+pub(super) fn render_before(room: RenderedImage, scene: &Scene, camera: &Camera) -> RenderedImage {
+    let mut view = View::new(room, scene, camera);
     for textured in &scene.boxes {
         let radius = textured.half.norm();
         let middle = Point3::from(textured.pose.translation.vector);
@@ -110,6 +90,10 @@ struct View {
 }
 
 impl View {
+    fn new(image: RenderedImage, scene: &Scene, camera: &Camera) -> Self {
+        Self { image, rays: *camera.intrinsics(), light: scene.light }
+    }
+
     /// First and last column and row of the part of the image in which points with a radius are.
     fn part(&self, points: &[Point3<f64>], radius: f64) -> Option<[usize; 4]> {
         let ([width, height], [focal, _]) = (self.rays.size(), self.rays.focal());

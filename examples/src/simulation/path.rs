@@ -8,7 +8,7 @@ use std::{
     str::FromStr,
 };
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::{Point2, Rotation2, Vector2};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
@@ -53,6 +53,8 @@ pub enum WalkingPath {
     FigureEight,
     /// To random places, turning at random.
     Random,
+    /// To random places, each time along one of HRI30's eight directions, with a stop at each.
+    Directions,
     /// To these points on the floor, in the world (m), with a stop at each.
     Points(Vec<Point2<f64>>),
 }
@@ -159,12 +161,32 @@ impl WalkingPath {
                 };
                 (0..32).map(|_| random()).collect()
             }
+            Self::Directions => in_directions(draw),
             Self::Points(points) => points
                 .iter()
                 .map(|&floor| Waypoint { floor, heading: TOWARDS_ROBOT, dwell: DWELL })
                 .collect(),
         }
     }
+}
+
+/// Legs along the eight directions in the frame of a person who hardly turns.
+fn in_directions(draw: &mut ChaCha8Rng) -> Vec<Waypoint> {
+    let heading = TOWARDS_ROBOT + draw.random_range(-0.25..0.25);
+    let inside = |place: &Vector2<f64>| (-0.1..1.6).contains(&place.x) && place.y.abs() < 1.0;
+    let mut place = Vector2::zeros();
+    let mut way = vec![Waypoint { floor: WORKPLACE, heading, dwell: 1.0 }];
+    while way.len() < 64 {
+        let (eighth, length) = (draw.random_range(0..8_u8), draw.random_range(0.5..1.3));
+        let (off, dwell) = (draw.random_range(-0.1..0.1), draw.random_range(1.0..3.0));
+        let yaw = heading + TAU * f64::from(eighth) / 8.0 + off;
+        let next = place + Rotation2::new(yaw) * Vector2::new(length, 0.0);
+        if inside(&next) {
+            place = next;
+            way.push(Waypoint { floor: WORKPLACE + place, heading, dwell });
+        }
+    }
+    way
 }
 
 impl FromStr for WalkingPath {
@@ -178,6 +200,7 @@ impl FromStr for WalkingPath {
             "circle" => Self::Circle,
             "figure-eight" => Self::FigureEight,
             "random" => Self::Random,
+            "directions" => Self::Directions,
             list => {
                 let points = list.split_whitespace().map(point).collect::<Option<_>>();
                 Self::Points(points.ok_or_else(|| WalkerError::Path { text: excerpt(text) })?)

@@ -95,8 +95,7 @@ impl Evaluate {
             let features = source.of_images(&images, Flips::None, session, &mut unreadable)?;
             let Some(features) = features else {
                 session.warn("interrupted before the end");
-                session.print_json(self.json, &report, Ending::Partial)?;
-                return Ok(Ending::Partial);
+                return session.conclude(self.json, &report, Ending::Partial);
             };
             for (name, decider) in network.deciders() {
                 let scores = features.scores(decider)?;
@@ -129,8 +128,7 @@ impl Evaluate {
                 OutputFile::write_whole(folder.join(name), contents.as_bytes())?;
             }
         }
-        session.print_json(self.json, &report, Ending::Complete)?;
-        Ok(Ending::Complete)
+        session.conclude(self.json, &report, Ending::Complete)
     }
 
     /// The images of the part that is asked for.

@@ -88,8 +88,7 @@ impl Generate {
         }
         let shown = self.folder.display();
         writeln!(session.output(), "{done} pictures of smooth and drilled surfaces in {shown}")?;
-        session.print_json(self.json, &Generated { folder: self.folder, images: done }, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &Generated { folder: self.folder, images: done }, ending)
     }
 
     fn draw(&self, path: &Path, surface: Surface, stream: u64) -> Result<()> {

@@ -172,30 +172,23 @@ impl SurfaceModel {
         interrupt: &Interrupt,
     ) -> Result<Vec<FeatureSource>> {
         let source = |network: &OverNetwork| {
-            let layers = network.depth.layers();
-            let own = match (weights.file_of(network.depth), &network.weights) {
-                (None, WeightsIdentity::RandomSeed(seed)) => Weights::Random(*seed),
-                (None, WeightsIdentity::Sha256(_)) => {
-                    bail!("give the model's weights: --weights {layers}=FILE")
-                }
-                (Some(file), _) => Weights::File(file),
-            };
-            let identity = own.identity(interrupt)?;
-            if let Weights::File(file) = &own {
-                ensure!(
-                    identity == network.weights,
-                    "{}: these are {identity}, but the model was trained with {}",
-                    file.display(),
-                    network.weights
-                );
-            }
-            FeatureSource::new(network.depth, (own, &identity), cache, threads)
+            let own = network.weights(weights.file_of(network.depth), interrupt)?;
+            FeatureSource::new(network.depth, (own, &network.weights), cache, threads)
         };
         self.networks.iter().map(source).collect()
     }
 }
 
 impl OverNetwork {
+    /// The weights that it was trained with.
+    ///
+    /// # Errors
+    /// As of [`WeightsIdentity::weights`].
+    pub fn weights(&self, file: Option<PathBuf>, interrupt: &Interrupt) -> Result<Weights> {
+        let option = format!("--weights {}=FILE", self.depth.layers());
+        self.weights.weights(file, &option, interrupt)
+    }
+
     /// The paper's two ways to decide, by name.
     pub fn deciders(&self) -> [(String, Decider<'_>); 2] {
         let name = name_of(self.depth);

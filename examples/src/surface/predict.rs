@@ -104,7 +104,6 @@ impl Predict {
             ending = Ending::Failed;
         }
         results.keep(ending)?;
-        session.print_json(self.json, &report, ending)?;
-        Ok(ending)
+        session.conclude(self.json, &report, ending)
     }
 }

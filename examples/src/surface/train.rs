@@ -209,14 +209,12 @@ impl Train {
             SurfaceModel { classes: parts.classes, parts: parts.of_paths, networks: trained };
         model.write(&self.output)?;
         writeln!(session.output(), "model: {}", self.output.display())?;
-        session.print_json(self.json, &report, Ending::Complete)?;
-        Ok(Ending::Complete)
+        session.conclude(self.json, &report, Ending::Complete)
     }
 
     fn interrupted(&self, session: &mut Session, report: &Trained) -> Result<Ending> {
         session.warn("interrupted before the end: there is no model");
-        session.print_json(self.json, report, Ending::Partial)?;
-        Ok(Ending::Partial)
+        session.conclude(self.json, report, Ending::Partial)
     }
 
     fn settings(&self) -> Result<(HeadSettings, SvmSettings)> {

@@ -8,6 +8,7 @@
 )]
 
 mod actions;
+mod chain;
 mod classify;
 mod convert;
 mod ergo_map;

@@ -1,12 +1,18 @@
 //! `perceive` with networks: joints, surface and action, each with when it was seen and known.
 
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
-use examples::recording::{IfPartial, Recording};
+use examples::{
+    actions::{model::ActionModel, network::Window},
+    learning::backbone::WeightsIdentity,
+    recording::{IfPartial, Recording},
+    surface::model::{OverNetwork, SurfaceModel},
+};
 use nalgebra::Point2;
 use ndarray::{Array1, Array2};
 use vision_models::{
-    Camera, DepthImage, DepthNoise, Intrinsics, LinearHead, LinearSvm, PersonBox, Surface,
+    Camera, DepthImage, DepthNoise, Intrinsics, LinearHead, LinearSvm, PersonBox, ResNetDepth,
+    Surface,
 };
 
 use crate::support::{Runs, resnet18, simple_baseline, slow_only_r18};
@@ -19,49 +25,72 @@ fn film(folder: &Path) -> String {
     frames
 }
 
+/// A trained model of surfaces over a random ResNet-18: its machine takes every surface for a smooth one, and its
+/// layer for a drilled one.
+fn surface_model(folder: &Path) -> String {
+    let classes = vec!["drilled".to_owned(), "smooth".to_owned()];
+    let (none, bias) = (Array2::zeros((1, 512)), Array1::from_elem(1, 0.7));
+    let layer = Array2::zeros((2, 512));
+    let network = OverNetwork {
+        depth: ResNetDepth::Eighteen,
+        weights: WeightsIdentity::RandomSeed(1),
+        head: LinearHead::new(classes.clone(), layer, Array1::from_vec(vec![1.0, 0.0])).unwrap(),
+        svm: LinearSvm::new(classes.clone(), none, bias).unwrap(),
+    };
+    let folder = folder.join("surface");
+    let model = SurfaceModel { classes, parts: BTreeMap::new(), networks: vec![network] };
+    model.write(&folder).unwrap();
+    folder.to_str().unwrap().to_owned()
+}
+
+/// A trained model of actions over a random SlowOnly-R18, which gives classes always the same logits.
+fn action_model(folder: &Path, logits: &[(&str, f32)]) -> String {
+    let classes = logits.iter().map(|(class, _)| (*class).to_owned()).collect();
+    let biases = logits.iter().map(|(_, logit)| *logit).collect();
+    let head = LinearHead::new(classes, Array2::zeros((logits.len(), 512)), biases).unwrap();
+    let network = "slowonly_r18_mm".to_owned();
+    let window = Window { network, length: 2, interval: 8, side: 32 };
+    let (weights, parts) = (WeightsIdentity::RandomSeed(1), BTreeMap::new());
+    let folder = folder.join("action");
+    ActionModel { head, window, weights, parts }.write(&folder).unwrap();
+    folder.to_str().unwrap().to_owned()
+}
+
+fn read(file: &str) -> Recording {
+    Recording::read(examples::recording::open(file).unwrap(), IfPartial::Refuse).unwrap()
+}
+
+/// `perceive` with the skeletons of the film.
+fn perceive(frames: &str, output: &str) -> Runs {
+    let skeletons = format!("{frames}/skeletons");
+    let options = ["--skeletons", &skeletons, "--output", output, "--json", "--quiet"];
+    Runs::new("perceive").with(&[frames]).with(&options)
+}
+
 #[test]
 fn surfaces_and_actions_come_with_their_own_ages() {
     let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let output = folder.path().join("p.jsonl").to_str().unwrap().to_owned();
     let frames = film(folder.path());
-    // A machine that takes every surface for a smooth one.
-    let svm = LinearSvm::new(
-        vec!["drilled".into(), "smooth".into()],
-        Array2::zeros((1, 512)),
-        Array1::from_elem(1, 0.7),
-    );
-    std::fs::write(path("surface.svm"), svm.unwrap().to_string()).unwrap();
-    let (skeletons, output, svm) =
-        (format!("{frames}/skeletons"), path("p.jsonl"), path("surface.svm"));
-    let options = [
-        &frames,
-        "--skeletons",
-        &skeletons,
-        "--output",
-        &output,
-        "--json",
-        "--quiet",
-        "--surface-weights",
-        resnet18(),
-        "--surface-depth=18",
-        "--surface-svm",
-        &svm,
+    let model = surface_model(folder.path());
+    let networks = [
+        "--surface-model",
+        &model,
         "--surface-interval=8",
         "--action-weights",
         slow_only_r18(),
-        "--action-model=slowonly_r18_mm",
+        "--action-network=slowonly_r18_mm",
         "--action-length=2",
         "--action-interval=8",
     ];
-    let ran = Runs::new("perceive").with(&options).run().done();
+    let ran = perceive(&frames, &output).with(&networks).run().done();
     let json = ran.json();
     assert_eq!((&json["frames"], &json["with_surface"]), (&25.into(), &25.into()));
     assert_eq!(json["with_action"], 17, "from the second frame of a clip on");
     for stage in ["poses", "surface", "action"] {
         assert!(json[stage]["median_us"].as_f64().unwrap() > 0.0, "{stage}");
     }
-    let reader = examples::recording::open(&output).unwrap();
-    let recording = Recording::read(reader, IfPartial::Refuse).unwrap();
+    let recording = read(&output);
     for (percept, timing) in recording.percepts.iter().zip(&recording.timings) {
         let surface = percept.surface.unwrap();
         assert_eq!(surface.surface, Surface::Smooth);
@@ -77,28 +106,64 @@ fn surfaces_and_actions_come_with_their_own_ages() {
     // It plays.
     let follow = Runs::follow().with(&["--no-report", "--stature=1.75", "--recording", &output]);
     follow.run().done();
+}
 
-    // A head in the SVM's place.
-    let head = LinearHead::random(vec!["drilled".into(), "smooth".into()], 512, 1).unwrap();
-    let file = std::fs::File::create(path("head.safetensors")).unwrap();
-    head.tensors("fc").unwrap().write_safetensors(file).unwrap();
-    let options = [
-        &frames,
-        "--skeletons",
-        &skeletons,
-        "--output",
-        &output,
-        "--json",
-        "--quiet",
-        "--surface-weights",
-        resnet18(),
-        "--surface-depth=18",
-        "--surface-head",
-        &path("head.safetensors"),
-        "--surface-interval=100",
-    ];
-    let ran = Runs::new("perceive").with(&options).run().done();
-    assert_eq!((&ran.json()["with_surface"], &ran.json()["with_action"]), (&25.into(), &0.into()));
+/// The controller need not know which tool is in use: what counts is how probable it is that the person works.
+#[test]
+fn trained_models_are_compared_with_the_truth() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("p.jsonl").to_str().unwrap().to_owned();
+    let frames = film(folder.path());
+    let truth = format!("{frames}/truth.jsonl");
+    let surface = surface_model(folder.path());
+    let perceive = |logits: &[(&str, f32)]| {
+        let action = action_model(folder.path(), logits);
+        let models = ["--surface-model", &surface, "--action-model", &action, "--truth", &truth];
+        let options = ["--surface-decision=head", "--surface-interval=100"];
+        let ran = perceive(&frames, &output).with(&models).with(&options).run().done();
+        assert!(ran.output.contains("\nagainst the truth: surface "), "{ran:?}");
+        (ran.json()["truth"].clone(), read(&output).percepts.pop().unwrap())
+    };
+    // Whoever carries the object shows no surface. The window is full in the ninth of 25 frames.
+    let carrying =
+        [("Walking With Object", 1.0), ("Using The Drill", 0.9), ("Using The Polisher", 0.8)];
+    let (json, percept) = perceive(&carrying);
+    assert_eq!((&json["surface_right"], &json["delay"]), (&serde_json::Value::Null, &0.5.into()));
+    assert_eq!(json["action_right"], 0.0);
+    // Apart until they have been seen at work for 0.2 s.
+    assert!((0.3..0.9).contains(&json["intention_right"].as_f64().unwrap()), "{json}");
+    let seen = percept.action.unwrap();
+    assert_eq!(seen.action.name(), "Using The Drill");
+    let [one, other, rest] = [0.9_f64, 0.8, 1.0].map(f64::exp);
+    let sum = (one + other) / (one + other + rest);
+    assert!((seen.confidence.value() - sum).abs() < 1e-3, "{seen:?}");
+    let carrying =
+        [("Walking With Object", 2.0), ("Using The Drill", 0.7), ("Using The Polisher", 0.6)];
+    let (json, percept) = perceive(&carrying);
+    assert_eq!((&json["action_right"], &json["intention_right"]), (&0.68.into(), &1.0.into()));
+    assert_eq!(percept.surface.unwrap().surface, Surface::Drilled);
+}
+
+#[test]
+fn models_that_do_not_fit_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("p.jsonl").to_str().unwrap().to_owned();
+    let frames = film(folder.path());
+    let refused = |options: &[&str], code: i32, says: &str| {
+        perceive(&frames, &output).with(options).run().failed(code, says);
+        assert!(!Path::new(&output).exists());
+    };
+    let action = action_model(folder.path(), &[("Walking", 0.0), ("Dancing", 0.0)]);
+    refused(&["--action-model", &action], 1, "unknown action \"Dancing\"");
+    let surface = surface_model(folder.path());
+    refused(&["--surface-model", &surface, "--surface-depth=50"], 1, "networks of 18 layers");
+    let [weights, file] = ["--surface-weights", resnet18()];
+    let says = "but the model was trained with random weights of seed 1";
+    refused(&[weights, file, "--surface-model", &surface], 1, says);
+    let says = "the network has 7 classes, not drilled and smooth";
+    refused(&[weights, file, "--surface-depth=18"], 1, says);
+    refused(&["--action-model", &action, "--action-length=3"], 2, "cannot be used with");
+    refused(&["--truth", &output], 1, "p.jsonl");
 }
 
 #[test]

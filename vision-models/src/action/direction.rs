@@ -64,6 +64,20 @@ impl WalkingDirection {
         eighths * FRAC_PI_4
     }
 
+    /// The direction with left and right exchanged.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        match self {
+            Self::ForwardsLeft => Self::ForwardsRight,
+            Self::Left => Self::Right,
+            Self::BackwardsLeft => Self::BackwardsRight,
+            Self::BackwardsRight => Self::BackwardsLeft,
+            Self::Right => Self::Left,
+            Self::ForwardsRight => Self::ForwardsLeft,
+            Self::Forwards | Self::Backwards => self,
+        }
+    }
+
     /// The unit vector in the person's frame.
     pub fn unit(self) -> Vector2<f64> {
         let (sin, cos) = self.yaw().sin_cos();

@@ -1,5 +1,6 @@
 //! How a head is trained.
 
+use super::FeatureScaling;
 use crate::Error;
 
 /// Settings of stochastic gradient descent.
@@ -27,6 +28,8 @@ pub struct HeadSettings {
     pub batch: usize,
     /// How often all samples are gone through; 100.
     pub epochs: usize,
+    /// What [`LinearHead::train`](super::LinearHead::train) does to the features; nothing.
+    pub scaling: FeatureScaling,
     /// Seed of the first weights, the order of the samples and what is left out.
     pub seed: u64,
 }
@@ -40,6 +43,7 @@ impl Default for HeadSettings {
             dropout: 0.5,
             batch: 32,
             epochs: 100,
+            scaling: FeatureScaling::None,
             seed: 1,
         }
     }

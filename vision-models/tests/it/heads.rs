@@ -3,7 +3,7 @@
 use ndarray::{Array1, Array2, ArrayView2, Axis};
 use proptest::prelude::*;
 use serde::Deserialize;
-use vision_models::{Epoch, Error, HeadSettings, HeadTrainer, LinearHead};
+use vision_models::{Epoch, Error, FeatureScaling, HeadSettings, HeadTrainer, LinearHead};
 
 /// What PyTorch trains (`tests/data/heads.py`).
 #[derive(Deserialize)]
@@ -106,6 +106,38 @@ fn a_trained_head_tells_the_classes_apart() {
             assert_eq!(head.classify(sample).unwrap(), label);
         }
         assert!(epochs[39].loss < loss, "{epochs:?}");
+    }
+}
+
+/// Other units of the features do not change what a head of standardised features says of a sample.
+#[test]
+fn standardised_features_may_have_any_unit() {
+    let scaling = FeatureScaling::Standardised;
+    let settings =
+        HeadSettings { learning_rate: 0.05, epochs: 10, scaling, ..HeadSettings::default() };
+    let scores = |scale: f32, offset: f32| {
+        let (mut samples, labels) = clouds(40, 6);
+        for (column, mut feature) in samples.axis_iter_mut(Axis(1)).enumerate() {
+            let scale = scale * (1 + column) as f32;
+            feature.mapv_inplace(|value| scale * value + offset);
+        }
+        // A feature that says nothing is not heard.
+        samples.column_mut(5).fill(0.3);
+        let head =
+            LinearHead::train(samples.view(), &labels, names(2), &settings, |_| true).unwrap();
+        assert!(head.weights().column(5).iter().all(|weight| *weight == 0.0));
+        let scores = |sample| head.scores(sample).unwrap();
+        let scores: Vec<_> = samples.outer_iter().flat_map(scores).collect();
+        (scores, labels)
+    };
+    let (plain, labels) = scores(1.0, 0.0);
+    for (scale, offset) in [(1e-4, 0.0), (30.0, -7.0)] {
+        for (one, other) in plain.iter().zip(scores(scale, offset).0) {
+            assert!((one - other).abs() < 1e-3, "{one} {other}");
+        }
+    }
+    for (scores, label) in plain.chunks(2).zip(labels) {
+        assert!((scores[1] > scores[0]) == (label == 1), "{scores:?}");
     }
 }
 

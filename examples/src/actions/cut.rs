@@ -1,0 +1,75 @@
+//! Clips by class, of frames whose truth is known.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+
+use crate::{
+    frames::truth::TrueFilm,
+    learning::cutting::{CutOptions, Sample},
+    program::{Ending, Quiet, Session},
+};
+
+/// Cuts clips out of frames with their truth: a folder for each class, as `train` and `evaluate` take them.
+///
+/// A clip is of the action of its last frame, as a recogniser that looks back from the newest frame is to say it. No
+/// clip goes over frames that the camera lost.
+#[derive(Args, Debug)]
+pub struct Cut {
+    #[command(flatten)]
+    options: CutOptions,
+    /// Frames of a clip, 1 to 1,024.
+    #[arg(long, default_value_t = 29, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    length: u16,
+    /// Frames from the beginning of a clip to that of the next.
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..))]
+    every: u16,
+    /// For how many frames at its end the person has been doing what a clip is of; for all of it if this is left out.
+    /// With fewer, clips show how an action begins.
+    #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u16).range(1..))]
+    settled: Option<u16>,
+}
+
+impl Cut {
+    /// The option `--quiet`.
+    pub fn quiet(&self) -> Quiet {
+        self.options.quiet()
+    }
+
+    /// Cuts them.
+    ///
+    /// # Errors
+    /// As of [`CutOptions::run`].
+    pub fn run(self, session: &mut Session) -> Result<Ending> {
+        let length = usize::from(self.length);
+        let settled = self.settled.map_or(length, usize::from).min(length);
+        let every = usize::from(self.every);
+        self.options.run(session, "clips", |film| Ok(clips_of(film, length, every, settled)))
+    }
+}
+
+fn clips_of(film: &TrueFilm, length: usize, every: usize, settled: usize) -> Vec<Sample> {
+    let mut clips = Vec::new();
+    for frames in film.frames.windows(length).step_by(every) {
+        let (Some((first, _)), Some((last, truth))) = (frames.first(), frames.last()) else {
+            continue;
+        };
+        let action = truth.action.map(|seen| seen.action);
+        let whole = last.frame - first.frame == length as u64 - 1;
+        let mut at_end = frames.iter().rev().take(settled);
+        let same = at_end.all(|(_, truth)| truth.action.map(|seen| seen.action) == action);
+        if let Some(action) = action.filter(|_| whole && same) {
+            let clip = PathBuf::from(format!("{}-{:06}", film.name, first.frame));
+            let file = |(place, (entry, _)): (usize, &(_, _))| {
+                let from = film.reader().colour(entry);
+                let extension = from.extension().unwrap_or_default().to_string_lossy();
+                let to = clip.join(format!("{place:05}.{extension}"));
+                (from, to)
+            };
+            let files = frames.iter().enumerate().map(file).collect();
+            clips.push(Sample { class: action.name().to_owned(), files });
+        }
+    }
+    clips
+}

@@ -1,0 +1,84 @@
+//! Frames of which the truth is known, as `record --frames` writes them.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use vision_models::Percept;
+
+use super::{FrameEntry, FramesReader};
+use crate::recording::{self, IfPartial, Recording, RecordingError};
+
+/// The name of the recording of what is true, in a folder of frames.
+pub const TRUTH: &str = "truth.jsonl";
+
+/// A frame and its truth may be so far apart (s): times are written to the microsecond.
+const SAME_TIME: f64 = 2e-6;
+
+/// A folder of frames with the truth of each.
+#[derive(Debug)]
+pub struct TrueFilm {
+    /// The folder's own name.
+    pub name: String,
+    /// The frames in their order, with what is true in each.
+    pub frames: Vec<(FrameEntry, Percept)>,
+    reader: FramesReader,
+}
+
+impl TrueFilm {
+    /// Reads the index and the truth.
+    ///
+    /// # Errors
+    /// With the file that cannot be used, or the frame of which nothing is known.
+    pub fn open(folder: &Path) -> Result<Self> {
+        let mut reader = FramesReader::open(folder, std::time::Duration::ZERO)?;
+        let file = folder.join(TRUTH);
+        let mut truth = read(&file)?.into_iter().peekable();
+        let mut frames = Vec::new();
+        while let Some(entry) = reader.next_entry(|| false)? {
+            while truth.next_if(|percept| percept.time < entry.time - SAME_TIME).is_some() {}
+            match truth.next_if(|percept| percept.time <= entry.time + SAME_TIME) {
+                Some(percept) => frames.push((entry, percept)),
+                None => bail!(
+                    "{}: nothing of frame {} at {} s",
+                    file.display(),
+                    entry.frame,
+                    entry.time
+                ),
+            }
+        }
+        let name = folder.canonicalize().with_context(|| folder.display().to_string())?;
+        let name = name.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Self { name, frames, reader })
+    }
+
+    /// Several, each of another name: their frames can then be told apart by it.
+    ///
+    /// # Errors
+    /// As of [`Self::open`]; two of one name.
+    pub fn open_all(folders: &[PathBuf]) -> Result<Vec<Self>> {
+        let films = folders.iter().map(|folder| Self::open(folder)).collect::<Result<Vec<_>>>()?;
+        for (place, film) in films.iter().enumerate() {
+            let twice = films.iter().take(place).any(|other| other.name == film.name);
+            ensure!(!twice, "two folders are called \"{}\": give each another name", film.name);
+        }
+        Ok(films)
+    }
+
+    /// Where the files of its frames are.
+    pub fn reader(&self) -> &FramesReader {
+        &self.reader
+    }
+}
+
+/// The percepts of a recording of what is true.
+///
+/// # Errors
+/// With the file's name: it cannot be read, or is not complete.
+pub fn read(file: &Path) -> Result<Vec<Percept>> {
+    let named = |error: RecordingError| match error {
+        RecordingError::Open { .. } => error.into(),
+        error => anyhow::Error::from(error).context(file.display().to_string()),
+    };
+    let reader = recording::open(file).map_err(named)?;
+    Ok(Recording::read(reader, IfPartial::Refuse).map_err(named)?.percepts)
+}

@@ -1,0 +1,93 @@
+//! What was perceived, beside the truth.
+
+use moca_model::{Intention, IntentionFilter, IntentionSettings};
+use serde::Serialize;
+use vision_models::{Action, Percept};
+
+use crate::recording::Timing;
+
+/// So late a recogniser may say what is true (s).
+const DELAY: f64 = 0.5;
+
+/// Frames and their truth may be so far apart (s).
+const SAME_TIME: f64 = 2e-6;
+
+/// Shares of time, by camera frames.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AgainstTruth {
+    /// Of the frames in which the robot holds the object: its surface was recognised.
+    pub surface_right: Option<f64>,
+    /// The action was the true one, or had been within the delay.
+    pub action_right: Option<f64>,
+    /// The intention that the controller's filter makes of the actions as they arrive was the true one, or had been
+    /// within the delay.
+    pub intention_right: Option<f64>,
+    /// How late they may be (s).
+    pub delay: f64,
+}
+
+impl AgainstTruth {
+    /// Compares percepts, in the order of their times, with the true ones of the same times.
+    ///
+    /// # Errors
+    /// None for the filter's default settings.
+    pub fn of(
+        percepts: &[(Percept, Timing)],
+        truth: &[Percept],
+    ) -> Result<Self, moca_model::Error> {
+        let intentions = intentions(percepts)?;
+        let [mut surface, mut action, mut intention] = [Share::default(); 3];
+        for ((percept, _), filtered) in percepts.iter().zip(intentions) {
+            let from = truth.partition_point(|of| of.time < percept.time - DELAY - SAME_TIME);
+            let to = truth.partition_point(|of| of.time <= percept.time + SAME_TIME);
+            let recent = truth.get(from..to).unwrap_or_default();
+            if let Some(held) = recent.last().and_then(|now| now.surface) {
+                surface.count(percept.surface.is_some_and(|seen| seen.surface == held.surface));
+            }
+            let actions: Vec<Action> =
+                recent.iter().filter_map(|of| Some(of.action?.action)).collect();
+            if !actions.is_empty() {
+                action.count(percept.action.is_some_and(|seen| actions.contains(&seen.action)));
+                intention.count(actions.iter().any(|own| Intention::from(*own) == filtered));
+            }
+        }
+        Ok(Self {
+            surface_right: surface.value(),
+            action_right: action.value(),
+            intention_right: intention.value(),
+            delay: DELAY,
+        })
+    }
+}
+
+/// The filtered intention at the time of each percept, by the percepts that have arrived until then.
+fn intentions(percepts: &[(Percept, Timing)]) -> Result<Vec<Intention>, moca_model::Error> {
+    let mut filter = IntentionFilter::new(IntentionSettings::default())?;
+    let mut arriving = percepts.iter().peekable();
+    let at = |now: &(Percept, Timing)| {
+        while let Some((percept, _)) =
+            arriving.next_if(|(percept, timing)| timing.available(percept.time) <= now.0.time)
+        {
+            filter.update(percept.time, percept.action.as_ref());
+        }
+        filter.intention()
+    };
+    Ok(percepts.iter().map(at).collect())
+}
+
+#[derive(Clone, Copy, Default)]
+struct Share {
+    right: f64,
+    all: f64,
+}
+
+impl Share {
+    fn count(&mut self, right: bool) {
+        self.right += f64::from(u8::from(right));
+        self.all += 1.0;
+    }
+
+    fn value(self) -> Option<f64> {
+        (self.all > 0.0).then(|| self.right / self.all)
+    }
+}

@@ -1,0 +1,51 @@
+//! Images of surfaces by class, of frames whose truth is known.
+
+use anyhow::Result;
+use clap::Args;
+
+use crate::{
+    frames::truth::TrueFilm,
+    learning::cutting::{CutOptions, Sample},
+    program::{Ending, Quiet, Session},
+};
+
+/// Takes the images of the on-board camera out of frames with their truth: a folder for each class, as `train` and
+/// `evaluate` take them.
+///
+/// They are taken whole, as `perceive` looks at them: that camera faces the object. Images in which the robot does not
+/// hold it are left out.
+#[derive(Args, Debug)]
+pub struct Cut {
+    #[command(flatten)]
+    options: CutOptions,
+    /// Frames from one image to the next.
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..))]
+    every: u16,
+}
+
+impl Cut {
+    /// The option `--quiet`.
+    pub fn quiet(&self) -> Quiet {
+        self.options.quiet()
+    }
+
+    /// Takes them out.
+    ///
+    /// # Errors
+    /// As of [`CutOptions::run`].
+    pub fn run(self, session: &mut Session) -> Result<Ending> {
+        let every = usize::from(self.every);
+        self.options.run(session, "images", |film| Ok(images_of(film, every)))
+    }
+}
+
+fn images_of(film: &TrueFilm, every: usize) -> Vec<Sample> {
+    let image = |(entry, truth): &(_, vision_models::Percept)| {
+        let class = truth.surface?.surface.name().to_owned();
+        let from = film.reader().surface(entry);
+        let name = from.file_name()?.to_string_lossy();
+        let to = format!("{}-{name}", film.name).into();
+        Some(Sample { class, files: vec![(from, to)] })
+    };
+    film.frames.iter().step_by(every).filter_map(image).collect()
+}
