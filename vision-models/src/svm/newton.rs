@@ -31,8 +31,9 @@ pub(super) struct Slope<'a> {
 /// samples (the Woodbury identity; then M = S⁻¹ + X Xᵀ).
 #[derive(Debug, Default)]
 pub(super) struct Newton {
-    /// Inner products of all samples, once they are needed.
-    products: Option<Array2<f64>>,
+    /// Inner products of all samples, once they are needed. Their rounding bends the direction a little; what
+    /// is minimised, and the gap, are computed in f64.
+    products: Option<Array2<f32>>,
 }
 
 impl Newton {
@@ -98,14 +99,14 @@ impl Newton {
         }
         let all = self
             .products
-            .get_or_insert_with(|| lower_products(problem.samples.mapv(f64::from).view()));
+            .get_or_insert_with(|| lower_products(problem.samples.view()));
         let mut products = Array2::zeros((curved.len(), curved.len()));
         for (place, (sample, _)) in curved.iter().enumerate() {
             // Samples are in order, so that the lower triangle of all has what is needed.
             let from = all.row(*sample);
             let mut row = products.slice_mut(s![place, ..=place]);
             for (product, (other, _)) in row.iter_mut().zip(curved) {
-                *product = from[*other];
+                *product = f64::from(from[*other]);
             }
         }
         products
