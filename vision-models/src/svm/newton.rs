@@ -97,9 +97,7 @@ impl Newton {
         if samples > features || (self.products.is_none() && 4 * curved.len() < samples) {
             return lower_products(rows_of(problem, curved).view());
         }
-        let all = self
-            .products
-            .get_or_insert_with(|| lower_products(problem.samples.view()));
+        let all = self.products.get_or_insert_with(|| lower_products(problem.samples.view()));
         let mut products = Array2::zeros((curved.len(), curved.len()));
         for (place, (sample, _)) in curved.iter().enumerate() {
             // Samples are in order, so that the lower triangle of all has what is needed.
