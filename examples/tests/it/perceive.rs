@@ -121,7 +121,7 @@ fn walk(
 
 #[test]
 fn a_walking_person_is_measured_from_frames_with_noise() {
-    let figures = walk(Viewpoint::Facing, Occupation::Walking, [640, 480], 13.0, 1);
+    let figures = walk(Viewpoint::Facing, Occupation::Walking, [640, 480], 16.0, 1);
     println!("{figures:?}");
     assert_eq!((figures.jumps, figures.lost), (0, 0));
     assert!(figures.pelvis < 0.025, "pelvis {} m RMS", figures.pelvis);
@@ -134,7 +134,7 @@ fn a_walking_person_is_measured_from_frames_with_noise() {
 /// From beside, farther away and with half of the body hidden behind the other.
 #[test]
 fn a_walking_person_is_measured_from_beside() {
-    let figures = walk(Viewpoint::Beside, Occupation::Walking, [640, 480], 13.0, 1);
+    let figures = walk(Viewpoint::Beside, Occupation::Walking, [640, 480], 16.0, 1);
     println!("{figures:?}");
     assert_eq!((figures.jumps, figures.lost), (0, 0));
     assert!(figures.pelvis < 0.025, "pelvis {} m RMS", figures.pelvis);
