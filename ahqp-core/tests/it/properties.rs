@@ -7,6 +7,8 @@ use ahqp_core::{
 use nalgebra::{DMatrix, DVector};
 use proptest::{prelude::*, test_runner::RngSeed};
 
+use crate::certificate::expect_proofs;
+
 /// The same cases on every run; `PROPTEST_RNG_SEED` and `AHQP_CASES` ask for others and for more.
 fn config() -> ProptestConfig {
     let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
@@ -112,29 +114,6 @@ fn transformed(hierarchy: &Hierarchy, by: impl Fn(usize, usize) -> DMatrix<f64>)
         let target = &factor * DVector::from_column_slice(rows.upper());
         Some(Level::least_squares(Rows::equalities(&(factor * matrix_of(rows)), &target).unwrap()))
     })
-}
-
-fn expect_proofs(sequence: &[Hierarchy]) -> Result<(), TestCaseError> {
-    let mut solver = Solver::new(&sequence[0], Settings::default())?;
-    for hierarchy in sequence {
-        let x = solver.solve(hierarchy)?.optimum()?.to_vec();
-        let residuals = solver.certificate(hierarchy)?.residuals(hierarchy, &x)?;
-        prop_assert!(residuals.worst() < 1e-8, "{residuals:?}");
-    }
-    Ok(())
-}
-
-proptest! {
-    // Among the cases of this seed is one with rows of norm 300 that depend on each other: the rounding of
-    // their residuals, which are zero, must not decide which hard rows the least norm keeps.
-    #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(14), ..ProptestConfig::with_cases(160) })]
-
-    #[test]
-    fn rows_that_are_met_pull_at_nothing(
-        sequence in hierarchy_sequences(Sizes::default(), 3),
-    ) {
-        expect_proofs(&sequence)?;
-    }
 }
 
 proptest! {

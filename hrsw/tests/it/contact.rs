@@ -39,10 +39,10 @@ proptest! {
     }
 }
 
-/// The figures of Lucci et al. and the standard's example for a Panda of 12 kg, alone and with a base of
-/// 169 kg behind it, for transient contacts.
+/// F / √(k μ) by hand for transient contacts, with twice the quasi-static forces: a Panda of 12 kg alone, and
+/// with a base of 169 kg behind it.
 #[test]
-fn speeds_of_a_panda_are_the_published_ones() {
+fn speeds_of_a_panda_are_those_computed_by_hand() {
     let limits = ContactLimits::default().with_kind(ContactKind::Transient);
     for (region, robot, speed) in [
         (BodyRegion::Chest, 12.0, 0.58),

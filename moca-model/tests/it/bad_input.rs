@@ -3,11 +3,12 @@
 //! What can be wrong with a URDF, its description, a configuration or a foreign id is tested where it is refused, in
 //! `whole-body`.
 
+use ergo_map::ErgonomicsQuadratic;
 use hrsw::Capsule;
 use moca_model::whole_body::{self, Base, Description, Model};
 use moca_model::{
     Controller, ControllerSettings, Error, Kinematics, LinkCapsule, MOCA_HOME, MOCA_TOOL,
-    MOCA_URDF, SimulatedRobot, moca_description,
+    MOCA_URDF, SafetySettings, SimulatedRobot, moca_description,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -98,4 +99,28 @@ fn configurations_that_are_none() {
     assert_eq!(robot.world_from_tool(), before.world_from_tool());
     assert_eq!(robot.jacobian(), before.jacobian());
     assert_eq!(robot.bodies(), before.bodies());
+}
+
+#[test]
+fn bad_settings_of_clock_and_leash_are_named() {
+    let model = MOCA.clone();
+    let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+    let mut named = Vec::new();
+    let mut check = |change: &dyn Fn(&mut ControllerSettings), name: &'static str| {
+        let mut settings =
+            ControllerSettings { safety: SafetySettings::off(), ..ControllerSettings::default() };
+        change(&mut settings);
+        let error = Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap_err();
+        assert!(error.to_string().contains(name), "{error}");
+        named.push(name);
+    };
+    check(&|s| s.clock.tolerance = 1.0, "clock.tolerance");
+    check(&|s| s.clock.gap = 1e-3, "clock.gap");
+    check(&|s| s.clock.ahead = -1.0, "clock.ahead");
+    check(&|s| s.clock.epoch = f64::NAN, "clock.epoch");
+    check(&|s| s.leash.prismatic = 0.0, "leash.prismatic");
+    check(&|s| s.leash.revolute = f64::INFINITY, "leash.revolute");
+    check(&|s| s.leash.position = -0.1, "leash.position");
+    check(&|s| s.leash.rotation = 4.0, "leash.rotation");
+    assert_eq!(named.len(), 8);
 }

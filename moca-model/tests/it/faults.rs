@@ -6,14 +6,11 @@ use std::collections::BTreeMap;
 use ahqp_core::Budget;
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{ClockFault, Fault, FrameFault, SafetyState};
-use moca_model::{
-    Controller, ControllerSettings, Error, LeashSettings, MOCA_HOME, Outcome, SafetySettings,
-};
+use moca_model::{ControllerSettings, Error, LeashSettings, MOCA_HOME, Outcome};
 use nalgebra::{Matrix3, Vector3};
 use vision_models::{Action, Tool};
 
 use crate::drive::{Clock, Drive, FRAME, PERIOD, doing, percept};
-use crate::shared::MOCA;
 
 #[test]
 fn an_empty_frame_an_hour_ahead_blinds_nobody() {
@@ -479,28 +476,4 @@ fn every_fault_does_what_the_table_of_the_book_says() {
         assert_eq!(drive.state(), SafetyState::Normal, "{name}");
         assert!(drive.fastest() > 0.1, "{name}: it goes on");
     }
-}
-
-#[test]
-fn bad_settings_of_clock_and_leash_are_named() {
-    let model = MOCA.clone();
-    let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
-    let mut named = Vec::new();
-    let mut check = |change: &dyn Fn(&mut ControllerSettings), name: &'static str| {
-        let mut settings =
-            ControllerSettings { safety: SafetySettings::off(), ..ControllerSettings::default() };
-        change(&mut settings);
-        let error = Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap_err();
-        assert!(error.to_string().contains(name), "{error}");
-        named.push(name);
-    };
-    check(&|s| s.clock.tolerance = 1.0, "clock.tolerance");
-    check(&|s| s.clock.gap = 1e-3, "clock.gap");
-    check(&|s| s.clock.ahead = -1.0, "clock.ahead");
-    check(&|s| s.clock.epoch = f64::NAN, "clock.epoch");
-    check(&|s| s.leash.prismatic = 0.0, "leash.prismatic");
-    check(&|s| s.leash.revolute = f64::INFINITY, "leash.revolute");
-    check(&|s| s.leash.position = -0.1, "leash.position");
-    check(&|s| s.leash.rotation = 4.0, "leash.rotation");
-    assert_eq!(named.len(), 8);
 }
