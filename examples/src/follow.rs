@@ -4,6 +4,7 @@
 mod comparison;
 mod run;
 mod scoring;
+mod seen;
 mod summary;
 mod work;
 

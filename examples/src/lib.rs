@@ -17,6 +17,7 @@ mod random;
 pub mod recording;
 pub mod rendering;
 pub mod report;
+pub mod separation;
 pub mod sheets;
 pub mod simulation;
 pub mod soak;

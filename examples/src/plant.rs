@@ -22,10 +22,10 @@ use std::time::Instant;
 use anyhow::Result;
 use moca_model::whole_body::{Data, ExternalWrench, Model, RandomSource};
 use moca_model::{
-    Command, Controller, DynamicRobot, DynamicRobotSettings, SimulatedRobot, TorqueController,
-    TorqueLoopSettings,
+    Command, Controller, DynamicRobot, DynamicRobotSettings, HeldObject, SimulatedRobot,
+    TorqueController, TorqueLoopSettings,
 };
-use nalgebra::{Isometry3, Vector3, Vector6};
+use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -60,6 +60,8 @@ pub struct Plant {
     reference: Vec<f64>,
     monitor: TorqueMonitor,
     breaks_torque: bool,
+    /// Where the object is pushed, in the tool's frame \[m\].
+    face: Vector3<f64>,
 }
 
 #[derive(Debug)]
@@ -106,11 +108,29 @@ impl Plant {
             random: Random(random::generator(seed, STREAM)),
             reference: start,
             breaks_torque: false,
+            face: Vector3::zeros(),
             robot,
             model,
             period,
             monitor,
         })
+    }
+
+    /// The robot holds an object from now on, and the controller knows.
+    ///
+    /// # Errors
+    /// An object that cannot be held.
+    pub fn hold(&mut self, object: &HeldObject) -> Result<()> {
+        match &mut self.robot {
+            Robot::Torque(both) => {
+                let (controller, robot) = &mut **both;
+                controller.hold(object.clone())?;
+                robot.hold(controller.controller().robot().tool(), object)?;
+            }
+            Robot::Kinematic(both) => both.0.hold(object.clone())?,
+        }
+        self.face = object.tool_from_face()?;
+        Ok(())
     }
 
     /// The controller of velocities.
@@ -153,6 +173,8 @@ impl Plant {
             Robot::Kinematic(both) => {
                 let (controller, robot) = &mut **both;
                 let started = Instant::now();
+                // Nothing pushes a robot that has no mass.
+                controller.feel(0.0);
                 controller.step(now, robot.position())?;
                 started
             }
@@ -180,16 +202,17 @@ impl Plant {
         }
     }
 
-    /// The robot moves for a period, and something pushes its tool with `force` \[N, world\], which only
-    /// a robot under torques feels.
+    /// The robot moves for a period, and something pushes what it holds with `force` \[N, world\], which
+    /// only a robot under torques feels.
     ///
     /// # Errors
     /// Commands that are not finite.
     pub fn act(&mut self, force: &Vector3<f64>) -> Result<()> {
+        let moment = (self.tool()?.rotation * self.face).cross(force);
         match &mut self.robot {
             Robot::Torque(both) => {
                 let (controller, robot) = &mut **both;
-                let wrench = Vector6::new(force.x, force.y, force.z, 0.0, 0.0, 0.0);
+                let wrench = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
                 let frame = controller.controller().robot().tool();
                 let push = [ExternalWrench { frame, wrench }];
                 let command = controller.controller().command();
@@ -220,6 +243,15 @@ impl Plant {
     /// Where the last command begins \[m, rad\]: the robot itself, if it follows at once.
     pub fn reference(&self) -> &[f64] {
         &self.reference
+    }
+
+    /// Where the hand truly is of who works on what the robot holds; the tool, if it holds nothing.
+    ///
+    /// # Errors
+    /// None.
+    pub fn hand(&mut self) -> Result<Isometry3<f64>> {
+        let hand = *self.controller().robot().tool_from_hand();
+        Ok(self.tool()? * Translation3::from(hand))
     }
 
     /// Where the tool truly is.

@@ -17,11 +17,8 @@
 //! # Ok::<(), anyhow::Error>(())
 //! ```
 
-mod body;
-mod distance;
 mod episode;
 mod monitor;
-mod separation;
 mod summary;
 mod task;
 mod tick_times;

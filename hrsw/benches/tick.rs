@@ -90,6 +90,7 @@ impl Tick {
             origin: Vector3::new(0.6, 0.0, 0.9),
             velocity: &velocity,
             braking: None,
+            change: None,
             inverse_inertia: None,
         };
         let nearest = self.separation.write(&motion, &self.robot, &self.person, &mut self.rows);

@@ -1,13 +1,19 @@
 //! Rows that bound how fast bodies of the robot approach others.
 
+mod body_motion;
+mod candidate;
+
 use ahqp_core::{AugmentedState, Rows};
-use nalgebra::{DMatrix, Matrix6xX, Vector3, Vector6};
+use nalgebra::{DMatrix, Matrix6xX, Vector3};
 
 use crate::contact::{Contact, Mobility};
-use crate::distance::{Proximity, proximity};
+use crate::distance::proximity;
+use crate::distance_bounds::DistanceBounds;
 use crate::error::{Error, check_all, check_size, not_negative};
 use crate::separation::SeparationSettings;
 use crate::shape::Capsule;
+use body_motion::BodyMotion;
+use candidate::Candidate;
 
 /// A body of the robot, placed in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,6 +68,10 @@ pub struct JointMotion<'a> {
     /// limits. Every row is relaxed to admit it, so that hard rows never make the problem
     /// infeasible. None for rows that are minimised in a level of their own.
     pub braking: Option<&'a [f64]>,
+    /// By how much each joint's velocity may change in this tick at most, n: pairs that cannot use up their
+    /// headroom by that get no row, and most of their distances need not be computed. None where it is
+    /// not known.
+    pub change: Option<&'a [f64]>,
     /// M⁻¹, the inverse of the joint-space inertia, n × n, with which the robot gives way in a contact.
     /// None for a robot that does not give way at all, the worst case.
     pub inverse_inertia: Option<&'a DMatrix<f64>>,
@@ -83,46 +93,8 @@ pub struct Nearest {
     pub approach: f64,
 }
 
-/// A pair with the place where it is nearest.
-#[derive(Debug, Clone, Copy)]
-struct Candidate {
-    robot: usize,
-    other: usize,
-    robot_joints: usize,
-    other_joints: usize,
-    near: Proximity,
-    /// As measured, without the uncertainty.
-    human_speed: f64,
-    limit: f64,
-    /// How much faster the pair may come nearer than at the last commanded velocity \[m/s\].
-    headroom: f64,
-    contact: bool,
-}
-
 /// Bodies of a robot whose motion is computed once for all pairs of its own that they are in.
 const REMEMBERED: usize = 32;
-
-/// How a body moves at the last commanded velocity: the twist of the point o as if fixed to it.
-#[derive(Debug, Clone, Copy)]
-struct BodyMotion {
-    twist: Vector6<f64>,
-    /// The speed of none of its points is larger \[m/s\].
-    fastest: f64,
-}
-
-impl BodyMotion {
-    fn new(motion: &JointMotion<'_>, body: &RobotBody) -> Self {
-        let mut twist = Vector6::zeros();
-        let joints = motion.jacobian.column_iter().zip(motion.velocity);
-        for (column, &velocity) in joints.take(body.joints) {
-            twist += column * velocity;
-        }
-        let (linear, angular) = (twist.fixed_rows::<3>(0), twist.fixed_rows::<3>(3));
-        let middle = (body.capsule.start() + body.capsule.end()) * 0.5;
-        let lever = (middle - motion.origin).norm() + body.capsule.reach();
-        Self { fastest: linear.norm() + angular.norm() * lever, twist }
-    }
-}
 
 /// Writes a block of rows, −∂d/∂q q̇ ≤ v_max(d), for the pairs of bodies that come nearest to
 /// their largest speed of approach, or exceed it most, at the last commanded velocity.
@@ -152,6 +124,7 @@ impl BodyMotion {
 ///     origin: Vector3::zeros(),
 ///     velocity: &[0.0],
 ///     braking: Some(&[0.0]),
+///     change: None,
 ///     inverse_inertia: None,
 /// };
 /// let robot = [RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.1)?, joints: 1 }];
@@ -172,7 +145,22 @@ pub struct ApproachRows {
     candidates: Vec<Candidate>,
     nearest: Option<Nearest>,
     mobility: Mobility,
+    /// Pairs with less room than this are looked for \[m\].
+    watched_room: f64,
+    bounds: DistanceBounds,
+    /// The pair that is nearest, and its distance \[m\].
+    closest: Option<(usize, usize)>,
+    least_distance: f64,
+    /// Whether a pair got no row that needs one.
+    crowded: bool,
 }
+
+/// What rounding may make of a speed of approach \[m/s\].
+const ROUNDING: f64 = 1e-7;
+
+/// Bodies of robot and person of which the distances are remembered.
+const BODIES: usize = 32;
+const PARTS: usize = 48;
 
 impl ApproachRows {
     /// For the layout of χ, with room for `capacity` pairs.
@@ -187,7 +175,26 @@ impl ApproachRows {
         settings.validate()?;
         let candidates = Vec::with_capacity(capacity + 1);
         let mobility = Mobility::new(state.joints);
-        Ok(Self { state, settings, capacity, candidates, nearest: None, mobility })
+        Ok(Self {
+            state,
+            settings,
+            capacity,
+            candidates,
+            nearest: None,
+            mobility,
+            watched_room: 0.0,
+            bounds: DistanceBounds::new(BODIES, PARTS),
+            closest: None,
+            least_distance: f64::INFINITY,
+            crowded: false,
+        })
+    }
+
+    /// The same, but with [`JointMotion::change`] pairs with less room than this are found as well, so that
+    /// the nearest of them is the one with the least \[m\]. Default 0.
+    #[must_use]
+    pub fn watching(self, room: f64) -> Self {
+        Self { watched_room: room, ..self }
     }
 
     /// The block, bounding nothing yet.
@@ -219,7 +226,8 @@ impl ApproachRows {
         self.check(motion, robot, rows)?;
         person.iter().try_for_each(|part| part.capsule.check("a capsule of the person"))?;
         for part in person {
-            if let Some(velocity) = &part.velocity {
+            let of_contact = part.contact.and_then(|contact| contact.velocity);
+            for velocity in part.velocity.iter().chain(&of_contact) {
                 check_all("the velocity of a person's body", velocity.mean.iter())?;
                 not_negative("the uncertainty of a person's velocity", velocity.uncertainty)?;
             }
@@ -227,31 +235,47 @@ impl ApproachRows {
         }
         self.clear();
         self.mobility.clear();
+        self.bounds.advance(capsules(robot), person.iter().map(|part| &part.capsule));
+        self.find_closest(robot, person);
+        let base_joints = self.settings.base.map_or(0, |base| base.joints);
         for (i, body) in robot.iter().enumerate() {
-            let moves = BodyMotion::new(motion, body);
+            let moves = BodyMotion::new(motion, body, base_joints);
+            let mut reach = self.reach(moves.fastest, moves.change);
             for (j, part) in person.iter().enumerate() {
                 // The sum of the parts is no less than the norm.
                 let fastest = part.velocity.map(|v| v.mean.abs().sum() + v.uncertainty);
-                let capsules = (&body.capsule, &part.capsule);
-                if self.is_out_of_sight(capsules, moves.fastest, fastest) {
+                if moves.change == f64::INFINITY {
+                    reach = self.reach(moves.fastest, moves.change);
+                }
+                let sight = reach.sight(self.settings.speed_towards_robot(fastest));
+                if self.bounds.get(i, j) > sight.max(self.least_distance) {
                     continue;
                 }
                 let near = proximity(&body.capsule, &part.capsule);
+                self.bounds.set(i, j, near.distance);
+                self.keep_closest((i, j), near.distance);
+                if near.distance > sight {
+                    continue;
+                }
                 let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
                 let uncertainty = part.velocity.map_or(0.0, |v| v.uncertainty);
                 let worst = measured.map(|speed| speed + uncertainty);
                 let assumed = self.settings.speed_towards_robot(worst);
                 let gradient = near.gradient_first(&motion.origin);
-                let mut limit = self.settings.approach_limit(near.distance, assumed);
+                let (approach, of_base) = (-gradient.dot(&moves.twist), -gradient.dot(&moves.base));
+                let settings = self.settings.braking_by_parts(of_base, approach - of_base);
+                let mut limit = settings.approach_limit(near.distance, assumed);
                 if let Some(contact) = part.contact {
                     let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
                     let mass = self.mobility.mass(jacobian, inverse, body.joints, &gradient);
-                    let (measured, worst) = (measured.unwrap_or(assumed), worst.unwrap_or(assumed));
+                    let known = contact.velocity.map(|v| (v.mean.dot(&near.normal), v.uncertainty));
+                    let known = known.map(|(speed, uncertainty)| (speed, speed + uncertainty));
+                    let (measured, worst) =
+                        known.or(measured.zip(worst)).unwrap_or((assumed, assumed));
                     limit = limit.max(contact.approach_limit(mass, measured, worst));
                 }
-                let contact = part.contact.is_some();
-                let approach = -gradient.dot(&moves.twist);
-                self.consider(Candidate {
+                let candidate = Candidate {
+                    settings,
                     robot: i,
                     other: j,
                     robot_joints: body.joints,
@@ -260,17 +284,36 @@ impl ApproachRows {
                     human_speed: measured.map_or(assumed, |speed| speed.max(0.0)),
                     limit,
                     headroom: limit - approach,
-                    contact,
-                });
+                    contact: part.contact.is_some(),
+                };
+                self.consider(candidate, moves.change);
             }
         }
         self.write_candidates(motion, rows)
     }
 
+    /// Returns true if with `velocity`, n, no pair of the rows written last that may not touch comes nearer
+    /// faster than it may, and none that may touch does so faster than with `braking`, n, too. Otherwise
+    /// rows contradict each other, as between two people, or the robot cannot brake in time: it should
+    /// then brake all that it can, and not weigh one distance against another.
+    pub fn is_kept_by(&self, rows: &Rows, velocity: &[f64], braking: &[f64]) -> bool {
+        self.candidates.iter().zip(rows.iter()).all(|(candidate, (row, _, upper))| {
+            let along =
+                |velocity: &[f64]| -> f64 { row.iter().zip(velocity).map(|(a, b)| a * b).sum() };
+            let approach = along(velocity) - ROUNDING;
+            approach <= upper || (candidate.contact && approach <= along(braking))
+        })
+    }
+
+    /// Returns true if more pairs are at their limits than there are rows: the robot must then brake, which
+    /// keeps them all.
+    pub fn is_crowded(&self) -> bool {
+        self.crowded
+    }
+
     /// The least distance of the pairs written last \[m\]; infinite for none.
     pub fn least_distance(&self) -> f64 {
-        let distances = self.candidates.iter().map(|candidate| candidate.near.distance);
-        distances.fold(f64::INFINITY, f64::min)
+        self.least_distance
     }
 
     /// Writes the rows for pairs of the robot's own bodies, by their indices, as
@@ -287,10 +330,11 @@ impl ApproachRows {
     ) -> Result<Option<Nearest>, Error> {
         self.check(motion, robot, rows)?;
         self.clear();
+        self.bounds.advance(capsules(robot), capsules(robot));
         let mut remembered = [None; REMEMBERED];
         let mut moves_of = |index: usize, body: &RobotBody| match remembered.get_mut(index) {
-            Some(slot) => *slot.get_or_insert_with(|| BodyMotion::new(motion, body)),
-            None => BodyMotion::new(motion, body),
+            Some(slot) => *slot.get_or_insert_with(|| BodyMotion::new(motion, body, 0)),
+            None => BodyMotion::new(motion, body, 0),
         };
         for &(i, j) in pairs {
             let (Some(first), Some(second)) = (robot.get(i), robot.get(j)) else {
@@ -299,14 +343,19 @@ impl ApproachRows {
             };
             let moves = [moves_of(i, first), moves_of(j, second)];
             let fastest = moves[0].fastest + moves[1].fastest;
-            if self.is_out_of_sight((&first.capsule, &second.capsule), fastest, Some(0.0)) {
+            let change = moves[0].change + moves[1].change;
+            let sight = self.reach(fastest, change).sight(0.0);
+            if self.bounds.get(i, j) > sight {
                 continue;
             }
             let near = proximity(&first.capsule, &second.capsule);
+            self.bounds.set(i, j, near.distance);
+            self.least_distance = self.least_distance.min(near.distance);
             let approach = -near.gradient_first(&motion.origin).dot(&moves[0].twist)
                 - near.gradient_second(&motion.origin).dot(&moves[1].twist);
             let limit = self.settings.approach_limit(near.distance, 0.0);
-            self.consider(Candidate {
+            let candidate = Candidate {
+                settings: self.settings,
                 robot: i,
                 other: j,
                 robot_joints: first.joints,
@@ -316,7 +365,8 @@ impl ApproachRows {
                 limit,
                 headroom: limit - approach,
                 contact: false,
-            });
+            };
+            self.consider(candidate, change);
         }
         self.write_candidates(motion, rows)
     }
@@ -324,6 +374,23 @@ impl ApproachRows {
     fn clear(&mut self) {
         self.candidates.clear();
         self.nearest = None;
+        self.least_distance = f64::INFINITY;
+        self.crowded = false;
+    }
+
+    /// Measures the pair that was nearest last, which bounds the least distance from above.
+    fn find_closest(&mut self, robot: &[RobotBody], person: &[PersonBody]) {
+        let Some((i, j)) = self.closest.take() else { return };
+        if let (Some(body), Some(part)) = (robot.get(i), person.get(j)) {
+            let distance = proximity(&body.capsule, &part.capsule).distance;
+            self.keep_closest((i, j), distance);
+        }
+    }
+
+    fn keep_closest(&mut self, pair: (usize, usize), distance: f64) {
+        if distance <= self.least_distance {
+            (self.closest, self.least_distance) = (Some(pair), distance);
+        }
     }
 
     fn check(
@@ -350,33 +417,33 @@ impl ApproachRows {
         check_all("a joint velocity", motion.velocity.iter().chain(braking))
     }
 
-    /// Returns true if a pair has more headroom than all that are kept, by a bound on its distance that
-    /// takes no search for the nearest points; `robot_speed` bounds the approach, and `human`
-    /// the measured human speed.
-    fn is_out_of_sight(
-        &self,
-        (first, second): (&Capsule, &Capsule),
-        robot_speed: f64,
-        human: Option<f64>,
-    ) -> bool {
-        let worst = match self.candidates.last() {
-            Some(worst) if self.candidates.len() == self.capacity => worst.headroom,
-            _ => return false,
+    /// How far a body that approaches by no more than `speed`, and in this tick by no more than `change`
+    /// faster, has to look for pairs.
+    fn reach(&self, speed: f64, change: f64) -> Reach {
+        let headroom = match self.candidates.last() {
+            _ if self.capacity == 0 => 0.0,
+            Some(worst) if self.candidates.len() == self.capacity => change.min(worst.headroom),
+            _ => change,
         };
-        let human_speed = self.settings.speed_towards_robot(human);
-        let speed = worst + robot_speed;
-        speed < 0.0
-            || first.is_beyond(second, self.settings.protective_distance(human_speed, speed))
+        if headroom == f64::INFINITY {
+            return Reach { standing: f64::INFINITY, time: 0.0 };
+        }
+        let (settings, speed) = (self.settings.braking_worst(), speed + headroom.max(0.0));
+        let standing = settings.protective_distance(0.0, speed) + self.watched_room;
+        Reach { standing, time: settings.reaction_time + speed / settings.deceleration }
     }
 
     /// Keeps the pairs with the least headroom, by insertion, and of all that may not touch the one with
     /// the least room.
-    fn consider(&mut self, candidate: Candidate) {
+    fn consider(&mut self, candidate: Candidate, change: f64) {
         if !candidate.contact {
-            let pair = candidate.seen(&self.settings);
+            let pair = candidate.seen();
             if self.nearest.is_none_or(|other| pair.room() < other.room()) {
                 self.nearest = Some(pair);
             }
+        }
+        if candidate.headroom > change {
+            return;
         }
         let key = |candidate: &Candidate| {
             let standing = self.settings.protective_distance(candidate.human_speed, 0.0);
@@ -386,8 +453,19 @@ impl ApproachRows {
         let place = self.candidates.partition_point(|other| key(other) <= own);
         if place < self.capacity {
             self.candidates.insert(place, candidate);
-            self.candidates.truncate(self.capacity);
+        } else {
+            self.leave_out(&candidate);
         }
+        if self.candidates.len() > self.capacity
+            && let Some(dropped) = self.candidates.pop()
+        {
+            self.leave_out(&dropped);
+        }
+    }
+
+    fn leave_out(&mut self, candidate: &Candidate) {
+        // Within a tick it could reach its limit.
+        self.crowded |= !candidate.contact || candidate.headroom < 0.0;
     }
 
     fn write_candidates(
@@ -413,36 +491,30 @@ impl ApproachRows {
     }
 }
 
+/// The distance beyond which a pair needs no row and has more room than is watched: it then has more
+/// headroom than all that are kept, or than can be used up.
+#[derive(Debug, Clone, Copy)]
+struct Reach {
+    /// From a person who stands \[m\].
+    standing: f64,
+    /// In which a person comes nearer \[s\].
+    time: f64,
+}
+
+impl Reach {
+    /// From a person of this speed towards the robot \[m\].
+    fn sight(&self, human_speed: f64) -> f64 {
+        self.standing + human_speed * self.time
+    }
+}
+
+fn capsules(robot: &[RobotBody]) -> impl Iterator<Item = &Capsule> {
+    robot.iter().map(|body| &body.capsule)
+}
+
 impl Nearest {
     /// The distance above the protective one \[m\]; negative where it is undercut.
     pub fn room(&self) -> f64 {
         self.distance - self.required
-    }
-}
-
-impl Candidate {
-    /// −∂d/∂q: how fast the pair comes nearer.
-    fn write(&self, motion: &JointMotion<'_>, row: &mut [f64]) {
-        let toward = self.near.gradient_first(&motion.origin);
-        let away = self.near.gradient_second(&motion.origin);
-        for (j, (out, column)) in row.iter_mut().zip(motion.jacobian.column_iter()).enumerate() {
-            if j < self.robot_joints {
-                *out -= column.dot(&toward);
-            }
-            if j < self.other_joints {
-                *out -= column.dot(&away);
-            }
-        }
-    }
-
-    fn seen(&self, settings: &SeparationSettings) -> Nearest {
-        let approach = self.limit - self.headroom;
-        Nearest {
-            robot: self.robot,
-            other: self.other,
-            distance: self.near.distance,
-            required: settings.protective_distance(self.human_speed, approach),
-            approach,
-        }
     }
 }

@@ -3,6 +3,7 @@
 
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
 
+use crate::approach::MeasuredVelocity;
 use crate::error::{Error, not_negative, positive};
 
 /// What a contact with a part of a body may do.
@@ -66,6 +67,10 @@ pub struct Contact {
     /// How fast the two may come nearer to each other at most, as measured, whatever the limit allows
     /// \[m/s\]: the speed of working together, or less while that begins and ends.
     pub fastest: f64,
+    /// How the part moves as far as that is known, for contacts only: with the trunk, say, of an arm that
+    /// may reach out at any time, of which [`PersonBody::velocity`](crate::PersonBody::velocity) knows
+    /// nothing. None where that holds here, too.
+    pub velocity: Option<MeasuredVelocity>,
 }
 
 impl Contact {

@@ -30,6 +30,7 @@ mod change;
 mod clock;
 mod contact;
 mod distance;
+mod distance_bounds;
 mod error;
 mod fault;
 mod intent;
@@ -62,7 +63,7 @@ pub use moving::{Attachment, MovingSettings, MovingWorkspace};
 pub use path::Path;
 pub use rows::PoseRow;
 pub use safety_state::SafetyState;
-pub use separation::SeparationSettings;
+pub use separation::{BaseBraking, SeparationSettings};
 pub use shape::{
     Bounds, Capsule, Cone, HalfSpace, Mesh, OrientationShape, OrientedBox, Polytope, PositionShape,
 };

@@ -8,6 +8,8 @@ pub enum SafetyState {
     Normal,
     /// Reduced speed.
     Reduced,
+    /// Somebody is nearer than the protective distance: the robot comes no nearer, and leaves slowly.
+    Retreat,
     /// At rest, still under control.
     ProtectiveStop,
 }

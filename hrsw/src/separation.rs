@@ -3,6 +3,19 @@
 
 use crate::error::{Error, not_negative, positive};
 
+/// How the mobile base under an arm brakes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BaseBraking {
+    /// How many of the joints, from the first, are the base's.
+    pub joints: usize,
+    /// With which they brake \[m/s²\].
+    pub deceleration: f64,
+}
+
+/// Below this speed of approach a robot counts as one of which the base moves: what moves next is not
+/// known \[m/s\].
+const CREEP: f64 = 0.02;
+
 /// The terms of the protective separation distance.
 ///
 /// ```
@@ -23,6 +36,8 @@ pub struct SeparationSettings {
     pub reaction_time: f64,
     /// a, with which the robot brakes along the line between the two \[m/s²\]. Default 2.0.
     pub deceleration: f64,
+    /// The first joints, where they brake otherwise than the others. Default none.
+    pub base: Option<BaseBraking>,
     /// C, how far a part of the body may reach in before it is seen \[m\]. Default 0.1.
     pub intrusion: f64,
     /// Z_d, the uncertainty of the person's position \[m\]. Default 0.05.
@@ -37,6 +52,7 @@ impl Default for SeparationSettings {
             human_speed: 1.6,
             reaction_time: 0.15,
             deceleration: 2.0,
+            base: None,
             intrusion: 0.1,
             human_uncertainty: 0.05,
             robot_uncertainty: 0.01,
@@ -52,6 +68,7 @@ impl SeparationSettings {
             human_speed: 0.0,
             reaction_time: period,
             deceleration,
+            base: None,
             intrusion: margin,
             human_uncertainty: 0.0,
             robot_uncertainty: 0.0,
@@ -66,10 +83,31 @@ impl SeparationSettings {
         not_negative("the human speed", self.human_speed)?;
         positive("the reaction time", self.reaction_time)?;
         positive("the deceleration of the robot", self.deceleration)?;
+        if let Some(base) = &self.base {
+            positive("the deceleration of the base", base.deceleration)?;
+        }
         not_negative("the intrusion distance", self.intrusion)?;
         not_negative("the uncertainty of the person's position", self.human_uncertainty)?;
         not_negative("the uncertainty of the robot's position", self.robot_uncertainty)?;
         Ok(())
+    }
+
+    /// The same for a pair that comes nearer at `base_speed` by the motion of the base and at `arm_speed`
+    /// by that of the other joints \[m/s\]: 1/a is the mean of theirs, weighed by their speeds. The
+    /// stopping distance is then no less than v_b²/(2a_b) + v_a²/(2a_a), and the stopping time no less
+    /// than that of either.
+    #[must_use]
+    pub fn braking_by_parts(&self, base_speed: f64, arm_speed: f64) -> Self {
+        let Some(base) = &self.base else { return *self };
+        let (base_speed, arm_speed) = (base_speed.max(0.0) + CREEP, arm_speed.max(0.0));
+        let time = base_speed / base.deceleration + arm_speed / self.deceleration;
+        Self { deceleration: (base_speed + arm_speed) / time, ..*self }
+    }
+
+    /// The same for the joints that brake worst.
+    pub(crate) fn braking_worst(&self) -> Self {
+        let worst = self.base.map_or(f64::INFINITY, |base| base.deceleration);
+        Self { deceleration: self.deceleration.min(worst), ..*self }
     }
 
     /// v_h of a person whose velocity towards the robot is `measured`, with its uncertainty; receding counts

@@ -35,18 +35,26 @@ impl Cause {
         }
     }
 
-    /// Returns true if the robot is to stop as fast as it can, and not along a ramp.
-    fn is_urgent(&self) -> bool {
-        matches!(self, Self::Fault(_) | Self::TooClose(_))
+    /// Returns true if the robot is to stop as fast as it can, and not along a ramp: for a fault that stops
+    /// it, and while it still moves towards somebody who is too close.
+    fn is_urgent(&self, state: SafetyState) -> bool {
+        match self {
+            Self::Fault(_) => state == SafetyState::ProtectiveStop,
+            Self::TooClose(pair) => pair.approach > CREEP,
+            Self::PersonNear(_) | Self::Stale { .. } => false,
+        }
     }
 }
+
+/// A robot that comes nearer no faster than this does not approach \[m/s\].
+const CREEP: f64 = 0.02;
 
 /// When the states change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SupervisorSettings {
     /// Room above the protective distance below which speed is reduced \[m\]. Default 0.5.
     pub reduced_room: f64,
-    /// By how much the protective distance may be undercut before the robot stops, for noise
+    /// By how much the protective distance may be undercut before the robot retreats, for noise
     /// \[m\]. Default 0.02.
     pub tolerance: f64,
     /// Additional room needed to recover \[m\]. Default 0.1.
@@ -62,6 +70,8 @@ pub struct SupervisorSettings {
     pub acknowledge: bool,
     /// Share of the speed when reduced \[-\]. Default 0.3.
     pub reduced_scale: f64,
+    /// Share of the speed in retreat \[-\]. Default 0.15: of a base of 1.5 m/s less than 0.25 m/s.
+    pub retreat_scale: f64,
     /// Time from full speed to none, and back \[s\]. Default 0.5.
     pub ramp: f64,
     /// Force from outside from which on the robot stops and gives way \[N\]; see
@@ -81,6 +91,7 @@ impl Default for SupervisorSettings {
             stop_age: 0.8,
             acknowledge: false,
             reduced_scale: 0.3,
+            retreat_scale: 0.15,
             ramp: 0.5,
             contact_force: 60.0,
         }
@@ -104,9 +115,13 @@ impl SupervisorSettings {
             let (name, expected) = ("supervisor.stop_age", "at least supervisor.reduced_age");
             return Err(Error::Parameter { name, value: self.stop_age, expected });
         }
-        if !(0.0..=1.0).contains(&self.reduced_scale) {
-            let (name, value) = ("supervisor.reduced_scale", self.reduced_scale);
-            return Err(Error::Parameter { name, value, expected: "between 0 and 1" });
+        for (name, value) in [
+            ("supervisor.reduced_scale", self.reduced_scale),
+            ("supervisor.retreat_scale", self.retreat_scale),
+        ] {
+            if !(0.0..=1.0).contains(&value) {
+                return Err(Error::Parameter { name, value, expected: "between 0 and 1" });
+            }
         }
         Ok(())
     }
@@ -205,8 +220,9 @@ impl Supervisor {
         self.scale
     }
 
-    /// Returns true if the present stop is for somebody too close or a fault: the robot then stops as fast
-    /// as it can, whatever [`speed_scale`](Self::speed_scale) is on its ramp.
+    /// Returns true while the robot is to stop as fast as it can, whatever
+    /// [`speed_scale`](Self::speed_scale) is on its ramp: for a fault, and as long as it moves towards
+    /// somebody who is too close.
     pub fn stops_at_once(&self) -> bool {
         self.urgent
     }
@@ -281,6 +297,7 @@ impl Supervisor {
         match demanded {
             Some((state, cause)) if state >= self.state => self.enter(state, cause),
             _ if self.state != SafetyState::Normal && !faulty => {
+                self.urgent &= self.state == SafetyState::ProtectiveStop;
                 let cautious = self.demand(observation, self.settings.hysteresis);
                 let better = cautious.is_none_or(|(state, _)| state < self.state);
                 self.clear_for = if better { self.clear_for + period } else { 0.0 };
@@ -293,6 +310,7 @@ impl Supervisor {
         let goal = match self.state {
             SafetyState::Normal => 1.0,
             SafetyState::Reduced => self.settings.reduced_scale,
+            SafetyState::Retreat => self.settings.retreat_scale,
             SafetyState::ProtectiveStop => 0.0,
         };
         let step = period / self.settings.ramp;
@@ -301,9 +319,12 @@ impl Supervisor {
 
     fn enter(&mut self, state: SafetyState, cause: Cause) {
         let newly = self.state != state;
+        let urgent = cause.is_urgent(state);
         if state == SafetyState::ProtectiveStop {
             self.waits |= newly && self.settings.acknowledge;
-            self.urgent |= cause.is_urgent();
+            self.urgent |= urgent;
+        } else {
+            self.urgent = urgent;
         }
         if newly || self.cause.is_none_or(|present| cause.rank() >= present.rank()) {
             self.cause = Some(cause);
@@ -317,26 +338,24 @@ impl Supervisor {
     fn recover(&mut self, demanded: Option<Cause>) {
         self.clear_for = 0.0;
         self.urgent = false;
-        if self.state == SafetyState::ProtectiveStop {
-            self.state = SafetyState::Reduced;
-            self.cause = demanded.or(self.cause);
-        } else {
-            self.state = SafetyState::Normal;
-            self.cause = None;
-        }
+        (self.state, self.cause) = match self.state {
+            SafetyState::ProtectiveStop => (SafetyState::Retreat, demanded.or(self.cause)),
+            SafetyState::Retreat => (SafetyState::Reduced, demanded.or(self.cause)),
+            SafetyState::Reduced | SafetyState::Normal => (SafetyState::Normal, None),
+        };
     }
 
     /// The state that the observation asks for, with `extra` room demanded; none for normal.
     fn demand(&self, observation: &Observation, extra: f64) -> Option<(SafetyState, Cause)> {
-        use SafetyState::{ProtectiveStop, Reduced};
+        use SafetyState::{ProtectiveStop, Reduced, Retreat};
         let settings = &self.settings;
         let Observation { nearest, age } = *observation;
         let room = nearest.map_or(f64::INFINITY, |pair| pair.room());
-        if let Some(pair) = nearest.filter(|_| room < extra - settings.tolerance) {
-            return Some((ProtectiveStop, Cause::TooClose(pair)));
-        }
         if age.seconds() > settings.stop_age {
             return Some((ProtectiveStop, Cause::Stale { age }));
+        }
+        if let Some(pair) = nearest.filter(|_| room < extra - settings.tolerance) {
+            return Some((Retreat, Cause::TooClose(pair)));
         }
         if let Some(pair) = nearest.filter(|_| room < settings.reduced_room + extra) {
             return Some((Reduced, Cause::PersonNear(pair)));

@@ -3,12 +3,13 @@
 use ahqp_core::{JerkLimits, Limits, Status, VelocityInterval, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Fault, LoopClock, Softening};
-use nalgebra::{Isometry3, Vector6};
+use nalgebra::{Isometry3, Vector3, Vector6};
 use vision_models::Percept;
 use whole_body::{Following, Model};
 
 use crate::command::{Command, Outcome};
 use crate::error::{Error, check_size};
+use crate::held_object::HeldObject;
 use crate::leash::Leash;
 use crate::motion_limits::{
     Motion, admit_braking, brake, braking_limits, joint_limits, nearest_to_rest, write_intervals,
@@ -72,6 +73,10 @@ pub struct Controller {
     command: Command,
     /// What was reported since the last command, the worst of it.
     fault: Option<Fault>,
+    /// What the robot holds for the person to work on.
+    object: Option<HeldObject>,
+    /// Whether the force from outside was measured since the last command.
+    feels: bool,
     /// The base's, as measured last \[rad\].
     yaw: f64,
     speed: f64,
@@ -93,7 +98,8 @@ impl Controller {
         let robot = Kinematics::new(model, &settings.tool, bodies, configuration)?;
         let n = configuration.len();
         let layout = CollaborationStack::layout(n);
-        let mut safety = Safety::new(layout, settings.safety.clone(), settings.period)?;
+        let limits = robot.model().limits();
+        let mut safety = Safety::new(layout, settings.safety.clone(), limits, settings.period)?;
         let clock = LoopClock::new(settings.period, settings.clock)?;
         let rest = vec![0.0; n];
         let softening = Softening {
@@ -130,6 +136,8 @@ impl Controller {
             command: Command::at_rest(configuration, tool),
             leash: Leash::new(settings.leash, robot.model())?,
             fault: None,
+            object: None,
+            feels: false,
             yaw: 0.0,
             speed: 1.0,
             clock,
@@ -160,6 +168,38 @@ impl Controller {
     /// Replaces the person's ergonomics, for another person.
     pub fn set_comfort(&mut self, comfort: ErgonomicsQuadratic) {
         self.comfort = comfort;
+    }
+
+    /// The tool holds an object from now on, on which the person works: ergonomics and workspace are then of
+    /// their hand, which their tool keeps away from the object. The object's mass counts, and it is kept
+    /// apart from people and from the robot as the robot's bodies are.
+    ///
+    /// # Errors
+    /// Those of [`HeldObject::validate`]; the robot then holds what it held before.
+    pub fn hold(&mut self, object: HeldObject) -> Result<(), Error> {
+        self.robot.hold(&object)?;
+        // Without bodies nothing is kept apart.
+        if !self.robot.bodies().is_empty() {
+            let count = self.settings.safety.bodies.len() + 1;
+            self.safety.hold(self.robot.bodies().get(..count).unwrap_or_default());
+        }
+        self.object = Some(object);
+        Ok(())
+    }
+
+    /// The tool holds nothing; returns what it held.
+    ///
+    /// # Errors
+    /// None.
+    pub fn release(&mut self) -> Result<Option<HeldObject>, Error> {
+        self.robot.release()?;
+        self.safety.release();
+        Ok(self.object.take())
+    }
+
+    /// What the tool holds.
+    pub fn object(&self) -> Option<&HeldObject> {
+        self.object.as_ref()
     }
 
     /// The command for the period that begins at `now` \[s\], with the robot at the
@@ -195,6 +235,7 @@ impl Controller {
         }
         self.remember_acceleration(tick.elapsed.min(self.settings.period));
         self.integrate(self.settings.period);
+        self.feels = false;
         self.finish();
         size.map(|()| &self.command)
     }
@@ -207,9 +248,13 @@ impl Controller {
         }
     }
 
-    /// Tells the supervisor of a force from outside \[N\]; while the robot is to give way to it the
-    /// commanded state starts anew from the measured one.
-    pub(crate) fn feel(&mut self, force: f64) {
+    /// Takes the force from outside that was measured for the coming tick \[N\]. One that is too large stops
+    /// the robot, and while it is to give way the commanded state starts anew from the measured one.
+    ///
+    /// A robot that does not feel keeps its distance from everybody: the person it works with may come
+    /// into contact with it only in ticks for which this was called.
+    pub fn feel(&mut self, force: f64) {
+        self.feels = true;
         let supervisor = self.safety.supervisor_mut();
         let (fault, gives_way) = (supervisor.feel(force), supervisor.gives_way());
         if let Some(fault) = fault {
@@ -260,8 +305,8 @@ impl Controller {
         if following == Following::Reached {
             self.report(Fault::FollowingError);
         }
-        let (desired, actual) = (&mut self.command.desired, self.robot.world_from_tool());
-        self.leash.hold_pose(desired, actual, following);
+        let (desired, actual) = (&mut self.command.desired, self.robot.world_from_hand());
+        self.leash.hold_pose(desired, &actual, following);
         true
     }
 
@@ -273,6 +318,10 @@ impl Controller {
         }
         self.advance_speed(elapsed);
         self.advance_activation(elapsed);
+        if self.advance_hand(elapsed).is_err() {
+            self.report(Fault::BadData);
+            return false;
+        }
         self.write_intervals(elapsed);
         match self.solve() {
             Ok(Status::Solved) => {}
@@ -296,6 +345,7 @@ impl Controller {
             age: self.clock.age(),
             person: self.space.person(),
             together: self.space.is_shared(),
+            feels: self.feels,
         };
         self.safety.watch(&self.robot, &input)
     }
@@ -314,6 +364,25 @@ impl Controller {
         let step = elapsed / self.settings.activation_time;
         let activation = self.command.activation + if wanted { step } else { -step };
         self.command.activation = activation.clamp(0.0, 1.0);
+    }
+
+    /// Moves the hand to where the person's tool has it, and the desired pose along with it, so that the
+    /// robot need not move.
+    fn advance_hand(&mut self, elapsed: f64) -> Result<(), Error> {
+        let tool = self.space.intention().tool();
+        let goal = match &self.object {
+            Some(object) => object.tool_from_hand(&self.settings.hand, tool)?,
+            None => Vector3::zeros(),
+        };
+        let way = goal - self.robot.tool_from_hand();
+        if way == Vector3::zeros() {
+            return Ok(());
+        }
+        let step = way.cap_magnitude(self.settings.hand.speed * elapsed.max(0.0));
+        self.robot.set_hand(self.robot.tool_from_hand() + step)?;
+        let desired = &mut self.command.desired;
+        desired.translation.vector += desired.rotation * step;
+        Ok(())
     }
 
     fn write_intervals(&mut self, elapsed: f64) {
@@ -375,18 +444,26 @@ impl Controller {
         self.command.joint_velocity.copy_from_slice(joints);
         self.command.desired_twist.copy_from_slice(desired);
         self.command.slack.copy_from_slice(slack);
+        // Where not all can be kept at their distances none is weighed against another.
+        if !self.safety.is_kept_by(&self.command.joint_velocity, &self.braking) {
+            self.go_towards_rest();
+        }
         Ok(status)
     }
 
     /// Every joint, and the desired pose, as near to rest as its limits allow.
     fn brake(&mut self) {
+        self.go_towards_rest();
+        self.command.outcome = Outcome::Braking;
+    }
+
+    fn go_towards_rest(&mut self) {
         let (_, desired) = self.intervals.split_at(self.braking.len());
         self.command.joint_velocity.copy_from_slice(&self.braking);
         for (velocity, interval) in self.command.desired_twist.iter_mut().zip(desired) {
             *velocity = nearest_to_rest(interval);
         }
         self.command.slack = Vector6::zeros();
-        self.command.outcome = Outcome::Braking;
     }
 
     /// Brakes at the limits of acceleration, whatever else holds.
@@ -466,9 +543,10 @@ impl Controller {
         &self.settings
     }
 
-    /// x_a, the tool's pose at the last configuration.
-    pub fn actual(&self) -> &Isometry3<f64> {
-        self.robot.world_from_tool()
+    /// x_a at the last configuration: the pose of the hand of who works on what the tool holds, with the
+    /// tool's axes; of a tool that holds nothing its own.
+    pub fn actual(&self) -> Isometry3<f64> {
+        self.robot.world_from_hand()
     }
 }
 

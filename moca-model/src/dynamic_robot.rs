@@ -1,12 +1,13 @@
 //! A robot whose arm takes torques, for want of a real one.
 
 use whole_body::{
-    ExternalWrench, JointDrive, Model, RandomSource, RigidBodySimulation, SensorSettings, Sensors,
-    Transmission,
+    ExternalWrench, FrameId, JointDrive, Model, PayloadId, RandomSource, RigidBodySimulation,
+    SensorSettings, Sensors, Transmission,
 };
 
 use crate::command::Command;
 use crate::error::{Error, check_plain};
+use crate::held_object::HeldObject;
 use crate::robot::moca::MOCA_BASE_JOINTS;
 use crate::torque::Measured;
 
@@ -169,6 +170,15 @@ impl DynamicRobot {
         let draw = if self.loss > 0.0 { random.uniform() } else { 1.0 };
         let received = self.line.pass(&self.command, draw)?;
         Ok(self.simulation.step(received, external, period)?)
+    }
+
+    /// The robot's frame `tool` holds an object from now on.
+    ///
+    /// # Errors
+    /// [`Error::Robot`], as [`Data::attach`](whole_body::Data::attach).
+    pub fn hold(&mut self, tool: FrameId, object: &HeldObject) -> Result<PayloadId, Error> {
+        let (model, payload) = (self.simulation.model().clone(), object.payload(tool));
+        Ok(self.simulation.data_mut().attach(&model, &payload)?)
     }
 
     /// The robot as it truly is.

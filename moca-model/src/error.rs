@@ -68,6 +68,10 @@ pub enum Error {
         tool: String,
     },
 
+    /// The object has no side to work on.
+    #[error("the object has no face to work on; give it at least one")]
+    NoFace,
+
     /// A setting of the controller is out of its range.
     #[error("setting {name} is {value}; it must be {expected}")]
     Setting {

@@ -1,6 +1,6 @@
 //! From recognised actions to what the person wants.
 
-use vision_models::{Action, RecognisedAction, WalkingDirection};
+use vision_models::{Action, RecognisedAction, Tool, WalkingDirection};
 
 use crate::error::Error;
 
@@ -14,6 +14,8 @@ pub enum Intention {
     Together {
         /// Where they are walking, in their own frame; none when they stand.
         walking: Option<WalkingDirection>,
+        /// What they work with; none with bare hands.
+        tool: Option<Tool>,
     },
 }
 
@@ -26,7 +28,15 @@ impl Intention {
     /// Where the person is walking while they work with the robot.
     pub fn walking(self) -> Option<WalkingDirection> {
         match self {
-            Self::Together { walking } => walking,
+            Self::Together { walking, .. } => walking,
+            Self::Apart => None,
+        }
+    }
+
+    /// What the person works with on what the robot holds.
+    pub fn tool(self) -> Option<Tool> {
+        match self {
+            Self::Together { tool, .. } => tool,
             Self::Apart => None,
         }
     }
@@ -36,7 +46,7 @@ impl Intention {
 impl From<Action> for Intention {
     fn from(action: Action) -> Self {
         if action.is_collaborative() {
-            Self::Together { walking: action.walking_direction() }
+            Self::Together { walking: action.walking_direction(), tool: action.tool() }
         } else {
             Self::Apart
         }
@@ -168,7 +178,7 @@ impl IntentionFilter {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use vision_models::{Action, Confidence, Tool};
+    use vision_models::Confidence;
 
     fn action(action: Action, confidence: f64) -> RecognisedAction {
         RecognisedAction { action, confidence: Confidence::new(confidence).unwrap() }

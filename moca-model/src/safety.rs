@@ -5,11 +5,12 @@ mod settings;
 
 use ahqp_core::{AugmentedState, Rows};
 use hrsw::{
-    Age, ApproachRows, Fault, JointMotion, Nearest, Observation, PersonBody, SeparationSettings,
-    SpeedCap, Supervisor,
+    Age, ApproachRows, Fault, JointMotion, Nearest, Observation, PersonBody, RobotBody,
+    SeparationSettings, SpeedCap, Supervisor, SupervisorSettings,
 };
 use nalgebra::Vector3;
 use vision_models::{Percept, TrackedPerson};
+use whole_body::JointLimits;
 
 use crate::error::Error;
 use crate::robot::kinematics::Kinematics;
@@ -42,6 +43,8 @@ pub struct SafetyInput<'a> {
     pub person: Option<&'a TrackedPerson>,
     /// Whether person and robot work together.
     pub together: bool,
+    /// Whether a contact would be noticed: the force from outside was measured for this tick.
+    pub feels: bool,
 }
 
 /// Speed and separation monitoring of the robot's bodies against the person's, self-collision,
@@ -54,29 +57,36 @@ pub struct SafetyInput<'a> {
 pub struct Safety {
     settings: SafetySettings,
     person: PersonBodies,
+    /// By how much the joints' velocities may change in a tick.
+    velocity_change: Vec<f64>,
     contact_speed: f64,
     person_velocity: Vector3<f64>,
     nearest: Option<Nearest>,
     supervisor: Supervisor,
     separation: ApproachRows,
     own: ApproachRows,
+    /// Those of the settings, and those of what is held.
+    own_pairs: Vec<(usize, usize)>,
     separation_rows: Rows,
     own_rows: Rows,
     cap_rows: Rows,
 }
 
 impl Safety {
-    /// For the layout of χ, with the control period \[s\].
+    /// For the layout of χ and a robot with these limits, with the control period \[s\].
     ///
     /// # Errors
     /// Settings out of range.
     pub fn new(
         state: AugmentedState,
         settings: SafetySettings,
+        limits: &[JointLimits],
         period: f64,
     ) -> Result<Self, Error> {
         settings.validate()?;
-        let separation = ApproachRows::new(state, settings.separation, settings.pairs)?;
+        let SupervisorSettings { reduced_room, tolerance, hysteresis, .. } = settings.supervisor;
+        let separation = ApproachRows::new(state, settings.separation, settings.pairs)?
+            .watching(reduced_room + tolerance + hysteresis);
         let SafetySettings { own_deceleration, own_margin, .. } = settings;
         let between = SeparationSettings::between_own_bodies(period, own_deceleration, own_margin);
         let own = ApproachRows::new(state, between, settings.own_rows)?;
@@ -91,6 +101,7 @@ impl Safety {
         }
         Ok(Self {
             person: PersonBodies::new(settings.person, &settings.contact),
+            velocity_change: limits.iter().map(|limits| limits.acceleration * period).collect(),
             contact_speed: 0.0,
             person_velocity: Vector3::zeros(),
             nearest: None,
@@ -100,8 +111,32 @@ impl Safety {
             cap_rows: SpeedCap::rows(state),
             separation,
             own,
+            own_pairs: settings.own_pairs.clone(),
             settings,
         })
+    }
+
+    /// What the robot holds is kept apart from what the hand is kept apart from, too; `bodies` are
+    /// those of the robot with what it holds as the last.
+    pub(crate) fn hold(&mut self, bodies: &[RobotBody]) {
+        self.release();
+        let Some((held, own)) = bodies.split_last() else { return };
+        let of_hand =
+            |index: &usize| own.get(*index).is_some_and(|body| body.joints == held.joints);
+        for &(first, second) in &self.settings.own_pairs {
+            let others = [(first, second), (second, first)];
+            for (_, other) in others.into_iter().filter(|(hand, _)| of_hand(hand)) {
+                let pair = (own.len(), other);
+                if !of_hand(&other) && !self.own_pairs.contains(&pair) {
+                    self.own_pairs.push(pair);
+                }
+            }
+        }
+    }
+
+    /// The robot holds nothing.
+    pub(crate) fn release(&mut self) {
+        self.own_pairs.truncate(self.settings.own_pairs.len());
     }
 
     /// Takes a camera frame, and the person as tracked at its time.
@@ -127,15 +162,21 @@ impl Safety {
     /// have, or numbers that are not finite.
     pub fn watch(&mut self, robot: &Kinematics, input: &SafetyInput<'_>) -> Result<(), Error> {
         let step = self.settings.contact_acceleration * input.elapsed;
-        let change = if input.together { step } else { -step };
+        let change = if input.together && input.feels { step } else { -step };
         self.contact_speed = (self.contact_speed + change).clamp(0.0, self.settings.contact_speed);
+        if !input.feels {
+            self.contact_speed = 0.0;
+        }
         self.person_velocity = self.person.velocity(input.now, input.person);
         let separation = *self.separation.settings();
         let person = self.person.place(input.now, input.person, &separation, self.contact_speed);
-        let motion = motion(robot, input.velocity, None);
+        let motion = JointMotion {
+            change: Some(&self.velocity_change),
+            ..motion(robot, input.velocity, None)
+        };
         let (bodies, rows) = (robot.bodies(), &mut self.separation_rows);
         self.nearest = self.separation.write(&motion, bodies, person, rows)?;
-        self.own.write_own(&motion, bodies, &self.settings.own_pairs, &mut self.own_rows)?;
+        self.own.write_own(&motion, bodies, &self.own_pairs, &mut self.own_rows)?;
         self.wait(input.age, input.elapsed);
         Ok(())
     }
@@ -164,10 +205,18 @@ impl Safety {
         Ok(SafetyRows { cap, separation: &self.separation_rows, own })
     }
 
-    /// The share of their speeds that the joints may use: at once zero in a stop for a fault or
-    /// for a protective distance that is undercut, else the supervisor's.
+    /// Returns true if with these velocities, n, no pair that may not touch comes nearer faster than it may,
+    /// and none that may touch does that faster than with `braking`, n, too.
+    pub fn is_kept_by(&self, velocity: &[f64], braking: &[f64]) -> bool {
+        self.separation.is_kept_by(&self.separation_rows, velocity, braking)
+    }
+
+    /// The share of their speeds that the joints may use: at once zero in a stop for a fault, while the
+    /// robot moves towards somebody who is too close, and where more pairs are at their limit than there
+    /// are rows; else the supervisor's.
     pub fn speed_scale(&self) -> f64 {
-        if self.supervisor.stops_at_once() { 0.0 } else { self.supervisor.speed_scale() }
+        let brakes = self.separation.is_crowded() || self.supervisor.stops_at_once();
+        if brakes { 0.0 } else { self.supervisor.speed_scale() }
     }
 
     /// The safety state and what brought it there.
@@ -185,7 +234,7 @@ impl Safety {
         self.nearest.as_ref()
     }
 
-    /// How fast the robot may now come nearer to the arms of the person it works with \[m/s\].
+    /// How fast the robot may now come nearer to the person it works with \[m/s\].
     pub fn contact_speed(&self) -> f64 {
         self.contact_speed
     }
@@ -203,5 +252,5 @@ fn motion<'a>(
 ) -> JointMotion<'a> {
     let origin = robot.world_from_tool().translation.vector;
     let (jacobian, inverse_inertia) = (robot.jacobian(), robot.inverse_inertia());
-    JointMotion { jacobian, origin, velocity, braking, inverse_inertia }
+    JointMotion { jacobian, origin, velocity, braking, change: None, inverse_inertia }
 }

@@ -7,6 +7,7 @@ use nalgebra::{UnitQuaternion, Vector3, Vector6};
 use vision_models::TrackerSettings;
 
 use crate::error::Error;
+use crate::held_object::HandSettings;
 use crate::intention::IntentionSettings;
 use crate::leash::LeashSettings;
 use crate::motion_limits::MecanumBase;
@@ -141,6 +142,8 @@ pub struct ControllerSettings {
     pub desired: DesiredMotion,
     /// The shared workspace.
     pub space: SpaceSettings,
+    /// Where the person's hand is when they work on what the robot holds.
+    pub hand: HandSettings,
     /// The wheel limit, for robots whose first three joints are a mecanum base. Default MOCA's.
     pub base: Option<MecanumBase>,
     /// The posture of the fourth level.
@@ -178,6 +181,7 @@ impl Default for ControllerSettings {
             activation_time: 0.5,
             desired: DesiredMotion::default(),
             space: SpaceSettings::default(),
+            hand: HandSettings::default(),
             base: Some(MecanumBase::default()),
             posture: PostureSettings {
                 configuration: MOCA_HOME.to_vec(),
@@ -224,6 +228,7 @@ impl ControllerSettings {
             let expected = "finite and not negative";
             return Err(Error::Setting { name: "space.lead", value, expected });
         }
+        self.hand.validate()?;
         self.clock.validate(self.period)?;
         self.leash.validate()?;
         let [linear, angular] = desired.axis_accelerations();

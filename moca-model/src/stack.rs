@@ -6,7 +6,7 @@ mod settings;
 
 use ahqp_core::{AugmentedState, Budget, Rows, Settings, Solution, VelocityInterval};
 use hrsw::{Slack, SoftWorkspace, Workspace};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Translation3};
 use whole_body::{AugmentedFrameTask, TaskId, TaskLevel, TaskStack, VariableLayout, VelocityTask};
 
 use crate::error::Error;
@@ -158,7 +158,9 @@ impl CollaborationStack {
         self.set_bounds(input.intervals);
         self.set_safety(robot, input)?;
         let Self { stack, tasks, soft, workspace_rows, .. } = self;
-        stack.task_mut(tasks.kinematics)?.set_desired(*input.desired)?;
+        let kinematics = stack.task_mut(tasks.kinematics)?;
+        kinematics.set_desired(*input.desired)?;
+        kinematics.set_point(Translation3::from(*robot.tool_from_hand()).into())?;
         soft.write_rows(input.workspace, None, input.desired, workspace_rows)?;
         stack.task_mut(tasks.workspace)?.copy_from(workspace_rows)?;
         stack.task_mut(tasks.goal)?.set(&input.goal, &input.desired.translation.vector)?;

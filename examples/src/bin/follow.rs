@@ -52,9 +52,9 @@ struct Options {
     /// stature. It says which hand the person works with.
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
-    /// Keep people at their protective distances, by stops where there is no other way.
+    /// The paper's stack alone: keep no protective distances, and do not slow down near people.
     #[arg(long)]
-    separation: bool,
+    no_separation: bool,
     /// A robot that follows velocities exactly and at once, in place of one that moves under torques.
     #[arg(long)]
     kinematic: bool,
@@ -91,13 +91,17 @@ impl Program for Options {
             fs::create_dir_all(folder)
                 .with_context(|| format!("cannot make the folder {}", folder.display()))?;
         }
-        let play = |goal, title, name| {
+        let play = |goal, title: &str, name| {
             let table = folder.map(|folder| folder.join(format!("ticks-{name}.csv")));
             play(session, &scenario, goal, title, table.as_deref(), recorded)
         };
-        let on = play(Goal::Ergonomics, "Ergonomics on", "on")?;
+        let title = |ergonomics: &str| {
+            let separation = if scenario.has_separation() { "" } else { ", NO SEPARATION" };
+            format!("Ergonomics {ergonomics}{separation}")
+        };
+        let on = play(Goal::Ergonomics, &title("on"), "on")?;
         let off = match on.summary.ending {
-            Ending::Complete => Some(play(Goal::LeastMotion, "Ergonomics off", "off")?),
+            Ending::Complete => Some(play(Goal::LeastMotion, &title("off"), "off")?),
             _ => None,
         };
         let logs: Vec<&RunLog> = [Some(&on), off.as_ref()]
@@ -105,8 +109,11 @@ impl Program for Options {
             .flatten()
             .filter_map(|p| p.log.as_ref())
             .collect();
-        let comparison =
-            Comparison { on: on.summary.clone(), off: off.as_ref().map(|off| off.summary.clone()) };
+        let comparison = Comparison {
+            separation: scenario.has_separation(),
+            on: on.summary.clone(),
+            off: off.as_ref().map(|off| off.summary.clone()),
+        };
         let ending = comparison.ending();
         // Before anything is printed: a reader who goes away loses nothing of the report.
         if let Some(folder) = folder
@@ -155,7 +162,7 @@ impl Options {
         };
         let (person, map) = self.person(session, &header)?;
         let scenario = Scenario::new(percepts, &person, map)?.arriving(&timings);
-        let scenario = if self.separation { scenario.with_separation() } else { scenario };
+        let scenario = if self.no_separation { scenario.without_separation() } else { scenario };
         let scenario = if self.kinematic { scenario.kinematic() } else { scenario };
         Ok((scenario, recorded))
     }

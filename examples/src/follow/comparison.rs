@@ -10,6 +10,8 @@ use crate::program::Ending;
 /// Ergonomics on and off, side by side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
+    /// Whether people are kept at a distance.
+    pub separation: bool,
     /// With ergonomics on the third level.
     pub on: Summary,
     /// With the benchmark min ‖ẋ_d‖² there; none if an interrupt came before.
@@ -26,12 +28,19 @@ struct Line {
     /// Of the posture that was recorded, which is the same with both.
     reba_measured_mean: Option<f64>,
     reba_measured_max: Option<u8>,
+    separation: bool,
+    /// In the longer of the runs.
+    together_s: f64,
+    outside_s_on: f64,
+    outside_s_off: Option<f64>,
+    separation_violations: u64,
     tracking_error_rms_mm: f64,
     limit_violations: u64,
     jerk_violations: u64,
     /// None for a robot without torques.
     torque_violations: Option<u64>,
     protective_stops: u64,
+    retreats: u64,
     solver_failures: u64,
     tick_us_p50: f64,
     tick_us_p99: f64,
@@ -72,11 +81,17 @@ impl Serialize for Comparison {
             reba_max_off: self.off.as_ref().map(|off| off.reba_max),
             reba_measured_mean: self.on.reba_measured.map(|measured| measured.mean),
             reba_measured_max: self.on.reba_measured.map(|measured| measured.max),
+            separation: self.separation,
+            together_s: worst(|run| run.together),
+            outside_s_on: self.on.outside,
+            outside_s_off: self.off.as_ref().map(|off| off.outside),
+            separation_violations: sum(|run| run.separation_violations),
             tracking_error_rms_mm: worst(|run| run.tracking_error_rms_mm),
             limit_violations: sum(|run| run.limit_violations),
             jerk_violations: sum(|run| run.jerk_violations),
             torque_violations: self.runs().map(|run| run.torque_violations).sum(),
             protective_stops: sum(|run| run.protective_stops),
+            retreats: sum(|run| run.retreats),
             solver_failures: sum(|run| run.solver_failures),
             tick_us_p50: worst(|run| run.tick_us[0]),
             tick_us_p99: worst(|run| run.tick_us[1]),
@@ -91,7 +106,7 @@ impl Serialize for Comparison {
 /// One row of the table: what it says, its digits, and where the number comes from.
 type Row = (&'static str, usize, fn(&Summary) -> f64);
 
-const ROWS: [Row; 21] = [
+const ROWS: [Row; 23] = [
     ("e_s mean (0 good, 4.25 bad)", 2, |run| run.score_mean),
     ("e_s maximum", 2, |run| run.score_max),
     ("REBA predicted, mean (1 good, 15 bad)", 1, |run| run.reba_mean),
@@ -112,6 +127,8 @@ const ROWS: [Row; 21] = [
     ("ticks with a violated torque limit", 0, |run| {
         run.torque_violations.map_or(f64::NAN, |violations| violations as f64)
     }),
+    ("ticks too near to the person", 0, |run| run.separation_violations as f64),
+    ("retreats from the person", 0, |run| run.retreats as f64),
     ("protective stops", 0, |run| run.protective_stops as f64),
     ("ticks not solved", 0, |run| run.solver_failures as f64),
     ("tick, median [µs]", 1, |run| run.tick_us[0]),
@@ -121,10 +138,13 @@ const ROWS: [Row; 21] = [
 
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:<42}{:>12}", "ergonomics", "on")?;
+        if !self.separation {
+            writeln!(f, "NO SEPARATION: people are kept at no distance")?;
+        }
+        write!(f, "{:<44}{:>12}", "ergonomics", "on")?;
         writeln!(f, "{:>12}", if self.off.is_some() { "off" } else { "" })?;
         for (name, digits, of) in ROWS {
-            write!(f, "{name:<42}")?;
+            write!(f, "{name:<44}")?;
             for run in self.runs() {
                 // Adding zero drops the sign of a zero that rounding has left.
                 let rounded = (of(run) * 1e9).round() / 1e9 + 0.0;

@@ -7,12 +7,14 @@ use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, Person, PersonFrame};
 use hrsw::{SafetyState, Workspace};
 use moca_model::whole_body::Model;
 use moca_model::{
-    Command, Controller, ControllerSettings, Goal, MOCA_HOME, SafetySettings, SpaceSettings, moca,
+    Command, Controller, ControllerSettings, Goal, HeldObject, MOCA_HOME, SafetySettings,
+    SpaceSettings, moca,
 };
 use nalgebra::Vector3;
 use vision_models::Percept;
 
 use super::scoring::Scorer;
+use super::seen::SeenPerson;
 use super::summary::{MeasuredReba, Summary};
 use super::work::WorkForce;
 use crate::limits::{LimitMonitor, Return};
@@ -21,6 +23,7 @@ use crate::plant::{Drive, Plant};
 use crate::program::{Ending, Interrupt};
 use crate::recording::Timing;
 use crate::report::TickRow;
+use crate::separation::{Moment, SeparationMonitor};
 
 /// A margin below which x_d counts as within the workspace \[m or rad\].
 const INSIDE: f64 = 1e-3;
@@ -47,6 +50,8 @@ pub struct Scenario {
     pub settings: ControllerSettings,
     /// What the robot does with commands.
     pub drive: Drive,
+    /// What the robot holds for the person to work on.
+    pub object: HeldObject,
 }
 
 /// One controller against the simulated robot.
@@ -60,9 +65,11 @@ pub struct Run<'a> {
     plant: Plant,
     work: WorkForce,
     monitor: LimitMonitor,
+    person: SeenPerson,
+    separation: SeparationMonitor,
     period: f64,
     engaged: bool,
-    stopped: bool,
+    state: SafetyState,
     tally: Tally,
     ticks_us: Vec<f64>,
     interrupt: Interrupt,
@@ -88,14 +95,15 @@ struct Tally {
     jerk_violations: u64,
     /// None where there are no torques.
     torque_violations: Option<u64>,
-    /// How often a protective stop began.
+    /// How often a protective stop began, and a retreat.
     stops: u64,
+    retreats: u64,
+    separation_violations: u64,
     failures: u64,
 }
 
 impl Scenario {
-    /// MOCA at its home configuration with these percepts and this map. Like the paper's, this
-    /// controller keeps no protective distance; see [`with_separation`](Self::with_separation).
+    /// MOCA at its home configuration with these percepts and this map, holding an object.
     ///
     /// # Errors
     /// A map that cannot be fitted, or no percepts.
@@ -109,11 +117,10 @@ impl Scenario {
             map.fit(&ergo_map::FitOptions::default()).context("fitting the person's ergonomics")?;
         let model = moca()?;
         let space = SpaceSettings::default().for_person(person, map.side());
-        let safety = SafetySettings::off();
-        let settings = ControllerSettings { space, safety, ..ControllerSettings::default() };
+        let settings = ControllerSettings { space, ..ControllerSettings::default() };
         let arrivals = percepts.iter().map(|percept| percept.time).collect();
-        let (start, drive) = (MOCA_HOME.to_vec(), Drive::default());
-        Ok(Self { percepts, arrivals, map, comfort, model, start, settings, drive })
+        let (start, drive, object) = (MOCA_HOME.to_vec(), Drive::default(), HeldObject::default());
+        Ok(Self { percepts, arrivals, map, comfort, model, start, settings, drive, object })
     }
 
     /// The same, with percepts that come as late as their recording says.
@@ -129,11 +136,16 @@ impl Scenario {
         self
     }
 
-    /// The same, with protective distances from the person, a speed cap near them, and stops.
+    /// The same without protective distances, speed cap and self-collision: the paper's stack alone.
     #[must_use]
-    pub fn with_separation(mut self) -> Self {
-        self.settings.safety = SafetySettings::default();
+    pub fn without_separation(mut self) -> Self {
+        self.settings.safety = SafetySettings::off();
         self
+    }
+
+    /// Returns true if people are kept at a distance.
+    pub fn has_separation(&self) -> bool {
+        !self.settings.safety.bodies.is_empty()
     }
 
     /// The same, with a robot that follows velocities exactly and at once.
@@ -162,20 +174,25 @@ impl<'a> Run<'a> {
         let (period, desired) = (settings.period, settings.desired);
         let start = &scenario.start;
         let middle = scenario.comfort.minimiser().unwrap_or(Vector3::new(0.35, 0.0, 1.0));
+        let controller =
+            Controller::new(scenario.model.clone(), scenario.comfort, settings, start)?;
+        let safety = &scenario.settings.safety;
+        let mut separation = SeparationMonitor::new(&scenario.model, safety, period)?;
+        separation.carry(controller.robot().tool(), &[scenario.object.capsule()?]);
+        let mut plant = Plant::new(scenario.drive, controller, SEED)?;
+        plant.hold(&scenario.object)?;
         Ok(Self {
             scorer: Scorer::new(&scenario.map, middle),
             assessor: Assessor::default(),
             measured: None,
-            plant: Plant::new(
-                scenario.drive,
-                Controller::new(scenario.model.clone(), scenario.comfort, settings, start)?,
-                SEED,
-            )?,
+            plant,
             work: WorkForce::default(),
             monitor: LimitMonitor::new(&scenario.model, desired, period, start),
+            person: SeenPerson::default(),
+            separation,
             period,
             engaged: false,
-            stopped: false,
+            state: SafetyState::Normal,
             tally: Tally::default(),
             ticks_us: Vec::new(),
             interrupt: Interrupt::default(),
@@ -211,6 +228,10 @@ impl<'a> Run<'a> {
             }
             while let Some((percept, _)) = percepts.next_if(|(_, at)| **at <= begin + elapsed) {
                 self.plant.observe(percept)?;
+                if let Some(body) = &percept.body {
+                    let person = self.scenario.settings.safety.person;
+                    self.person.update(percept.time, body, person.least_confidence);
+                }
                 self.measured = match &percept.body {
                     Some(body) => self.assessor.update(percept.time, body)?,
                     None => None,
@@ -228,7 +249,7 @@ impl<'a> Run<'a> {
 
     fn tick(&mut self, now: f64) -> anyhow::Result<TickRow> {
         let tick_us = self.plant.step(now)?;
-        let actual = self.plant.tool()?.translation.vector;
+        let actual = self.plant.hand()?.translation.vector;
         let (command, space) = (self.plant.command(), self.plant.controller().space());
         let undisturbed = command.safety == SafetyState::Normal && space.person().is_none();
         let returning = if undisturbed { Return::Free } else { Return::Hindered };
@@ -251,7 +272,8 @@ impl<'a> Run<'a> {
             row.score = hand.score;
             row.reba = hand.reba;
         }
-        let stops = command.safety == SafetyState::ProtectiveStop;
+        let begins = |state| command.safety == state && self.state != state;
+        let (stops, retreats) = (begins(SafetyState::ProtectiveStop), begins(SafetyState::Retreat));
         row.reba_measured = self.measured.map(|measured| measured.reba.reba);
         let tally = &mut self.tally;
         if let (true, Some(reba)) = (self.engaged, row.reba_measured) {
@@ -262,7 +284,19 @@ impl<'a> Run<'a> {
         tally.ticks += 1;
         tally.violations += u64::from(breaches.any());
         tally.jerk_violations += u64::from(breaches.jerk);
-        tally.stops += u64::from(stops && !self.stopped);
+        tally.stops += u64::from(stops);
+        tally.retreats += u64::from(retreats);
+        if self.scenario.has_separation()
+            && let Some(joints) = self.person.joints()
+        {
+            let before = self.person.before(&joints, self.period);
+            let person = (&joints, Some(&before));
+            let contact = self.plant.controller().safety().contact_speed() > 0.0;
+            let moment = Moment { person, known: Some(person), contact };
+            let (velocity, start) = (&command.joint_velocity, self.plant.reference());
+            let verdict = self.separation.check(velocity, start, Some(&moment))?;
+            tally.separation_violations += u64::from(verdict.violation.is_some());
+        }
         if let Some(breaks) = self.plant.breaks_torque_limits() {
             tally.torque_violations =
                 Some(tally.torque_violations.unwrap_or_default() + u64::from(breaks));
@@ -278,7 +312,7 @@ impl<'a> Run<'a> {
             tally.outside += u64::from(!inside);
             tally.out_of_reach += u64::from(!hand.reached);
         }
-        self.stopped = stops;
+        self.state = command.safety;
         self.ticks_us.push(tick_us);
         let towards =
             self.plant.controller().space().person().map(|person| {
@@ -319,6 +353,8 @@ impl<'a> Run<'a> {
             jerk_violations: tally.jerk_violations,
             torque_violations: tally.torque_violations,
             protective_stops: tally.stops,
+            retreats: tally.retreats,
+            separation_violations: tally.separation_violations,
             solver_failures: tally.failures,
             tick_us: [quantile(50), quantile(99), quantile(100)],
             wall,

@@ -40,6 +40,11 @@ pub struct Summary {
     pub torque_violations: Option<u64>,
     /// How often a protective stop began.
     pub protective_stops: u64,
+    /// How often a retreat from somebody who was too close began.
+    pub retreats: u64,
+    /// Ticks in which the robot came nearer to a part of the person, as the camera showed it, than the
+    /// protective distance, unless it may touch it.
+    pub separation_violations: u64,
     /// Ticks whose hierarchy was not solved to its optimum.
     pub solver_failures: u64,
     /// Median, 99th percentile and maximum of the controller's time a tick \[µs\].

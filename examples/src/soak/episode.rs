@@ -9,11 +9,11 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::Tool;
 
-use super::body;
 use super::monitor::{Monitor, Tick};
 use super::task::{POSITION_ROWS, Task};
 use crate::plant::{Drive, Plant};
 use crate::random;
+use crate::separation::{Moment, body};
 use crate::simulation::{CameraSettings, FRAME_RATE, Joints, Perception, Transport, Wanderer};
 
 /// What a generator is for.
@@ -99,7 +99,7 @@ impl Episode {
     pub(super) fn step(&mut self) -> anyhow::Result<f64> {
         #[expect(clippy::cast_precision_loss, reason = "an episode lasts seconds")]
         let now = self.tick as f64 * self.period;
-        let tool = *self.plant.controller().actual();
+        let tool = self.plant.controller().actual();
         self.person.advance(now, self.period, tool.translation.vector.xy());
         self.history.push((self.person.person().joints(), self.person.jumped()));
         self.check_person()?;
@@ -118,9 +118,11 @@ impl Episode {
             configuration: self.plant.configuration(),
             reference: self.plant.reference(),
             breaks_torque: self.plant.breaks_torque_limits(),
-            person: body_at(&self.history, self.history.len() - 1),
-            known: self.known.map(|tick| body_at(&self.history, tick)),
-            contact: self.plant.controller().safety().contact_speed() > 0.0,
+            moment: Moment {
+                person: body_at(&self.history, self.history.len() - 1),
+                known: self.known.map(|tick| body_at(&self.history, tick)),
+                contact: self.plant.controller().safety().contact_speed() > 0.0,
+            },
         })?;
         if self.plant.command().joint_velocity.iter().all(|velocity| velocity.is_finite()) {
             self.plant.act(&Vector3::zeros())?;

@@ -1,15 +1,11 @@
 //! The checks of every tick.
 
-use hrsw::{SafetyState, SeparationSettings};
-use moca_model::whole_body::{Data, FrameId, JointLimits, Model};
+use hrsw::SafetyState;
+use moca_model::whole_body::Model;
 use moca_model::{Command, ControllerSettings};
-use nalgebra::Point3;
 
-use super::body;
-use super::distance::Rod;
-use super::separation::{self, Body, MOMENT, Robot, Verdict};
 use crate::limits::{LimitMonitor, Return};
-use crate::simulation::Joints;
+use crate::separation::{Moment, SeparationMonitor};
 
 /// Ticks with something wrong, by kind, and two kinds that are not wrong but worth counting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,7 +30,7 @@ pub struct Counts {
     pub self_collisions: u64,
     /// As `separation_violations`, by the person's own motion.
     pub person_caused: u64,
-    /// The robot comes nearer to the arms of a person who works with it.
+    /// The robot comes nearer to a person who works with it.
     pub contact: u64,
 }
 
@@ -80,31 +76,15 @@ pub struct Tick<'a> {
     pub reference: &'a [f64],
     /// Whether torques broke a limit; none without torques.
     pub breaks_torque: Option<bool>,
-    /// The person's joints now, a period before (none after a jump) \[m\].
-    pub person: (&'a Joints, Option<&'a Joints>),
-    /// The same, when the newest frame was taken that shows the person and has arrived.
-    pub known: Option<(&'a Joints, Option<&'a Joints>)>,
-    /// Whether the arms of the person may touch what the robot holds.
-    pub contact: bool,
+    /// The person.
+    pub moment: Moment<'a>,
 }
 
 /// Checks every tick of an episode.
 #[derive(Clone, Debug)]
 pub struct Monitor {
-    model: Model,
-    data: Data,
-    shapes: Vec<(FrameId, Rod)>,
-    own_pairs: Vec<(usize, usize)>,
-    separation: SeparationSettings,
-    joints: Vec<JointLimits>,
+    separation: SeparationMonitor,
     limits: LimitMonitor,
-    period: f64,
-    /// In an emergency stop, then as commanded.
-    velocity: Vec<f64>,
-    /// Commanded last, and how fast that changed.
-    last: Vec<f64>,
-    acceleration: Vec<f64>,
-    robot: Robot,
     /// What was found so far.
     pub counts: Counts,
     /// The first tick with something wrong, and what is known of it.
@@ -121,28 +101,12 @@ impl Monitor {
         settings: &ControllerSettings,
         configuration: &[f64],
     ) -> anyhow::Result<Self> {
-        let mut shapes = Vec::new();
-        for body in &settings.safety.bodies {
-            let capsule = body.capsule;
-            let rod = Rod { ends: [*capsule.start(), *capsule.end()], radius: capsule.radius() };
-            shapes.push((model.frame_id(&body.link)?, rod));
-        }
         let period = settings.period;
         Ok(Self {
-            data: Data::new(model),
-            own_pairs: settings.safety.own_pairs.clone(),
-            separation: settings.safety.separation,
-            joints: model.limits().to_vec(),
+            separation: SeparationMonitor::new(model, &settings.safety, period)?,
             limits: LimitMonitor::new(model, settings.desired, period, configuration),
-            velocity: vec![0.0; configuration.len()],
-            last: vec![0.0; configuration.len()],
-            acceleration: vec![0.0; configuration.len()],
-            robot: Robot::default(),
             counts: Counts::default(),
             first_wrong: None,
-            model: model.clone(),
-            shapes,
-            period,
         })
     }
 
@@ -158,7 +122,7 @@ impl Monitor {
             counts.not_finite += 1;
             return Ok(());
         }
-        let free = command.safety == SafetyState::Normal && tick.known.is_none();
+        let free = command.safety == SafetyState::Normal && tick.moment.known.is_none();
         let returning = if free { Return::Free } else { Return::Hindered };
         let breaches = self.limits.check(command, tick.reference, returning);
         counts.limit_violations += u64::from(breaches.limit);
@@ -168,72 +132,17 @@ impl Monitor {
         counts.discontinuities += u64::from(breaches.desired_acceleration);
 
         let velocity = &command.joint_velocity;
-        let before = std::mem::take(&mut self.last);
-        separation::emergency_stop(
-            &self.joints,
-            &self.acceleration,
-            &mut self.velocity,
-            self.period,
-        );
-        self.place(tick)?;
-        for ((acceleration, now), before) in self.acceleration.iter_mut().zip(velocity).zip(&before)
-        {
-            *acceleration = (now - before) / self.period;
-        }
-        self.velocity.copy_from_slice(velocity);
-        self.last = before;
-        self.last.copy_from_slice(velocity);
-        let verdict = self.judge(tick);
+        let verdict = self.separation.check(velocity, tick.configuration, Some(&tick.moment))?;
         let counts = &mut self.counts;
         counts.separation_violations += u64::from(verdict.violation.is_some());
         counts.person_caused += u64::from(verdict.person_caused);
         counts.contact += u64::from(verdict.contact);
-        let now = &self.robot.now;
-        let collides = |&(i, j): &(usize, usize)| now[i].distance(&now[j]) < 0.0;
-        counts.self_collisions += u64::from(self.own_pairs.iter().any(collides));
+        counts.self_collisions += u64::from(self.separation.collides());
         if self.first_wrong.is_none() && self.counts.wrong() > 0 {
             let blame = verdict.violation;
-            self.first_wrong = Some(format!("{breaches:?} {blame:?} {:?}", self.counts));
-        }
-        Ok(())
-    }
-
-    fn judge(&self, tick: &Tick<'_>) -> Verdict {
-        let body = |(now, before): (&Joints, Option<&Joints>)| Body {
-            now: body::capsules(now),
-            before: before.map(body::capsules),
-        };
-        let known = tick.known.map(body);
-        separation::judge(
-            &self.separation,
-            &self.robot,
-            &body(tick.person),
-            known.as_ref(),
-            tick.contact,
-            self.period,
-        )
-    }
-
-    /// The robot's bodies now, and as they move: commanded, and in an emergency stop.
-    fn place(&mut self, tick: &Tick<'_>) -> anyhow::Result<()> {
-        let Robot { now, commanded, stopping } = &mut self.robot;
-        let velocity = &tick.command.joint_velocity;
-        for (rods, velocity, time) in [
-            (now, velocity, 0.0),
-            (&mut commanded.before, velocity, -MOMENT),
-            (&mut commanded.after, velocity, MOMENT),
-            (&mut stopping.before, &self.velocity, -MOMENT),
-            (&mut stopping.after, &self.velocity, MOMENT),
-        ] {
-            let moved = tick.configuration.iter().zip(velocity).map(|(q, v)| q + v * time);
-            let q: Vec<f64> = moved.collect();
-            let posed = self.data.pose(&self.model, &q)?;
-            rods.clear();
-            for (link, rod) in &self.shapes {
-                let pose = posed.world_from(*link)?;
-                let ends = rod.ends.map(|end| (pose * Point3::from(end)).coords);
-                rods.push(Rod { ends, ..*rod });
-            }
+            let Command { outcome, fault, .. } = command;
+            self.first_wrong =
+                Some(format!("{outcome:?} {fault:?} {breaches:?} {blame:?} {:?}", self.counts));
         }
         Ok(())
     }

@@ -33,43 +33,43 @@ fn assert_sound(summary: &Summary, what: &str) {
     assert!(summary.torque_violations.is_none_or(|violations| violations == 0), "{what}");
 }
 
-#[test]
-fn ergonomics_pay_on_the_shipped_recording() {
-    let percepts: Vec<Percept> = recording::shipped().unwrap().map(Result::unwrap).collect();
-    let scenario = Scenario::new(percepts, &Person::average(), average_map().clone()).unwrap();
-    let on = play(&scenario, Goal::Ergonomics);
-    let off = play(&scenario, Goal::LeastMotion);
+fn assert_sound_and_worth_it(scenario: &Scenario) -> [Summary; 2] {
+    let on = play(scenario, Goal::Ergonomics);
+    let off = play(scenario, Goal::LeastMotion);
     assert_sound(&on, "on");
     assert_sound(&off, "off");
     assert!(on.together > 30.0 && off.together > 30.0, "{} s, {} s", on.together, off.together);
-    assert!(on.score_mean <= 0.35, "e_s with ergonomics: {}", on.score_mean);
+    assert!(on.score_mean <= 0.3, "e_s with ergonomics: {}", on.score_mean);
     assert!(off.score_mean >= 3.0 * on.score_mean, "{} {}", off.score_mean, on.score_mean);
     assert!(off.reba_max > on.reba_max);
-    // A person who works pushes a tool of some 2 N/mm with 20 N.
-    assert!(on.tracking_error_rms_mm < 15.0, "{} mm", on.tracking_error_rms_mm);
     assert_eq!((on.protective_stops, on.torque_violations), (0, Some(0)));
-    // Both keep to the shared workspace but for its fastest moves.
-    assert!(on.outside < 0.1 * on.together && off.outside < 0.2 * off.together);
+    [on, off]
 }
 
-/// With protective distances the robot stands more often, and the ergonomics pay still. The desired
-/// pose goes along with a robot that stands, so that it is outside the shared workspace for a while;
-/// for more than half of the time of working together it is within.
-#[test]
-fn ergonomics_pay_at_protective_distances() {
+fn shipped() -> Scenario {
     let percepts: Vec<Percept> = recording::shipped().unwrap().map(Result::unwrap).collect();
-    let scenario = Scenario::new(percepts, &Person::average(), average_map().clone())
-        .unwrap()
-        .with_separation();
-    let on = play(&scenario, Goal::Ergonomics);
-    let off = play(&scenario, Goal::LeastMotion);
-    assert_sound(&on, "on");
-    assert_sound(&off, "off");
-    assert!(on.together > 30.0 && off.together > 30.0, "{} s, {} s", on.together, off.together);
-    assert!(on.score_mean <= 0.35, "e_s with ergonomics: {}", on.score_mean);
-    assert!(off.score_mean >= 3.0 * on.score_mean, "{} {}", off.score_mean, on.score_mean);
-    assert!(on.outside < 0.45 * on.together, "outside for {} s of {}", on.outside, on.together);
-    assert!(off.outside < 0.35 * off.together, "outside for {} s of {}", off.outside, off.together);
+    Scenario::new(percepts, &Person::average(), average_map().clone()).unwrap()
+}
+
+/// As shipped: at protective distances, under torques. The desired pose goes along with a robot that
+/// stands, so that it is outside the shared workspace for a while.
+#[test]
+fn ergonomics_pay_on_the_shipped_recording() {
+    let scenario = shipped();
+    assert!(scenario.has_separation());
+    let [on, off] = assert_sound_and_worth_it(&scenario);
+    assert!(on.outside <= 0.15 * on.together, "outside for {} s of {}", on.outside, on.together);
+    assert_eq!((on.separation_violations, off.separation_violations), (0, 0));
+    assert_eq!(off.protective_stops, 0);
+}
+
+#[test]
+fn ergonomics_pay_without_separation() {
+    let [on, off] = assert_sound_and_worth_it(&shipped().without_separation());
+    // A person who works pushes a tool of some 2 N/mm with 20 N, at the end of a drill of 0.2 m.
+    assert!(on.tracking_error_rms_mm < 15.0, "{} mm", on.tracking_error_rms_mm);
+    // Both keep to the shared workspace but for its fastest moves.
+    assert!(on.outside < 0.1 * on.together && off.outside < 0.2 * off.together);
 }
 
 /// Noise, dropped joints, vanishing people and jumps of two metres, people from 1.5 to 2 m: of each
@@ -90,8 +90,7 @@ fn random_scenario(seed: u64) -> Scenario {
     let begin = (seed % 5) as f64 * PIECE;
     let piece = walker.filter(|percept| (begin..=begin + PIECE).contains(&percept.time));
     let scenario = Scenario::new(piece.collect(), &person, map).unwrap();
-    let separated = seed.is_multiple_of(4);
-    if separated { scenario.with_separation() } else { scenario }
+    if seed.is_multiple_of(2) { scenario.without_separation() } else { scenario }
 }
 
 #[test]

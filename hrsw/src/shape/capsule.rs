@@ -94,13 +94,6 @@ impl Capsule {
         self.reach
     }
 
-    /// Returns true if the spheres around the two are farther apart than `distance` \[m\].
-    pub(crate) fn is_beyond(&self, other: &Self, distance: f64) -> bool {
-        let twice_apart = self.start + self.end - other.start - other.end;
-        let within = (distance + self.reach + other.reach).max(0.0);
-        twice_apart.norm_squared() > 4.0 * within * within
-    }
-
     /// The half-space that touches the capsule where it is nearest to `point`.
     pub(crate) fn supporting(&self, point: &Vector3<f64>) -> HalfSpace {
         let axis = self.nearest_on_segment(point);

@@ -51,7 +51,7 @@ fn a_tick_allocates_nothing() {
             velocity: None,
             contact: ContactLimits::default()
                 .of(BodyRegion::ALL[3 + usize::from(i)])
-                .map(|limit| Contact { limit, fastest: 0.25 }),
+                .map(|limit| Contact { limit, fastest: 0.25, velocity: None }),
         })
         .collect();
     let jacobian = Matrix6xX::from_fn(10, |i, j| (i as f64 - j as f64).sin());
@@ -62,6 +62,7 @@ fn a_tick_allocates_nothing() {
         origin: Vector3::zeros(),
         velocity: &rest,
         braking: Some(&rest),
+        change: Some(&rest),
         inverse_inertia: Some(&inverse_inertia),
     };
     let settings = SeparationSettings::default();

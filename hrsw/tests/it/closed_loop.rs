@@ -85,6 +85,7 @@ impl Gantry {
             origin: self.position,
             velocity: self.velocity.as_slice(),
             braking: (*kind == Kind::Hard).then_some(&braking),
+            change: None,
             inverse_inertia: None,
         };
         let rows = match kind {

@@ -5,6 +5,7 @@ mod allocation;
 mod clock;
 mod closed_loop;
 mod contact;
+mod culling;
 mod motion;
 mod properties;
 mod safety;

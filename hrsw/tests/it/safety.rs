@@ -38,6 +38,7 @@ fn settings() -> impl Strategy<Value = SeparationSettings> {
             human_speed,
             reaction_time,
             deceleration,
+            base: None,
             intrusion,
             human_uncertainty: uncertainty,
             robot_uncertainty: 0.5 * uncertainty,
@@ -72,6 +73,7 @@ fn contact() -> impl Strategy<Value = Contact> {
         |(force, stiffness, mass, fastest)| Contact {
             limit: ContactLimit { force, stiffness, mass },
             fastest,
+            velocity: None,
         },
     )
 }
@@ -90,7 +92,14 @@ fn motion<'a>(
     velocity: &'a [f64],
     braking: &'a [f64],
 ) -> JointMotion<'a> {
-    JointMotion { jacobian, origin, velocity, braking: Some(braking), inverse_inertia: None }
+    JointMotion {
+        jacobian,
+        origin,
+        velocity,
+        braking: Some(braking),
+        change: None,
+        inverse_inertia: None,
+    }
 }
 
 fn state() -> AugmentedState {
@@ -224,7 +233,8 @@ proptest! {
                 let worst = part.velocity.zip(measured).map(|(v, speed)| speed + v.uncertainty);
                 let human = worst.map_or(settings.human_speed, |speed| speed.max(0.0));
                 let mut limit = settings.approach_limit(near.distance, human);
-                if let Some(Contact { limit: contact, fastest }) = part.contact {
+                if let Some(Contact { limit: contact, fastest, velocity }) = part.contact {
+                    prop_assert!(velocity.is_none());
                     // Joint by joint: how the robot gives way to a push along the normal.
                     let unit = |j: usize| std::array::from_fn::<_, JOINTS, _>(|i| f64::from(u8::from(i == j)));
                     let row = DVector::from_fn(JOINTS, |j, _| rate(&unit(j)));
@@ -408,7 +418,11 @@ fn bad_safety_input_is_named() {
         ..person
     };
     let touched = |force: f64, mass: f64, fastest: f64| PersonBody {
-        contact: Some(Contact { limit: ContactLimit { force, stiffness: 1e4, mass }, fastest }),
+        contact: Some(Contact {
+            limit: ContactLimit { force, stiffness: 1e4, mass },
+            fastest,
+            velocity: None,
+        }),
         ..person
     };
     for part in [

@@ -36,9 +36,8 @@ proptest! {
             let observation = seen(room.map(pair), age);
             let room = room.unwrap_or(f64::INFINITY);
             let asked = fault.map_or(SafetyState::Normal, Fault::state);
-            let stop = asked == SafetyState::ProtectiveStop
-                || age > settings.stop_age
-                || room < -settings.tolerance;
+            let stop = asked == SafetyState::ProtectiveStop || age > settings.stop_age;
+            let close = room < -settings.tolerance;
             let near = asked == SafetyState::Reduced
                 || age > settings.reduced_age
                 || room < settings.reduced_room;
@@ -51,10 +50,12 @@ proptest! {
                 supervisor.update(&observation, 1e-3);
                 if stop {
                     prop_assert_eq!(supervisor.state(), SafetyState::ProtectiveStop);
+                } else if close {
+                    prop_assert!(supervisor.state() >= SafetyState::Retreat);
                 } else if near {
                     prop_assert!(supervisor.state() >= SafetyState::Reduced);
                 }
-                clear = if stop || near { 0.0 } else { clear + 1e-3 };
+                clear = if stop || close || near { 0.0 } else { clear + 1e-3 };
                 if supervisor.state() < before.state() {
                     prop_assert!(!supervisor.waits_for_acknowledgement());
                     prop_assert!(!supervisor.stops_at_once());
@@ -106,11 +107,28 @@ fn the_supervisor_says_why() {
     assert!(!supervisor.stops_at_once(), "for want of frames it stops along its ramp");
     let close = pair(-0.2);
     supervisor.update(&seen(Some(close), 0.9), 1e-3);
-    assert_eq!(supervisor.cause(), Some(&Cause::TooClose(close)));
-    assert!(supervisor.stops_at_once());
+    assert_eq!(supervisor.state(), SafetyState::ProtectiveStop, "nobody knows who is where now");
     supervisor.update(&seen(Some(Nearest { distance: f64::NAN, ..close }), 0.0), 1e-3);
     assert_eq!(supervisor.cause(), Some(&Cause::Fault(Fault::BadData)));
     assert_eq!(supervisor.unacknowledged(), Some(Fault::BadData));
+}
+
+/// Towards somebody who is too close it stops as fast as it can, away from them it may leave.
+#[test]
+fn the_robot_retreats_from_who_is_too_close() {
+    let mut supervisor = supervisor();
+    let coming = Nearest { approach: 0.3, ..pair(-0.2) };
+    supervisor.update(&seen(Some(coming), 0.0), 1e-3);
+    assert_eq!(supervisor.state(), SafetyState::Retreat);
+    assert_eq!(supervisor.cause(), Some(&Cause::TooClose(coming)));
+    assert!(supervisor.stops_at_once());
+    for _ in 0..2000 {
+        supervisor.update(&seen(Some(Nearest { approach: -0.1, ..coming }), 0.0), 1e-3);
+        assert!(!supervisor.stops_at_once());
+    }
+    let share = SupervisorSettings::default().retreat_scale;
+    assert!((supervisor.speed_scale() - share).abs() < 1e-12);
+    assert_eq!(supervisor.state(), SafetyState::Retreat);
 }
 
 /// What has never been seen is older than everything.
@@ -154,7 +172,7 @@ fn a_fault_outlives_its_tick() {
     supervisor.update(&seen(NOBODY, 0.0), 1e-3);
     assert_eq!(supervisor.state(), SafetyState::ProtectiveStop);
     supervisor.update(&seen(NOBODY, 0.0), 1e-3);
-    assert_eq!(supervisor.state(), SafetyState::Reduced);
+    assert_eq!(supervisor.state(), SafetyState::Retreat);
 }
 
 #[test]

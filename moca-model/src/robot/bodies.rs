@@ -17,21 +17,45 @@ pub struct LinkCapsule {
 /// The capsules of a robot and where they are.
 #[derive(Debug, Clone)]
 pub(super) struct RobotBodies {
+    tool: FrameId,
+    /// How many joints move the tool.
+    joints: usize,
     shapes: Vec<(FrameId, Capsule)>,
     placed: Vec<RobotBody>,
+    /// How many of them are the robot's own.
+    own: usize,
 }
+
+/// Room for what the robot holds and for the tool of who works on it.
+const HELD: usize = 2;
 
 impl RobotBodies {
     pub(super) fn new(model: &Model, tool: FrameId, bodies: &[LinkCapsule]) -> Result<Self, Error> {
-        let mut shapes = Vec::with_capacity(bodies.len());
-        let mut placed = Vec::with_capacity(bodies.len());
+        let mut shapes = Vec::with_capacity(bodies.len() + HELD);
+        let mut placed = Vec::with_capacity(bodies.len() + HELD);
         for body in bodies {
             let link = model.frame_id(&body.link)?;
             shapes.push((link, body.capsule));
             let joints = joints_moving(model, tool, link)?;
             placed.push(RobotBody { capsule: body.capsule, joints });
         }
-        Ok(Self { shapes, placed })
+        let joints = model.moved_by(tool)?.count();
+        Ok(Self { tool, joints, own: placed.len(), shapes, placed })
+    }
+
+    /// The tool's frame carries these as well, instead of what it carried before. Allocates nothing.
+    pub(super) fn hold(&mut self, held: impl IntoIterator<Item = Capsule>) {
+        self.shapes.truncate(self.own);
+        self.placed.truncate(self.own);
+        for capsule in held.into_iter().take(HELD) {
+            self.shapes.push((self.tool, capsule));
+            self.placed.push(RobotBody { capsule, joints: self.joints });
+        }
+    }
+
+    /// Returns true if the robot has bodies of its own.
+    pub(super) fn are_any(&self) -> bool {
+        self.own > 0
     }
 
     pub(super) fn place(&mut self, posed: &Posed<'_>) -> Result<(), Error> {

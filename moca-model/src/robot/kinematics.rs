@@ -1,15 +1,17 @@
 //! The robot at one configuration, as the stack of tasks sees it.
 
-use hrsw::RobotBody;
-use nalgebra::{DMatrix, Isometry3, Matrix6xX};
-use whole_body::{Axes, Data, FrameId, Model, Posed};
+use hrsw::{Capsule, RobotBody};
+use nalgebra::{DMatrix, Isometry3, Matrix6xX, Translation3, Vector3};
+use whole_body::{Axes, Data, FrameId, Model, PayloadId, Posed};
 
 use super::bodies::{LinkCapsule, RobotBodies};
 use super::inertia::InverseInertia;
 use crate::error::{Error, check_plain};
+use crate::held_object::HeldObject;
 
 /// The robot at one configuration, as the stack of tasks sees it: where the tool is, how the
-/// joints move it, where the robot's bodies are.
+/// joints move it, where the robot's bodies are, what it holds and where the hand is of the person
+/// who works on that.
 ///
 /// ```
 /// use moca_model::{Kinematics, MOCA_HOME, MOCA_TOOL, moca};
@@ -28,10 +30,25 @@ pub struct Kinematics {
     data: Data,
     tool: FrameId,
     world_from_tool: Isometry3<f64>,
+    held: Option<Held>,
+    /// In the tool's frame \[m\].
+    hand: Vector3<f64>,
     jacobian: Matrix6xX<f64>,
     bodies: RobotBodies,
     inertia: InverseInertia,
 }
+
+/// What the robot holds.
+#[derive(Debug, Clone, Copy)]
+struct Held {
+    payload: PayloadId,
+    capsule: Capsule,
+    /// Where the person's tool meets it, in the tool's frame \[m\].
+    face: Vector3<f64>,
+}
+
+/// Radius of what a person works with \[m\].
+const TOOL_RADIUS: f64 = 0.03;
 
 impl Kinematics {
     /// With the link or frame that is the tool, the robot's bodies and its configuration q, n
@@ -52,6 +69,8 @@ impl Kinematics {
             data: Data::new(&model),
             tool,
             world_from_tool: Isometry3::identity(),
+            held: None,
+            hand: Vector3::zeros(),
             jacobian: Matrix6xX::zeros(n),
             inertia: InverseInertia::new(n),
             bodies: RobotBodies::new(&model, tool, bodies)?,
@@ -76,6 +95,56 @@ impl Kinematics {
         self.bodies.place(&posed)
     }
 
+    /// The tool holds an object from now on, instead of what it held before: its mass counts, and it is one
+    /// of the robot's bodies, unless the robot has none. Allocates nothing.
+    ///
+    /// # Errors
+    /// Those of [`HeldObject::validate`]; the robot then holds what it held before.
+    pub fn hold(&mut self, object: &HeldObject) -> Result<(), Error> {
+        object.validate()?;
+        let (capsule, face) = (object.capsule()?, object.tool_from_face()?);
+        self.release()?;
+        let payload = self.data.attach(&self.model, &object.payload(self.tool))?;
+        self.held = Some(Held { payload, capsule, face });
+        self.carry()
+    }
+
+    /// The tool holds nothing.
+    ///
+    /// # Errors
+    /// None.
+    pub fn release(&mut self) -> Result<(), Error> {
+        if let Some(held) = self.held.take() {
+            self.data.detach(&self.model, held.payload)?;
+        }
+        self.carry()
+    }
+
+    /// Where the person's hand is from now on, in the tool's frame \[m\]; what is between it and the object
+    /// is the person's tool.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; the hand is then where it was.
+    pub fn set_hand(&mut self, hand: Vector3<f64>) -> Result<(), Error> {
+        if let Some(&value) = hand.iter().find(|value| !value.is_finite()) {
+            return Err(Error::NotFinite { what: "the place of a hand".to_owned(), value });
+        }
+        self.hand = hand;
+        self.carry()
+    }
+
+    /// Gives the tool's frame the bodies that it carries now.
+    fn carry(&mut self) -> Result<(), Error> {
+        let held = self.held.filter(|_| self.bodies.are_any());
+        let tool = held.filter(|held| (held.face - self.hand).norm() > 2.0 * TOOL_RADIUS);
+        let tool = match tool {
+            Some(held) => Some(Capsule::new(held.face, self.hand, TOOL_RADIUS)?),
+            None => None,
+        };
+        self.bodies.hold(held.map(|held| held.capsule).into_iter().chain(tool));
+        self.bodies.place(&self.data.posed(&self.model)?)
+    }
+
     /// The robot at its configuration, for tasks to read.
     ///
     /// # Errors
@@ -97,6 +166,17 @@ impl Kinematics {
     /// Pose of the tool in the world.
     pub fn world_from_tool(&self) -> &Isometry3<f64> {
         &self.world_from_tool
+    }
+
+    /// Pose in the world of the hand of who works with the robot, with the tool's axes. Without an object
+    /// between them that of the tool.
+    pub fn world_from_hand(&self) -> Isometry3<f64> {
+        self.world_from_tool * Translation3::from(self.hand)
+    }
+
+    /// Where the hand is in the tool's frame \[m\].
+    pub fn tool_from_hand(&self) -> &Vector3<f64> {
+        &self.hand
     }
 
     /// The tool's geometric Jacobian, 6 × n: its twist for q̇, linear rows \[m/s\] then angular

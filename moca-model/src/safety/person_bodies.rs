@@ -14,7 +14,7 @@ use super::settings::PersonBodySettings;
 enum Limb {
     /// With the pelvis.
     Body,
-    /// On its own, and it may touch what the robot holds.
+    /// On its own.
     Arm,
 }
 
@@ -154,7 +154,8 @@ impl PersonBodies {
             if agrees && !unsettled { self.agrees_since.or(Some(time)) } else { None };
     }
 
-    /// The capsules at the time `now`; at `contact_speed` the arms may be touched.
+    /// The capsules at the time `now`; at `contact_speed` they may be touched where their region allows
+    /// it, never at the head.
     pub(super) fn place(
         &mut self,
         now: f64,
@@ -176,11 +177,13 @@ impl PersonBodies {
             let ends = (self.joints[part.from as usize], self.joints[part.to as usize]);
             let (Some(from), Some(to)) = ends else { continue };
             let middle = (from.place + to.place) * 0.5;
-            let velocity = motion.and_then(|person| part.velocity(person, &middle, contact_speed));
-            let velocity = velocity.map(|mean| MeasuredVelocity {
+            let carried = motion.map(|person| carried(person, &middle));
+            let carried = carried.map(|mean| MeasuredVelocity {
                 mean,
                 uncertainty: uncertainty.min((separation.human_speed - mean.norm()).max(0.0)),
             });
+            // What an arm does on its own is not measured.
+            let velocity = carried.filter(|_| part.limb == Limb::Body);
             let fastest =
                 velocity.map_or(separation.human_speed, |v| v.mean.norm() + v.uncertainty);
             // The reaction time covers the age of a frame; what is older may be anywhere near.
@@ -189,10 +192,11 @@ impl PersonBodies {
             let beyond = along.try_normalize(1e-9).unwrap_or_default() * part.beyond;
             let radius = part.radius + fastest * age;
             if let Ok(capsule) = Capsule::new(from.place, to.place + beyond, radius) {
-                let touched = part.limb == Limb::Arm && contact_speed > 0.0;
-                let contact = limit
-                    .filter(|_| touched)
-                    .map(|limit| Contact { limit, fastest: contact_speed });
+                let contact = limit.filter(|_| contact_speed > 0.0).map(|limit| Contact {
+                    limit,
+                    fastest: contact_speed,
+                    velocity: carried,
+                });
                 self.bodies.push(PersonBody { capsule, velocity, contact });
             }
         }
@@ -253,22 +257,11 @@ impl PersonBodies {
     }
 }
 
-impl Part {
-    /// Of its middle, with the person's walking and turning; none where it is not known.
-    fn velocity(
-        &self,
-        person: &TrackedPerson,
-        middle: &Vector3<f64>,
-        contact_speed: f64,
-    ) -> Option<Vector3<f64>> {
-        let arm = middle.xy() - person.floor.coords;
-        let turning = Vector2::new(-arm.y, arm.x) * person.heading_rate;
-        let carried = (person.velocity + turning).push(0.0);
-        match self.limb {
-            Limb::Body => Some(carried),
-            Limb::Arm => (contact_speed > 0.0).then_some(carried),
-        }
-    }
+/// The velocity of a point of the body with the person's walking and turning \[m/s\].
+fn carried(person: &TrackedPerson, point: &Vector3<f64>) -> Vector3<f64> {
+    let arm = point.xy() - person.floor.coords;
+    let turning = Vector2::new(-arm.y, arm.x) * person.heading_rate;
+    (person.velocity + turning).push(0.0)
 }
 
 /// Where a joint is seen, if it is seen well enough.

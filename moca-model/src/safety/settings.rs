@@ -1,10 +1,11 @@
 //! How the robot keeps its distance, with defaults for MOCA.
 
-use hrsw::{Capsule, ContactLimits, SeparationSettings, SpeedCap, SupervisorSettings};
+use hrsw::{BaseBraking, Capsule, ContactLimits, SeparationSettings, SpeedCap, SupervisorSettings};
 use nalgebra::Vector3;
 
 use crate::error::Error;
 use crate::robot::bodies::LinkCapsule;
+use crate::robot::moca::MOCA_BASE_JOINTS;
 
 /// How the person's body is made of what the camera sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,14 +63,14 @@ impl Default for PersonBodySettings {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SafetySettings {
     /// The terms of the protective distance. Default: that of hrsw with C = 0.05 m, since every
-    /// part of the body is tracked, and for MOCA's base a = 0.5 m/s².
+    /// part of the body is tracked, and a = 0.5 m/s² for MOCA's base.
     pub separation: SeparationSettings,
-    /// Pairs of a robot's and a person's body that get a row. Default 10.
+    /// Pairs of a robot's and a person's body that get a row. Default 40.
     pub pairs: usize,
     /// What a contact with a part of the person may do. Default: hrsw's, quasi-static.
     pub contact: ContactLimits,
-    /// How fast robot and arms of a person who works with it may come nearer to each other, where the
-    /// limits of a contact allow it \[m/s\]. Default 0.25.
+    /// How fast the robot and a person who works with it may come nearer to each other, where the limits
+    /// of a contact allow it \[m/s\]. Default 0.25.
     pub contact_speed: f64,
     /// How fast that comes and goes when working together begins and ends \[m/s²\]. Default 0.5.
     pub contact_acceleration: f64,
@@ -102,10 +103,10 @@ impl Default for SafetySettings {
         Self {
             separation: SeparationSettings {
                 intrusion: 0.05,
-                deceleration: 0.5,
+                base: Some(BaseBraking { joints: MOCA_BASE_JOINTS, deceleration: 0.5 }),
                 ..SeparationSettings::default()
             },
-            pairs: 10,
+            pairs: 40,
             contact: ContactLimits::default(),
             contact_speed: 0.25,
             contact_acceleration: 0.5,

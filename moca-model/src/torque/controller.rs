@@ -12,6 +12,7 @@ use super::settings::TorqueLoopSettings;
 use crate::command::Command;
 use crate::controller::Controller;
 use crate::error::Error;
+use crate::held_object::HeldObject;
 
 /// What a robot measures each tick, n of each, in the order of q.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,6 +67,8 @@ pub struct TorqueController {
     velocity: Vec<f64>,
     /// Of the whole robot.
     gravity: Vec<f64>,
+    /// What the tool holds.
+    held: Option<PayloadId>,
     law: LawInput,
     torque: Vec<f64>,
 }
@@ -128,6 +131,7 @@ impl TorqueController {
             force: Vector3::zeros(),
             velocity: vec![0.0; position.len()],
             gravity: vec![0.0; position.len()],
+            held: None,
             law: LawInput {
                 desired: none.clone(),
                 desired_velocity: none.clone(),
@@ -272,6 +276,31 @@ impl TorqueController {
     /// The force at the tool that explains it \[N, world\].
     pub fn external_force(&self) -> &Vector3<f64> {
         &self.force
+    }
+
+    /// The tool holds an object from now on, as [`Controller::hold`]; gravity and observer count it.
+    ///
+    /// # Errors
+    /// Those of [`Controller::hold`].
+    pub fn hold(&mut self, object: HeldObject) -> Result<(), Error> {
+        let payload = object.payload(self.controller.robot().tool());
+        self.controller.hold(object)?;
+        self.let_go()?;
+        self.held = Some(self.attach(&payload)?);
+        Ok(())
+    }
+
+    /// The tool holds nothing; returns what it held.
+    ///
+    /// # Errors
+    /// None.
+    pub fn release(&mut self) -> Result<Option<HeldObject>, Error> {
+        self.let_go()?;
+        self.controller.release()
+    }
+
+    fn let_go(&mut self) -> Result<(), Error> {
+        self.held.take().map_or(Ok(()), |payload| self.detach(payload))
     }
 
     /// The robot carries something from now on: gravity and observer count it.

@@ -156,7 +156,8 @@ fn the_tool_follows_a_walking_person_within_the_shared_workspace() {
             run.controller.space().workspace().violation(&run.controller.command().desired);
         assert!(outside.norm() < 1e-3, "{outside}");
     }
-    let walking = Intention::Together { walking: Some(WalkingDirection::Backwards) };
+    let walking =
+        Intention::Together { walking: Some(WalkingDirection::Backwards), tool: Some(Tool::Drill) };
     assert_eq!(run.controller.command().intention, walking);
     assert!((run.controller.command().desired_twist[0] - speed).abs() < 0.05);
 }

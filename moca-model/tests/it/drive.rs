@@ -193,6 +193,16 @@ impl Drive {
         distances.fold(f64::INFINITY, f64::min)
     }
 
+    /// It came as near to the person as somebody who stands may be approached, or goes around them.
+    pub(crate) fn assert_near_but_not_too_near(&self) {
+        let separation = self.controller.settings().safety.separation;
+        let distance = self.distance();
+        assert!(
+            distance > separation.protective_distance(0.0, 0.0) && distance < 1.0,
+            "{distance}"
+        );
+    }
+
     pub(crate) fn fastest(&self) -> f64 {
         self.controller.command().joint_velocity.iter().fold(0.0, |most, v| most.max(v.abs()))
     }

@@ -20,10 +20,10 @@ fn an_empty_frame_an_hour_ahead_blinds_nobody() {
     assert!(matches!(refused, Error::Frame { fault: FrameFault::Future, .. }), "{refused}");
     assert_eq!(drive.cause(), Some(FrameFault::Future.into()));
     assert_eq!(drive.state(), SafetyState::ProtectiveStop);
-    // The frames after it are taken: the robot recovers, and stops before the person.
+    // The frames after it are taken: the robot recovers, goes as near as it may, and passes by.
     drive.run(8.0);
     assert!(drive.controller.clock().age().seconds() < 0.1);
-    assert!(drive.fastest() < 0.05 && drive.distance() < 1.0, "{}", drive.distance());
+    drive.assert_near_but_not_too_near();
 }
 
 #[test]
@@ -49,7 +49,7 @@ fn a_camera_ahead_is_no_camera_until_it_is_corrected() {
     assert_eq!(drive.state(), SafetyState::Normal);
     drive.person = Some(drive.controller.actual().translation.x + 1.8);
     drive.run(8.0);
-    assert!(drive.fastest() < 0.05 && drive.distance() < 1.0);
+    drive.assert_near_but_not_too_near();
 }
 
 #[test]

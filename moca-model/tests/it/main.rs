@@ -11,4 +11,6 @@ mod properties;
 mod safety;
 mod shared;
 mod simulation;
+mod states;
 mod torque;
+mod walk_in;

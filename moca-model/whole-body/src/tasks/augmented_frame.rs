@@ -1,7 +1,7 @@
 //! A frame after a desired pose whose velocity is itself a variable.
 
 use ahqp_core::{PoseAxes, pose_error};
-use nalgebra::{Isometry3, Vector6};
+use nalgebra::{Isometry3, Matrix6xX, Vector3, Vector6};
 
 use super::input::TaskInput;
 use super::rows::TaskRows;
@@ -33,6 +33,8 @@ use crate::robot::model::Model;
 #[derive(Debug, Clone)]
 pub struct AugmentedFrameTask {
     frame: FrameId,
+    /// The pose of what follows, in the frame.
+    point: Isometry3<f64>,
     desired_twist: Variables,
     desired: Option<Isometry3<f64>>,
     gains: Vector6<f64>,
@@ -44,7 +46,14 @@ impl AugmentedFrameTask {
     /// set before the first step.
     pub fn new(frame: FrameId, desired_twist: &Variables) -> Self {
         let (gains, coordinates) = (Vector6::repeat(20.0), PoseAxes::ALL);
-        Self { frame, desired_twist: desired_twist.clone(), desired: None, gains, coordinates }
+        Self {
+            frame,
+            point: Isometry3::identity(),
+            desired_twist: desired_twist.clone(),
+            desired: None,
+            gains,
+            coordinates,
+        }
     }
 
     /// With the diagonal of K_p \[1/s\], each at most one over the period.
@@ -61,18 +70,32 @@ impl AugmentedFrameTask {
         self
     }
 
+    /// What follows x_d from now on: not the frame itself but what is fixed to it with this pose in it,
+    /// as the tip of a tool that the frame holds.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; it is then as before.
+    pub fn set_point(&mut self, frame_from_point: Isometry3<f64>) -> Result<(), Error> {
+        check_pose(&frame_from_point, "the pose of a point in its frame")?;
+        self.point = frame_from_point;
+        Ok(())
+    }
+
     /// x_d of the tick before; the next one is where ẋ_d takes it
     /// ([`integrate_pose`](ahqp_core::integrate_pose)).
     ///
     /// # Errors
     /// [`Error::NotFinite`]; it is then as before.
     pub fn set_desired(&mut self, pose: Isometry3<f64>) -> Result<(), Error> {
-        for value in pose.translation.vector.iter().chain(pose.rotation.coords.iter()) {
-            check_finite(*value, || "a number of the desired pose".to_owned())?;
-        }
+        check_pose(&pose, "the desired pose")?;
         self.desired = Some(pose);
         Ok(())
     }
+}
+
+fn check_pose(pose: &Isometry3<f64>, what: &str) -> Result<(), Error> {
+    let numbers = pose.translation.vector.iter().chain(pose.rotation.coords.iter());
+    numbers.into_iter().try_for_each(|value| check_finite(*value, || format!("a number of {what}")))
 }
 
 impl Task for AugmentedFrameTask {
@@ -97,7 +120,7 @@ impl Task for AugmentedFrameTask {
 
     fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
         if self.desired.is_none() {
-            self.desired = Some(input.posed().world_from(self.frame)?);
+            self.desired = Some(input.posed().world_from(self.frame)? * self.point);
         }
         Ok(())
     }
@@ -109,7 +132,9 @@ impl Task for AugmentedFrameTask {
     ) -> Result<(), Error> {
         let desired = self.desired.ok_or(Error::TargetMissing)?;
         let period = input.period();
-        let error = pose_error(&desired, &input.posed().world_from(self.frame)?);
+        let world_from_frame = input.posed().world_from(self.frame)?;
+        let lever = world_from_frame.rotation * self.point.translation.vector;
+        let error = pose_error(&desired, &(world_from_frame * self.point));
         let jacobian = input.jacobian(self.frame, Axes::World)?;
         let twist = self.desired_twist.range();
         for (row, (axis, variable)) in self.coordinates.iter().zip(twist).enumerate() {
@@ -118,6 +143,9 @@ impl Task for AugmentedFrameTask {
                 return Err(Error::GainTooHigh { gain, period });
             }
             rows.set_jacobian_row(row, jacobian, axis);
+            if axis < 3 && lever != Vector3::zeros() {
+                carry(rows.row_mut(row), jacobian, axis, &lever);
+            }
             let (got, own) = (variable + 1, rows.row_mut(row));
             let (what, expected) =
                 ("the list of variables up to those of the desired twist", own.len());
@@ -126,5 +154,16 @@ impl Task for AugmentedFrameTask {
             rows.set_target(row, gain * error[axis]);
         }
         Ok(())
+    }
+}
+
+/// Adds ω × lever to the row of a linear axis, for the angular velocity of each joint.
+fn carry(row: &mut [f64], jacobian: &Matrix6xX<f64>, axis: usize, lever: &Vector3<f64>) {
+    let mut unit = Vector3::zeros();
+    unit[axis] = 1.0;
+    // e · (ω × r) = ω · (r × e)
+    let moment = lever.cross(&unit);
+    for (entry, column) in row.iter_mut().zip(jacobian.column_iter()) {
+        *entry += column.fixed_rows::<3>(3).dot(&moment);
     }
 }

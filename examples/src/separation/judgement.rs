@@ -3,9 +3,11 @@
 //! A pair of capsules, one of the robot's and one of the person's, is **in breach** in a tick in
 //! which the robot moves towards the person, v_r > 0, at a distance below the protective one,
 //!
-//! S_p = v_h (T_r + v_r/a) + v_r T_r + v_r²/(2a) + C + Z_r,
+//! S_p = v_h (T_r + T_s) + v_r T_r + S_s + C + Z_r,
 //!
-//! with v_r the speed at which the command brings the robot's capsule nearer to the person's, held
+//! with the stopping distance S_s = v_b²/(2a_b) + v_a²/(2a_a) and the stopping time T_s, the longer of
+//! v_b/a_b and v_a/a_a, of base and arm, each of which brings the capsule nearer by its share of v_r;
+//! v_r is the speed at which the command brings the robot's capsule nearer to the person's, held
 //! still, and v_h the speed at which the person's comes nearer to the robot's, held still. Z_d, the
 //! uncertainty of the person's place, drops out: here the place is known.
 //!
@@ -15,14 +17,14 @@
 //! - if the robot comes no nearer than in an emergency stop, in which every joint brakes at its
 //!   limits of acceleration and jerk: then the breach began before the robot could know of it.
 //!
-//! Every other breach is a **violation**. The arms of a person who works with the robot may touch
-//! what it holds: their pairs count apart, as contact.
+//! Every other breach is a **violation**. A person who works with the robot may touch it, but for
+//! their head: these pairs count apart, as contact, of which the force is what counts.
 
 use hrsw::SeparationSettings;
 use moca_model::whole_body::JointLimits;
 
 use super::body::{self, PART_COUNT};
-use super::distance::Rod;
+use super::rod::Rod;
 
 /// The robot moves towards a person from this speed on (m/s): rounding alone.
 const TOWARDS: f64 = 1e-6;
@@ -43,6 +45,8 @@ pub(super) struct Motion {
 pub(super) struct Robot {
     pub(super) now: Vec<Rod>,
     pub(super) commanded: Motion,
+    /// The same, with the base alone.
+    pub(super) base: Motion,
     pub(super) stopping: Motion,
 }
 
@@ -69,19 +73,31 @@ pub(super) struct Body {
     pub(super) before: Option<[Rod; PART_COUNT]>,
 }
 
+impl Body {
+    /// The distance of a part from a capsule of the robot \[m\], and how fast the part comes nearer to it
+    /// \[m/s\].
+    fn closing(&self, link: &Rod, part: usize, period: f64) -> (f64, f64) {
+        let gap = link.distance(&self.now[part]);
+        let before = self.before.map(|before| link.distance(&before[part]));
+        (gap, before.map_or(0.0, |before| (before - gap) / period))
+    }
+}
+
 /// What the pairs of a tick show.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Verdict {
+pub struct Verdict {
     /// The capsules of a pair that the robot is to blame for.
-    pub(super) violation: Option<Blame>,
-    pub(super) person_caused: bool,
-    pub(super) contact: bool,
+    pub violation: Option<Blame>,
+    /// A breach that is the person's own.
+    pub person_caused: bool,
+    /// The robot comes nearer to a part that it may touch.
+    pub contact: bool,
 }
 
 /// What the robot is to blame for.
 #[derive(Clone, Copy, Debug)]
 #[expect(dead_code, reason = "read by people, in its debug form")]
-pub(super) struct Blame {
+pub struct Blame {
     link: usize,
     part: usize,
     /// Of the robot towards the person \[m/s\].
@@ -93,13 +109,15 @@ pub(super) struct Blame {
 }
 
 /// The formula above.
-fn protective_distance(settings: &SeparationSettings, person: f64, robot: f64) -> f64 {
+fn protective_distance(settings: &SeparationSettings, person: f64, [base, arm]: [f64; 2]) -> f64 {
     let SeparationSettings { reaction_time, deceleration, intrusion, robot_uncertainty, .. } =
         *settings;
-    let stopping_time = robot / deceleration;
+    let of_base = settings.base.map_or(deceleration, |base| base.deceleration);
+    let stopping_time = (base / of_base).max(arm / deceleration);
+    let stopping = 0.5 * (base * base / of_base + arm * arm / deceleration);
     person * (reaction_time + stopping_time)
-        + robot * reaction_time
-        + robot * robot / (2.0 * deceleration)
+        + (base + arm) * reaction_time
+        + stopping
         + intrusion
         + robot_uncertainty
 }
@@ -115,7 +133,8 @@ fn in_breach(
     let person = &body.now[part];
     // Most pairs are too far apart even if both came nearer as fast as they move.
     let swiftest = body.before.map_or(0.0, |before| before[part].farthest_move(person) / period);
-    let reach = protective_distance(settings, swiftest, robot.commanded.fastest(link));
+    let fastest = [robot.base.fastest(link), robot.commanded.fastest(link)];
+    let reach = protective_distance(settings, swiftest, fastest);
     if robot.now[link].is_surely_beyond(person, reach + ROUNDING) {
         return false;
     }
@@ -123,15 +142,13 @@ fn in_breach(
     if towards <= TOWARDS {
         return false;
     }
-    let distance = robot.now[link].distance(person);
-    let coming = body
-        .before
-        .map_or(0.0, |before| (robot.now[link].distance(&before[part]) - distance) / period);
-    distance < protective_distance(settings, coming.max(0.0), towards)
+    let base = robot.base.towards(link, person).clamp(0.0, towards);
+    let (distance, coming) = body.closing(&robot.now[link], part, period);
+    distance < protective_distance(settings, coming.max(0.0), [base, towards - base])
 }
 
-/// Judges a tick: the body now, and as the newest frame that had arrived shows it; `contact` says
-/// that the arms may touch.
+/// Judges a tick: the body now, and as the newest frame that had arrived shows it; `contact` says that
+/// all but the head may touch the robot.
 pub(super) fn judge(
     settings: &SeparationSettings,
     robot: &Robot,
@@ -147,23 +164,17 @@ pub(super) fn judge(
             if !in_breach(settings, robot, now, pair, period) {
                 continue;
             }
-            if contact && body::is_arm(part) {
+            let towards = robot.commanded.towards(link, &now.now[part]);
+            if contact && body::may_touch(part) {
                 verdict.contact = true;
             } else if !known.is_some_and(|known| in_breach(settings, robot, known, pair, period))
                 || stops(robot, now, pair)
             {
                 verdict.person_caused = true;
             } else {
-                let (speed, closing) =
-                    (robot.commanded.towards(link, &now.now[part]), |body: &Body| {
-                        let gap = robot.now[link].distance(&body.now[part]);
-                        let before =
-                            body.before.map(|before| robot.now[link].distance(&before[part]));
-                        (gap, before.map_or(0.0, |before| (before - gap) / period))
-                    });
-                let known = known.map(closing);
-                let now = closing(now);
-                verdict.violation = Some(Blame { link, part, speed, now, known });
+                let closing = |body: &Body| body.closing(&robot.now[link], part, period);
+                let (now, known) = (closing(now), known.map(closing));
+                verdict.violation = Some(Blame { link, part, speed: towards, now, known });
             }
         }
     }

@@ -6,19 +6,19 @@ use vision_models::Body25::{
     RightAnkle, RightElbow, RightHip, RightKnee, RightShoulder, RightWrist,
 };
 
-use super::distance::Rod;
+use super::rod::Rod;
 use crate::simulation::Joints;
 
-/// From joint to joint and on by a length, with a radius \[m\]; whether it is of an arm.
+/// From joint to joint and on by a length, with a radius \[m\]; whether it may touch what it works with.
 const PARTS: [(Body25, Body25, f64, f64, bool); 12] = [
-    (MidHip, Neck, 0.0, 0.15, false),
+    (MidHip, Neck, 0.0, 0.15, true),
     (Neck, Nose, 0.0, 0.13, false),
-    (RightShoulder, LeftShoulder, 0.0, 0.08, false),
-    (RightHip, LeftHip, 0.0, 0.12, false),
-    (RightHip, RightKnee, 0.0, 0.09, false),
-    (RightKnee, RightAnkle, 0.05, 0.08, false),
-    (LeftHip, LeftKnee, 0.0, 0.09, false),
-    (LeftKnee, LeftAnkle, 0.05, 0.08, false),
+    (RightShoulder, LeftShoulder, 0.0, 0.08, true),
+    (RightHip, LeftHip, 0.0, 0.12, true),
+    (RightHip, RightKnee, 0.0, 0.09, true),
+    (RightKnee, RightAnkle, 0.05, 0.08, true),
+    (LeftHip, LeftKnee, 0.0, 0.09, true),
+    (LeftKnee, LeftAnkle, 0.05, 0.08, true),
     (RightShoulder, RightElbow, 0.0, 0.06, true),
     (RightElbow, RightWrist, 0.15, 0.06, true),
     (LeftShoulder, LeftElbow, 0.0, 0.06, true),
@@ -28,13 +28,13 @@ const PARTS: [(Body25, Body25, f64, f64, bool); 12] = [
 /// How many capsules a body has.
 pub(super) const PART_COUNT: usize = PARTS.len();
 
-/// Returns true if a part is of an arm, which works on what the robot holds.
-pub(super) fn is_arm(part: usize) -> bool {
+/// Returns true if a part may touch a robot that it works with: all but the head.
+pub(super) fn may_touch(part: usize) -> bool {
     PARTS[part].4
 }
 
 /// The capsules around the joints.
-pub(super) fn capsules(joints: &Joints) -> [Rod; PART_COUNT] {
+pub(crate) fn capsules(joints: &Joints) -> [Rod; PART_COUNT] {
     PARTS.map(|(from, to, beyond, radius, _)| {
         let (from, to) = (joints[from.index()].coords, joints[to.index()].coords);
         let along = (to - from).try_normalize(1e-9).unwrap_or_default();
@@ -43,6 +43,6 @@ pub(super) fn capsules(joints: &Joints) -> [Rod; PART_COUNT] {
 }
 
 /// The joints that the capsules are between.
-pub(super) fn joints() -> impl Iterator<Item = Body25> {
+pub(crate) fn joints() -> impl Iterator<Item = Body25> {
     PARTS.into_iter().flat_map(|(from, to, ..)| [from, to])
 }

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 
 /// A capsule: the points within a radius of a segment \[m\].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rod {
-    pub(super) ends: [Vector3<f64>; 2],
+pub(crate) struct Rod {
+    pub(crate) ends: [Vector3<f64>; 2],
     pub(super) radius: f64,
 }
 

@@ -1,0 +1,50 @@
+//! A pair that may get a row.
+
+use super::{JointMotion, Nearest};
+use crate::distance::Proximity;
+use crate::separation::SeparationSettings;
+
+/// A pair with the place where it is nearest.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Candidate {
+    /// With the deceleration of those joints that bring the pair nearer.
+    pub(super) settings: SeparationSettings,
+    pub(super) robot: usize,
+    pub(super) other: usize,
+    pub(super) robot_joints: usize,
+    pub(super) other_joints: usize,
+    pub(super) near: Proximity,
+    /// As measured, without the uncertainty.
+    pub(super) human_speed: f64,
+    pub(super) limit: f64,
+    /// How much faster the pair may come nearer than at the last commanded velocity \[m/s\].
+    pub(super) headroom: f64,
+    pub(super) contact: bool,
+}
+
+impl Candidate {
+    /// −∂d/∂q: how fast the pair comes nearer.
+    pub(super) fn write(&self, motion: &JointMotion<'_>, row: &mut [f64]) {
+        let toward = self.near.gradient_first(&motion.origin);
+        let away = self.near.gradient_second(&motion.origin);
+        for (j, (out, column)) in row.iter_mut().zip(motion.jacobian.column_iter()).enumerate() {
+            if j < self.robot_joints {
+                *out -= column.dot(&toward);
+            }
+            if j < self.other_joints {
+                *out -= column.dot(&away);
+            }
+        }
+    }
+
+    pub(super) fn seen(&self) -> Nearest {
+        let approach = self.limit - self.headroom;
+        Nearest {
+            robot: self.robot,
+            other: self.other,
+            distance: self.near.distance,
+            required: self.settings.protective_distance(self.human_speed, approach),
+            approach,
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Lower bounds of many distances, carried from tick to tick, so that few are computed.
+
+use crate::shape::Capsule;
+
+/// What rounding may take from a bound in a tick \[m\].
+const ROUNDING: f64 = 1e-12;
+
+/// For the capsules of two lists a lower bound of the distance of each pair.
+///
+/// A distance falls by no more than its capsules move, and they move by no more than their ends do and
+/// their radii grow. So a distance that was computed once bounds those of later ticks, whatever the
+/// capsules are then capsules of.
+#[derive(Debug, Clone)]
+pub(crate) struct DistanceBounds {
+    first: Capsules,
+    second: Capsules,
+    /// A row for each of the first list, with room for the second.
+    bounds: Vec<f64>,
+}
+
+/// The capsules of a list as they were last, and how far each has moved since.
+#[derive(Debug, Clone)]
+struct Capsules {
+    room: usize,
+    last: Vec<Capsule>,
+    moved: Vec<f64>,
+}
+
+impl Capsules {
+    fn new(room: usize) -> Self {
+        Self { room, last: Vec::with_capacity(room), moved: Vec::with_capacity(room) }
+    }
+
+    fn advance<'a>(&mut self, now: impl Iterator<Item = &'a Capsule>) {
+        self.moved.clear();
+        let mut count = 0;
+        for capsule in now.take(self.room) {
+            match self.last.get_mut(count) {
+                Some(last) => {
+                    self.moved.push(displacement(last, capsule) + ROUNDING);
+                    *last = *capsule;
+                }
+                None => {
+                    self.moved.push(f64::INFINITY);
+                    self.last.push(*capsule);
+                }
+            }
+            count += 1;
+        }
+        self.last.truncate(count);
+    }
+}
+
+impl DistanceBounds {
+    /// With room for so many capsules of each list; of more nothing is known.
+    pub(crate) fn new(first: usize, second: usize) -> Self {
+        Self {
+            first: Capsules::new(first),
+            second: Capsules::new(second),
+            bounds: vec![f64::NEG_INFINITY; first * second],
+        }
+    }
+
+    /// Goes to the capsules of a tick. Allocates nothing.
+    pub(crate) fn advance<'a>(
+        &mut self,
+        first: impl Iterator<Item = &'a Capsule>,
+        second: impl Iterator<Item = &'a Capsule>,
+    ) {
+        self.first.advance(first);
+        self.second.advance(second);
+        let rows = self.bounds.chunks_exact_mut(self.second.room.max(1));
+        for (row, of_first) in rows.zip(&self.first.moved) {
+            for (bound, of_second) in row.iter_mut().zip(&self.second.moved) {
+                *bound -= of_first + of_second;
+            }
+        }
+    }
+
+    /// The bound of a pair \[m\].
+    pub(crate) fn get(&self, first: usize, second: usize) -> f64 {
+        let index = self.index(first, second);
+        index.and_then(|index| self.bounds.get(index)).copied().unwrap_or(f64::NEG_INFINITY)
+    }
+
+    /// Takes the distance of a pair in this tick \[m\].
+    pub(crate) fn set(&mut self, first: usize, second: usize, distance: f64) {
+        if let Some(bound) = self.index(first, second).and_then(|index| self.bounds.get_mut(index))
+        {
+            *bound = distance;
+        }
+    }
+
+    fn index(&self, first: usize, second: usize) -> Option<usize> {
+        let known = first < self.first.moved.len() && second < self.second.moved.len();
+        known.then_some(first * self.second.room + second)
+    }
+}
+
+/// How far no point of a capsule has to go farther to one of the other.
+fn displacement(last: &Capsule, now: &Capsule) -> f64 {
+    let start = (now.start() - last.start()).norm_squared();
+    let end = (now.end() - last.end()).norm_squared();
+    start.max(end).sqrt() + (now.radius() - last.radius()).max(0.0)
+}

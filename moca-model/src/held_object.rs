@@ -1,0 +1,220 @@
+//! What the robot holds for the person to work on, and where the person's hand is then.
+
+use hrsw::Capsule;
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use vision_models::{Surface, Tool};
+use whole_body::{FrameId, Payload};
+
+use crate::error::Error;
+
+/// A side of a box, by the axis of the object that points out of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum BoxSide {
+    /// +x.
+    Front,
+    /// −x.
+    Back,
+    /// +y.
+    Left,
+    /// −y.
+    Right,
+    /// +z.
+    Top,
+    /// −z.
+    Bottom,
+}
+
+impl BoxSide {
+    /// The unit vector out of the box, in the object's axes.
+    pub fn normal(self) -> Vector3<f64> {
+        match self {
+            Self::Front => Vector3::x(),
+            Self::Back => -Vector3::x(),
+            Self::Left => Vector3::y(),
+            Self::Right => -Vector3::y(),
+            Self::Top => Vector3::z(),
+            Self::Bottom => -Vector3::z(),
+        }
+    }
+}
+
+/// A side of the object that somebody works on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WorkFace {
+    /// Where it is.
+    pub side: BoxSide,
+    /// What is to be done with it.
+    pub surface: Surface,
+}
+
+/// The object that the robot holds: a box of even density.
+///
+/// ```
+/// use moca_model::{HandSettings, HeldObject};
+/// use vision_models::Tool;
+///
+/// let object = HeldObject::default();
+/// let settings = HandSettings::default();
+/// let hand = object.tool_from_hand(&settings, Some(Tool::Drill))?;
+/// // In front of the object by the length of the drill.
+/// assert!((hand.x - (0.06 + 0.2)).abs() < 1e-12);
+/// # Ok::<(), moca_model::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldObject {
+    /// Its edges \[m\]. Default 0.12 × 0.2 × 0.15.
+    pub size: Vector3<f64>,
+    /// \[kg\]. Default 1.
+    pub mass: f64,
+    /// Its middle and its axes in the frame of the robot's tool. Default 0.05 m below the fingertips.
+    pub tool_from_object: Isometry3<f64>,
+    /// The sides to work on; the first is the one that the robot shows the person. Default the drilled
+    /// surface in front, the smooth one behind.
+    pub faces: Vec<WorkFace>,
+}
+
+impl Default for HeldObject {
+    fn default() -> Self {
+        Self {
+            size: Vector3::new(0.12, 0.2, 0.15),
+            mass: 1.0,
+            tool_from_object: Isometry3::translation(0.0, 0.0, 0.05),
+            faces: vec![
+                WorkFace { side: BoxSide::Front, surface: Surface::Drilled },
+                WorkFace { side: BoxSide::Back, surface: Surface::Smooth },
+            ],
+        }
+    }
+}
+
+/// Where the hand of a person is who works on the object: how far in front of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HandSettings {
+    /// With bare hands \[m\]. Default 0.
+    pub bare: f64,
+    /// With a drill \[m\]. Default 0.2.
+    pub drill: f64,
+    /// With a polisher \[m\]. Default 0.12.
+    pub polisher: f64,
+    /// How fast the hand is taken to move when the tool changes \[m/s\]: slowly enough for the robot to
+    /// make room. Default 0.1.
+    pub speed: f64,
+}
+
+impl Default for HandSettings {
+    fn default() -> Self {
+        Self { bare: 0.0, drill: 0.2, polisher: 0.12, speed: 0.25 }
+    }
+}
+
+impl HandSettings {
+    /// With this tool, or with none \[m\].
+    pub fn distance(&self, tool: Option<Tool>) -> f64 {
+        match tool {
+            None => self.bare,
+            Some(Tool::Drill) => self.drill,
+            Some(Tool::Polisher) => self.polisher,
+        }
+    }
+
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] names the first that is negative or not finite.
+    pub fn validate(&self) -> Result<(), Error> {
+        for (name, value) in
+            [("hand.bare", self.bare), ("hand.drill", self.drill), ("hand.polisher", self.polisher)]
+        {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(Error::Setting { name, value, expected: "finite and not negative" });
+            }
+        }
+        let (name, value) = ("hand.speed", self.speed);
+        if value > 0.0 && value.is_finite() {
+            Ok(())
+        } else {
+            Err(Error::Setting { name, value, expected: "positive and finite" })
+        }
+    }
+}
+
+impl HeldObject {
+    /// Checks the box.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for edges or a mass that are not positive, or a pose that is not finite;
+    /// [`Error::NoFace`] for an object that nobody can work on.
+    pub fn validate(&self) -> Result<(), Error> {
+        let edges = self.size.iter().map(|&edge| ("object.size", edge));
+        for (name, value) in edges.chain([("object.mass", self.mass)]) {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::Setting { name, value, expected: "positive and finite" });
+            }
+        }
+        let pose = &self.tool_from_object;
+        let numbers = pose.translation.vector.iter().chain(pose.rotation.coords.iter());
+        if let Some(&value) = numbers.into_iter().find(|value| !value.is_finite()) {
+            let (name, expected) = ("object.tool_from_object", "finite");
+            return Err(Error::Setting { name, value, expected });
+        }
+        if self.faces.is_empty() { Err(Error::NoFace) } else { Ok(()) }
+    }
+
+    /// Where the hand is that works on the side that is shown, in the frame of the robot's tool \[m\].
+    ///
+    /// # Errors
+    /// [`Error::NoFace`].
+    pub fn tool_from_hand(
+        &self,
+        settings: &HandSettings,
+        tool: Option<Tool>,
+    ) -> Result<Vector3<f64>, Error> {
+        let face = self.faces.first().ok_or(Error::NoFace)?;
+        Ok(self.before(face.side, settings.distance(tool)))
+    }
+
+    /// The middle of the side that is shown, in the frame of the robot's tool \[m\].
+    ///
+    /// # Errors
+    /// [`Error::NoFace`].
+    pub fn tool_from_face(&self) -> Result<Vector3<f64>, Error> {
+        let face = self.faces.first().ok_or(Error::NoFace)?;
+        Ok(self.before(face.side, 0.0))
+    }
+
+    fn before(&self, side: BoxSide, distance: f64) -> Vector3<f64> {
+        let normal = side.normal();
+        let half = 0.5 * self.size.dot(&normal.abs());
+        (self.tool_from_object * Point3::from(normal * (half + distance))).coords
+    }
+
+    /// A capsule around the box, in the frame of the robot's tool.
+    ///
+    /// # Errors
+    /// [`Error::Workspace`] for sizes that are not finite.
+    pub fn capsule(&self) -> Result<Capsule, Error> {
+        let half = self.size * 0.5;
+        let longest = half.imax();
+        let across = (half.norm_squared() - half[longest] * half[longest]).max(0.0).sqrt();
+        // A little wider than the box, so that round ends hold its corners without much length.
+        let radius = 1.04 * across;
+        let reach = (half[longest] - (radius * radius - across * across).sqrt()).max(0.0);
+        let mut along = Vector3::zeros();
+        along[longest] = reach;
+        let end = |offset: Vector3<f64>| (self.tool_from_object * Point3::from(offset)).coords;
+        Ok(Capsule::new(end(-along), end(along), radius)?)
+    }
+
+    /// What the robot feels of it, carried by the tool's frame.
+    pub fn payload(&self, tool: FrameId) -> Payload {
+        let squares = self.size.component_mul(&self.size) * (self.mass / 12.0);
+        let moments = Vector3::repeat(squares.sum()) - squares;
+        let rotation = self.tool_from_object.rotation.to_rotation_matrix();
+        Payload {
+            frame: tool,
+            mass: self.mass,
+            centre: self.tool_from_object.translation.vector.into(),
+            inertia: rotation * Matrix3::from_diagonal(&moments) * rotation.transpose(),
+        }
+    }
+}
