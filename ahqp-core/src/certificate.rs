@@ -15,13 +15,12 @@ use nalgebra::DVector;
 
 use crate::error::Error;
 use crate::linalg::vector::{add_scaled, dot, norm, norm_max};
-use crate::problem::difference::expect_equal;
 use crate::problem::hierarchy::Hierarchy;
 use crate::problem::ids::LevelId;
 use crate::problem::level::Objective;
 use crate::problem::rows::Rows;
 use crate::problem::source::ConstraintSource;
-use crate::solver::settings::Settings;
+use crate::solver::data::ProblemData;
 
 /// Below this, relative to the numbers around it, a violation counts as zero.
 const ZERO: f64 = 1e-9;
@@ -48,7 +47,7 @@ const ROUNDING: f64 = 1e-13;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Certificate {
     /// The problem that is proved.
-    pub(crate) hierarchy: Hierarchy,
+    pub(crate) data: ProblemData,
     pub(crate) levels: Vec<Vec<(ConstraintSource, f64)>>,
     pub(crate) active: Vec<ConstraintSource>,
 }
@@ -101,13 +100,14 @@ impl Certificate {
     ///
     /// # Errors
     /// [`Error::Size`] when x does not fit; [`Error::ShapeChanged`] and [`Error::DataChanged`] when
-    /// `hierarchy` is not the problem that the certificate was made for.
+    /// `hierarchy` is not the problem that the certificate was made for; those of
+    /// [`solve`](crate::Solver::solve) where its data make no problem.
     pub fn residuals(
         &self,
         hierarchy: &Hierarchy,
         x: &[f64],
     ) -> Result<CertificateResiduals, Error> {
-        expect_equal(&self.hierarchy, hierarchy).map_err(|error| hierarchy.named(error))?;
+        self.data.expect_unchanged(hierarchy).map_err(|error| hierarchy.named(error))?;
         crate::problem::rows::expect_size("x", x.len(), hierarchy.variables())?;
         let mut check = Check { hierarchy, x, residuals: CertificateResiduals::default() };
         check.feasibility();
@@ -117,8 +117,7 @@ impl Certificate {
         }
         let residuals = &mut check.residuals;
         if residuals.of_multipliers() > ZERO || refinement::is_needed(hierarchy, x) {
-            let tolerance = Settings::default().rank_tolerance;
-            residuals.distance = Some(refinement::distance(hierarchy, x, tolerance));
+            residuals.distance = Some(refinement::distance(hierarchy, x));
         }
         Ok(check.residuals)
     }

@@ -1,6 +1,5 @@
 //! What is solved: rows, levels, hierarchies.
 
-pub(crate) mod difference;
 pub(crate) mod hierarchy;
 pub(crate) mod ids;
 pub(crate) mod level;

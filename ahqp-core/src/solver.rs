@@ -253,7 +253,8 @@ impl Solver {
         Ok(status)
     }
 
-    /// Repairs what rounding has left wrong where rows pull by very different forces.
+    /// Repairs what rounding has left wrong where rows pull by very different forces: a factorisation of all
+    /// levels, with the active bounds as columns, has less of it than one that has been updated.
     fn polish(&mut self) {
         if self.set.has_spread() {
             self.found.copy_from(&self.set);

@@ -22,8 +22,9 @@ const IMBALANCE: f64 = 1e-10;
 const ROUNDING: f64 = 2e-13;
 /// Multipliers this much larger than a gradient may drown others in rounding.
 const LARGE: f64 = 1e6;
-/// Rows that depend on each other up to this balance a gradient together, with large multipliers.
-const NEARLY_DEPENDENT: f64 = 1e-12;
+/// Rows that depend on each other but for this part may balance a gradient together, with large multipliers:
+/// what is tried, one after the other.
+const DEPENDENT: [f64; 2] = [1e-10, 1e-12];
 
 /// Multipliers of a level: rows of the table, and what they push with.
 type Multipliers = Vec<(usize, f64)>;
@@ -67,7 +68,7 @@ impl<'a> Proof<'a> {
         let mut multipliers = self.set.multipliers_of(level, self.x);
         let mut size = self.balance(level, &multipliers).size;
         if !self.is_sound(level, &multipliers, LARGE) {
-            for tolerance in [Settings::default().rank_tolerance, NEARLY_DEPENDENT] {
+            for tolerance in DEPENDENT {
                 let other = self.signed(level, tolerance)?;
                 let other_size = self.balance(level, &other).size;
                 let [is_sound, other_is_sound] =

@@ -32,7 +32,7 @@ impl Solver {
             .filter(|&id| set.activity[id].is_active())
             .map(|id| data.sources[id])
             .collect();
-        Ok(Certificate { hierarchy: hierarchy.clone(), levels, active })
+        Ok(Certificate { data: data.clone(), levels, active })
     }
 }
 

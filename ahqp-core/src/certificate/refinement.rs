@@ -30,6 +30,9 @@ const SPREAD: f64 = 1e6;
 const NEAR: f64 = 1e-11;
 /// Of a row, how much must be independent of others to be brought to its bound with them.
 const INDEPENDENT: f64 = 1e-6;
+/// A row depends on others when they leave less than this part of it. Its entries are known to 1e-16 of the
+/// row, and so the direction of what is left to six digits.
+const DEPENDENT: f64 = 1e-10;
 /// Of the terms of a hard row, what may be missing where hard rows agree but for their rounding.
 const FEASIBLE: f64 = 1e-9;
 
@@ -52,9 +55,9 @@ pub(super) fn is_needed(hierarchy: &Hierarchy, x: &[f64]) -> bool {
 }
 
 /// The distance from x to the optimum near it, relative to the longer of the two; infinite where none was
-/// found. A row that depends on others but for `rank_tolerance` of it depends on them.
-pub(super) fn distance(hierarchy: &Hierarchy, x: &[f64], rank_tolerance: f64) -> f64 {
-    let refinement = Refinement::new(hierarchy, x, rank_tolerance);
+/// found.
+pub(super) fn distance(hierarchy: &Hierarchy, x: &[f64]) -> f64 {
+    let refinement = Refinement::new(hierarchy, x);
     let rounding = tolerances::ROUNDING * refinement.reach;
     let Some(step) = refinement.step(hierarchy) else { return f64::INFINITY };
     let step: Vec<f64> = step.iter().map(|p| p.rounded()).collect();
@@ -74,11 +77,10 @@ struct Refinement {
     hard: Vec<Row>,
     /// The size of vectors: what rounding is relative to.
     reach: f64,
-    rank_tolerance: f64,
 }
 
 impl Refinement {
-    fn new(hierarchy: &Hierarchy, x: &[f64], rank_tolerance: f64) -> Self {
+    fn new(hierarchy: &Hierarchy, x: &[f64]) -> Self {
         let n = x.len();
         let reach = reach(hierarchy, x);
         let x: Vec<DoubleDouble> = x.iter().map(|&x| x.into()).collect();
@@ -88,7 +90,7 @@ impl Refinement {
         });
         let (hard, p) = (hard.collect(), vec![DoubleDouble::ZERO; n]);
         let decided = Span::default();
-        Self { x, p, decided, hard, reach, rank_tolerance }
+        Self { x, p, decided, hard, reach }
     }
 
     /// The step from x to the optimum.
@@ -160,7 +162,7 @@ impl Refinement {
             return Some(());
         }
         let pushing = self.search(&soft, linear)?;
-        self.decided.extend(linear, self.rank_tolerance * length(linear));
+        self.decided.extend(linear, DEPENDENT * length(linear));
         for &id in &pushing.hard {
             let row = &self.hard[id];
             self.decided.extend(&row.a, NOTHING * row.norm);
@@ -169,7 +171,7 @@ impl Refinement {
         self.hard.retain(|_| index.next().is_some_and(|id| !pushing.hard.contains(&id)));
         for (id, mut row) in soft.into_iter().enumerate() {
             if pushing.soft.contains(&id) {
-                self.decided.extend(&row.a, self.rank_tolerance * row.norm);
+                self.decided.extend(&row.a, DEPENDENT * row.norm);
             } else {
                 row.admit(dot(&row.a, &self.p));
                 self.hard.push(row);
@@ -189,7 +191,6 @@ impl Refinement {
             p: std::mem::take(&mut self.p),
             working,
             reach: self.reach,
-            rank_tolerance: self.rank_tolerance,
         };
         let pushing = search.minimise();
         self.p = search.p;

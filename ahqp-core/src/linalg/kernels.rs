@@ -26,48 +26,6 @@ pub(crate) struct Rotation {
     pub(crate) sine: f64,
 }
 
-/// T of four reflections as one, I − V T Vᵀ = H₀ H₁ H₂ H₃ (Schreiber & Van Loan, SIAM Journal on
-/// Scientific and Statistical Computing 10, 1989), row after row.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct BlockFactor([[f64; 4]; 4]);
-
-impl BlockFactor {
-    /// From the columns of V, all of one length.
-    pub(crate) fn new(v: [&[f64]; 4], tau: &[f64]) -> Self {
-        let mut along = [[0.0; 4]; 4];
-        products(v, &mut along);
-        let mut t = [[0.0; 4]; 4];
-        for (j, &tau) in tau.iter().enumerate().take(4) {
-            for (i, row) in t.iter_mut().enumerate().take(j) {
-                let sum: f64 = (i..j).map(|l| row[l] * along[l][j]).sum();
-                row[j] = -tau * sum;
-            }
-            t[j][j] = tau;
-        }
-        Self(t)
-    }
-}
-
-/// Four reflections as one: V and T.
-#[derive(Debug)]
-pub(crate) struct FourReflections<'a> {
-    v: [&'a [f64]; 4],
-    t: [[f64; 4]; 4],
-}
-
-impl<'a> FourReflections<'a> {
-    /// H₀ H₁ H₂ H₃.
-    pub(crate) fn new(v: [&'a [f64]; 4], factor: &BlockFactor) -> Self {
-        Self { v, t: factor.0 }
-    }
-
-    /// H₃ H₂ H₁ H₀.
-    pub(crate) fn reversed(v: [&'a [f64]; 4], factor: &BlockFactor) -> Self {
-        let t = std::array::from_fn(|i| std::array::from_fn(|j| factor.0[j][i]));
-        Self { v, t }
-    }
-}
-
 /// Compiles a loop of [`loops`] for both kinds of machine, and chooses at run time.
 macro_rules! kernel {
     ($(#[$doc:meta])* $name:ident($($argument:ident: $kind:ty),*)) => {
@@ -104,23 +62,8 @@ kernel! {
 }
 
 kernel! {
-    /// row ← row H₀ H₁ H₂ H₃ for every row, on the entries from `start` on.
-    reflect_rows_four(rows: &mut RowsMut<'_>, start: usize, four: &FourReflections<'_>)
-}
-
-kernel! {
-    /// The products of four vectors of one length with those after them: entry (i, j) for i < j.
-    products(v: [&[f64]; 4], out: &mut [[f64; 4]; 4])
-}
-
-kernel! {
     /// Combines rows: row j ← row j − τ vⱼ Σᵢ vᵢ row i, for as many rows as `v` has entries.
     mix_rows(rows: &mut RowsMut<'_>, v: &[f64], tau: f64)
-}
-
-kernel! {
-    /// Combines rows by H₃ H₂ H₁ H₀ from the left, for as many rows as the reflections have entries.
-    mix_rows_four(rows: &mut RowsMut<'_>, four: &FourReflections<'_>)
 }
 
 kernel! {
@@ -209,44 +152,6 @@ mod tests {
             with::add_rows::<Portable>(matrix, columns, &v[..rows], &mut plain);
             add_rows(matrix, columns, &v[..rows], &mut fast);
             prop_assert!(close(&plain, &expected) && close(&fast, &expected));
-        }
-
-        #[test]
-        fn four_reflections_at_once_are_one_after_the_other(
-            rows in 4_usize..9, columns in 5_usize..23, start in 0_usize..4,
-            entries in prop::collection::vec(-1.0..1.0_f64, 9 * 23),
-            vectors in prop::collection::vec(-1.0..1.0_f64, 4 * 23),
-        ) {
-            let matrix = &entries[..rows * columns];
-            let close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(x, y)| (x - y).abs() < 1e-10);
-            for (length, left) in [(columns - start, false), (rows, true)] {
-                let v: [&[f64]; 4] = std::array::from_fn(|i| &vectors[i * 23..i * 23 + length]);
-                let tau = v.map(|v| 2.0 / v.iter().map(|x| x * x).sum::<f64>());
-                let (mut plain, mut fast) = ([[0.0; 4]; 4], [[0.0; 4]; 4]);
-                with::products::<Portable>(v, &mut plain);
-                products(v, &mut fast);
-                prop_assert!(close(plain.as_flattened(), fast.as_flattened()));
-                let factor = BlockFactor::new(v, &tau);
-                let four = FourReflections::new(v, &factor);
-                let mut expected = matrix.to_vec();
-                let (mut plain, mut fast) = (matrix.to_vec(), matrix.to_vec());
-                for (v, tau) in v.into_iter().zip(tau) {
-                    let mut rows = rows_of(&mut expected, columns);
-                    if left {
-                        mix_rows(&mut rows, v, tau);
-                    } else {
-                        reflect_rows(&mut rows, start, v, tau);
-                    }
-                }
-                if left {
-                    with::mix_rows_four::<Portable>(&mut rows_of(&mut plain, columns), &four);
-                    mix_rows_four(&mut rows_of(&mut fast, columns), &four);
-                } else {
-                    with::reflect_rows_four::<Portable>(&mut rows_of(&mut plain, columns), start, &four);
-                    reflect_rows_four(&mut rows_of(&mut fast, columns), start, &four);
-                }
-                prop_assert!(close(&plain, &expected) && close(&fast, &expected));
-            }
         }
 
         #[test]

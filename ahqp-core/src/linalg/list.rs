@@ -4,7 +4,7 @@ use std::ops::{Deref, DerefMut};
 
 /// A vector that takes its capacity along when it is cloned, so that what was sized once does
 /// not allocate in a clone either.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub(crate) struct List<T>(Vec<T>);
 
 impl<T> List<T> {

@@ -15,7 +15,7 @@ use std::ops::Range;
 use super::activity::Activity;
 use super::budget::{Allowance, Budget};
 use super::data::ProblemData;
-use super::factorisation::{Factorisation, Form, Group, Purpose, RankTolerances};
+use super::factorisation::{Factorisation, Group, Purpose, RankTolerances};
 use super::multipliers::{Multipliers, Residuals};
 use super::settings::Settings;
 use super::tolerances::{DOUBTFUL, ROUNDING};
@@ -62,8 +62,6 @@ pub(crate) struct ActiveSet {
     kept: List<usize>,
     /// Rows of the level at hand that stay because an objective above would move x far without them.
     kept_for_objectives: List<usize>,
-    /// Rows of an objective that the end of its search makes inactive, and what they were.
-    released: List<(usize, Activity)>,
     /// The largest ‖x‖ of this solve.
     pub(crate) farthest: f64,
     settings: Settings,
@@ -94,7 +92,6 @@ impl ActiveSet {
             candidates: List::with_capacity(count),
             kept: List::with_capacity(count),
             kept_for_objectives: List::with_capacity(count),
-            released: List::with_capacity(count),
             farthest: 0.0,
             data,
             settings,
@@ -142,7 +139,7 @@ impl ActiveSet {
         }
         self.farthest = norm(&self.x);
         self.multipliers.has_faint_pulls = false;
-        self.factorisation.begin(&self.data, &self.activity, Form::Explicit);
+        self.factorisation.begin(&self.data, &self.activity);
     }
 
     /// aᵢx − bound: positive above the upper bound, negative below the lower, else zero.
@@ -230,8 +227,7 @@ impl ActiveSet {
     }
 
     /// Returns true if rows of one objective pull by so different forces that the rounding of one may hide
-    /// another. Bounds then have to leave as columns: turned by rotations, a heavy row pulls by its
-    /// rounding at variables that it does not have.
+    /// another.
     pub(crate) fn has_spread(&self) -> bool {
         let (data, x_norm) = (&self.data, norm(&self.x));
         data.levels.iter().any(|level| data.have_spread(level.used_objective(), x_norm))

@@ -72,7 +72,7 @@ impl<'a> RowView<'a> {
 }
 
 /// Where a level's rows stand in the table.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LevelRows {
     pub(crate) constraints: Range<usize>,
     pub(crate) objective: Range<usize>,
@@ -100,7 +100,7 @@ impl LevelRows {
 }
 
 /// All rows: the bounds of the n variables first, then each level's constraints and objective.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ProblemData {
     pub(crate) n: usize,
     coefficients: Vec<f64>,
@@ -216,7 +216,7 @@ impl ProblemData {
         for (level, data) in hierarchy.levels().iter().enumerate() {
             let constraints = self.levels[level].constraints.start;
             self.load_rows(constraints, data.constraints())?;
-            self.scale_rows(constraints..constraints + data.constraints().len());
+            self.scale_rows(constraints..constraints + data.constraints().len())?;
             let start = self.levels[level].objective.start;
             match data.objective() {
                 Objective::None => {}
@@ -319,16 +319,18 @@ impl ProblemData {
     }
 
     /// Brings rows whose norms are far from 1 near it, without rounding.
-    fn scale_rows(&mut self, ids: Range<usize>) {
+    fn scale_rows(&mut self, ids: Range<usize>) -> Result<(), Error> {
         let norms = self.norms[ids.clone()].iter();
         let fine = norms.fold(true, |fine, &norm| fine & NEAR_ONE.contains(&norm));
         if fine && !self.scaled {
-            return;
+            return Ok(());
         }
         self.scaled = true;
         for id in ids {
             self.scale_row(id, to_near_one(self.norms[id]));
+            self.expect_moderate_bounds(id)?;
         }
+        Ok(())
     }
 
     /// What row `id` was multiplied by.
@@ -357,6 +359,12 @@ impl ProblemData {
         }
     }
 
+    /// Looks at the bound nearer to zero; a far one only says that its side is free.
+    fn expect_moderate_bounds(&self, id: usize) -> Result<(), Error> {
+        let (lower, upper) = (self.lower[id], self.upper[id]);
+        self.expect_moderate(id, if lower > 0.0 { lower } else { upper.min(0.0) })
+    }
+
     #[expect(clippy::needless_bitwise_bool, reason = "no branches")]
     fn check_ranges(&self, ids: Range<usize>) -> Result<(), Error> {
         // Written without branches, for the usual case that all are in order.
@@ -371,8 +379,7 @@ impl ProblemData {
         let (lower, upper) = (self.lower[id], self.upper[id]);
         // Written so that NaN fails; an infinite equality is no bound at all.
         if lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY {
-            // The bound nearer to zero; a far one only says that its side is free.
-            self.expect_moderate(id, if lower > 0.0 { lower } else { upper.min(0.0) })
+            self.expect_moderate_bounds(id)
         } else {
             let (source_of_row, names) = (self.sources[id], Names::default());
             Err(if lower.is_nan() {

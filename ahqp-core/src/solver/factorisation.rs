@@ -6,7 +6,6 @@
 //! group decides are those that no group before it has used. Coordinates that no group decides are
 //! free.
 
-mod chain;
 mod orthogonal;
 mod point;
 mod rank_tolerances;
@@ -19,11 +18,11 @@ use std::ops::Range;
 use super::activity::Activity;
 use super::data::{Coefficients, ProblemData, active_bound};
 use super::tolerances::SHRUNK;
+use crate::linalg::kernels::Rotation;
 use crate::linalg::list::List;
 use crate::linalg::vector::{dot, norm};
 use orthogonal::Orthogonal;
 
-pub(crate) use orthogonal::Form;
 pub(crate) use point::FreeCoordinates;
 pub(crate) use rank_tolerances::RankTolerances;
 
@@ -85,6 +84,8 @@ pub(crate) struct Factorisation {
     /// Stacked row of each pivot.
     pub(crate) pivots: List<usize>,
     orthogonal: Orthogonal,
+    /// What the change at hand turns the coordinates by.
+    rotations: List<Rotation>,
     /// Variables that do not stand at their own places, and where.
     moved: List<(usize, usize)>,
     /// How many groups have their coordinates decided, and in how many the point of a search has them.
@@ -133,6 +134,7 @@ impl Factorisation {
             square: vec![0.0; count],
             pivots: List::with_capacity(n),
             orthogonal: Orthogonal::new(n),
+            rotations: List::with_capacity(2 * n),
             moved: List::with_capacity(2 * n),
             decided: 0,
             attained: 0,
@@ -156,7 +158,7 @@ impl Factorisation {
     /// Factors the active rows of all levels and computes x. Returns false if a linear term falls for
     /// ever along what they leave open.
     pub(crate) fn factorise(&mut self, data: &ProblemData, activity: &[Activity]) -> bool {
-        self.begin(data, activity, Form::Product);
+        self.begin(data, activity);
         for (level, rows) in data.levels.iter().enumerate() {
             // Bounds that become active later join the first group.
             if level == 0 || !rows.constraints.is_empty() {
@@ -174,7 +176,7 @@ impl Factorisation {
     }
 
     /// Begins with no rows: active bounds leave as columns.
-    pub(crate) fn begin(&mut self, data: &ProblemData, activity: &[Activity], form: Form) {
+    pub(crate) fn begin(&mut self, data: &ProblemData, activity: &[Activity]) {
         self.bounded.clear();
         self.bounded.extend((0..self.n).filter(|&i| activity[i].is_active()));
         self.order_variables(data, activity);
@@ -184,7 +186,7 @@ impl Factorisation {
         self.expect_change(0);
         self.closed = 0;
         self.has_faint_rows = false;
-        self.orthogonal.begin(self.free.len(), form);
+        self.orthogonal.begin(self.free.len());
     }
 
     /// Puts the free variables in order.
@@ -286,43 +288,20 @@ impl Factorisation {
         self.pivots.clear();
         self.expect_change(0);
         self.closed = 0;
-        self.orthogonal.begin_again(self.free.len());
+        self.orthogonal.begin(self.free.len());
         for at in 0..self.stacked.len() {
             self.load_row(data, activity, at);
         }
         self.eliminate_from(0);
     }
 
-    /// Factors all groups anew with all active bounds as columns. Returns false if they are so already.
-    pub(crate) fn take_bounds_out(&mut self, data: &ProblemData, activity: &[Activity]) -> bool {
-        let before = self.stacked.len();
-        let mut end = 0;
-        for group in &mut self.groups {
-            let start = end;
-            for at in group.start..group.end {
-                if self.stacked[at] >= self.n {
-                    self.stacked[end] = self.stacked[at];
-                    end += 1;
-                }
-            }
-            (group.start, group.end) = (start, end);
-        }
-        self.stacked.truncate(end);
-        self.bounded.clear();
-        self.bounded.extend((0..self.n).filter(|&i| activity[i].is_active()));
-        if end < before {
-            self.eliminate_again(data, activity);
-        }
-        end < before
-    }
-
     /// Turns the group's rows onto coordinates of their own by reflections.
     fn eliminate(&mut self, group: usize) {
         let (n, k) = (self.stride, self.free.len());
         let Group { start, end, purpose, .. } = self.groups[group];
-        let tolerance = match (purpose, self.orthogonal.form()) {
-            (Purpose::Held, Form::Explicit) => self.tolerances.nothing,
-            _ => self.tolerances.dependent,
+        let tolerance = match purpose {
+            Purpose::Held => self.tolerances.nothing,
+            Purpose::Minimised => self.tolerances.dependent,
         };
         let first_pivot = self.pivots.len();
         self.orthogonal.turn_rows(&mut self.rows[start * n..end * n], self.closed);

@@ -25,8 +25,6 @@ pub(crate) struct Multipliers {
     /// Of the pivots before those of the level, and the rounding in them.
     of_pivots: Vec<f64>,
     rounding_of_pivots: Vec<f64>,
-    /// The most that rounding can be in them.
-    most_rounding_of_pivots: Vec<f64>,
     rounding_of_bounds: Vec<f64>,
     /// The pivots that balance the gradient: those decided for good do not matter any more.
     pivots: Range<usize>,
@@ -56,7 +54,6 @@ impl Multipliers {
         Self {
             of_pivots: vec![0.0; data.n],
             rounding_of_pivots: vec![0.0; data.n],
-            most_rounding_of_pivots: vec![0.0; data.n],
             rounding_of_bounds: vec![0.0; data.n],
             pivots: 0..0,
             group: None,
@@ -228,7 +225,6 @@ impl Multipliers {
         let norm = |id| factorisation.norm_of_entries(data, id, has_spread);
         let (multipliers, rounding) = (&self.of_pivots[..end], &mut self.rounding_of_pivots[..end]);
         factorisation.balance_rounding(multipliers, norm, rounding);
-        self.most_rounding_of_pivots[..end].copy_from_slice(rounding);
         // Where rows nearly depend on each other, these bounds grow far beyond the real rounding. Where all
         // forces are rounding, a part of them says nothing.
         let pivots = &factorisation.pivots[self.pivots.clone()];
@@ -253,24 +249,10 @@ impl Multipliers {
         &'a self,
         factorisation: &'a Factorisation,
     ) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
-        self.pairs_beside(factorisation, &self.rounding_of_pivots)
-    }
-
-    /// The same with the most that rounding can be.
-    pub(crate) fn with_most_rounding<'a>(
-        &'a self,
-        factorisation: &'a Factorisation,
-    ) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
-        self.pairs_beside(factorisation, &self.most_rounding_of_pivots)
-    }
-
-    fn pairs_beside<'a>(
-        &'a self,
-        factorisation: &'a Factorisation,
-        of_pivots: &'a [f64],
-    ) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
-        let rounding = of_pivots[self.pivots.clone()].iter().chain(&self.rounding_of_bounds);
-        self.pairs(factorisation).zip(rounding).map(|((id, m), &rounding)| (id, m, rounding))
+        let rounding = self.rounding_of_pivots[self.pivots.clone()].iter();
+        self.pairs(factorisation)
+            .zip(rounding.chain(&self.rounding_of_bounds))
+            .map(|((id, multiplier), &rounding)| (id, multiplier, rounding))
     }
 
     /// The rounding in the entry of the gradient at a variable at a bound, balanced by the pivots.

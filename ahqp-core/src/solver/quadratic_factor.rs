@@ -24,7 +24,7 @@ const LINEAR_TOLERANCE: f64 = 1e-9;
 ///
 /// R has as many rows as H has rank. The linear part is what of the gradient lies outside the
 /// range of H; it vanishes for objectives that are bounded below everywhere.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct QuadraticFactor {
     n: usize,
     rank: usize,

@@ -63,5 +63,3 @@ pub(crate) const FAR: usize = 6;
 pub(crate) const JUMP: usize = 3;
 /// Up to one change in so many variables, a factorisation is updated and not made anew.
 pub(crate) const UPDATED: usize = 8;
-/// Rotations kept in a product, in numbers of variables, before everything is factored anew.
-pub(crate) const ROTATIONS: usize = 24;

@@ -150,6 +150,20 @@ fn numbers_whose_squares_overflow() {
 }
 
 #[test]
+fn a_hard_row_that_asks_for_a_solution_out_of_reach() {
+    for coefficient in [1e-120, -3.4e-161, 1e-200, 1e-300] {
+        for (lower, upper) in [(1e-3, 1e-3), (1e-3, f64::INFINITY), (f64::NEG_INFINITY, -1e-3)] {
+            let mut hierarchy = Hierarchy::new(1).unwrap();
+            hierarchy.set_bounds(&[-1.0], &[-1.0]).unwrap();
+            let row = Rows::from_row_slice(1, 1, &[coefficient], &[lower], &[upper]).unwrap();
+            hierarchy.push(Level::constraints_only(row)).unwrap();
+            let error = solve(&hierarchy).unwrap_err();
+            assert!(matches!(error, Error::TooLarge { .. } | Error::Infeasible { .. }), "{error}");
+        }
+    }
+}
+
+#[test]
 fn a_bound_far_away_neither_counts_nor_loosens_the_near_one() {
     for far in [1e9, 1e30, f64::MAX] {
         let mut hierarchy = Hierarchy::new(1).unwrap();

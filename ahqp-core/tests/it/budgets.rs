@@ -5,8 +5,8 @@ use std::time::Duration;
 use ahqp_core::testing::problems::humanoid_sequence;
 use ahqp_core::testing::{Sizes, hierarchies, hierarchy_sequences};
 use ahqp_core::{
-    Budget, ContinuousStack, Error, Hierarchy, Level, Place, Rows, Settings, Solver, Status,
-    WarmStart,
+    Budget, ContinuousStack, Error, Hierarchy, Level, LevelId, Place, Rows, Settings, Solver,
+    Status, WarmStart,
 };
 use nalgebra::dmatrix;
 use proptest::prelude::*;
@@ -34,6 +34,36 @@ proptest! {
             let other = by_budget.solve_within(hierarchy, Budget::iterations(iterations))?;
             prop_assert_eq!(one, other);
             prop_assert!(one.iterations() <= iterations);
+        }
+    }
+
+    /// How far a solve comes grows with its budget, until it is solved and remains so, cold and warm.
+    #[test]
+    fn more_iterations_never_end_worse(sequence in hierarchy_sequences(small(), 2)) {
+        let levels = sequence[0].levels().len();
+        let mut before = Solver::new(&sequence[0], Settings::default())?;
+        for hierarchy in &sequence {
+            let (mut farthest, mut optimum) = (0, None);
+            let needed = before.clone().solve(hierarchy)?.iterations();
+            for iterations in 1..=needed + 3 {
+                let mut solver = before.clone();
+                let solution = solver.solve_within(hierarchy, Budget::iterations(iterations))?;
+                let place = match solution.status() {
+                    Status::Solved => levels + 1,
+                    Status::IterationLimit { level } => level.map_or(levels, LevelId::index),
+                    other => return Err(TestCaseError::fail(other.to_string())),
+                };
+                prop_assert!(place >= farthest, "{place} after {farthest} at {iterations}");
+                farthest = place;
+                if let Ok(x) = solution.optimum() {
+                    let first = optimum.get_or_insert_with(|| x.to_vec());
+                    let size = first.iter().fold(1.0_f64, |size, x| size.max(x.abs()));
+                    let near = x.iter().zip(first.iter()).all(|(x, y)| (x - y).abs() <= 1e-6 * size);
+                    prop_assert!(near, "{x:?} after {first:?} at {iterations}");
+                }
+            }
+            prop_assert_eq!(farthest, levels + 1);
+            before.solve(hierarchy)?;
         }
     }
 

@@ -110,6 +110,24 @@ fn whatever_changes_after_the_solve_is_named() {
     assert_eq!(solver.certificate(&hierarchy).unwrap(), certificate);
 }
 
+#[test]
+fn a_rank_tolerance_of_the_solver_decides_nothing_in_the_proof() {
+    let mut hierarchy = Hierarchy::new(2).unwrap();
+    for (row, target) in [([1.0, 0.0], 0.0), ([1.0, 1e-6], 1e-6)] {
+        let rows = Rows::from_row_slice(1, 2, &row, &[target], &[target]).unwrap();
+        hierarchy.push(Level::least_squares(rows)).unwrap();
+    }
+    for (rank_tolerance, x, off) in [(1e-10, [0.0, 1.0], 0.0), (1e-4, [0.0, 0.0], 1.0)] {
+        let settings = Settings { rank_tolerance, ..Settings::default() };
+        let mut solver = Solver::new(&hierarchy, settings).unwrap();
+        let found = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
+        assert!(found.iter().zip(x).all(|(found, x)| (found - x).abs() < 1e-9), "{found:?}");
+        let certificate = solver.certificate(&hierarchy).unwrap();
+        let residuals = certificate.residuals(&hierarchy, &found).unwrap();
+        assert!((residuals.worst() - off).abs() < 1e-9, "{residuals:?}");
+    }
+}
+
 /// Every tick of a sequence has a certificate that holds.
 pub(crate) fn expect_proofs(sequence: &[Hierarchy]) -> Result<(), TestCaseError> {
     let mut solver = Solver::new(&sequence[0], Settings::default())?;

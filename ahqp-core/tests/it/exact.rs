@@ -5,7 +5,10 @@
 //! and Tucker hold exactly.
 #![allow(clippy::needless_range_loop)] // rows and columns of the same index
 
+// By paths, as the fuzz targets read this file too.
+#[path = "exact/elimination.rs"]
 mod elimination;
+#[path = "exact/level.rs"]
 mod level;
 
 use ahqp_core::{Hierarchy, Objective, Rows};

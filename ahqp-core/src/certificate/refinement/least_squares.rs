@@ -1,24 +1,24 @@
 //! Weighted least squares in what a span leaves free.
 
+use super::DEPENDENT;
 use super::double_double::DoubleDouble;
 use super::row::Row;
 use super::span::{Span, add_scaled, dot, length, take_off};
 
 /// The step of least norm, orthogonal to `span`, that minimises ½ Σ w (a d + r)² + cᵀd over rows with residuals
-/// r; where c falls for ever, a direction along which it does. A row less than `rank_tolerance` of which is
-/// independent of heavier ones depends on them.
+/// r; where c falls for ever, a direction along which it does. Rows may [depend](DEPENDENT)
+/// on heavier ones.
 pub(super) fn step(
     span: &Span,
     rows: &[(&Row, DoubleDouble)],
     linear: &[DoubleDouble],
-    rank_tolerance: f64,
 ) -> Vec<DoubleDouble> {
-    let (system, units) = project(span, rows, rank_tolerance);
+    let (system, units) = project(span, rows);
     let mut falling: Vec<DoubleDouble> = linear.iter().map(|&entry| -entry).collect();
     for unit in span.units.iter().chain(&units).chain(&span.units).chain(&units) {
         take_off(&mut falling, unit);
     }
-    if length(&falling) > rank_tolerance * length(linear) {
+    if length(&falling) > DEPENDENT * length(linear) {
         return falling;
     }
     let linear = units.iter().map(|unit| dot(unit, linear)).collect();
@@ -35,7 +35,6 @@ pub(super) fn step(
 fn project(
     span: &Span,
     rows: &[(&Row, DoubleDouble)],
-    rank_tolerance: f64,
 ) -> (Vec<Vec<DoubleDouble>>, Vec<Vec<DoubleDouble>>) {
     let mut basis = span.clone();
     let mut outside: Vec<Vec<DoubleDouble>> = rows.iter().map(|(row, _)| row.a.clone()).collect();
@@ -51,7 +50,7 @@ fn project(
         let size = |i: usize| (length(&outside[i]), rows[i].0);
         left.retain(|&i| {
             let (size, row) = size(i);
-            let is_there = size > rank_tolerance * row.norm;
+            let is_there = size > DEPENDENT * row.norm;
             if !is_there {
                 order.push(i);
             }

@@ -49,7 +49,6 @@ pub(super) struct Search<'a> {
     pub(super) working: Vec<(usize, Side)>,
     /// The longest vector: what rounding is relative to.
     pub(super) reach: f64,
-    pub(super) rank_tolerance: f64,
 }
 
 /// The minimum of a level: which rows push there.
@@ -66,7 +65,7 @@ impl Search<'_> {
         for _ in 0..EFFORT * (n + self.hard.len() + self.soft.len()) {
             let (span, triangle) = self.held();
             let violated = self.violated();
-            let step = least_squares::step(&span, &violated, self.linear, self.rank_tolerance);
+            let step = least_squares::step(&span, &violated, self.linear);
             let size = length(&step);
             let reach = self.reach + length(&self.p);
             let is_faint = size <= FAINT_STEP * reach && 2.0 * size >= last;

@@ -3,7 +3,7 @@
 #![expect(clippy::inline_always, reason = "takes the features of the function around it")]
 
 use super::lanes::Lanes;
-use super::{FourReflections, Rotation, RowsMut};
+use super::{Rotation, RowsMut};
 
 #[inline(always)]
 pub(super) fn rotate_rows<L: Lanes>(rows: &mut RowsMut<'_>, rotations: &[Rotation]) {
@@ -41,63 +41,6 @@ pub(super) fn reflect_rows<L: Lanes>(rows: &mut RowsMut<'_>, start: usize, v: &[
         let Some(part) = row.get_mut(start..end) else { continue };
         let along = dot::<L>(part, v);
         add_scaled::<L>(part, -tau * along, v);
-    }
-}
-
-#[inline(always)]
-pub(super) fn reflect_rows_four<L: Lanes>(
-    rows: &mut RowsMut<'_>,
-    start: usize,
-    four: &FourReflections<'_>,
-) {
-    let length = four.v[0].len();
-    let [(a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)] = four.v.map(|v| v.as_chunks::<4>());
-    for row in rows.data.chunks_mut(rows.stride) {
-        let Some(part) = row.get_mut(start..start + length) else { continue };
-        let along = dots::<L>(four.v, part);
-        let mut weights = [0.0; 4];
-        for (along, t) in along.iter().zip(four.t) {
-            for (weight, t) in weights.iter_mut().zip(t) {
-                *weight -= along * t;
-            }
-        }
-        let [wa, wb, wc, wd] = weights.map(L::splat);
-        let (chunks, rest) = part.as_chunks_mut::<4>();
-        for ((((x, p), q), r), s) in chunks.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-            let left = wb.multiply_add(L::load(q), wa.multiply_add(L::load(p), L::load(x)));
-            wd.multiply_add(L::load(s), wc.multiply_add(L::load(r), left)).store(x);
-        }
-        let tails = a_rest.iter().zip(b_rest).zip(c_rest).zip(d_rest);
-        for (x, (((p, q), r), s)) in rest.iter_mut().zip(tails) {
-            *x += weights[0] * p + weights[1] * q + weights[2] * r + weights[3] * s;
-        }
-    }
-}
-
-#[inline(always)]
-pub(super) fn products<L: Lanes>(v: [&[f64]; 4], out: &mut [[f64; 4]; 4]) {
-    let [(a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)] = v.map(|v| v.as_chunks::<4>());
-    let zero = L::splat(0.0);
-    let (mut ab, mut ac, mut ad, mut bc, mut bd, mut cd) = (zero, zero, zero, zero, zero, zero);
-    for (((p, q), r), s) in a.iter().zip(b).zip(c).zip(d) {
-        let (p, q, r, s) = (L::load(p), L::load(q), L::load(r), L::load(s));
-        ab = p.multiply_add(q, ab);
-        ac = p.multiply_add(r, ac);
-        ad = p.multiply_add(s, ad);
-        bc = q.multiply_add(r, bc);
-        bd = q.multiply_add(s, bd);
-        cd = r.multiply_add(s, cd);
-    }
-    out[0] = [0.0, ab.sum(), ac.sum(), ad.sum()];
-    out[1] = [0.0, 0.0, bc.sum(), bd.sum()];
-    out[2] = [0.0, 0.0, 0.0, cd.sum()];
-    for (((p, q), r), s) in a_rest.iter().zip(b_rest).zip(c_rest).zip(d_rest) {
-        let entries = [*p, *q, *r, *s];
-        for (i, row) in out.iter_mut().enumerate() {
-            for (entry, other) in row.iter_mut().zip(&entries).skip(i + 1) {
-                *entry += entries[i] * other;
-            }
-        }
     }
 }
 
@@ -142,70 +85,6 @@ fn mix_columns<L: Lanes, const B: usize>(
         let weight = L::splat(-tau * weight);
         for (image, part) in image.iter().zip(row[start..start + 4 * B].as_chunks_mut::<4>().0) {
             weight.multiply_add(*image, L::load(part)).store(part);
-        }
-    }
-}
-
-#[inline(always)]
-pub(super) fn mix_rows_four<L: Lanes>(rows: &mut RowsMut<'_>, four: &FourReflections<'_>) {
-    let (stride, whole) = (rows.stride, rows.stride - rows.stride % 4);
-    let mut start = 0;
-    while start + 8 <= whole {
-        mix_columns_four::<L, 2>(rows, start, four);
-        start += 8;
-    }
-    while start < whole {
-        mix_columns_four::<L, 1>(rows, start, four);
-        start += 4;
-    }
-    for start in whole..stride {
-        let mut images = [0.0; 4];
-        for (image, v) in images.iter_mut().zip(four.v) {
-            *image = rows.data.chunks_exact(stride).zip(v).map(|(row, v)| row[start] * v).sum();
-        }
-        let turned: [f64; 4] =
-            std::array::from_fn(|j| (0..4).map(|i| four.t[i][j] * images[i]).sum());
-        for (i, row) in rows.data.chunks_exact_mut(stride).enumerate().take(four.v[0].len()) {
-            row[start] -= (0..4).map(|j| four.v[j][i] * turned[j]).sum::<f64>();
-        }
-    }
-}
-
-#[inline(always)]
-fn mix_columns_four<L: Lanes, const B: usize>(
-    rows: &mut RowsMut<'_>,
-    start: usize,
-    four: &FourReflections<'_>,
-) {
-    let [a, b, c, d] = four.v;
-    let weights = || a.iter().zip(b).zip(c).zip(d).map(|(((a, b), c), d)| [*a, *b, *c, *d]);
-    let mut images = [[L::splat(0.0); B]; 4];
-    for (row, weights) in rows.data.chunks_exact(rows.stride).zip(weights()) {
-        let parts = row[start..start + 4 * B].as_chunks::<4>().0;
-        for (image, weight) in images.iter_mut().zip(weights) {
-            let weight = L::splat(weight);
-            for (image, part) in image.iter_mut().zip(parts) {
-                *image = weight.multiply_add(L::load(part), *image);
-            }
-        }
-    }
-    let mut turned = [[L::splat(0.0); B]; 4];
-    for (image, t) in images.iter().zip(four.t) {
-        for (turned, t) in turned.iter_mut().zip(t) {
-            let t = L::splat(-t);
-            for (turned, image) in turned.iter_mut().zip(image) {
-                *turned = t.multiply_add(*image, *turned);
-            }
-        }
-    }
-    for (row, weights) in rows.data.chunks_exact_mut(rows.stride).zip(weights()) {
-        let parts = row[start..start + 4 * B].as_chunks_mut::<4>().0;
-        for (block, part) in parts.iter_mut().enumerate().take(B) {
-            let mut value = L::load(part);
-            for (turned, &weight) in turned.iter().zip(&weights) {
-                value = L::splat(weight).multiply_add(turned[block], value);
-            }
-            value.store(part);
         }
     }
 }

@@ -43,7 +43,7 @@ pub(crate) enum End {
 
 /// A row that has just become inactive.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Dropped {
+struct Dropped {
     id: usize,
     /// What it was, and in which group.
     state: Activity,
@@ -61,7 +61,6 @@ impl ActiveSet {
         self.kept_for_objectives.clear();
         let mut dropped: Option<Dropped> = None;
         let mut stalled = 0;
-        let mut bounds_may_hide_light_rows = true;
         loop {
             if self.allowance.is_spent(self.iterations) {
                 return End::OutOfBudget;
@@ -108,10 +107,6 @@ impl ActiveSet {
             }
             dropped = self.find_wrong_row(goal, choice).map(|id| self.drop_row(goal, id));
             if dropped.is_none() {
-                if bounds_may_hide_light_rows && self.take_bounds_out(goal) {
-                    bounds_may_hide_light_rows = false;
-                    continue;
-                }
                 return End::Optimal;
             }
         }
@@ -119,7 +114,7 @@ impl ActiveSet {
 
     /// The step to the minimum with the active rows held. Returns false if there is none: the direction
     /// is one in which the goal falls for ever.
-    pub(super) fn set_direction(&mut self, goal: &Goal) -> bool {
+    fn set_direction(&mut self, goal: &Goal) -> bool {
         let free = match goal {
             Goal::Rows(_) => FreeCoordinates::Kept,
             Goal::Norm => FreeCoordinates::Zero,
@@ -174,7 +169,7 @@ impl ActiveSet {
     }
 
     /// Makes an active row inactive.
-    pub(super) fn drop_row(&mut self, goal: &Goal, id: usize) -> Dropped {
+    fn drop_row(&mut self, goal: &Goal, id: usize) -> Dropped {
         if goal.has_row(id) {
             self.residual[id] = self.violation_of_active(id);
         }
@@ -202,13 +197,6 @@ impl ActiveSet {
         let bounds =
             if self.activity[id] == Activity::Lower { &self.data.lower } else { &self.data.upper };
         self.value[id] - bounds[id]
-    }
-
-    /// Takes bounds out of the stack where they may hide light rows of the goal. Returns true if it did.
-    fn take_bounds_out(&mut self, goal: &Goal) -> bool {
-        let Goal::Rows(rows) = goal else { return false };
-        self.data.have_spread(rows.clone(), norm(&self.x))
-            && self.factorisation.take_bounds_out(&self.data, &self.activity)
     }
 
     /// The row that should become inactive, as its multiplier has the wrong sign: the one with the largest

@@ -39,7 +39,7 @@ impl ActiveSet {
 
     /// Computes the point of the present active set. Returns false if there is none.
     fn set_point(&mut self, anew: bool) -> bool {
-        let few = !anew && self.signs.changed.len() <= self.data.n / UPDATED && !self.has_spread();
+        let few = !anew && self.signs.changed.len() <= self.data.n / UPDATED;
         let Self { factorisation, data, activity, signs, .. } = self;
         let has_point = if few && factorisation.update(data, activity, &signs.changed) {
             factorisation.set_point(data)

@@ -35,14 +35,10 @@ impl Factorisation {
         }
         self.decided = self.groups.len();
         let rank = self.pivots.len();
-        let mut z = std::mem::take(&mut self.turned);
-        z[..rank].copy_from_slice(&self.y[..rank]);
-        z[rank..].fill(0.0);
-        self.orthogonal.turn_back(&mut z);
-        for (&variable, &value) in self.free.iter().zip(&z) {
+        self.orthogonal.turn_part_back(&self.y[..rank], 0, &mut self.gathered);
+        for (&variable, &value) in self.free.iter().zip(&self.gathered) {
             self.x[variable] = value;
         }
-        self.turned = z;
         true
     }
 
@@ -54,7 +50,7 @@ impl Factorisation {
         }
     }
 
-    /// The step from `x` to the point that the groups decide, where Q is explicit. `gap` is the bound of
+    /// The step from `x` to the point that the groups decide, where `gap` is the bound of
     /// an active row less aᵢx; groups that have not changed since x [attained](Self::attain) them need no
     /// step. Returns false if a linear term has no minimum; the step is then a direction in which it falls.
     pub(crate) fn step_from(
@@ -356,8 +352,8 @@ impl Factorisation {
     pub(crate) fn coordinates(&mut self, vector: &[f64], out: &mut [f64]) {
         let mut turned = std::mem::take(&mut self.turned);
         gather(&self.free, vector, &mut turned);
-        self.orthogonal.turn(&mut turned, self.closed);
-        out.copy_from_slice(&turned[..out.len()]);
+        out[..self.closed].fill(0.0);
+        self.orthogonal.turn_part(&turned, self.closed, &mut out[self.closed..]);
         self.turned = turned;
     }
 

@@ -11,7 +11,6 @@
 
 use std::ops::Range;
 
-use super::chain::{Chain, angle, carry_aside};
 use super::{Factorisation, Group, Purpose, RankTolerances};
 use crate::linalg::kernels::Rotation;
 use crate::linalg::vector::{length, norm};
@@ -46,9 +45,6 @@ impl Factorisation {
         changed: &[usize],
     ) -> bool {
         changed.iter().filter(|&&id| data.norm(id) > 0.0).all(|&id| {
-            if self.orthogonal.is_long() {
-                return false;
-            }
             let done = if activity[id].is_active() {
                 self.group_of(data, id)
                     .ok_or(RankInDoubt)
@@ -92,7 +88,7 @@ impl Factorisation {
         group: usize,
     ) -> Result<(), RankInDoubt> {
         let (n, k) = (self.stride, self.free.len());
-        self.orthogonal.begin_change();
+        self.rotations.clear();
         self.expect_change(group);
         let mut row = std::mem::take(&mut self.turned);
         let target = active_bound(data, activity, id) - self.turn_row(data, id, &mut row);
@@ -108,7 +104,7 @@ impl Factorisation {
 
     /// Takes a row out of the stack, or lets a variable go that left as a column.
     fn remove(&mut self, data: &ProblemData, id: usize) -> Result<(), RankInDoubt> {
-        self.orthogonal.begin_change();
+        self.rotations.clear();
         match self.stacked.iter().position(|&row| row == id) {
             Some(at) => self.unstack(data, at),
             None => self.free_variable(data, id),
@@ -125,17 +121,14 @@ impl Factorisation {
         size: f64,
     ) -> Result<usize, RankInDoubt> {
         let Group { start, end, rank, first_pivot, .. } = self.groups[group];
-        let (place, decided, before) =
-            (first_pivot + rank, self.pivots.len(), self.orthogonal.rotations.len());
+        let (place, decided) = (first_pivot + rank, self.pivots.len());
         if !self.tolerances.is_there(norm(&row[place..]) / size)? {
             self.expect_heavy_pivots(data, start..start + rank, size)?;
             self.open(end, group);
             return Ok(end);
         }
         let last = if self.tolerances.is_there(norm(&row[decided..]) / size)? {
-            if !self.orthogonal.reflect_free(row, decided) {
-                self.turn_towards(row, decided..row.len() - 1);
-            }
+            self.orthogonal.reflect_free(row, decided);
             decided
         } else {
             let parts = row[place..decided].iter().map(|entry| entry.abs() / size);
@@ -147,10 +140,9 @@ impl Factorisation {
             place + last
         };
         let next = self.pivots.get(place).copied().unwrap_or(self.stacked.len());
-        let from = self.orthogonal.rotations.len();
         self.turn_towards(row, place..last);
-        self.orthogonal.push_chain(Chain::Down(before..self.orthogonal.rotations.len()));
-        self.shift_pivots(data, place..last, from)?;
+        self.orthogonal.rotate(&self.rotations);
+        self.shift_pivots(data, place..last)?;
         if last < decided {
             self.demote(data, last)?;
         }
@@ -173,7 +165,7 @@ impl Factorisation {
             let radius = square.sqrt();
             let (cosine, sine) =
                 if radius > 0.0 { (row[first] / radius, behind / radius) } else { (1.0, 0.0) };
-            self.orthogonal.rotations.push(Rotation { first, second: first + 1, cosine, sine });
+            self.rotations.push(Rotation { first, second: first + 1, cosine, sine });
             behind = radius;
         }
         if !planes.is_empty() {
@@ -182,21 +174,20 @@ impl Factorisation {
         }
     }
 
-    /// Turns the rows whose pivots are in `planes` and all behind them by the rotations from `from` on, which
-    /// are in these planes from the last to the first. The pivots move up by a coordinate.
+    /// Turns the rows whose pivots are in `planes` and all behind them by the rotations at hand, which are in
+    /// these planes from the last to the first. The pivots move up by a coordinate.
     fn shift_pivots(
         &mut self,
         data: &ProblemData,
         planes: Range<usize>,
-        from: usize,
     ) -> Result<(), RankInDoubt> {
         let n = self.stride;
         let mut behind = self.pivots.get(planes.end).copied().unwrap_or(self.stacked.len());
-        for (plane, rotation) in planes.rev().zip(from..) {
+        for (index, plane) in planes.rev().enumerate() {
             let at = self.pivots[plane];
             // Up to the next pivot, rows have had no entry there.
             self.rows[at * n..behind * n].iter_mut().skip(plane + 1).step_by(n).for_each(zero);
-            self.rotate_entries(at, self.orthogonal.rotations[rotation]);
+            self.rotate_entries(at, self.rotations[index]);
             let pivot = self.rows[at * n + plane + 1].abs();
             if !self.tolerances.is_there(pivot / data.norm(self.stacked[at]))? {
                 return Err(RankInDoubt);
@@ -274,8 +265,7 @@ impl Factorisation {
         at: usize,
         free: usize,
     ) -> Result<(), RankInDoubt> {
-        let (n, from) = (self.stride, self.orthogonal.rotations.len());
-        let (mut at, mut free) = (at, free);
+        let (n, mut at, mut free) = (self.stride, at, free);
         for group in group..self.groups.len() {
             let Group { start, end, rank, .. } = self.groups[group];
             for at in at..start + rank {
@@ -285,7 +275,7 @@ impl Factorisation {
                 let (first, second) = (free, free + 1);
                 let rotation = Rotation { first, second, cosine: a / radius, sine: b / radius };
                 self.rotate_entries(at, rotation);
-                self.orthogonal.rotations.push(rotation);
+                self.rotations.push(rotation);
                 free += 1;
             }
             if self.adopt(data, group, free)? {
@@ -293,7 +283,7 @@ impl Factorisation {
             }
             at = end;
         }
-        self.orthogonal.push_chain(Chain::Up(from..self.orthogonal.rotations.len()));
+        self.orthogonal.rotate(&self.rotations);
         Ok(())
     }
 
@@ -327,7 +317,7 @@ impl Factorisation {
     fn free_variable(&mut self, data: &ProblemData, variable: usize) -> Result<(), RankInDoubt> {
         let place = self.bounded.iter().position(|&i| i == variable).ok_or(RankInDoubt)?;
         self.bounded.remove(place);
-        let (n, carried, from) = (self.stride, self.free.len(), self.orthogonal.rotations.len());
+        let (n, carried) = (self.stride, self.free.len());
         self.free.push(variable);
         self.moved.push((carried, variable));
         self.orthogonal.grow();
@@ -345,9 +335,11 @@ impl Factorisation {
                 let width = self.groups[group].width(at);
                 let row = &mut self.rows[at * n..(at + 1) * n];
                 let mut carry = coefficient;
-                let chain = &self.orthogonal.rotations[from..];
                 // One rotation a pivot, from the first on.
-                carry_aside(row.iter_mut(), &mut carry, chain.iter().map(angle));
+                for (entry, &Rotation { cosine, sine, .. }) in row.iter_mut().zip(&self.rotations) {
+                    (*entry, carry) =
+                        (cosine * *entry + sine * carry, cosine * carry - sine * *entry);
+                }
                 if let Some(place) = adopted {
                     row.copy_within(place..width, place + 1);
                     row[place] = carry;
@@ -355,12 +347,7 @@ impl Factorisation {
                     let first = width - 1;
                     let radius = length(row[first], carry);
                     let (cosine, sine) = (row[first] / radius, carry / radius);
-                    self.orthogonal.rotations.push(Rotation {
-                        first,
-                        second: carried,
-                        cosine,
-                        sine,
-                    });
+                    self.rotations.push(Rotation { first, second: carried, cosine, sine });
                     row[first] = radius;
                 } else {
                     row[first_pivot + rank] = carry;
@@ -371,9 +358,9 @@ impl Factorisation {
                 adopted = Some(place);
             }
         }
-        self.orthogonal.push_chain(Chain::Aside(from..self.orthogonal.rotations.len()));
-        if let Some(to) = adopted {
-            self.orthogonal.push_chain(Chain::Insert { from: carried, to });
+        self.orthogonal.rotate(&self.rotations);
+        if let Some(place) = adopted {
+            self.orthogonal.move_last(place);
         }
         self.renumber();
         Ok(())
@@ -407,7 +394,7 @@ impl Factorisation {
                 for (entry, &variable) in row.iter_mut().zip(&self.free) {
                     *entry = coefficients[variable];
                 }
-                self.orthogonal.turn(row, self.closed);
+                self.orthogonal.turn_rows(row, self.closed);
                 self.bounded.iter().map(|&i| coefficients[i] * self.x[i]).sum()
             }
         }
