@@ -36,6 +36,16 @@ impl Braking {
         (2.0 * size / (period + root)).copysign(excess)
     }
 
+    /// More than any [`overrun`](Self::overrun) of velocities up to `fastest` and accelerations up to
+    /// the limit: each of its terms at its largest.
+    pub(super) fn longest(&self, fastest: f64) -> f64 {
+        let Self { acceleration, jerk } = *self;
+        let square = acceleration * acceleration / (2.0 * jerk);
+        let top = fastest + square;
+        let held = 0.5 * top / acceleration;
+        top * (2.0 * acceleration / jerk + held) + square * acceleration / (3.0 * jerk)
+    }
+
     /// How far a motion at `velocity` and `acceleration` goes on in the positive direction
     /// before it rests, or turns back.
     ///
@@ -103,6 +113,16 @@ mod tests {
             let size = 1.0 + overrun.by_velocity + overrun.by_acceleration;
             prop_assert!((overrun.by_velocity - by_velocity).abs() < 1e-4 * size);
             prop_assert!((overrun.by_acceleration - by_acceleration).abs() < 1e-4 * size);
+        }
+
+        #[test]
+        fn no_overrun_is_longer_than_the_longest(
+            fastest in 0.01..3.0_f64, share in -1.0..1.0_f64, acceleration in -3.0..3.0_f64,
+            jerk in 0.5..50.0_f64,
+        ) {
+            let braking = Braking::new(3.0, jerk);
+            let overrun = braking.overrun(share * fastest, acceleration).distance;
+            prop_assert!(overrun <= braking.longest(fastest));
         }
 
         #[test]

@@ -32,6 +32,8 @@ const ROUNDS: usize = 30;
 pub struct JerkLimits {
     limits: Limits,
     jerk: f64,
+    /// More than braking takes, from any velocity and acceleration within the limits.
+    longest: f64,
 }
 
 /// Position, velocity and acceleration of one coordinate.
@@ -65,7 +67,8 @@ impl AcceleratedState {
 impl JerkLimits {
     pub(super) fn new(limits: Limits, jerk: f64) -> Result<Self, Error> {
         if jerk > 0.0 {
-            Ok(Self { limits, jerk })
+            let longest = Braking::new(limits.acceleration, jerk).longest(limits.velocity);
+            Ok(Self { limits, jerk, longest })
         } else {
             let expected = "positive, or infinite for none";
             Err(Error::Parameter { name: "the jerk limit", value: jerk, expected })
@@ -140,12 +143,27 @@ impl JerkLimits {
             greatest = least;
         }
         let reach = |wanted: f64| wanted.min(greatest).max(least);
-        // Brings the velocity to rest, and is always allowed within the position limits.
-        let brake = reach(-braking.onset(velocity, period));
         let slowest = reach(-braking.onset(velocity + fastest, period));
         let quickest = reach(braking.onset(fastest - velocity, period));
+        let interval = |down: f64, up: f64| VelocityInterval {
+            lower: velocity + down * period,
+            upper: velocity + up * period,
+        };
+        // Mostly the position limits are so far away that they do not count.
+        let distance = (upper - position).min(position - lower);
+        let free = interval(slowest, quickest);
+        if distance >= self.longest + fastest * period
+            && free.upper <= fastest
+            && free.lower >= -fastest
+            && quickest <= strongest
+            && slowest >= -strongest
+        {
+            return free;
+        }
         let to_upper = Approach::new(position, velocity, upper, period);
         let to_lower = Approach::new(-position, -velocity, -lower, period);
+        // Brings the velocity to rest, and is always allowed within the position limits.
+        let brake = reach(-braking.onset(velocity, period));
         let (down, up) = if to_upper.distance < 0.0 {
             let down = -to_lower.strongest(&braking, -brake, -slowest);
             (down, to_upper.strongest(&braking, down, quickest))
@@ -154,7 +172,7 @@ impl JerkLimits {
             let most = if to_lower.distance < 0.0 { up } else { brake };
             (-to_lower.strongest(&braking, -most, -slowest), up)
         };
-        VelocityInterval { lower: velocity + down * period, upper: velocity + up * period }
+        interval(down, up)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Blocks of linear rows `lower ≤ A x ≤ upper`.
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 use std::sync::Arc;
 
 use crate::error::Error;
@@ -195,6 +195,16 @@ impl Rows {
             return Err(Error::NoSuchRow { row: index, rows });
         }
         Ok(&mut self.matrix[index * self.columns..(index + 1) * self.columns])
+    }
+
+    /// The coefficients of some rows, one row behind the other, to write in place.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchRow`] past the last.
+    pub fn coefficients_mut(&mut self, rows: Range<usize>) -> Result<&mut [f64], Error> {
+        let (last, count) = (rows.end, self.len());
+        let own = rows.start * self.columns..rows.end * self.columns;
+        self.matrix.get_mut(own).ok_or(Error::NoSuchRow { row: last, rows: count })
     }
 
     /// Copies coefficients and bounds of row `index`.

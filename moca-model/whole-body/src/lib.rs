@@ -67,6 +67,7 @@ pub use ahqp_core::{
 };
 pub use dynamics::external::ExternalWrench;
 pub use error::Error;
+pub use error::urdf::UrdfError;
 pub use ik::builder::IkBuilder;
 pub use ik::commanded::{Command, Commanded};
 pub use ik::differential::Ik;

@@ -1,7 +1,8 @@
 //! Sums over slices, four at a time, so that additions need not wait for each other.
 
-/// Σ aᵢ bᵢ.
+/// Σ aᵢ bᵢ, of one length.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    debug_assert_eq!(a.len(), b.len());
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
     let mut sums = [0.0; 4];
     for (a, b) in a.iter().zip(b) {
@@ -13,8 +14,9 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-/// Σ |aᵢ| bᵢ.
+/// Σ |aᵢ| bᵢ, of one length.
 pub(crate) fn dot_of_sizes(a: &[f64], b: &[f64]) -> f64 {
+    debug_assert_eq!(a.len(), b.len());
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
     let mut sums = [0.0; 4];
     for (a, b) in a.iter().zip(b) {
@@ -26,11 +28,8 @@ pub(crate) fn dot_of_sizes(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-/// a ← a − factor · b.
+/// a ← a − factor · b, of one length.
 pub(crate) fn subtract(a: &mut [f64], factor: f64, b: &[f64]) {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks_mut::<4>(), b.as_chunks::<4>());
-    for (a, b) in a.iter_mut().zip(b) {
-        *a = std::array::from_fn(|lane| a[lane] - factor * b[lane]);
-    }
-    a_rest.iter_mut().zip(b_rest).for_each(|(a, b)| *a -= factor * b);
+    debug_assert_eq!(a.len(), b.len());
+    a.iter_mut().zip(b).for_each(|(a, b)| *a -= factor * b);
 }

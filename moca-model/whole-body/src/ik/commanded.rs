@@ -102,8 +102,7 @@ impl Commanded {
     fn advance(&mut self, measured: &[f64], period: f64) -> Result<Status, Error> {
         check_period(period)?;
         self.ik.model().check_configuration(measured)?;
-        let (velocity, acceleration) = (self.ik.velocity(), self.ik.acceleration());
-        self.leash.update(&self.position, velocity, acceleration, measured, period);
+        self.leash.update(&self.position, &self.ik, measured, period)?;
         let step = self.ik.step_within(&self.position, period, &self.leash.intervals)?;
         step.integrate(&mut self.position)?;
         Ok(step.status())

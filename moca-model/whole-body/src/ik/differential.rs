@@ -1,6 +1,7 @@
 //! Differential inverse kinematics with strict priorities.
 
 use std::any::Any;
+use std::ops::Range;
 
 use ahqp_core::{Budget, Level, LevelId, Objective, Rows, VelocityInterval};
 use nalgebra::Isometry3;
@@ -85,6 +86,8 @@ pub struct Ik {
     /// What the levels ask that the damping looks at, from the first to the last damped one.
     asked: Vec<AskedRows>,
     anticipation: Anticipation,
+    /// By entry of q̇: the time in which accelerations fade, where limits of rows need that \[s\].
+    fading: Vec<f64>,
     /// A velocity that all limits admit.
     admitted: Vec<f64>,
     /// Of the rows of the limits.
@@ -97,6 +100,8 @@ pub(super) struct AskedRows {
     rows: Rows,
     /// How many of them are of tasks.
     count: usize,
+    /// Where they stand among the rows that are damped.
+    span: Range<usize>,
     counts: bool,
 }
 
@@ -121,7 +126,8 @@ impl Ik {
             last_acceleration: rest.clone(),
             displacement: rest.clone(),
             period: 1e-3,
-            anticipation: Anticipation::new(rest.len()),
+            anticipation: Anticipation::new(rest.len(), Vec::new()),
+            fading: model.fading_times(),
             singularity: SingularityDamping::new(0.0, &[], stack.names().len()),
             asked: Vec::new(),
             admitted: rest,
@@ -138,8 +144,11 @@ impl Ik {
     /// Sizes limits and damping for the levels that there are.
     pub(super) fn make_room(&mut self) {
         let limits = self.stack.stacked().find(|(level, _)| Some(level.id) == self.limits);
-        let limit_rows = limits.map_or(0, |(_, level)| level.constraints().len());
-        self.limit_values = vec![0.0; limit_rows];
+        let anticipating =
+            limits.map(|(level, _)| level.tasks.anticipating_constraints().collect());
+        let anticipating: Vec<bool> = anticipating.unwrap_or_default();
+        self.limit_values = vec![0.0; anticipating.len()];
+        self.anticipation = Anticipation::new(self.velocity.len(), anticipating);
         let damped = self.stack.stacked().map(|(level, _)| level.tasks.is_damped);
         let last = damped.enumerate().filter(|(_, is)| *is).last().map_or(0, |(last, _)| last + 1);
         let levels = self.stack.stacked().take(last);
@@ -153,7 +162,7 @@ impl Ik {
             let mut rows = Rows::zeros(all, columns);
             // Of the right size and positive: no error is possible. The room for them is there then.
             let _ = rows.set_weights(&vec![1.0; all]);
-            AskedRows { rows, count, counts: false }
+            AskedRows { rows, count, span: 0..0, counts: false }
         });
         self.asked = asked.collect();
     }
@@ -217,18 +226,32 @@ impl Ik {
         let (intervals, anticipation) = (&self.intervals, &mut self.anticipation);
         let (singularity, admitted) = (&mut self.singularity, &mut self.admitted);
         let values = &mut self.limit_values;
-        let (has_limits, asked) = (self.limits.is_some(), &mut self.asked);
+        let (has_limits, asked, fading) = (self.limits.is_some(), &mut self.asked, &self.fading);
+        for asked in asked.iter_mut() {
+            asked.span = 0..0;
+        }
         self.stack.write_with(&mut posed, velocity, period, |index, level| {
             if has_limits && index == 0 {
                 let rows = level.constraints_mut();
                 anticipation.narrow(rows, velocity, acceleration, intervals, period, values);
-                widen(rows, &intervals.now, admitted, values);
+                let faded = |entry: usize| {
+                    let share = fading[entry] / (fading[entry] + period);
+                    velocity[entry] + acceleration[entry] * period * share
+                };
+                widen(rows, &intervals.now, faded, admitted, values);
             } else if let Some(asked) = asked.get_mut(index)
                 && let Ok(rows) = level.rows_mut()
             {
-                asked.counts = singularity.damp(rows, asked.count, &mut asked.rows);
+                asked.span = singularity.load(rows, asked.count);
             }
-        })
+        })?;
+        singularity.factorise();
+        for (index, asked) in asked.iter_mut().enumerate() {
+            let damped = if asked.span.is_empty() { None } else { self.stack.rows_mut(index) };
+            asked.counts =
+                damped.is_some_and(|rows| singularity.damp(&asked.span, rows, &mut asked.rows));
+        }
+        Ok(())
     }
 
     fn read(&mut self, period: f64) {

@@ -2,6 +2,7 @@
 
 use ahqp_core::{AcceleratedState, JerkLimits, Limits, VelocityInterval};
 
+use super::differential::Ik;
 use crate::error::Error;
 use crate::robot::joint::JointKind;
 use crate::robot::limits::JointLimits;
@@ -10,13 +11,16 @@ use crate::robot::model::Model;
 /// The largest following errors, |q* − q| of each joint.
 ///
 /// A robot that follows late by a time T is behind by T times its speed, and one under impedance
-/// control gives way by the torque over its stiffness: the leash must leave room for both. A
-/// floating base is estimated, not commanded, and has no leash.
+/// control gives way by the torque over its stiffness: the leash must leave room for both.
+///
+/// A floating base has the leash along and about the world's axes. It is estimated, and estimates
+/// drift and jump: at the end of the leash its command waits, and goes no farther, but is never drawn
+/// back or taken along. Turned about several axes at once it goes up to 5 % farther.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Leash {
-    /// Of joints that turn \[rad\]. Default 0.1.
+    /// Of joints that turn, and a floating base's rotation \[rad\]. Default 0.1.
     pub revolute: f64,
-    /// Of joints that slide \[m\]. Default 0.1.
+    /// Of joints that slide, and a floating base's position \[m\]. Default 0.1.
     pub prismatic: f64,
     /// Time constant with which the measured velocity is estimated \[s\]. Default 0.02.
     pub filter_time: f64,
@@ -32,7 +36,8 @@ impl Leash {
     /// How far the command of a joint with these limits can be from the measured position, whatever
     /// the robot does \[rad or m\]: the leash, and for a robot that stops suddenly at full speed v what
     /// is covered until that is known, v · filter time, and until the command has come to rest,
-    /// v²/(2a) + v a/j. Infinite where the speed or the acceleration is not limited.
+    /// v²/(2a) + v a/j. Infinite where the speed or the acceleration is not limited, and for floating
+    /// bases, which only stop at the leash.
     ///
     /// ```
     /// use whole_body::{JointKind, JointLimits, Leash};
@@ -82,17 +87,22 @@ impl Leash {
 #[derive(Debug, Clone)]
 pub(super) struct LeashIntervals {
     leash: Leash,
-    joints: Vec<Option<LeashedJoint>>,
+    joints: Vec<LeashedJoint>,
     /// Of each entry of q̇, as estimated.
     measured_velocity: Vec<f64>,
     last: Vec<f64>,
+    /// By entry of q̇: from the measured configuration to the commanded one, and from the last measured
+    /// one to this.
+    apart: Vec<f64>,
+    moved: Vec<f64>,
     pub(super) intervals: Vec<VelocityInterval>,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct LeashedJoint {
-    position: usize,
     limits: JerkLimits,
+    /// Whether the command comes back where the joint is beyond the leash.
+    returns: bool,
 }
 
 /// What stands for limits that there are not.
@@ -102,56 +112,65 @@ const FREE_ACCELERATION: f64 = 1e14;
 impl LeashIntervals {
     pub(super) fn new(leash: Leash, model: &Model, measured: &[f64]) -> Result<Self, Error> {
         leash.validate()?;
-        let mut joints = vec![None; model.velocity_count()];
+        let mut joints = Vec::with_capacity(model.velocity_count());
         for joint in model.joints() {
-            let length = match joint.kind {
-                JointKind::Floating => continue,
-                JointKind::Prismatic => leash.prismatic,
-                JointKind::Revolute | JointKind::Continuous => leash.revolute,
+            let (lengths, returns) = match joint.kind {
+                JointKind::Floating => (&[leash.prismatic, leash.revolute][..], false),
+                JointKind::Prismatic => (&[leash.prismatic][..], true),
+                JointKind::Revolute | JointKind::Continuous => (&[leash.revolute][..], true),
             };
-            let limits = model.limits()[joint.velocity_index];
-            // Velocities are limited elsewhere.
-            let acceleration = limits.acceleration.min(FREE_ACCELERATION);
-            let limits = Limits::new(-length, length, FREE_VELOCITY, acceleration)?
-                .with_jerk(limits.jerk)?;
-            joints[joint.velocity_index] =
-                Some(LeashedJoint { position: joint.position_index, limits });
+            for entry in 0..joint.kind.velocities() {
+                let length = lengths[entry / 3];
+                let limits = model.limits()[joint.velocity_index + entry];
+                // Velocities are limited elsewhere.
+                let acceleration = limits.acceleration.min(FREE_ACCELERATION);
+                let limits = Limits::new(-length, length, FREE_VELOCITY, acceleration)?
+                    .with_jerk(limits.jerk)?;
+                joints.push(LeashedJoint { limits, returns });
+            }
         }
         let free = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
         Ok(Self {
             leash,
             measured_velocity: vec![0.0; joints.len()],
             last: measured.to_vec(),
+            apart: vec![0.0; joints.len()],
+            moved: vec![0.0; joints.len()],
             intervals: vec![free; joints.len()],
             joints,
         })
     }
 
-    /// Computes the intervals from the commanded and the measured configuration.
+    /// Computes the intervals from the commanded configuration, the motion of the last step and the
+    /// measured configuration.
     pub(super) fn update(
         &mut self,
         commanded: &[f64],
-        velocity: &[f64],
-        acceleration: &[f64],
+        ik: &Ik,
         measured: &[f64],
         period: f64,
-    ) {
+    ) -> Result<(), Error> {
+        ik.model().difference(measured, commanded, &mut self.apart)?;
+        ik.model().difference(&self.last, measured, &mut self.moved)?;
         let share = period / (period + self.leash.filter_time);
         let estimates = self.measured_velocity.iter_mut().zip(&mut self.intervals);
         for (entry, (joint, (estimate, interval))) in self.joints.iter().zip(estimates).enumerate()
         {
-            let Some(LeashedJoint { position, limits }) = *joint else { continue };
-            let moved = (measured[position] - self.last[position]) / period;
-            *estimate += share * (moved - *estimate);
+            *estimate += share * (self.moved[entry] / period - *estimate);
             let state = AcceleratedState {
-                position: commanded[position] - measured[position],
-                velocity: velocity[entry] - *estimate,
-                acceleration: acceleration[entry],
+                position: self.apart[entry],
+                velocity: ik.velocity()[entry] - *estimate,
+                acceleration: ik.acceleration()[entry],
             };
-            let apart = limits.velocity_interval(state, period);
-            *interval =
-                VelocityInterval { lower: apart.lower + *estimate, upper: apart.upper + *estimate };
+            let apart = joint.limits.velocity_interval(state, period);
+            let (lower, upper) = (apart.lower + *estimate, apart.upper + *estimate);
+            *interval = if joint.returns {
+                VelocityInterval { lower, upper }
+            } else {
+                VelocityInterval { lower: lower.min(0.0), upper: upper.max(0.0) }
+            };
         }
         self.last.copy_from_slice(measured);
+        Ok(())
     }
 }

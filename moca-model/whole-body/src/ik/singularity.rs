@@ -1,5 +1,6 @@
 //! Damping of targets near singular configurations.
 
+mod directions;
 #[cfg(test)]
 mod tests;
 
@@ -7,6 +8,7 @@ use std::ops::Range;
 
 use ahqp_core::Rows;
 
+use self::directions::Directions;
 use crate::eigen::eigenvectors;
 use crate::vector::{dot, subtract};
 
@@ -37,36 +39,13 @@ use crate::vector::{dot, subtract};
 /// times min(1, (9 − 100 p²/σ₀²)/8). All is continuous in the configuration.
 ///
 /// The levels stay rows with other targets: priorities and limits are not touched.
-///
-/// Of the orthonormal directions that the levels take only the coordinates of the rows along them are
-/// computed: they are the Cholesky factor of all rows' products with each other, row by row (Golub and
-/// Van Loan, *Matrix Computations*, 4th ed., Sec. 4.2.5). That of a level's rows among themselves is
-/// the Cholesky factor of its G.
 #[derive(Debug, Clone)]
 pub(super) struct SingularityDamping {
     threshold: f64,
-    /// How many rows all levels have.
-    total: usize,
-    /// How many rows a level has at most.
-    most: usize,
-    /// How many rows the levels above have. Each row has a direction; those of rows that depend on
-    /// others are zero.
-    first: usize,
-    /// The rows of all levels, scaled to norm one.
-    rows: Rows,
-    /// By row: products with the rows before it, then coordinates along the directions.
-    coordinates: Vec<f64>,
-    /// By direction: one over the coordinate of its own row; zero where there is no direction.
-    reciprocals: Vec<f64>,
-    /// Along the directions: what the levels above do by themselves.
-    point: Vec<f64>,
-    norms: Vec<f64>,
+    directions: Directions,
     /// √(weight · norm² over the largest).
     scales: Vec<f64>,
-    residual: Vec<f64>,
     gram: Vec<f64>,
-    factor: Vec<f64>,
-    inverse: Vec<f64>,
     given_up: Vec<f64>,
     /// By direction uₖ: its coordinates along the rows.
     vectors: Vec<f64>,
@@ -77,8 +56,6 @@ pub(super) struct SingularityDamping {
     unit_weights: Vec<f64>,
 }
 
-/// A row of which less than the root of this is left belongs to the levels below.
-const NOTHING: f64 = 1e-12;
 /// Of the largest weight, what the others count as at least here.
 const LIGHTEST: f64 = 1e-12;
 /// Norm of velocities above which a singular level is damped more than it must be at least
@@ -103,19 +80,9 @@ impl SingularityDamping {
         let (total, most) = (levels.iter().sum(), levels.iter().copied().max().unwrap_or(0));
         Self {
             threshold,
-            total,
-            most,
-            first: 0,
-            rows: Rows::zeros(total, columns),
-            coordinates: vec![0.0; total * total],
-            reciprocals: vec![0.0; total],
-            point: vec![0.0; total],
-            norms: vec![0.0; most],
+            directions: Directions::new(total, most, columns),
             scales: vec![1.0; most],
-            residual: vec![0.0; most],
             gram: vec![0.0; most * most],
-            factor: vec![0.0; most * most],
-            inverse: vec![0.0; most * most],
             given_up: vec![0.0; most],
             vectors: vec![0.0; most * most],
             turned: vec![0.0; most * columns],
@@ -125,114 +92,43 @@ impl SingularityDamping {
         }
     }
 
-    /// Begins with the highest level.
+    /// Forgets all levels.
     pub(super) fn begin(&mut self) {
-        self.first = 0;
+        self.directions.clear();
     }
 
-    /// Damps the targets of the next level, of whose rows the first `m` count. Returns true if that changed them; what was asked is in
-    /// `asked`, rows of the same size, then. A level with ranges, or for which there is no room, is
-    /// left as it is.
-    pub(super) fn damp(&mut self, rows: &mut Rows, m: usize, asked: &mut Rows) -> bool {
-        let first = self.first;
-        let fits = m <= self.most && m <= rows.len() && first + m <= self.total;
+    /// Takes the next level, highest priority first, of whose rows the first `m` count; returns their
+    /// places among the rows of all levels. A level with ranges has none, and is left as it is.
+    pub(super) fn load(&mut self, rows: &Rows, m: usize) -> Range<usize> {
+        let fits = self.threshold > 0.0 && m <= self.scales.len() && m <= rows.len();
         let equalities = rows.lower().iter().zip(rows.upper()).take(m).all(|(l, u)| l == u);
-        if self.threshold == 0.0 || m == 0 || !fits || !equalities {
-            return false;
-        }
-        let span = first..first + m;
-        self.load(rows, &span);
-        self.project(&span);
-        let closeness = 1.0 / (self.invert_factor(m) * self.threshold * self.threshold);
+        self.directions.push(rows, if fits && equalities { m } else { 0 })
+    }
+
+    /// Finds out what each level determines, when all are loaded.
+    pub(super) fn factorise(&mut self) {
+        self.directions.factorise();
+    }
+
+    /// Damps the targets of a level whose rows have these places, highest priority first. Returns true
+    /// if that changed them; what was asked is in `asked`, rows of the same size, then.
+    pub(super) fn damp(&mut self, span: &Range<usize>, rows: &mut Rows, asked: &mut Rows) -> bool {
+        let trace = self.directions.inverse_trace(span);
+        let closeness = 1.0 / (trace * self.threshold * self.threshold);
         let is_singular = closeness < 1.0 && asked.copy_from(rows).is_ok();
         if is_singular {
-            self.give_up(m, closeness, rows);
+            self.give_up(span, closeness, rows);
         }
-        // Nothing below the last level asks for its directions.
-        if span.end < self.total {
-            self.take(&span);
-        }
-        self.first = span.end;
+        self.directions.take(span);
         is_singular
     }
 
-    /// Scales the rows and their targets, and writes the rows' products with each other and with those
-    /// above.
-    fn load(&mut self, rows: &Rows, span: &Range<usize>) {
-        let total = self.total;
-        for (i, (row, target, _)) in rows.iter().enumerate().take(span.len()) {
-            let index = span.start + i;
-            let norm = dot(row, row).sqrt();
-            let norm = if norm > 0.0 { norm } else { 1.0 };
-            self.norms[i] = norm;
-            self.residual[i] = target / norm;
-            let reciprocal = 1.0 / norm;
-            let own = self.rows.row_mut(index).unwrap_or_default();
-            own.iter_mut().zip(row).for_each(|(own, entry)| *own = reciprocal * entry);
-            let own = self.rows.row(index).unwrap_or_default();
-            let products = &mut self.coordinates[index * total..][..=index];
-            // Of rows that there are: no error is possible.
-            let _ = self.rows.multiply_into(0, own, products);
-        }
-    }
-
-    /// Takes from the rows and their targets what the levels above determine: computes the coordinates
-    /// along their directions, G and what is missing to the targets.
-    fn project(&mut self, span: &Range<usize>) {
-        let (total, first, m) = (self.total, span.start, span.len());
-        let (known, own) = self.coordinates.split_at_mut(first * total);
-        let own = &mut own[..m * total];
-        for (j, (above, reciprocal)) in known.chunks_exact(total).zip(&self.reciprocals).enumerate()
-        {
-            for row in own.chunks_exact_mut(total) {
-                row[j] = (row[j] - dot(&above[..j], &row[..j])) * reciprocal;
-            }
-        }
-        for (i, row) in own.chunks_exact(total).enumerate() {
-            let coordinates = &row[..first];
-            for (j, other) in own.chunks_exact(total).enumerate().take(i + 1) {
-                let product = row[first + j] - dot(&other[..first], coordinates);
-                self.gram[i * m + j] = product;
-                self.gram[j * m + i] = product;
-            }
-            self.residual[i] -= dot(coordinates, &self.point[..first]);
-        }
-    }
-
-    /// Writes the inverse of the Cholesky factor of G, zero in rows that depend on others, and
-    /// returns the trace of G⁻¹; infinite where there are such rows.
-    fn invert_factor(&mut self, m: usize) -> f64 {
-        let (factor, inverse) = (&mut self.factor[..m * m], &mut self.inverse[..m * m]);
-        factor.copy_from_slice(&self.gram[..m * m]);
-        inverse.fill(0.0);
-        let mut trace = 0.0;
-        for i in 0..m {
-            let (done, rest) = factor.split_at_mut(i * m);
-            let row = &mut rest[..m];
-            for (j, other) in done.chunks_exact(m).enumerate() {
-                // The diagonal of L⁻¹ is that of L turned over.
-                row[j] = (row[j] - dot(&row[..j], &other[..j])) * inverse[j * m + j];
-            }
-            let pivot = row[i] - dot(&row[..i], &row[..i]);
-            let depends = pivot.is_nan() || pivot <= NOTHING;
-            let reciprocal = if depends { 0.0 } else { 1.0 / pivot.sqrt() };
-            let (above, own) = inverse.split_at_mut(i * m);
-            let own = &mut own[..m];
-            own[i] = reciprocal;
-            for (j, other) in above.chunks_exact(m).enumerate() {
-                subtract(&mut own[..=j], row[j] * reciprocal, &other[..=j]);
-            }
-            trace += if depends { f64::INFINITY } else { dot(&own[..=i], &own[..=i]) };
-        }
-        trace
-    }
-
     /// μ² of a level that is singular.
-    fn damping(&self, m: usize) -> f64 {
-        let residual = &self.residual[..m];
-        let speeds = self.inverse[..m * m].chunks_exact(m).map(|row| dot(row, residual).powi(2));
+    fn damping(&mut self, span: &Range<usize>) -> f64 {
         // (s/v)², s being the norm of the velocities that the targets take.
-        let excess = speeds.sum::<f64>() / (SPEED * SPEED);
+        let room = &mut self.given_up[..span.len()];
+        let excess = self.directions.square_of_speed(span, room) / (SPEED * SPEED);
+        let residual = self.directions.residual(span);
         let square = dot(residual, residual);
         let bound = 0.25 * square / (SPEED * SPEED) + square.sqrt() / RATE;
         let least = LEAST * self.threshold;
@@ -240,40 +136,39 @@ impl SingularityDamping {
     }
 
     /// Gives up what takes large velocities.
-    fn give_up(&mut self, m: usize, closeness: f64, rows: &mut Rows) {
-        let heaviest = self.weigh(m, rows);
-        let square = self.damping(m) * (1.0 - closeness);
+    fn give_up(&mut self, span: &Range<usize>, closeness: f64, rows: &mut Rows) {
+        let m = span.len();
+        self.directions.gram_into(span, &mut self.gram[..m * m]);
+        let heaviest = self.weigh(span, rows);
+        let square = self.damping(span) * (1.0 - closeness);
         let lost = closeness / (GATE * HANDOVER).powi(2);
         let is_lost = lost < 1.0 && (0..m).all(|row| rows.weight(row) > 0.0);
         if is_lost {
             eigenvectors(&mut self.gram[..m * m], m, &mut self.vectors[..m * m]);
-            self.damp_along_vectors(m, square);
+            self.damp_along_vectors(span, square);
         } else {
-            self.damp_by_factor(m, square);
+            self.damp_by_factor(span, square);
         }
-        for i in 0..m {
-            let part = self.given_up[i] / self.scales[i];
-            self.residual[i] -= part;
-            self.given_up[i] = part * self.norms[i];
-        }
-        subtract(&mut rows.lower_mut()[..m], 1.0, &self.given_up);
-        subtract(&mut rows.upper_mut()[..m], 1.0, &self.given_up);
+        let given_up = &mut self.given_up[..m];
+        given_up.iter_mut().zip(&self.scales).for_each(|(part, scale)| *part /= scale);
+        subtract(self.directions.residual_mut(span), 1.0, given_up);
+        given_up.iter_mut().zip(self.directions.norms(span)).for_each(|(part, norm)| *part *= norm);
+        subtract(&mut rows.lower_mut()[..m], 1.0, given_up);
+        subtract(&mut rows.upper_mut()[..m], 1.0, given_up);
         if is_lost {
             let share = (1.0 - lost) * GATE * GATE / (GATE * GATE - 1.0);
-            self.hand_over(m, heaviest, share.min(1.0), rows);
+            self.hand_over(span, heaviest, share.min(1.0), rows);
         }
     }
 
     /// What is given up, by (μ² (W^½ G W^½ + μ²)⁻¹)³.
-    fn damp_by_factor(&mut self, m: usize, square: f64) {
+    fn damp_by_factor(&mut self, span: &Range<usize>, square: f64) {
+        let m = span.len();
         let (system, missing) = (&mut self.gram[..m * m], &mut self.given_up[..m]);
         system.iter_mut().step_by(m + 1).for_each(|entry| *entry += square);
         factorise(system, m);
-        for (missing, (residual, scale)) in
-            missing.iter_mut().zip(self.residual.iter().zip(&self.scales))
-        {
-            *missing = residual * scale;
-        }
+        let scaled = self.directions.residual(span).iter().zip(&self.scales);
+        missing.iter_mut().zip(scaled).for_each(|(missing, (r, scale))| *missing = r * scale);
         for _ in 0..ORDER {
             solve(system, missing);
             for part in missing.iter_mut() {
@@ -283,10 +178,11 @@ impl SingularityDamping {
     }
 
     /// The same where the eigenvectors are known.
-    fn damp_along_vectors(&mut self, m: usize, square: f64) {
+    fn damp_along_vectors(&mut self, span: &Range<usize>, square: f64) {
+        let (m, residual) = (span.len(), self.directions.residual(span));
         self.given_up[..m].fill(0.0);
         for (k, vector) in self.vectors[..m * m].chunks_exact(m).enumerate() {
-            let weighted = vector.iter().zip(&self.residual).zip(&self.scales);
+            let weighted = vector.iter().zip(residual).zip(&self.scales);
             let missing: f64 = weighted.map(|((u, r), scale)| u * r * scale).sum();
             let eigenvalue = self.gram[k * m + k].max(0.0);
             let part = missing * (square / (square + eigenvalue)).powi(ORDER);
@@ -296,8 +192,9 @@ impl SingularityDamping {
 
     /// Turns the rows along the directions, and makes ranges of those that are lost, so wide as a
     /// `share` says.
-    fn hand_over(&mut self, m: usize, heaviest: f64, share: f64, rows: &mut Rows) {
-        let (columns, root) = (rows.columns(), heaviest.sqrt());
+    fn hand_over(&mut self, span: &Range<usize>, heaviest: f64, share: f64, rows: &mut Rows) {
+        let (m, columns, root) = (span.len(), rows.columns(), heaviest.sqrt());
+        let norms = self.directions.norms(span);
         self.turned[..m * columns].fill(0.0);
         for (vector, (turned, target)) in self
             .vectors
@@ -306,7 +203,7 @@ impl SingularityDamping {
         {
             *target = 0.0;
             for (i, (row, own, _)) in rows.iter().enumerate().take(m) {
-                let factor = root * vector[i] * self.scales[i] / self.norms[i];
+                let factor = root * vector[i] * self.scales[i] / norms[i];
                 subtract(turned, -factor, row);
                 *target += factor * own;
             }
@@ -326,11 +223,12 @@ impl SingularityDamping {
     }
 
     /// Weighs G, and returns the largest weight of a scaled row.
-    fn weigh(&mut self, m: usize, rows: &Rows) -> f64 {
-        let heaviness = |norms: &[f64], row: usize| rows.weight(row) * norms[row] * norms[row];
-        let largest = (0..m).map(|row| heaviness(&self.norms, row)).fold(0.0, f64::max);
+    fn weigh(&mut self, span: &Range<usize>, rows: &Rows) -> f64 {
+        let (m, norms) = (span.len(), self.directions.norms(span));
+        let heaviness = |row: usize| rows.weight(row) * norms[row] * norms[row];
+        let largest = (0..m).map(heaviness).fold(0.0, f64::max);
         for row in 0..m {
-            let part = if largest > 0.0 { heaviness(&self.norms, row) / largest } else { 1.0 };
+            let part = if largest > 0.0 { heaviness(row) / largest } else { 1.0 };
             self.scales[row] = part.max(LIGHTEST).sqrt();
         }
         for i in 0..m {
@@ -339,18 +237,6 @@ impl SingularityDamping {
             }
         }
         largest
-    }
-
-    /// Takes the directions of the rows, and what the level does along them.
-    fn take(&mut self, span: &Range<usize>) {
-        let (total, m) = (self.total, span.len());
-        let factors = self.factor[..m * m].chunks_exact(m).zip(self.inverse.chunks_exact(m));
-        for (i, (factor, inverse)) in factors.enumerate() {
-            let direction = span.start + i;
-            self.coordinates[direction * total + span.start..][..i].copy_from_slice(&factor[..i]);
-            self.reciprocals[direction] = inverse[i];
-            self.point[direction] = dot(&inverse[..=i], &self.residual[..=i]);
-        }
     }
 }
 

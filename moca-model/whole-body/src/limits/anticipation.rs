@@ -16,13 +16,16 @@ use crate::vector::dot_of_sizes;
 pub(crate) struct Anticipation {
     /// By entry of q̇: the time in which its acceleration ends, half of it \[s\].
     ends: Vec<f64>,
+    /// By row: whether that is taken care of.
+    done: Vec<bool>,
     /// By entry of q̇: by how much it can grow at most until then \[rad/s or m/s\].
     growth: Vec<f64>,
 }
 
 impl Anticipation {
-    pub(crate) fn new(velocities: usize) -> Self {
-        Self { ends: vec![0.0; velocities], growth: vec![0.0; velocities] }
+    /// For rows of which some take care of that themselves.
+    pub(crate) fn new(velocities: usize, done: Vec<bool>) -> Self {
+        Self { ends: vec![0.0; velocities], growth: vec![0.0; velocities], done }
     }
 
     /// Narrows the rows for the velocities and accelerations commanded last; `values` is room for a
@@ -45,13 +48,16 @@ impl Anticipation {
                 *growth = next * period + 0.5 * next * next / jerk;
             }
         }
-        if self.growth.iter().all(|growth| *growth == 0.0) {
+        if self.growth.iter().all(|growth| *growth == 0.0) || self.done.iter().all(|done| *done) {
             return;
         }
         if rows.multiply_into(0, velocity, values).is_err() {
             return;
         }
-        for (index, &value) in values.iter().enumerate() {
+        for (index, (&value, done)) in values.iter().zip(&self.done).enumerate() {
+            if *done {
+                continue;
+            }
             let row = rows.row(index).unwrap_or_default();
             let (lower, upper) = (rows.lower()[index], rows.upper()[index]);
             let growth = dot_of_sizes(row, &self.growth);

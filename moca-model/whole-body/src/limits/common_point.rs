@@ -14,7 +14,8 @@ const ROUNDING: f64 = 1e-12;
 /// Widens rows as far as the intervals of the joints make it necessary, and returns true if it was.
 ///
 /// The rows of limits admit rest, but a joint that moves cannot always be at rest in the next
-/// period. The point starts as near to rest as the intervals allow, is moved onto each row that it
+/// period. Mostly they admit that accelerations fade, which gives the entries the velocities `faded`.
+/// Else the point starts as near to rest as the intervals allow, is moved onto each row that it
 /// violates in turn and back within the intervals (projections onto convex sets: Bregman, USSR
 /// Computational Mathematics and Mathematical Physics 7(3), 1967), and then every row is widened
 /// until it admits the point. Intervals and rows have that point in common: they are feasible.
@@ -22,18 +23,20 @@ const ROUNDING: f64 = 1e-12;
 pub(crate) fn widen(
     rows: &mut Rows,
     intervals: &[VelocityInterval],
+    faded: impl Fn(usize) -> f64,
     point: &mut [f64],
     values: &mut [f64],
 ) -> bool {
-    for (velocity, interval) in point.iter_mut().zip(intervals) {
-        *velocity = nearest_to_rest(interval);
-    }
-    // Nearly always rest is admitted, and all rows are done at once.
-    let known = rows.multiply_into(0, point, values).is_ok();
-    let bounds = rows.lower().iter().zip(rows.upper());
-    if known && bounds.zip(&*values).all(|((lower, upper), value)| lower <= value && value <= upper)
-    {
-        return false;
+    let rest = |_, interval: &VelocityInterval| nearest_to_rest(interval);
+    let fading =
+        |entry, interval: &VelocityInterval| faded(entry).max(interval.lower).min(interval.upper);
+    for guess in [&fading as &dyn Fn(usize, &VelocityInterval) -> f64, &rest] {
+        for (entry, (velocity, interval)) in point.iter_mut().zip(intervals).enumerate() {
+            *velocity = guess(entry, interval);
+        }
+        if admits(rows, point, values) {
+            return false;
+        }
     }
     for _ in 0..ROUNDS {
         let mut holds = true;
@@ -79,4 +82,14 @@ pub(crate) fn widen(
         }
     }
     widened
+}
+
+/// Whether a point is within all rows, up to rounding.
+fn admits(rows: &Rows, point: &[f64], values: &mut [f64]) -> bool {
+    let bounds = rows.lower().iter().zip(rows.upper());
+    rows.multiply_into(0, point, values).is_ok()
+        && bounds.zip(values).all(|((lower, upper), value)| {
+            let room = ROUNDING * value.abs();
+            *lower - room <= *value && *value <= *upper + room
+        })
 }

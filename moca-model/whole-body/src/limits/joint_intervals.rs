@@ -6,6 +6,8 @@ use crate::error::Error;
 use crate::robot::limits::JointLimits;
 use crate::robot::model::Model;
 
+/// Of what has no limit.
+const FREE: VelocityInterval = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
 /// What stands for a velocity limit that there is not \[rad/s or m/s\].
 const FREE_VELOCITY: f64 = 1e9;
 /// What stands for an acceleration limit that there is not \[rad/s² or m/s²\].
@@ -60,8 +62,7 @@ impl JointIntervals {
                 own.position = (joint.kind.velocities() == 1).then_some(joint.position_index);
             }
         }
-        let free = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
-        let all = vec![free; joints.len()];
+        let all = vec![FREE; joints.len()];
         Ok(Self { joints, now: all.clone(), cruising: all })
     }
 
@@ -73,7 +74,10 @@ impl JointIntervals {
         for ((joint, (&velocity, &acceleration)), (now, cruising)) in
             self.joints.iter().zip(motion).zip(intervals)
         {
-            let Some(limits) = joint.limits else { continue };
+            let Some(limits) = joint.limits else {
+                *now = FREE;
+                continue;
+            };
             let position = joint.position.map_or(0.0, |index| q[index]);
             let state = AcceleratedState { position, velocity, acceleration };
             *now = opened(limits.velocity_interval(state, period));

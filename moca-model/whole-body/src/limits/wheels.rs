@@ -18,6 +18,12 @@ use crate::tasks::task::{Limit, Task};
 /// polygon of 16 sides. Mecanum wheels then lose up to 30 % of their speed along the base's axes. A
 /// base that cannot move sideways cannot have such joints: it is refused.
 ///
+/// With jerk limits the polygon is approached so that all accelerations of the base can fade together
+/// in front of it, a ← a T/(T + Δt), T being the longest that one of
+/// its joints needs, a/j: where v and v + T a are
+/// within, all that follows is. The limit then holds exactly; what is missing to it shrinks by no more
+/// than Δt/(T + Δt) a step.
+///
 /// ```
 /// use whole_body::WheelLimit;
 ///
@@ -81,10 +87,6 @@ impl WheelLimit {
 /// Sides of the polygon that stands for a circle, half of them: its rows have two sides.
 const SIDES: u32 = 8;
 
-/// Of a limit, what tasks may use where jerks are limited: several rows at once are come to rest at
-/// with that precision.
-const USED: f64 = 0.98;
-
 /// Whether joints of the base have jerk limits.
 fn has_jerk_limits(model: &Model) -> bool {
     model.limits().iter().take(3).any(|limits| limits.jerk.is_finite())
@@ -103,14 +105,30 @@ impl WheelLimit {
             let half = std::f64::consts::FRAC_PI_2 / f64::from(SIDES);
             let (sine, cosine) = (2.0 * half * f64::from(side)).sin_cos();
             let along = straight / half.cos();
-            [turning, -turning].map(|turn| (Vector3::new(along * cosine, along * sine, turn), USED))
+            [turning, -turning].map(|turn| (Vector3::new(along * cosine, along * sine, turn), 1.0))
         })
+    }
+
+    /// Writes rows within which all accelerations of the base can fade together.
+    fn write_fading(&self, input: &TaskInput<'_, '_>, rows: &mut TaskRows<'_>) {
+        let (model, v) = (input.posed().model(), input.velocity());
+        let share = input.period() / (input.period() + model.base_fading_time());
+        let speeds = model.limits().iter().take(3).map(|limits| limits.velocity).enumerate();
+        let axes = speeds.map(|(axis, speed)| (Vector3::ith(axis, 1.0), speed));
+        for (row, (coefficients, speed)) in self.rows_of_any_yaw().chain(axes).enumerate() {
+            rows.set_coefficients(row, coefficients.iter());
+            let value: f64 = coefficients.iter().zip(v).map(|(c, v)| c * v).sum();
+            // From beyond the limit, back to it at once as far as the joints can.
+            let value = value.max(-speed).min(speed);
+            let towards = |bound: f64| value + (bound - value) * share;
+            rows.set_range(row, towards(-speed), towards(speed));
+        }
     }
 }
 
 impl Task for WheelLimit {
     fn dimension(&self, model: &Model) -> usize {
-        if has_jerk_limits(model) { 2 * SIDES as usize } else { self.wheels.len() }
+        if has_jerk_limits(model) { 2 * SIDES as usize + 3 } else { self.wheels.len() }
     }
 
     fn validate(&self, model: &Model) -> Result<(), Error> {
@@ -136,16 +154,17 @@ impl Task for WheelLimit {
         false
     }
 
+    fn anticipates(&self) -> bool {
+        true
+    }
+
     fn write(
         &mut self,
         input: &mut TaskInput<'_, '_>,
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error> {
         if has_jerk_limits(input.posed().model()) {
-            for (row, (coefficients, speed)) in self.rows_of_any_yaw().enumerate() {
-                rows.set_coefficients(row, coefficients.iter());
-                rows.set_range(row, -speed, speed);
-            }
+            self.write_fading(input, rows);
             return Ok(());
         }
         let yaw = input.posed().configuration().get(2).copied().unwrap_or_default();

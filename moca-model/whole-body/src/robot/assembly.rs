@@ -14,7 +14,7 @@ use super::limit_rules::{self, Resolved};
 use super::limits::JointLimits;
 use super::model::{Model, next_tag};
 use super::selection::{Role, Selection, select};
-use crate::error::Error;
+use crate::error::{Error, urdf::UrdfError};
 use crate::inertia::body::BodyInertia;
 use crate::spatial::{Motion, Pose};
 use crate::urdf::document::{self, Document, Kind, Origin};
@@ -275,8 +275,9 @@ fn isometry(origin: &Origin) -> Isometry3<f64> {
 }
 
 fn axis(joint: &document::Joint) -> Result<UnitVector3<f64>, Error> {
-    UnitVector3::try_new(Vector3::from(joint.axis), 1e-9)
-        .ok_or_else(|| Error::ZeroAxis { line: joint.line, joint: joint.name.clone() })
+    UnitVector3::try_new(Vector3::from(joint.axis), 1e-9).ok_or_else(|| {
+        Error::from(UrdfError::ZeroAxis { line: joint.line, joint: joint.name.clone() })
+    })
 }
 
 /// A rotation that takes z to `axis`; none if `axis` is z.

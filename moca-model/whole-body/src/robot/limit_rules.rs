@@ -3,7 +3,7 @@
 use super::description::Description;
 use super::limits::{JointLimits, LimitOverride, MissingAcceleration, UnusableLimits};
 use super::warning::Warning;
-use crate::error::Error;
+use crate::error::{Error, urdf::UrdfError};
 use crate::urdf::document::{Joint, Kind};
 
 /// Limits, and whether the acceleration is the description's default.
@@ -86,7 +86,7 @@ impl Rule<'_> {
     fn range(&mut self, lower: Option<f64>, upper: Option<f64>) -> Result<(f64, f64), Error> {
         let (line, name) = (self.joint.line, self.joint.name.clone());
         let fault = if lower.is_none() && upper.is_none() {
-            Error::LimitsMissing { line, joint: name, missing: "position limits" }
+            Error::from(UrdfError::LimitsMissing { line, joint: name, missing: "position limits" })
         } else {
             // What is left out is zero, says the specification.
             let (lower, upper) = (lower.unwrap_or(0.0), upper.unwrap_or(0.0));
@@ -117,7 +117,7 @@ impl Rule<'_> {
             }
             None => {
                 let missing = if limit == "velocity" { "velocity limit" } else { "effort limit" };
-                Error::LimitsMissing { line, joint, missing }
+                Error::from(UrdfError::LimitsMissing { line, joint, missing })
             }
         };
         self.ignore(limit, fault)?;

@@ -32,6 +32,14 @@ impl JointLimits {
         effort: f64::INFINITY,
     };
 
+    /// The time constant T with which any acceleration a can fade at the jerk limit, ȧ = −a/T, while
+    /// v and v + T a are within the velocity limit \[s\]: |a| is at most its limit, and at most twice the
+    /// velocity limit over T. Zero where jerks are not limited.
+    pub(crate) fn fading_time(&self) -> f64 {
+        let time = (self.acceleration / self.jerk).min((2.0 * self.velocity / self.jerk).sqrt());
+        if self.jerk.is_finite() && time.is_finite() { time } else { 0.0 }
+    }
+
     /// An error unless the range is not empty, velocity, acceleration and jerk are positive, and
     /// the effort is not negative.
     pub(crate) fn validate(&self, joint: &str, line: Option<usize>) -> Result<(), Error> {

@@ -140,6 +140,21 @@ impl Model {
         &self.limits
     }
 
+    /// By entry of q̇: [`JointLimits::fading_time`]. A planar base has one for all its joints, the
+    /// longest.
+    pub(crate) fn fading_times(&self) -> Vec<f64> {
+        let mut times: Vec<f64> = self.limits.iter().map(JointLimits::fading_time).collect();
+        if self.base == Base::Planar {
+            times.iter_mut().take(3).for_each(|own| *own = self.base_fading_time());
+        }
+        times
+    }
+
+    /// That of a planar base.
+    pub(crate) fn base_fading_time(&self) -> f64 {
+        self.limits.iter().take(3).map(JointLimits::fading_time).fold(0.0, f64::max)
+    }
+
     /// The joints that state no acceleration limit and took the description's default.
     pub fn default_accelerations(&self) -> &[JointId] {
         &self.default_accelerations

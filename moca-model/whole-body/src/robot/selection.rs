@@ -1,7 +1,7 @@
 //! Which joints of a URDF move, which follow another one, and which stay where they are.
 
 use super::description::Description;
-use crate::error::Error;
+use crate::error::{Error, urdf::UrdfError};
 use crate::urdf::document::{Joint, Kind};
 use crate::urdf::names::list;
 use crate::urdf::tree::Tree;
@@ -47,11 +47,11 @@ pub(super) fn select(tree: &Tree, description: &Description) -> Result<Selection
             (Some(position), _) => Some(Role::Held(position)),
             (None, Kind::Fixed) => Some(Role::Held(0.0)),
             (None, Kind::Other(kind)) => {
-                return Err(Error::UnsupportedJoint {
+                return Err(Error::from(UrdfError::UnsupportedJoint {
                     line: joint.line,
                     joint: joint.name.clone(),
                     kind: kind.clone(),
-                });
+                }));
             }
             _ if joint.mimic.is_some() => None,
             _ if moves[index] => {
@@ -119,7 +119,7 @@ impl Followers<'_, '_> {
                 break Role::Held(0.0);
             };
             if followers.len() > self.roles.len() {
-                return Err(Error::MimicLoop { line: *line, joint: name.clone() });
+                return Err(Error::from(UrdfError::MimicLoop { line: *line, joint: name.clone() }));
             }
             followers.push((reached, mimic));
             reached =

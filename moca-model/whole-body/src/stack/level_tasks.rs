@@ -67,6 +67,11 @@ impl LevelTasks {
         self.rows.rows_with_curvature()
     }
 
+    /// By constraint: whether it leaves accelerations the time to fade.
+    pub(crate) fn anticipating_constraints(&self) -> impl Iterator<Item = bool> {
+        self.constraints.anticipating()
+    }
+
     /// The level over so many variables, its data still to be written.
     pub(super) fn level(&self, columns: usize) -> Result<Level, Error> {
         let constraints = self.constraints.rows(columns)?;

@@ -68,6 +68,13 @@ impl RowTasks {
         self.weights.len()
     }
 
+    /// By row: whether it leaves accelerations the time to fade.
+    pub(super) fn anticipating(&self) -> impl Iterator<Item = bool> {
+        self.entries
+            .iter()
+            .flat_map(|entry| std::iter::repeat_n(entry.named.task.anticipates(), entry.count))
+    }
+
     pub(super) fn is_damped(&self) -> bool {
         self.entries.iter().any(|entry| entry.named.task.is_damped())
     }

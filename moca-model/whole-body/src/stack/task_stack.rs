@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::sync::Arc;
 
-use ahqp_core::{Budget, ContinuousStack, Hierarchy, Level, LevelId, Settings, Solution};
+use ahqp_core::{Budget, ContinuousStack, Hierarchy, Level, LevelId, Rows, Settings, Solution};
 
 use super::level_tasks::{LevelTasks, StackedLevel};
 use super::task_level::{TaskId, TaskLevel};
@@ -187,6 +187,12 @@ impl TaskStack {
     /// The levels with their tasks and data, those that are being removed among them.
     pub(crate) fn stacked(&self) -> impl Iterator<Item = (&StackedLevel, &Level)> {
         self.levels.iter().filter_map(|entry| Some((entry, self.solver.level(entry.id).ok()?)))
+    }
+
+    /// The rows that a level minimises, counted as by [`stacked`](Self::stacked).
+    pub(crate) fn rows_mut(&mut self, index: usize) -> Option<&mut Rows> {
+        let id = self.levels.get(index)?.id;
+        self.solver.level_mut(id).ok()?.rows_mut().ok()
     }
 
     pub(crate) fn solver_mut(&mut self) -> &mut ContinuousStack {

@@ -16,21 +16,31 @@ pub struct TaskInput<'a, 'd> {
     jacobian: &'a mut JacobianMemory,
 }
 
-/// Room for one Jacobian, and which one it is.
+/// The Jacobians that were computed last, each with what it is of.
 #[derive(Debug, Clone)]
 pub(crate) struct JacobianMemory {
-    matrix: Matrix6xX<f64>,
+    recent: [FrameJacobian; 4],
+    /// The oldest one.
+    next: usize,
+    relative: Matrix6xX<f64>,
+}
+
+#[derive(Debug, Clone)]
+struct FrameJacobian {
     of: Option<(FrameId, Axes)>,
+    matrix: Matrix6xX<f64>,
 }
 
 impl JacobianMemory {
     pub(crate) fn new(velocities: usize) -> Self {
-        Self { matrix: Matrix6xX::zeros(velocities), of: None }
+        let none = || Matrix6xX::zeros(velocities);
+        let recent = [(); 4].map(|()| FrameJacobian { of: None, matrix: none() });
+        Self { recent, next: 0, relative: none() }
     }
 
-    /// Forgets the Jacobian: the robot has moved.
+    /// Forgets the Jacobians: the robot has moved.
     pub(crate) fn forget(&mut self) {
-        self.of = None;
+        self.recent.iter_mut().for_each(|jacobian| jacobian.of = None);
     }
 }
 
@@ -70,13 +80,17 @@ impl<'a, 'd> TaskInput<'a, 'd> {
     /// # Errors
     /// [`Error::ForeignId`].
     pub fn jacobian(&mut self, frame: FrameId, axes: Axes) -> Result<&Matrix6xX<f64>, Error> {
-        let memory = &mut *self.jacobian;
-        if memory.of != Some((frame, axes)) {
-            memory.of = None;
-            self.posed.jacobian_into(frame, axes, &mut memory.matrix)?;
-            memory.of = Some((frame, axes));
+        let JacobianMemory { recent, next, .. } = &mut *self.jacobian;
+        let known = recent.iter().position(|jacobian| jacobian.of == Some((frame, axes)));
+        let index = known.unwrap_or(*next);
+        let FrameJacobian { of, matrix } = &mut recent[index];
+        if known.is_none() {
+            *of = None;
+            self.posed.jacobian_into(frame, axes, matrix)?;
+            *of = Some((frame, axes));
+            *next = (index + 1) % 4;
         }
-        Ok(&memory.matrix)
+        Ok(matrix)
     }
 
     /// The Jacobian of `frame` seen from `reference`, in the reference's axes.
@@ -88,8 +102,7 @@ impl<'a, 'd> TaskInput<'a, 'd> {
         reference: FrameId,
         frame: FrameId,
     ) -> Result<&Matrix6xX<f64>, Error> {
-        self.jacobian.of = None;
-        self.posed.relative_jacobian_into(reference, frame, &mut self.jacobian.matrix)?;
-        Ok(&self.jacobian.matrix)
+        self.posed.relative_jacobian_into(reference, frame, &mut self.jacobian.relative)?;
+        Ok(&self.jacobian.relative)
     }
 }

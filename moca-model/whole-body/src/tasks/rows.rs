@@ -32,10 +32,8 @@ impl<'a> TaskRows<'a> {
 
     /// Zero rows with targets of zero and weights of one.
     pub(crate) fn clear(&mut self) {
-        for row in 0..self.count {
-            self.row_mut(row).fill(0.0);
-        }
         let own = self.first..self.first + self.count;
+        self.rows.coefficients_mut(own.clone()).unwrap_or_default().fill(0.0);
         self.rows.lower_mut().get_mut(own.clone()).unwrap_or_default().fill(0.0);
         self.rows.upper_mut().get_mut(own.clone()).unwrap_or_default().fill(0.0);
         self.weights.get_mut(own).unwrap_or_default().fill(1.0);

@@ -52,6 +52,12 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
         true
     }
 
+    /// Whether its rows, as hard limits, leave accelerations the time to fade where jerks are limited.
+    /// Those of other limits are narrowed so that they do.
+    fn anticipates(&self) -> bool {
+        false
+    }
+
     /// Whether it adds its curvature to a level where its error remains:
     /// [`TaskRows::add_position_curvature`], [`TaskRows::add_orientation_curvature`].
     fn has_curvature(&self) -> bool {

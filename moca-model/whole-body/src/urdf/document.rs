@@ -1,7 +1,7 @@
 //! What a URDF says of a robot's motion, element by element, as it stands in the text.
 
 use super::reader::{Element, Reader};
-use crate::error::Error;
+use crate::error::{Error, urdf::UrdfError};
 
 /// The robot.
 #[derive(Debug, Clone)]
@@ -138,10 +138,12 @@ fn read_inertial(reader: &mut Reader, element: &Element, link: &str) -> Result<I
         }
         reader.skip(&child)?;
     }
-    let missing = |missing| Error::Missing {
-        line: element.line(),
-        owner: format!("the <inertial> of link `{link}`"),
-        missing,
+    let missing = |missing| {
+        Error::from(UrdfError::Missing {
+            line: element.line(),
+            owner: format!("the <inertial> of link `{link}`"),
+            missing,
+        })
     };
     Ok(Inertial {
         line: element.line(),
@@ -158,12 +160,12 @@ fn read_origin(element: &Element) -> Result<Origin, Error> {
         (None, Some([x, y, z, w])) => {
             let quaternion = nalgebra::Quaternion::new(w, x, y, z);
             if !(quaternion.norm() > 1e-9 && quaternion.norm().is_finite()) {
-                return Err(Error::Attribute {
+                return Err(Error::from(UrdfError::Attribute {
                     line: element.line(),
                     what: "`quat_xyzw` of <origin>".to_owned(),
                     value: format!("{x} {y} {z} {w}"),
                     expected: "a quaternion that is not zero",
-                });
+                }));
             }
             let (roll, pitch, yaw) =
                 nalgebra::UnitQuaternion::from_quaternion(quaternion).euler_angles();
@@ -203,10 +205,12 @@ fn joint(reader: &mut Reader, element: &Element, unlimited: bool) -> Result<Join
         }
         reader.skip(&part)?;
     }
-    let missing = |missing| Error::Missing {
-        line: element.line(),
-        owner: format!("joint `{name}`"),
-        missing,
+    let missing = |missing| {
+        Error::from(UrdfError::Missing {
+            line: element.line(),
+            owner: format!("joint `{name}`"),
+            missing,
+        })
     };
     Ok(Joint {
         line: element.line(),

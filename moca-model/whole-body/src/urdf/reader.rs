@@ -3,7 +3,7 @@
 use quick_xml::Decoder;
 use quick_xml::events::{BytesStart, Event};
 
-use crate::error::Error;
+use crate::error::{Error, urdf::UrdfError};
 
 /// Walks through the elements of a text from its start to its end.
 pub(super) struct Reader<'a> {
@@ -41,7 +41,7 @@ impl<'a> Reader<'a> {
                     let rest = text.trim_ascii_start().len() as u64;
                     let line = self.line_at(self.xml.buffer_position().saturating_sub(rest));
                     let found = "text before the first element".to_owned();
-                    return Err(Error::NotAUrdf { line, found });
+                    return Err(Error::from(UrdfError::NotAUrdf { line, found }));
                 }
                 Event::Eof => return Err(self.no_urdf("no element".into())),
                 _ => {}
@@ -98,7 +98,7 @@ impl<'a> Reader<'a> {
     fn event(&mut self) -> Result<Event<'a>, Error> {
         self.xml.read_event().map_err(|error| {
             let at = self.xml.error_position();
-            Error::Xml { line: self.line_at(at), reason: error.to_string() }
+            Error::from(UrdfError::Xml { line: self.line_at(at), reason: error.to_string() })
         })
     }
 
@@ -121,12 +121,12 @@ impl<'a> Reader<'a> {
 
     fn truncated(&mut self, element: &str) -> Error {
         let line = self.line_at(self.text.len() as u64);
-        Error::Truncated { line, element: element.to_owned() }
+        Error::from(UrdfError::Truncated { line, element: element.to_owned() })
     }
 
     fn no_urdf(&mut self, found: String) -> Error {
         let line = self.line_at(self.xml.buffer_position());
-        Error::NotAUrdf { line, found }
+        Error::from(UrdfError::NotAUrdf { line, found })
     }
 }
 
@@ -143,7 +143,7 @@ impl Element<'_> {
     pub(super) fn attribute(&self, name: &str) -> Result<Option<String>, Error> {
         // The check for doubles would take the square of the attributes' number.
         for attribute in self.start.attributes().with_checks(false) {
-            let broken = |reason: String| Error::Xml { line: self.line, reason };
+            let broken = |reason: String| Error::from(UrdfError::Xml { line: self.line, reason });
             let attribute = attribute.map_err(|error| broken(error.to_string()))?;
             if attribute.key.as_ref() == name.as_bytes() {
                 let value = attribute
@@ -157,16 +157,18 @@ impl Element<'_> {
 
     /// The attribute's text; an error if it is not there.
     pub(super) fn needed(&self, name: &'static str) -> Result<String, Error> {
-        self.attribute(name)?.ok_or_else(|| Error::Missing {
-            line: self.line,
-            owner: format!("<{}>", self.name),
-            missing: match name {
-                "name" => "attribute `name`",
-                "type" => "attribute `type`",
-                "link" => "attribute `link`",
-                "joint" => "attribute `joint`",
-                _ => "attribute that it needs",
-            },
+        self.attribute(name)?.ok_or_else(|| {
+            Error::from(UrdfError::Missing {
+                line: self.line,
+                owner: format!("<{}>", self.name),
+                missing: match name {
+                    "name" => "attribute `name`",
+                    "type" => "attribute `type`",
+                    "link" => "attribute `link`",
+                    "joint" => "attribute `joint`",
+                    _ => "attribute that it needs",
+                },
+            })
         })
     }
 
@@ -211,12 +213,12 @@ impl Element<'_> {
     }
 
     fn wrong(&self, attribute: &str, value: &str, expected: &'static str) -> Error {
-        Error::Attribute {
+        Error::from(UrdfError::Attribute {
             line: self.line,
             what: format!("`{attribute}` of <{}>", self.name),
             value: shortened(value),
             expected,
-        }
+        })
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::document::{Document, Joint};
 use super::names::nearest;
-use crate::error::Error;
+use crate::error::{Error, urdf::UrdfError};
 
 /// Links and joints by their places in the document.
 pub(crate) struct Tree<'a> {
@@ -44,12 +44,12 @@ impl<'a> Tree<'a> {
         let parent = self.link_of(joint, &joint.parent, "the parent that a joint names,")?;
         let child = self.link_of(joint, &joint.child, "the child that a joint names,")?;
         if let Some(other) = self.carrier[child].replace(index) {
-            return Err(Error::TwoParents {
+            return Err(Error::from(UrdfError::TwoParents {
                 line: joint.line,
                 link: joint.child.clone(),
                 first: self.document.joints[other].name.clone(),
                 second: joint.name.clone(),
-            });
+            }));
         }
         self.hanging[parent].push(index);
         self.ends.push((parent, child));
@@ -71,11 +71,11 @@ impl<'a> Tree<'a> {
         let up = |link: usize| self.carrier[link].map_or(link, |joint| self.ends[joint].0);
         let link = (0..self.carrier.len()).fold(link, |link, _| up(link));
         let joint = self.carrier[link].map(|joint| &self.document.joints[joint]);
-        Err(Error::Loop {
+        Err(Error::from(UrdfError::Loop {
             line: joint.map_or(0, |joint| joint.line),
             link: self.document.links[link].name.clone(),
             joint: joint.map_or_else(String::new, |joint| joint.name.clone()),
-        })
+        }))
     }
 
     /// Links that hang on no joint.
@@ -89,16 +89,17 @@ impl<'a> Tree<'a> {
             return self.link(name, "the root");
         }
         let mut tops = self.tops();
-        let first =
-            tops.next().ok_or_else(|| Error::NoLinks { robot: self.document.name.clone() })?;
+        let first = tops
+            .next()
+            .ok_or_else(|| Error::from(UrdfError::NoLinks { robot: self.document.name.clone() }))?;
         if let Some(second) = tops.next() {
             let [one, other] = [first, second].map(|link| &self.document.links[link]);
-            return Err(Error::TwoRoots {
+            return Err(Error::from(UrdfError::TwoRoots {
                 first: one.name.clone(),
                 first_line: one.line,
                 second: other.name.clone(),
                 second_line: other.line,
-            });
+            }));
         }
         Ok(first)
     }

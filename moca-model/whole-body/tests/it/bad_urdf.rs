@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use proptest::prelude::*;
-use whole_body::{Base, Data, Description, Error, JointFriction, LimitOverride, Model};
+use whole_body::{Base, Data, Description, Error, JointFriction, LimitOverride, Model, UrdfError};
 
 const MOCA: &str = include_str!("../../../urdf/moca.urdf");
 
@@ -42,13 +42,26 @@ fn changed(from: &str, to: &str) -> (String, String) {
 
 #[test]
 fn texts_that_are_no_urdf() {
-    assert_error!(error_of(""), Error::NotAUrdf { .. }, "line 1", "no element");
-    assert_error!(error_of("\n\nhello"), Error::NotAUrdf { .. }, "line 3", "text");
-    assert_error!(error_of("<sdf/>"), Error::NotAUrdf { .. }, "<sdf>", "<robot>");
-    assert_error!(error_of("<robot/>"), Error::NoLinks { .. });
-    assert_error!(error_of("<robot/>\n<robot/>"), Error::NotAUrdf { .. }, "line 2", "after");
-    assert_error!(error_of("<robot>\n<link name=\"a\"></robot>"), Error::Xml { .. }, "line 2");
-    assert_error!(error_of("<robot>\n<link name=\"a/></robot>"), Error::Xml { .. }, "line 2");
+    assert_error!(error_of(""), Error::Urdf(UrdfError::NotAUrdf { .. }), "line 1", "no element");
+    assert_error!(error_of("\n\nhello"), Error::Urdf(UrdfError::NotAUrdf { .. }), "line 3", "text");
+    assert_error!(error_of("<sdf/>"), Error::Urdf(UrdfError::NotAUrdf { .. }), "<sdf>", "<robot>");
+    assert_error!(error_of("<robot/>"), Error::Urdf(UrdfError::NoLinks { .. }));
+    assert_error!(
+        error_of("<robot/>\n<robot/>"),
+        Error::Urdf(UrdfError::NotAUrdf { .. }),
+        "line 2",
+        "after"
+    );
+    assert_error!(
+        error_of("<robot>\n<link name=\"a\"></robot>"),
+        Error::Urdf(UrdfError::Xml { .. }),
+        "line 2"
+    );
+    assert_error!(
+        error_of("<robot>\n<link name=\"a/></robot>"),
+        Error::Urdf(UrdfError::Xml { .. }),
+        "line 2"
+    );
 }
 
 #[test]
@@ -56,13 +69,17 @@ fn a_urdf_cut_anywhere_is_refused() {
     let whole = include_str!("../golden/bush.urdf").trim_end();
     for cut in 0..whole.len() {
         let error = error_of(&whole[..cut]); // all ASCII
-        let expected =
-            matches!(error, Error::Truncated { .. } | Error::Xml { .. } | Error::NotAUrdf { .. });
+        let expected = matches!(
+            error,
+            Error::Urdf(
+                UrdfError::Truncated { .. } | UrdfError::Xml { .. } | UrdfError::NotAUrdf { .. }
+            )
+        );
         assert!(expected, "at {cut}: {error}");
     }
     assert_error!(
         error_of(&MOCA[..MOCA.find("<mass").unwrap()]),
-        Error::Truncated { .. },
+        Error::Urdf(UrdfError::Truncated { .. }),
         "<inertial>",
         "cut"
     );
@@ -80,16 +97,16 @@ fn depth_and_length_are_no_matter() {
             .is_ok()
     );
     let unclosed = format!("<robot name=\"r\">{}", "<a b='c'>".repeat(300_000));
-    assert_error!(error_of(&unclosed), Error::Truncated { .. });
+    assert_error!(error_of(&unclosed), Error::Urdf(UrdfError::Truncated { .. }));
     let attributes = format!("<robot name=\"r\"><link {}/></robot>", "a='b' ".repeat(200_000));
-    assert_error!(error_of(&attributes), Error::Missing { .. }, "name");
+    assert_error!(error_of(&attributes), Error::Urdf(UrdfError::Missing { .. }), "name");
     let names: String = (0..30_000).fold(String::new(), |mut text, number| {
         writeln!(text, "<link name=\"l{number}\"/>").unwrap();
         text
     });
     assert_error!(
         error_of(&format!("<robot name=\"r\">\n{names}</robot>")),
-        Error::TwoRoots { .. },
+        Error::Urdf(UrdfError::TwoRoots { .. }),
         "`l0` (line 2)",
         "`l1` (line 3)",
         "root"
@@ -133,7 +150,13 @@ fn elements_and_attributes_that_are_missing_or_wrong() {
         ("<mass value=\"0.73\"/>", "", ["panda_hand", "<mass"]),
     ] {
         let (text, _) = changed(from, to);
-        assert_error!(error_of(&text), Error::Missing { .. }, "line", words[0], words[1]);
+        assert_error!(
+            error_of(&text),
+            Error::Urdf(UrdfError::Missing { .. }),
+            "line",
+            words[0],
+            words[1]
+        );
     }
     for (from, to, word) in [
         ("<mass value=\"0.73\"/>", "<mass value=\"heavy\"/>", "heavy"),
@@ -150,7 +173,7 @@ fn elements_and_attributes_that_are_missing_or_wrong() {
         ("upper=\"1.7628\"", "upper=\"high\"", "`upper` of <limit>"),
     ] {
         let (text, line) = changed(from, to);
-        assert_error!(error_of(&text), Error::Attribute { .. }, line, word);
+        assert_error!(error_of(&text), Error::Urdf(UrdfError::Attribute { .. }), line, word);
     }
     let (text, line) = changed("<mass value=\"0.735522\"/>", "<mass value=\"-0.735522\"/>");
     let line = line.trim_end_matches(':').trim_start_matches("line ").parse::<usize>().unwrap();
@@ -162,7 +185,7 @@ fn elements_and_attributes_that_are_missing_or_wrong() {
         "-0.735522 kg"
     );
     let (text, _) = changed("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 0 0\"/>");
-    assert_error!(error_of(&text), Error::ZeroAxis { .. }, "base_y", "direction");
+    assert_error!(error_of(&text), Error::Urdf(UrdfError::ZeroAxis { .. }), "base_y", "direction");
 }
 
 #[test]
@@ -214,14 +237,14 @@ fn trees_that_are_none() {
     let (text, _) = changed("<child link=\"panda_tcp\"/>", "<child link=\"panda_hand\"/>");
     assert_error!(
         error_of(&text),
-        Error::TwoParents { .. },
+        Error::Urdf(UrdfError::TwoParents { .. }),
         "panda_hand",
         "panda_tcp_joint",
         "line"
     );
     // The finger carries the world, which carries the finger.
     let (text, _) = changed("<child link=\"panda_leftfinger\"/>", "<child link=\"world\"/>");
-    assert_error!(error_of(&text), Error::Loop { .. }, "loop", "tree", "line");
+    assert_error!(error_of(&text), Error::Urdf(UrdfError::Loop { .. }), "loop", "tree", "line");
     // What hangs on a loop is not named for it.
     let tail = |parent: &str, child: &str| {
         format!(
@@ -240,7 +263,7 @@ fn trees_that_are_none() {
     let (text, line) =
         changed("<link name=\"panda_tcp\"/>", "<link name=\"panda_tcp\"/><link name=\"alone\"/>");
     let line = line.trim_end_matches(':').to_owned();
-    assert_error!(error_of(&text), Error::TwoRoots { .. }, "world", "alone", line);
+    assert_error!(error_of(&text), Error::Urdf(UrdfError::TwoRoots { .. }), "world", "alone", line);
     let elsewhere = Description {
         root: Some("panda_leftfinger".into()),
         tips: vec!["panda_tcp".into()],
@@ -251,7 +274,12 @@ fn trees_that_are_none() {
     assert_error!(refused(still), Error::NoJoints { .. }, "panda_tcp");
     let (text, _) =
         changed("<mimic joint=\"panda_finger_joint1\"/>", "<mimic joint=\"panda_finger_joint2\"/>");
-    assert_error!(error_of(&text), Error::MimicLoop { .. }, "panda_finger_joint2", "line");
+    assert_error!(
+        error_of(&text),
+        Error::Urdf(UrdfError::MimicLoop { .. }),
+        "panda_finger_joint2",
+        "line"
+    );
 }
 
 #[test]
@@ -261,7 +289,13 @@ fn joints_that_cannot_be_moved() {
             "<joint name=\"panda_joint2\" type=\"revolute\"",
             &format!("<joint name=\"panda_joint2\" type=\"{kind}\""),
         );
-        assert_error!(error_of(&text), Error::UnsupportedJoint { .. }, "panda_joint2", kind, line);
+        assert_error!(
+            error_of(&text),
+            Error::Urdf(UrdfError::UnsupportedJoint { .. }),
+            "panda_joint2",
+            kind,
+            line
+        );
         // Nor can what hangs on one off the way to a tip be placed.
         let (text, _) = changed(
             "name=\"panda_finger_joint1\" type=\"prismatic\"",
@@ -269,7 +303,12 @@ fn joints_that_cannot_be_moved() {
         );
         let to_the_tool = Description { tips: vec!["panda_tcp".into()], ..Description::default() };
         let error = Model::from_urdf(&text, &to_the_tool).unwrap_err();
-        assert_error!(error, Error::UnsupportedJoint { .. }, "panda_finger_joint1", kind);
+        assert_error!(
+            error,
+            Error::Urdf(UrdfError::UnsupportedJoint { .. }),
+            "panda_finger_joint1",
+            kind
+        );
     }
     let mut joints: Vec<String> = Model::from_urdf(MOCA, &Description::default())
         .unwrap()
@@ -294,7 +333,13 @@ fn joints_that_cannot_be_moved() {
 fn limits_that_are_missing_or_contradict() {
     let limit = "<limit lower=\"-1.7628\" upper=\"1.7628\" velocity=\"2.175\" effort=\"87\"/>";
     let (text, _) = changed(limit, "");
-    assert_error!(error_of(&text), Error::LimitsMissing { .. }, "panda_joint2", "<limit", "line");
+    assert_error!(
+        error_of(&text),
+        Error::Urdf(UrdfError::LimitsMissing { .. }),
+        "panda_joint2",
+        "<limit",
+        "line"
+    );
     for (from, to, word) in [
         ("lower=\"-1.7628\"", "lower=\"1.8\"", "1.8"),
         ("lower=\"-1.7628\"", "lower=\"nan\"", "NaN"),

@@ -1,13 +1,13 @@
 //! Commands wait for a robot that is held, and brake where nothing can be computed.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use whole_body::{
-    Commanded, Error, Ik, JointKind, Leash, Model, PositionTask, PostureTask, TaskId,
+    Commanded, Error, FrameTask, Ik, JointKind, Leash, Model, PositionTask, PostureTask, TaskId,
 };
 
 use crate::support::pose;
-use crate::support::stacks::{PERIOD, Random, panda};
+use crate::support::stacks::{PERIOD, Random, humanoid, panda};
 
 const HOME: [f64; 7] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
 
@@ -177,5 +177,64 @@ fn what_cannot_be_computed_brakes_and_says_why() {
         let command = robot.step(&before, PERIOD);
         assert!(command.fault.is_none());
         watch.check(command.position, PERIOD);
+    }
+}
+
+/// A humanoid that stands on its feet, with a hand that is to move.
+fn standing(model: &Model, shift: Vector3<f64>) -> Commanded {
+    let q = model.neutral();
+    let mut builder = Ik::builder(model);
+    for foot in ["left_foot", "right_foot"] {
+        builder.push(foot, FrameTask::new(model.frame_id(foot).unwrap()));
+    }
+    let hand = model.frame_id("left_hand").unwrap();
+    let reach = builder.push("hand", PositionTask::new(hand));
+    builder.push("posture", PostureTask::new());
+    let mut ik = builder.build_at(&q).unwrap();
+    let goal = pose(model, &q, hand).translation.vector + shift;
+    ik.task_mut(reach).unwrap().set_target(goal).unwrap();
+    Commanded::new(ik, &q, Leash::default()).unwrap()
+}
+
+#[test]
+fn the_command_of_a_floating_base_waits_too() {
+    let model = humanoid();
+    // Nothing holds the base but its leash.
+    let base = model.frame_id("pelvis").unwrap();
+    let mut builder = Ik::builder(&model);
+    let task = builder.push("base", FrameTask::new(base));
+    builder.push("posture", PostureTask::new());
+    let q = model.neutral();
+    let mut ik = builder.build_at(&q).unwrap();
+    let mut goal = pose(&model, &q, base);
+    goal.translation.vector += Vector3::new(1.0, -0.5, 0.2);
+    goal.append_rotation_wrt_center_mut(&UnitQuaternion::from_euler_angles(0.4, -0.8, 1.2));
+    ik.task_mut(task).unwrap().set_target(goal).unwrap();
+    let mut robot = Commanded::new(ik, &q, Leash::default()).unwrap();
+    let mut apart = vec![0.0; model.velocity_count()];
+    for _ in 0..2000 {
+        let command = robot.step(&q, PERIOD);
+        assert!(command.fault.is_none());
+        model.difference(&q, command.position, &mut apart).unwrap();
+        // Rotation vectors change at the angular velocity but for half their product: 5 % at 0.1 rad.
+        assert!(apart[..3].iter().all(|apart| apart.abs() < 0.1 + 1e-9), "{apart:?}");
+        assert!(apart[3..6].iter().all(|apart| apart.abs() < 0.105), "{apart:?}");
+    }
+    assert!(apart[..6].iter().all(|apart| apart.abs() > 0.09), "{apart:?}");
+}
+
+#[test]
+fn an_estimate_that_drifts_moves_no_base() {
+    let model = humanoid();
+    let [mut robot, mut other] = [(); 2].map(|()| standing(&model, Vector3::zeros()));
+    for tick in 0..3000 {
+        let mut measured = robot.position().to_vec();
+        measured[0] += 1e-4 * f64::from(tick);
+        assert!(robot.step(&measured, PERIOD).fault.is_none());
+        let exact = other.position().to_vec();
+        assert!(other.step(&exact, PERIOD).fault.is_none());
+    }
+    for (one, other) in robot.position().iter().zip(other.position()) {
+        assert!((one - other).abs() < 1e-6, "{one} for {other}");
     }
 }

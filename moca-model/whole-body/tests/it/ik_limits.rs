@@ -17,6 +17,11 @@ fn ticks() -> u64 {
     asked.map_or(3000, |all| all / 5)
 }
 
+/// Random cases of each property; others with `WHOLE_BODY_CASES`.
+fn cases() -> u32 {
+    std::env::var("WHOLE_BODY_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(12)
+}
+
 struct Tasks {
     position: TaskId<PositionTask>,
     orientation: TaskId<OrientationTask>,
@@ -253,7 +258,7 @@ fn wheels_keep_their_speed_and_a_differential_base_its_direction() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
+    #![proptest_config(ProptestConfig::with_cases(cases()))]
 
     /// With any limits of acceleration and jerk, and targets that jump.
     #[test]

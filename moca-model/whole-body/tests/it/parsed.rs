@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix6xX;
 use proptest::prelude::*;
-use whole_body::{Axes, Data, Error, Model};
+use whole_body::{Axes, Data, Error, Model, UrdfError};
 
 use crate::support::robots;
 
@@ -47,6 +47,6 @@ fn what_is_wrong_with_a_parsed_robot_is_an_error() {
     </robot>"#;
     let parsed = urdf_rs::read_from_string(text).unwrap();
     let error = Model::from_parsed(&parsed, &whole_body::Description::default()).unwrap_err();
-    assert!(matches!(error, Error::UnsupportedJoint { .. }), "{error}");
+    assert!(matches!(error, Error::Urdf(UrdfError::UnsupportedJoint { .. })), "{error}");
     assert!(error.to_string().contains("`j`"), "{error}");
 }

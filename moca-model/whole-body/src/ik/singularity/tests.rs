@@ -5,17 +5,27 @@ use proptest::prelude::*;
 
 use super::*;
 
-fn damping(levels: &[usize], columns: usize) -> SingularityDamping {
-    let mut damping = SingularityDamping::new(0.1, levels, columns);
+/// Damps levels over so many variables, highest priority first; says which were changed, and what was
+/// asked of them.
+fn damp(levels: &mut [Rows], columns: usize) -> Vec<(bool, Rows)> {
+    let counts: Vec<usize> = levels.iter().map(Rows::len).collect();
+    let mut damping = SingularityDamping::new(0.1, &counts, columns).clone();
     damping.begin();
-    damping
+    let spans: Vec<_> = levels.iter().map(|rows| damping.load(rows, rows.len())).collect();
+    damping.factorise();
+    let levels = levels.iter_mut().zip(spans);
+    let damped = levels.map(|(rows, span)| {
+        let mut asked = rows.clone();
+        (damping.damp(&span, rows, &mut asked), asked)
+    });
+    damped.collect()
 }
 
 /// The rows after damping, and whether it changed them.
 fn damped(a: &DMatrix<f64>, b: &[f64]) -> (Rows, bool) {
-    let (mut rows, mut asked) = (Rows::equalities(a, b).unwrap(), Rows::equalities(a, b).unwrap());
-    let changed = damping(&[a.nrows()], a.ncols()).damp(&mut rows, a.nrows(), &mut asked);
-    (rows, changed)
+    let mut rows = Rows::equalities(a, b).unwrap();
+    let damped = damp(std::slice::from_mut(&mut rows), a.ncols());
+    (rows, damped[0].0)
 }
 
 /// Aᵀ W A and Aᵀ W b of rows, b being the middle of their ranges.
@@ -33,14 +43,6 @@ fn normal_equations(rows: &Rows) -> (DMatrix<f64>, DVector<f64>) {
 /// Half the width of the widest range.
 fn widest(rows: &Rows) -> f64 {
     rows.iter().map(|(_, lower, upper)| 0.5 * (upper - lower)).fold(0.0, f64::max)
-}
-
-#[test]
-fn a_clone_damps_too() {
-    let a = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, 1e-3]);
-    let mut rows = Rows::equalities(&a, &[1.0, -1.0]).unwrap();
-    let mut asked = rows.clone();
-    assert!(damping(&[2], 2).clone().damp(&mut rows, 2, &mut asked));
 }
 
 proptest! {
@@ -94,18 +96,45 @@ proptest! {
     fn what_a_level_above_determines_is_damped_below(
         gap in 1e-9..0.01_f64, b in -1.0..1.0_f64,
     ) {
-        let mut damping = damping(&[1, 1], 2);
-        let mut above = Rows::equalities(&DMatrix::from_row_slice(1, 2, &[1.0, 0.0]), &[0.5]).unwrap();
-        let mut below = Rows::equalities(&DMatrix::from_row_slice(1, 2, &[1.0, gap]), &[b]).unwrap();
-        let mut asked = above.clone();
-        damping.damp(&mut above, 1, &mut asked);
-        prop_assert!(damping.damp(&mut below, 1, &mut asked));
+        let row = |entries, target| {
+            Rows::equalities(&DMatrix::from_row_slice(1, 2, entries), &[target]).unwrap()
+        };
+        let mut levels = [row(&[1.0, 0.0], 0.5), row(&[1.0, gap], b)];
+        let damped = damp(&mut levels, 2);
+        let [above, below] = &levels;
+        prop_assert!(!damped[0].0 && damped[1].0);
         prop_assert_eq!(above.lower()[0], 0.5);
-        prop_assert_eq!(asked.lower()[0], b);
+        prop_assert_eq!(damped[1].1.lower()[0], b);
         // x₀ = 0.5; what x₁ must add is damped, and may be more or less at will.
         let row = below.row(0).unwrap();
         for bound in [below.lower()[0], below.upper()[0]] {
             prop_assert!(((bound - 0.5 * row[0]) / row[1]).abs() <= 3.1);
+        }
+    }
+
+    /// Whatever other levels there are, and however many rows they have.
+    #[test]
+    fn levels_of_different_sizes_are_damped_as_if_alone(
+        above in 1_usize..8, own in 1_usize..6, closeness in 1e-6..0.1_f64,
+        entries in prop::collection::vec(-1.0..1.0_f64, 6 * 6),
+        b in prop::collection::vec(-1.0..1.0_f64, 6),
+    ) {
+        let columns = 8 + 6;
+        let mut a = DMatrix::zeros(own + 1, columns);
+        a.columns_mut(8, 6).copy_from(&DMatrix::from_row_slice(6, 6, &entries).rows(0, own + 1));
+        let near = a.row(0) + a.row(own) * closeness;
+        a.set_row(own, &near);
+        prop_assume!(a.row_iter().all(|row| row.norm() > 0.1));
+        let own = Rows::equalities(&a, &b[..=own]).unwrap();
+        let mut alone = [own.clone()];
+        let damped_alone = damp(&mut alone, columns);
+        let other = Rows::equalities(&DMatrix::identity(above, columns), &vec![0.3; above]).unwrap();
+        let mut both = [other, own];
+        let damped = damp(&mut both, columns);
+        prop_assert!(!damped[0].0);
+        prop_assert_eq!(damped[1].0, damped_alone[0].0);
+        for (one, other) in both[1].iter().zip(alone[0].iter()) {
+            prop_assert!((one.1 - other.1).abs() < 1e-6 && (one.2 - other.2).abs() < 1e-6);
         }
     }
 
@@ -116,8 +145,7 @@ proptest! {
         let a = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 2.0, 0.0]);
         let mut rows = Rows::equalities(&a, &[one, 2.0 * other]).unwrap();
         rows.set_weights(&[weight, 0.25]).unwrap();
-        let mut asked = rows.clone();
-        damping(&[2], 2).damp(&mut rows, 2, &mut asked);
+        damp(std::slice::from_mut(&mut rows), 2);
         // With rows of norm one the second weighs 0.25 · 4.
         let (matrix, right) = normal_equations(&rows);
         let found = right[0] / matrix[(0, 0)];
