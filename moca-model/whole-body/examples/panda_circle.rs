@@ -1,7 +1,8 @@
 //! A Panda whose hand follows a circle: position before orientation before posture.
-use whole_body::{Description, Error, Ik, Model, OrientationTask, PositionTask, PostureTask};
+use std::io::Write;
+use whole_body::{Description, Ik, Model, OrientationTask, PositionTask, PostureTask};
 
-fn main() -> Result<(), Error> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = Model::from_urdf(include_str!("urdf/panda.urdf"), &Description::default())?;
     let hand = model.frame_id("panda_hand_tcp")?;
     let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
@@ -16,5 +17,5 @@ fn main() -> Result<(), Error> {
         ik.task_mut(position)?.set_target(start + shift)?;
         ik.step(&q, 1e-3)?.integrate(&mut q)?; // or send step.velocity() to the robot
     }
-    Ok(())
+    Ok(writeln!(std::io::stdout(), "{q:?}")?)
 }

@@ -1,0 +1,97 @@
+//! Errors of the crates as Python exceptions, with their texts.
+
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+
+pyo3::create_exception!(
+    ahqp,
+    Error,
+    PyValueError,
+    "What was wrong, where, and what would be right."
+);
+pyo3::create_exception!(
+    ahqp,
+    InfeasibleError,
+    Error,
+    "Hard constraints contradict each other. `conflict` lists rows that cannot hold together."
+);
+pyo3::create_exception!(
+    ahqp,
+    UnfinishedError,
+    Error,
+    "The optimum was asked for, but the budget ran out before. `Solution.best` is how far it came."
+);
+
+/// An exception to be raised. The crates' errors become one.
+#[derive(Debug)]
+pub(crate) struct Failure(PyErr);
+
+pub(crate) type Result<T> = std::result::Result<T, Failure>;
+
+impl Failure {
+    pub(crate) fn value(text: impl Into<String>) -> Self {
+        Self(PyValueError::new_err(text.into()))
+    }
+
+    pub(crate) fn type_of_argument(text: impl Into<String>) -> Self {
+        Self(PyTypeError::new_err(text.into()))
+    }
+
+    pub(crate) fn runtime(text: impl Into<String>) -> Self {
+        Self(PyRuntimeError::new_err(text.into()))
+    }
+}
+
+impl From<PyErr> for Failure {
+    fn from(error: PyErr) -> Self {
+        Self(error)
+    }
+}
+
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> Self {
+        failure.0
+    }
+}
+
+impl From<ahqp_core::Error> for Failure {
+    fn from(error: ahqp_core::Error) -> Self {
+        let text = error.to_string();
+        Self(match error {
+            ahqp_core::Error::Infeasible { .. } => InfeasibleError::new_err(text),
+            ahqp_core::Error::Unfinished { .. } => UnfinishedError::new_err(text),
+            _ => Error::new_err(text),
+        })
+    }
+}
+
+impl From<whole_body::Error> for Failure {
+    fn from(error: whole_body::Error) -> Self {
+        match error {
+            whole_body::Error::Hierarchy(error) => error.into(),
+            whole_body::Error::File { ref source, .. } => os_error(source.kind(), &error),
+            error => Self(Error::new_err(error.to_string())),
+        }
+    }
+}
+
+impl From<ergo_map::Error> for Failure {
+    fn from(error: ergo_map::Error) -> Self {
+        match error {
+            ergo_map::Error::Io { kind, .. } => os_error(kind, &error),
+            error => Self(Error::new_err(error.to_string())),
+        }
+    }
+}
+
+/// `FileNotFoundError`, `PermissionError` or the like, with the crate's text.
+fn os_error(kind: std::io::ErrorKind, error: &impl ToString) -> Failure {
+    use pyo3::exceptions::{PyFileNotFoundError, PyIsADirectoryError, PyPermissionError};
+    let text = error.to_string();
+    Failure(match kind {
+        std::io::ErrorKind::NotFound => PyFileNotFoundError::new_err(text),
+        std::io::ErrorKind::PermissionDenied => PyPermissionError::new_err(text),
+        std::io::ErrorKind::IsADirectory => PyIsADirectoryError::new_err(text),
+        _ => PyOSError::new_err(text),
+    })
+}

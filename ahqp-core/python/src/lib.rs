@@ -1,0 +1,51 @@
+//! The native half of the Python package `ahqp`: classes and functions over `ahqp-core`, `whole-body`
+//! and `ergo-map`. The modules `ahqp`, `ahqp.whole_body` and `ahqp.ergo` name what is in here.
+
+mod arrays;
+mod ergo;
+mod failure;
+mod shared;
+mod solver;
+mod whole_body;
+
+/// Everything that the package's modules name.
+#[pyo3::pymodule]
+mod _ahqp {
+    #[pymodule_export]
+    use crate::ergo::map::{ErgonomicsMap, FitReport, Quadratic};
+    #[pymodule_export]
+    use crate::ergo::person::Person;
+    #[pymodule_export]
+    use crate::ergo::posture::{Posture, ergonomics_score};
+    #[pymodule_export]
+    use crate::ergo::reba::{Reba, Worksheet};
+    #[pymodule_export]
+    use crate::ergo::rula::{Rula, RulaWorksheet};
+    #[pymodule_export]
+    use crate::failure::{Error, InfeasibleError, UnfinishedError};
+    #[pymodule_export]
+    use crate::solver::certificate::{Certificate, Residuals};
+    #[pymodule_export]
+    use crate::solver::hierarchy::Hierarchy;
+    #[pymodule_export]
+    use crate::solver::limits::Limits;
+    #[pymodule_export]
+    use crate::solver::row::Row;
+    #[pymodule_export]
+    use crate::solver::solution::Solution;
+    #[pymodule_export]
+    use crate::solver::{Solver, solve};
+    #[pymodule_export]
+    use crate::whole_body::data::Data;
+    #[pymodule_export]
+    use crate::whole_body::ik::{Ik, Step};
+    #[pymodule_export]
+    use crate::whole_body::limits::{FrameVelocityLimit, WheelLimit};
+    #[pymodule_export]
+    use crate::whole_body::model::Model;
+    #[pymodule_export]
+    use crate::whole_body::tasks::{
+        AxisTask, CentreOfMassTask, DampingTask, FrameTask, JointCouplingTask, OrientationTask,
+        PositionTask, PostureTask, RelativeFrameTask,
+    };
+}

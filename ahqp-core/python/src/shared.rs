@@ -1,0 +1,32 @@
+//! What Python threads may hold at the same time.
+
+use std::sync::{Mutex, MutexGuard, TryLockError};
+
+use crate::failure::{Failure, Result};
+
+/// Something that one thread uses at a time. Waiting could last for ever, as the other thread may need the
+/// interpreter that this one holds: it is an error instead.
+#[derive(Debug)]
+pub(crate) struct Shared<T> {
+    value: Mutex<T>,
+    /// What to call it in an error.
+    name: &'static str,
+}
+
+impl<T> Shared<T> {
+    pub(crate) fn new(name: &'static str, value: T) -> Self {
+        Self { value: Mutex::new(value), name }
+    }
+
+    pub(crate) fn lock(&self) -> Result<MutexGuard<'_, T>> {
+        match self.value.try_lock() {
+            Ok(guard) => Ok(guard),
+            // Whoever panicked has raised an exception; the value is a solver's memory or a problem.
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(Failure::runtime(format!(
+                "another thread is using this {}; give each thread one of its own (copy.copy makes one)",
+                self.name
+            ))),
+        }
+    }
+}

@@ -1,0 +1,298 @@
+//! Inverse kinematics.
+
+use std::collections::HashMap;
+
+use ahqp_core::Budget;
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use whole_body::{End, IkSettings, LimitKind, OutOfReach, TaskLevel};
+
+use super::limits::Limit;
+use super::model::Model;
+use super::targets::Target;
+use super::tasks::{
+    AxisTask, CentreOfMassTask, DampingTask, FrameTask, JointCouplingTask, OrientationTask,
+    PositionTask, PostureTask, PythonTask, RelativeFrameTask,
+};
+use crate::arrays::{pose_to_array, to_vector, vector_of, with_slice};
+use crate::failure::{Failure, Result};
+use crate::shared::Shared;
+
+/// Differential inverse kinematics: velocities that do what levels of tasks ask, each level as well as
+/// those above it allow, within the limits of all joints.
+///
+/// `Ik(model, tasks, hold=None, *, limits=None, singularity_threshold=0.1, rest_out_of_reach=False,
+/// iterations=None)`
+///
+/// Parameters
+/// ----------
+/// model : Model
+/// tasks : dict
+///     Names to tasks, highest priority first. A dict of tasks in place of a task is a level of several.
+/// hold : array_like, shape (position_count,), optional
+///     The configuration of the robot at rest: tasks without a target keep what they find there.
+/// limits : dict of str to WheelLimit or FrameVelocityLimit, optional
+///     Hard limits beside those of the joints.
+/// singularity_threshold : float
+///     Singular value below which targets are damped, from 0 (never) to 1.
+/// rest_out_of_reach : bool
+///     Whether levels come to rest where the robot cannot reach their targets.
+/// iterations : int, optional
+///     Most iterations of one step.
+///
+/// Limits never contradict each other, and hold in every step. Steps release the interpreter's lock.
+#[pyclass(frozen, module = "ahqp.whole_body")]
+pub(crate) struct Ik(Shared<State>);
+
+#[derive(Debug)]
+struct State {
+    ik: whole_body::Ik,
+    targets: HashMap<String, Target>,
+}
+
+#[pymethods]
+impl Ik {
+    #[new]
+    #[pyo3(signature = (model, tasks, hold=None, *, limits=None, singularity_threshold=0.1, rest_out_of_reach=false, iterations=None))]
+    fn new(
+        model: &Model,
+        tasks: &Bound<'_, PyDict>,
+        hold: Option<&Bound<'_, PyAny>>,
+        limits: Option<&Bound<'_, PyDict>>,
+        singularity_threshold: f64,
+        rest_out_of_reach: bool,
+        iterations: Option<usize>,
+    ) -> Result<Self> {
+        let model = &model.0;
+        let mut builder = whole_body::Ik::builder(model);
+        builder.settings(IkSettings {
+            budget: Budget { iterations, time: None },
+            singularity_threshold,
+            out_of_reach: if rest_out_of_reach { OutOfReach::Rest } else { OutOfReach::Approach },
+            ..IkSettings::default()
+        });
+        for (name, limit) in limits.into_iter().flatten() {
+            let name: String = name.extract()?;
+            limit.extract::<Limit<'_>>()?.add(model, &name, &mut builder)?;
+        }
+        let mut targets = HashMap::new();
+        for (name, value) in tasks {
+            let name: String = name.extract()?;
+            let mut level = TaskLevel::new(name.as_str());
+            match value.cast::<PyDict>() {
+                Ok(tasks) => {
+                    for (name, task) in tasks {
+                        push(model, &mut level, name.extract()?, &task, &mut targets)?;
+                    }
+                }
+                Err(_) => push(model, &mut level, name, &value, &mut targets)?,
+            }
+            builder.push_level(level);
+        }
+        let ik = match hold {
+            None => builder.build()?,
+            Some(q) => {
+                let q = vector_of("hold", q, model.position_count())?;
+                with_slice(&q, |q| builder.build_at(q))?
+            }
+        };
+        Ok(Self(Shared::new("Ik", State { ik, targets })))
+    }
+
+    /// Sets the target of a task, and how fast it moves: (3,) of a point or of an orientation in the
+    /// world's axes, (6,) of a pose. See the tasks for what their targets are.
+    #[pyo3(signature = (task, target, velocity=None))]
+    fn set_target(
+        &self,
+        task: &str,
+        target: &Bound<'_, PyAny>,
+        velocity: Option<&Bound<'_, PyAny>>,
+    ) -> Result<()> {
+        let mut state = self.0.lock()?;
+        let State { ik, targets } = &mut *state;
+        find(targets, task)?.set(ik, target, velocity)
+    }
+
+    /// The velocities for the next `period` [s], with the robot at the configuration `q`, shape
+    /// (position_count,), and the velocity of the last step.
+    ///
+    /// Raises `Error` for a target that was never set, or a q that is none; `brake` stops the robot.
+    fn step(slf: &Bound<'_, Self>, q: &Bound<'_, PyAny>, period: f64) -> Result<Step> {
+        let py = slf.py();
+        let mut state = slf.get().0.lock()?;
+        let State { ik, targets } = &mut *state;
+        let q = vector_of("q", q, ik.model().position_count())?.as_array().to_vec();
+        py.detach(|| {
+            let step = ik.step(&q, period)?;
+            let slack =
+                |(name, target): (&String, &Target)| Ok((name.clone(), target.slack(step)?));
+            let mut end = q;
+            step.integrate(&mut end)?;
+            let limits = step
+                .active_limits()
+                .map(|limit| (limit.name.to_owned(), kind_name(limit.kind), end_name(limit.end)));
+            Ok(Step {
+                velocity: step.velocity().to_vec(),
+                acceleration: step.acceleration().to_vec(),
+                end,
+                slack: targets.iter().map(slack).collect::<Result<_>>()?,
+                active_limits: limits.collect(),
+                status: crate::solver::solution::name(step.status()),
+                iterations: step.iterations(),
+            })
+        })
+    }
+
+    /// Brakes every joint for a period [s], at the limits of acceleration and jerk: where `step` fails.
+    /// Returns the velocities, (n,).
+    fn brake<'py>(&self, py: Python<'py>, period: f64) -> Result<Bound<'py, PyArray1<f64>>> {
+        Ok(to_vector(py, self.0.lock()?.ik.brake(period)?))
+    }
+
+    /// Says that the robot moves at `velocity`, (n,), now, not accelerating.
+    fn reset(&self, velocity: &Bound<'_, PyAny>) -> Result<()> {
+        let mut state = self.0.lock()?;
+        let velocity = vector_of("velocity", velocity, state.ik.model().velocity_count())?;
+        Ok(with_slice(&velocity, |velocity| state.ik.reset(velocity))?)
+    }
+
+    /// Lets tasks whose targets were never set keep what they find at q, (position_count,).
+    fn hold(&self, q: &Bound<'_, PyAny>) -> Result<()> {
+        let mut state = self.0.lock()?;
+        let q = vector_of("q", q, state.ik.model().position_count())?;
+        Ok(with_slice(&q, |q| state.ik.hold(q))?)
+    }
+
+    /// The pose of a frame in the world at q, (4, 4).
+    fn pose<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        frame: &str,
+    ) -> Result<Bound<'py, PyArray2<f64>>> {
+        let mut state = self.0.lock()?;
+        let q = vector_of("q", q, state.ik.model().position_count())?;
+        let frame = state.ik.model().frame_id(frame)?;
+        Ok(pose_to_array(py, &with_slice(&q, |q| state.ik.pose(q, frame))?))
+    }
+}
+
+/// Adds any kind of task to a level.
+fn push(
+    model: &whole_body::Model,
+    level: &mut TaskLevel,
+    name: String,
+    task: &Bound<'_, PyAny>,
+    targets: &mut HashMap<String, Target>,
+) -> Result<()> {
+    macro_rules! first_of {
+        ($($kind:ident),*) => {
+            $(if let Ok(task) = task.cast::<$kind>() { task.get().push(model, level, &name)? } else)* {
+                let kind = task.get_type();
+                return Err(Failure::type_of_argument(format!(
+                    "task `{name}` is a {kind}; give a task of ahqp.whole_body, or a dict of them"
+                )));
+            }
+        };
+    }
+    let target = first_of!(
+        PositionTask,
+        OrientationTask,
+        CentreOfMassTask,
+        FrameTask,
+        RelativeFrameTask,
+        AxisTask,
+        PostureTask,
+        DampingTask,
+        JointCouplingTask
+    );
+    if targets.insert(name.clone(), target).is_some() {
+        return Err(Failure::value(format!("there are two tasks named `{name}`")));
+    }
+    Ok(())
+}
+
+fn find(targets: &HashMap<String, Target>, name: &str) -> Result<Target> {
+    targets.get(name).copied().ok_or_else(|| {
+        let mut names: Vec<_> = targets.keys().map(String::as_str).collect();
+        names.sort_unstable();
+        let known = names.join(", ");
+        Failure::value(format!("there is no task `{name}`; the tasks are {known}"))
+    })
+}
+
+fn kind_name(kind: LimitKind) -> &'static str {
+    match kind {
+        LimitKind::Position => "position",
+        LimitKind::Velocity => "velocity",
+        LimitKind::Acceleration => "acceleration",
+        LimitKind::Jerk => "jerk",
+        LimitKind::Caller => "caller",
+    }
+}
+
+fn end_name(end: End) -> &'static str {
+    match end {
+        End::Lower => "lower",
+        End::Upper => "upper",
+    }
+}
+
+/// The velocity of one step, and what limited it. n is the size of q̇.
+#[pyclass(frozen, module = "ahqp.whole_body")]
+pub(crate) struct Step {
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    end: Vec<f64>,
+    slack: HashMap<String, f64>,
+    active_limits: Vec<(String, &'static str, &'static str)>,
+    status: &'static str,
+    iterations: usize,
+}
+
+#[pymethods]
+impl Step {
+    /// q̇ for the next period [rad/s, m/s], (n,).
+    #[getter]
+    fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        to_vector(py, &self.velocity)
+    }
+
+    /// (q̇ − the last q̇) / period [rad/s², m/s²], (n,).
+    #[getter]
+    fn acceleration<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        to_vector(py, &self.acceleration)
+    }
+
+    /// q after the period, (position_count,).
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        to_vector(py, &self.end)
+    }
+
+    /// How far each task is from the velocities that it asks for, by its name.
+    #[getter]
+    fn slack(&self) -> HashMap<String, f64> {
+        self.slack.clone()
+    }
+
+    /// The joints that a limit stops from moving otherwise: (joint, limit, "lower" or "upper"), the
+    /// limit being "position", "velocity", "acceleration" or "jerk".
+    #[getter]
+    fn active_limits(&self) -> Vec<(String, &'static str, &'static str)> {
+        self.active_limits.clone()
+    }
+
+    /// "solved", "iteration_limit" or "time_limit". Limits hold in any case.
+    #[getter]
+    fn status(&self) -> &'static str {
+        self.status
+    }
+
+    /// Iterations of the solver.
+    #[getter]
+    fn iterations(&self) -> usize {
+        self.iterations
+    }
+}

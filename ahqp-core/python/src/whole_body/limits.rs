@@ -1,0 +1,91 @@
+//! Hard limits beside those of the joints.
+
+use nalgebra::Vector3;
+use pyo3::prelude::*;
+use whole_body::IkBuilder;
+
+use crate::arrays::{numbers, vector, with_slice};
+use crate::failure::Result;
+
+/// Speed limits of the wheels of a planar base: `mecanum`, `omni` or `differential`.
+#[pyclass(frozen, module = "ahqp.whole_body")]
+pub(crate) struct WheelLimit(whole_body::WheelLimit);
+
+#[pymethods]
+impl WheelLimit {
+    /// Four mecanum wheels whose rims reach `speed` [m/s]: |v_x| + |v_y| + lever |ω| ≤ speed, `lever`
+    /// [m] being half the wheelbase and half the track together.
+    #[staticmethod]
+    fn mecanum(speed: f64, lever: f64) -> Self {
+        Self(whole_body::WheelLimit::mecanum(speed, lever))
+    }
+
+    /// Omni wheels whose rims reach `speed` [m/s], `radius` [m] from the centre in the directions
+    /// `angles`, (wheels,) [rad from the base's x axis].
+    #[staticmethod]
+    fn omni(speed: f64, radius: f64, angles: &Bound<'_, PyAny>) -> Result<Self> {
+        let angles = vector("angles", angles)?;
+        Ok(Self(with_slice(&angles, |angles| whole_body::WheelLimit::omni(speed, radius, angles))))
+    }
+
+    /// Two driven wheels, `track` [m] apart, whose rims reach `speed` [m/s]; no motion sideways.
+    #[staticmethod]
+    fn differential(speed: f64, track: f64) -> Self {
+        Self(whole_body::WheelLimit::differential(speed, track))
+    }
+}
+
+/// The largest velocity of a frame along and about the world's axes, or its own with `local=True`.
+///
+/// `FrameVelocityLimit(frame, linear, angular, *, local=False)`: (3,) [m/s] and (3,) [rad/s]; inf for
+/// none.
+#[pyclass(frozen, module = "ahqp.whole_body")]
+pub(crate) struct FrameVelocityLimit {
+    frame: String,
+    linear: Vector3<f64>,
+    angular: Vector3<f64>,
+    local: bool,
+}
+
+#[pymethods]
+impl FrameVelocityLimit {
+    #[new]
+    #[pyo3(signature = (frame, linear, angular, *, local=false))]
+    fn new(
+        frame: String,
+        linear: &Bound<'_, PyAny>,
+        angular: &Bound<'_, PyAny>,
+        local: bool,
+    ) -> Result<Self> {
+        let linear = numbers::<3>("linear", linear)?.into();
+        Ok(Self { frame, linear, angular: numbers::<3>("angular", angular)?.into(), local })
+    }
+}
+
+/// A limit of either kind.
+#[derive(FromPyObject)]
+pub(crate) enum Limit<'py> {
+    Wheels(PyRef<'py, WheelLimit>),
+    Frame(PyRef<'py, FrameVelocityLimit>),
+}
+
+impl Limit<'_> {
+    pub(crate) fn add(
+        &self,
+        model: &whole_body::Model,
+        name: &str,
+        builder: &mut IkBuilder,
+    ) -> Result<()> {
+        match self {
+            Self::Wheels(limit) => {
+                builder.limit(name, limit.0.clone());
+            }
+            Self::Frame(limit) => {
+                let frame = model.frame_id(&limit.frame)?;
+                let task = whole_body::FrameVelocityLimit::new(frame, limit.linear, limit.angular);
+                builder.limit(name, if limit.local { task.in_local_axes() } else { task });
+            }
+        }
+        Ok(())
+    }
+}
