@@ -35,15 +35,12 @@ impl Capsules {
         self.moved.clear();
         let mut count = 0;
         for capsule in now.take(self.room) {
-            match self.last.get_mut(count) {
-                Some(last) => {
-                    self.moved.push(displacement(last, capsule) + ROUNDING);
-                    *last = *capsule;
-                }
-                None => {
-                    self.moved.push(f64::INFINITY);
-                    self.last.push(*capsule);
-                }
+            if let Some(last) = self.last.get_mut(count) {
+                self.moved.push(displacement(last, capsule) + ROUNDING);
+                *last = *capsule;
+            } else {
+                self.moved.push(f64::INFINITY);
+                self.last.push(*capsule);
             }
             count += 1;
         }

@@ -107,14 +107,11 @@ impl From<whole_body::Error> for Failure {
 /// Runs a call. Neither errors nor panics leave it.
 pub(crate) fn call(run: impl FnOnce() -> Result<AhqpStatus>) -> AhqpStatus {
     // A handle that a panic leaves half-written is only to be freed: `AhqpStatus::Panic` says so.
-    match catch_unwind(AssertUnwindSafe(run)) {
-        Ok(Ok(status)) => status,
-        Ok(Err(Failure(status))) => status,
-        Err(_) => {
-            let text = "the library has failed; please report what led to it, and free the handle";
-            Failure::new(AhqpStatus::Panic, &text).0
-        }
+    if let Ok(Ok(status) | Err(Failure(status))) = catch_unwind(AssertUnwindSafe(run)) {
+        return status;
     }
+    let text = "the library has failed; please report what led to it, and free the handle";
+    Failure::new(AhqpStatus::Panic, &text).0
 }
 
 /// The ending of a solve.

@@ -14,17 +14,22 @@ use clap::Parser;
 use ergo_map::{ErgonomicsMap, MapOptions, Person};
 use examples::ergonomics::{build_map, read_map};
 use examples::follow::{Comparison, Run, Scenario, Summary};
+use examples::page::{ResultRow, Results, page};
+use examples::picture::{animation, still};
 use examples::program::{
     self, Ending, Json, OutputFile, Program, Progress, Quiet, Session, check_folder,
 };
 use examples::recording::{self, Completeness, Header, IfPartial, Recording, RecordingError};
+use examples::replay::{Recorder, Replay};
 use examples::report::{RunLog, TickRow, TickTable, figure};
-use moca_model::Goal;
+use moca_model::{Goal, MOCA_URDF};
 
 /// Stature where neither the recording nor the command line gives one (m).
 const DEFAULT_STATURE: f64 = 1.75;
 /// Two statures that are no farther apart are of one person (m).
 const SAME_STATURE: f64 = 0.01;
+/// Of the page.
+const TITLE: &str = "MOCA follows a person";
 /// Ticks that travel to the report together.
 const BATCH: usize = 512;
 
@@ -32,8 +37,8 @@ const BATCH: usize = 512;
 /// without, and compares the two.
 ///
 /// Prints how good the person's posture was, how well the robot tracked, what was left of its
-/// limits, and how long a control period took; writes a figure and a table of every period into the
-/// report's folder. Ctrl-C ends early and keeps what there is, in files named *.partial.*.
+/// limits, and how long a control period took; writes a page to look at, pictures and a table of every
+/// period into the report's folder. Ctrl-C ends early and keeps what there is, in files named *.partial.*.
 #[derive(Debug, Parser)]
 #[command(version)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
@@ -58,7 +63,8 @@ struct Options {
     /// A robot that follows velocities exactly and at once, in place of one that moves under torques.
     #[arg(long)]
     kinematic: bool,
-    /// The report's folder, made if it is not there: follow.svg, ticks-on.csv and ticks-off.csv.
+    /// The report's folder, made if it is not there: follow.html, follow.svg, scene.svg,
+    /// scene-moving.svg, ticks-on.csv and ticks-off.csv.
     #[arg(long, short, alias = "report", value_name = "FOLDER", default_value = "report")]
     output: PathBuf,
     /// Write no report.
@@ -70,10 +76,10 @@ struct Options {
     quiet: Quiet,
 }
 
-/// A run that has been played, and what the figure needs of it.
+/// A run that has been played, and what figure and page need of it.
 struct Played {
     summary: Summary,
-    log: Option<RunLog>,
+    seen: Option<(RunLog, Replay)>,
 }
 
 impl Program for Options {
@@ -104,11 +110,9 @@ impl Program for Options {
             Ending::Complete => Some(play(Goal::LeastMotion, &title("off"), "off")?),
             _ => None,
         };
-        let logs: Vec<&RunLog> = [Some(&on), off.as_ref()]
-            .into_iter()
-            .flatten()
-            .filter_map(|p| p.log.as_ref())
-            .collect();
+        let seen = [Some(&on), off.as_ref()].into_iter().flatten().filter_map(|p| p.seen.as_ref());
+        let (logs, replays): (Vec<&RunLog>, Vec<&Replay>) =
+            seen.map(|(log, replay)| (log, replay)).unzip();
         let comparison = Comparison {
             separation: scenario.has_separation(),
             on: on.summary.clone(),
@@ -119,9 +123,16 @@ impl Program for Options {
         if let Some(folder) = folder
             && comparison.on.duration > 0.0
         {
-            let mut file = OutputFile::create(folder.join("follow.svg"))?;
-            file.push(figure(&logs)?.as_bytes())?;
-            keep(file, [ending, recorded])?;
+            for (name, text) in [
+                ("follow.svg", figure(&logs)?),
+                ("follow.html", page(TITLE, &replays, &results(&comparison)?)?),
+                ("scene.svg", still(&replays)?),
+                ("scene-moving.svg", animation(&replays)?),
+            ] {
+                let mut file = OutputFile::create(folder.join(name))?;
+                file.push(text.as_bytes())?;
+                keep(file, [ending, recorded])?;
+            }
         }
         if ending == Ending::Partial {
             session.warn("interrupted: what follows is of the time up to there");
@@ -210,6 +221,16 @@ impl Options {
     }
 }
 
+/// What the page says that the runs came to.
+fn results(comparison: &Comparison) -> Result<Results> {
+    let rows = comparison.rows().map(|(name, digits, values)| ResultRow {
+        name: name.to_owned(),
+        digits,
+        values,
+    });
+    Ok(Results { rows: rows.collect(), summary: serde_json::to_value(comparison)? })
+}
+
 /// Keeps a file as partial unless all that it is of is complete.
 fn keep(file: OutputFile, of: [Ending; 2]) -> Result<()> {
     if of.contains(&Ending::Partial) {
@@ -235,10 +256,14 @@ fn play(
     let progress = session.progress(title, u64::try_from(ticks).unwrap_or(u64::MAX));
     let Some(path) = table else {
         let summary = run.play(counting(&progress, |_| Ok(())))?;
-        return Ok(Played { summary, log: None });
+        return Ok(Played { summary, seen: None });
     };
+    let mut recorder =
+        Recorder::new(title, &scenario.model, MOCA_URDF, &scenario.settings, &scenario.map)?;
+    recorder.holding(&scenario.object)?;
+    let run = run.recorded_by(&mut recorder);
     let file = OutputFile::create(path)?;
-    thread::scope(|scope| {
+    let (summary, log) = thread::scope(|scope| -> Result<_> {
         let (sender, receiver) = sync_channel::<Vec<TickRow>>(64);
         let writer = scope.spawn(move || write_ticks(file, title, &receiver));
         let mut batch = Vec::with_capacity(BATCH);
@@ -259,8 +284,9 @@ fn play(
         let (file, log) = written?;
         let summary = played?;
         keep(file, [summary.ending, recorded])?;
-        Ok(Played { summary, log: Some(log) })
-    })
+        Ok((summary, log))
+    })?;
+    Ok(Played { summary, seen: Some((log, recorder.finish())) })
 }
 
 fn write_ticks(

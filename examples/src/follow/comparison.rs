@@ -64,6 +64,17 @@ impl Comparison {
         sum(|run| run.duration) / sum(|run| run.wall)
     }
 
+    /// The table row by row: what it says, its digits, and a number of each run; none where there is no
+    /// such number.
+    pub fn rows(&self) -> impl Iterator<Item = (&'static str, usize, Vec<Option<f64>>)> {
+        ROWS.iter().map(|(name, digits, of)| {
+            // Adding zero drops the sign of a zero that rounding has left.
+            let rounded = self.runs().map(|run| (of(run) * 1e9).round() / 1e9 + 0.0);
+            let known = rounded.map(|value| (!value.is_nan()).then_some(value));
+            (*name, *digits, known.collect())
+        })
+    }
+
     fn runs(&self) -> impl Iterator<Item = &Summary> {
         std::iter::once(&self.on).chain(&self.off)
     }
@@ -143,15 +154,12 @@ impl fmt::Display for Comparison {
         }
         write!(f, "{:<44}{:>12}", "ergonomics", "on")?;
         writeln!(f, "{:>12}", if self.off.is_some() { "off" } else { "" })?;
-        for (name, digits, of) in ROWS {
+        for (name, digits, values) in self.rows() {
             write!(f, "{name:<44}")?;
-            for run in self.runs() {
-                // Adding zero drops the sign of a zero that rounding has left.
-                let rounded = (of(run) * 1e9).round() / 1e9 + 0.0;
-                if rounded.is_nan() {
-                    write!(f, "{:>12}", "-")?;
-                } else {
-                    write!(f, "{rounded:>12.digits$}")?;
+            for value in values {
+                match value {
+                    Some(value) => write!(f, "{value:>12.digits$}")?,
+                    None => write!(f, "{:>12}", "-")?,
                 }
             }
             writeln!(f)?;

@@ -22,6 +22,7 @@ use crate::perception::{Assessor, MeasuredAssessment};
 use crate::plant::{Drive, Plant};
 use crate::program::{Ending, Interrupt};
 use crate::recording::Timing;
+use crate::replay::Recorder;
 use crate::report::TickRow;
 use crate::separation::{Moment, SeparationMonitor};
 
@@ -73,6 +74,7 @@ pub struct Run<'a> {
     tally: Tally,
     ticks_us: Vec<f64>,
     interrupt: Interrupt,
+    recorder: Option<&'a mut Recorder>,
 }
 
 /// Sums over ticks.
@@ -196,6 +198,7 @@ impl<'a> Run<'a> {
             tally: Tally::default(),
             ticks_us: Vec::new(),
             interrupt: Interrupt::default(),
+            recorder: None,
             scenario,
         })
     }
@@ -204,6 +207,13 @@ impl<'a> Run<'a> {
     #[must_use]
     pub fn until(mut self, interrupt: Interrupt) -> Self {
         self.interrupt = interrupt;
+        self
+    }
+
+    /// The same, with a recorder that sees every camera frame and every tick.
+    #[must_use]
+    pub fn recorded_by(mut self, recorder: &'a mut Recorder) -> Self {
+        self.recorder = Some(recorder);
         self
     }
 
@@ -236,6 +246,9 @@ impl<'a> Run<'a> {
                     Some(body) => self.assessor.update(percept.time, body)?,
                     None => None,
                 };
+                if let Some(recorder) = &mut self.recorder {
+                    recorder.observe(percept, self.measured.as_ref());
+                }
             }
             let row = self.tick(begin + elapsed)?;
             each(&row)?;
@@ -311,6 +324,9 @@ impl<'a> Run<'a> {
             tally.reba_max = tally.reba_max.max(hand.reba);
             tally.outside += u64::from(!inside);
             tally.out_of_reach += u64::from(!hand.reached);
+        }
+        if let Some(recorder) = &mut self.recorder {
+            recorder.tick(self.plant.controller(), self.plant.configuration(), &row)?;
         }
         self.state = command.safety;
         self.ticks_us.push(tick_us);

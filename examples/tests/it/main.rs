@@ -17,6 +17,7 @@ mod hqp;
 mod ik;
 mod infer;
 mod limits;
+mod page;
 mod perceive;
 mod perceive_networks;
 mod programs;

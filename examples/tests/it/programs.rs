@@ -101,7 +101,15 @@ fn nothing_is_lost_when_the_reader_of_standard_output_goes_away() {
     let ran =
         Runs::follow().with(&["--recording", &inputs.recording(), "-o", &report]).run_closed();
     assert_eq!(ran.code(), Some(141));
-    assert_eq!(names(Path::new(&report)), ["follow.svg", "ticks-off.csv", "ticks-on.csv"]);
+    let whole = [
+        "follow.html",
+        "follow.svg",
+        "scene-moving.svg",
+        "scene.svg",
+        "ticks-off.csv",
+        "ticks-on.csv",
+    ];
+    assert_eq!(names(Path::new(&report)), whole);
 }
 
 #[test]
@@ -233,7 +241,14 @@ fn a_follow_that_is_interrupted_keeps_what_it_has_under_another_name() {
     );
     assert!(json["duration_s"].as_f64().is_some_and(|seconds| seconds > 1.0 && seconds < 200.0));
     let report = Path::new(&report);
-    assert_eq!(names(report), ["follow.partial.svg", "ticks-on.partial.csv"]);
+    let partial = [
+        "follow.partial.html",
+        "follow.partial.svg",
+        "scene-moving.partial.svg",
+        "scene.partial.svg",
+        "ticks-on.partial.csv",
+    ];
+    assert_eq!(names(report), partial);
     let ticks = fs::read_to_string(report.join("ticks-on.partial.csv")).unwrap();
     assert!(ticks.lines().count() > 1000 && ticks.ends_with('\n'));
 }

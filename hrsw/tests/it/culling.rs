@@ -56,8 +56,12 @@ proptest! {
         let mut block = culled.rows();
         let (mut robot, mut person) = (robot, person);
         for (robot_step, person_step, velocity) in steps {
-            robot.iter_mut().for_each(|capsule| *capsule = moved(capsule, &robot_step));
-            person.iter_mut().for_each(|capsule| *capsule = moved(capsule, &person_step));
+            for capsule in &mut robot {
+                *capsule = moved(capsule, &robot_step);
+            }
+            for capsule in &mut person {
+                *capsule = moved(capsule, &person_step);
+            }
             let bodies: Vec<_> =
                 robot.iter().map(|&capsule| RobotBody { capsule, joints: JOINTS }).collect();
             let velocity_of_person = Some(MeasuredVelocity { mean: walking, uncertainty });

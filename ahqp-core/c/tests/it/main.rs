@@ -1,6 +1,6 @@
 //! What must be true of the C interface, called as C does.
 
-#![allow(unsafe_code)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs, unsafe_code)]
 
 mod allocation;
 mod errors;

@@ -1,0 +1,33 @@
+//! What can go wrong with a recorded run.
+
+/// Why a run cannot be recorded or shown.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReplayError {
+    /// The robot's description has no shapes to draw.
+    #[error("the robot's description cannot be read for its shapes: {0}")]
+    Urdf(#[from] urdf_rs::UrdfError),
+    /// The description has a link that the model does not have.
+    #[error(transparent)]
+    Robot(#[from] moca_model::whole_body::Error),
+    /// A frame was added after the first sample.
+    #[error("frame {name:?} comes too late: add all frames before the first sample")]
+    LateFrame {
+        /// Of the frame.
+        name: String,
+    },
+    /// A pose was given to a frame that is not this recorder's.
+    #[error("there is no frame {slot}: the recorder has {count} that can be placed")]
+    UnknownFrame {
+        /// What was given.
+        slot: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// There is nothing to draw.
+    #[error("nothing to show: give at least one run, each with at least one sample")]
+    Nothing,
+    /// The data cannot be written as JSON.
+    #[error("cannot write the data of the page: {0}")]
+    Json(#[from] serde_json::Error),
+}

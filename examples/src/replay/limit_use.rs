@@ -1,0 +1,78 @@
+//! How much of each limit is used.
+
+use moca_model::whole_body::{JointLimits, Model};
+use moca_model::{Command, DesiredMotion, MOCA_BASE_JOINTS, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED};
+
+/// Shares of limits, the greatest since they were last taken: 1 is at the limit.
+#[derive(Clone, Debug)]
+pub(super) struct LimitUse {
+    joints: Vec<JointLimits>,
+    desired: DesiredMotion,
+    period: f64,
+    velocity: Vec<f64>,
+    shares: Vec<f32>,
+}
+
+impl LimitUse {
+    pub(super) fn new(model: &Model, desired: DesiredMotion, period: f64) -> Self {
+        let joints = model.limits().to_vec();
+        let count = columns(model).len();
+        Self {
+            velocity: vec![0.0; joints.len()],
+            shares: vec![0.0; count],
+            joints,
+            desired,
+            period,
+        }
+    }
+
+    /// Takes the command of a tick and the configuration that it was given at.
+    #[expect(clippy::cast_possible_truncation, reason = "f32 is what is kept")]
+    pub(super) fn update(&mut self, command: &Command, configuration: &[f64]) {
+        let Self { joints, desired, period, velocity, shares } = self;
+        let mut shares = shares.iter_mut();
+        let mut raise = |share: f64| {
+            if let Some(most) = shares.next() {
+                *most = most.max(share as f32);
+            }
+        };
+        let commanded = &command.joint_velocity;
+        for (limits, v) in joints.iter().zip(commanded) {
+            raise(v.abs() / limits.velocity);
+        }
+        for ((limits, v), last) in joints.iter().zip(commanded).zip(velocity.iter_mut()) {
+            raise((v - *last).abs() / *period / limits.acceleration);
+            *last = *v;
+        }
+        for (limits, q) in joints.iter().zip(configuration) {
+            if limits.upper.is_finite() {
+                let middle = 0.5 * (limits.lower + limits.upper);
+                raise((q - middle).abs() / (0.5 * (limits.upper - limits.lower)));
+            }
+        }
+        if joints.len() > MOCA_BASE_JOINTS {
+            let [x, y, turn] = command.base_twist.map(f64::abs);
+            raise((x + y + MOCA_WHEEL_LEVER * turn) / MOCA_WHEEL_SPEED);
+        }
+        let twist = &command.desired_twist;
+        raise(twist.fixed_rows::<3>(0).amax() / desired.velocity);
+        raise(twist.fixed_rows::<3>(3).amax() / desired.angular_velocity);
+    }
+
+    /// The greatest since the last time; what follows begins anew.
+    pub(super) fn take(&mut self, row: &mut Vec<f32>) {
+        row.append(&mut self.shares.clone());
+        self.shares.fill(0.0);
+    }
+}
+
+/// Names of the shares, in their order.
+pub(super) fn columns(model: &Model) -> Vec<String> {
+    let (names, limits) = (model.velocity_names(), model.limits());
+    let of = |what: &'static str| names.iter().map(move |name| format!("{name} {what}"));
+    let ranged = names.iter().zip(limits).filter(|(_, limits)| limits.upper.is_finite());
+    let ranges = ranged.map(|(name, _)| format!("{name} range"));
+    let wheels = (names.len() > MOCA_BASE_JOINTS).then(|| "wheels speed".to_owned());
+    let desired = ["desired pose speed", "desired pose turning"].map(str::to_owned);
+    of("speed").chain(of("acceleration")).chain(ranges).chain(wheels).chain(desired).collect()
+}
