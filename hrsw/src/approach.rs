@@ -1,7 +1,9 @@
 //! Rows that bound how fast bodies of the robot approach others.
 
+mod bodies;
 mod body_motion;
 mod candidate;
+mod reach;
 
 use ahqp_core::{AugmentedState, Rows};
 use nalgebra::{DMatrix, Matrix6xX, Vector3};
@@ -12,46 +14,10 @@ use crate::distance_bounds::DistanceBounds;
 use crate::error::{Error, check_all, check_size, not_negative};
 use crate::separation::SeparationSettings;
 use crate::shape::Capsule;
+pub use bodies::{MeasuredVelocity, PersonBody, RobotBody};
 use body_motion::BodyMotion;
 use candidate::Candidate;
-
-/// A body of the robot, placed in the world.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RobotBody {
-    /// Its shape in the world \[m\].
-    pub capsule: Capsule,
-    /// How many of the joints, from the first, move it.
-    pub joints: usize,
-}
-
-/// How a part of the person's body moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeasuredVelocity {
-    /// As measured, in the world \[m/s\].
-    pub mean: Vector3<f64>,
-    /// How much faster than that the part may move, because the measurement is late and noisy \[m/s\].
-    pub uncertainty: f64,
-}
-
-impl MeasuredVelocity {
-    /// A velocity that is known exactly \[m/s\].
-    pub fn exact(mean: Vector3<f64>) -> Self {
-        Self { mean, uncertainty: 0.0 }
-    }
-}
-
-/// A part of the person's body, placed in the world.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PersonBody {
-    /// Its shape in the world \[m\].
-    pub capsule: Capsule,
-    /// Its velocity; unmeasured, the person is taken to come nearer at
-    /// [`SeparationSettings::human_speed`].
-    pub velocity: Option<MeasuredVelocity>,
-    /// For a part that the robot may touch now: whatever the distance, the two may come nearer to each
-    /// other as fast as their contact allows. None where only the distance counts.
-    pub contact: Option<Contact>,
-}
+use reach::Reach;
 
 /// How the robot moves with its joints now.
 #[derive(Debug, Clone, Copy)]
@@ -488,23 +454,6 @@ impl ApproachRows {
             rows.upper_mut()[index] = upper;
         }
         Ok(self.nearest)
-    }
-}
-
-/// The distance beyond which a pair needs no row and has more room than is watched: it then has more
-/// headroom than all that are kept, or than can be used up.
-#[derive(Debug, Clone, Copy)]
-struct Reach {
-    /// From a person who stands \[m\].
-    standing: f64,
-    /// In which a person comes nearer \[s\].
-    time: f64,
-}
-
-impl Reach {
-    /// From a person of this speed towards the robot \[m\].
-    fn sight(&self, human_speed: f64) -> f64 {
-        self.standing + human_speed * self.time
     }
 }
 

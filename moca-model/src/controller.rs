@@ -1,9 +1,12 @@
 //! The control loop: percepts in at camera rate, commands out once a millisecond.
 
+mod coming_to_rest;
+mod holding;
+
 use ahqp_core::{JerkLimits, Limits, Status, VelocityInterval, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Fault, LoopClock, Softening};
-use nalgebra::{Isometry3, Vector3, Vector6};
+use nalgebra::Isometry3;
 use vision_models::Percept;
 use whole_body::{Following, Model};
 
@@ -12,7 +15,7 @@ use crate::error::{Error, check_size};
 use crate::held_object::HeldObject;
 use crate::leash::Leash;
 use crate::motion_limits::{
-    Motion, admit_braking, brake, braking_limits, joint_limits, nearest_to_rest, write_intervals,
+    Motion, admit_braking, braking_limits, joint_limits, nearest_to_rest, write_intervals,
 };
 use crate::robot::kinematics::Kinematics;
 use crate::safety::{Safety, SafetyInput};
@@ -168,38 +171,6 @@ impl Controller {
     /// Replaces the person's ergonomics, for another person.
     pub fn set_comfort(&mut self, comfort: ErgonomicsQuadratic) {
         self.comfort = comfort;
-    }
-
-    /// The tool holds an object from now on, on which the person works: ergonomics and workspace are then of
-    /// their hand, which their tool keeps away from the object. The object's mass counts, and it is kept
-    /// apart from people and from the robot as the robot's bodies are.
-    ///
-    /// # Errors
-    /// Those of [`HeldObject::validate`]; the robot then holds what it held before.
-    pub fn hold(&mut self, object: HeldObject) -> Result<(), Error> {
-        self.robot.hold(&object)?;
-        // Without bodies nothing is kept apart.
-        if !self.robot.bodies().is_empty() {
-            let count = self.settings.safety.bodies.len() + 1;
-            self.safety.hold(self.robot.bodies().get(..count).unwrap_or_default());
-        }
-        self.object = Some(object);
-        Ok(())
-    }
-
-    /// The tool holds nothing; returns what it held.
-    ///
-    /// # Errors
-    /// None.
-    pub fn release(&mut self) -> Result<Option<HeldObject>, Error> {
-        self.robot.release()?;
-        self.safety.release();
-        Ok(self.object.take())
-    }
-
-    /// What the tool holds.
-    pub fn object(&self) -> Option<&HeldObject> {
-        self.object.as_ref()
     }
 
     /// The command for the period that begins at `now` \[s\], with the robot at the
@@ -366,25 +337,6 @@ impl Controller {
         self.command.activation = activation.clamp(0.0, 1.0);
     }
 
-    /// Moves the hand to where the person's tool has it, and the desired pose along with it, so that the
-    /// robot need not move.
-    fn advance_hand(&mut self, elapsed: f64) -> Result<(), Error> {
-        let tool = self.space.intention().tool();
-        let goal = match &self.object {
-            Some(object) => object.tool_from_hand(&self.settings.hand, tool)?,
-            None => Vector3::zeros(),
-        };
-        let way = goal - self.robot.tool_from_hand();
-        if way == Vector3::zeros() {
-            return Ok(());
-        }
-        let step = way.cap_magnitude(self.settings.hand.speed * elapsed.max(0.0));
-        self.robot.set_hand(self.robot.tool_from_hand() + step)?;
-        let desired = &mut self.command.desired;
-        desired.translation.vector += desired.rotation * step;
-        Ok(())
-    }
-
     fn write_intervals(&mut self, elapsed: f64) {
         let times = [self.settings.period, elapsed];
         let (joints, desired) = self.intervals.split_at_mut(self.reference.len());
@@ -449,32 +401,6 @@ impl Controller {
             self.go_towards_rest();
         }
         Ok(status)
-    }
-
-    /// Every joint, and the desired pose, as near to rest as its limits allow.
-    fn brake(&mut self) {
-        self.go_towards_rest();
-        self.command.outcome = Outcome::Braking;
-    }
-
-    fn go_towards_rest(&mut self) {
-        let (_, desired) = self.intervals.split_at(self.braking.len());
-        self.command.joint_velocity.copy_from_slice(&self.braking);
-        for (velocity, interval) in self.command.desired_twist.iter_mut().zip(desired) {
-            *velocity = nearest_to_rest(interval);
-        }
-        self.command.slack = Vector6::zeros();
-    }
-
-    /// Brakes at the limits of acceleration, whatever else holds.
-    fn halt(&mut self, elapsed: f64) {
-        let step = elapsed.min(self.settings.period);
-        brake(&self.joint_braking, &self.acceleration, step, &mut self.command.joint_velocity);
-        let twist = self.command.desired_twist.as_mut_slice();
-        brake(&self.desired_braking, &[0.0; 6], step, twist);
-        self.command.slack = Vector6::zeros();
-        self.command.outcome = Outcome::Braking;
-        self.safety.wait(self.clock.age(), elapsed);
     }
 
     /// Moves the commanded state on by `time` \[s\] at the commanded velocities.

@@ -33,6 +33,15 @@ impl Intention {
         }
     }
 
+    /// The same with bare hands, to compare what people want whatever they work with.
+    #[must_use]
+    pub fn regardless_of_tool(self) -> Self {
+        match self {
+            Self::Together { walking, .. } => Self::Together { walking, tool: None },
+            Self::Apart => Self::Apart,
+        }
+    }
+
     /// What the person works with on what the robot holds.
     pub fn tool(self) -> Option<Tool> {
         match self {

@@ -247,7 +247,9 @@ fn share(part: u64, whole: u64) -> Option<f64> {
 }
 
 fn intention_accuracy(classes: &[String], evaluation: &Evaluation) -> Option<f64> {
-    let of_label = |class: &String| Some(Intention::from(Action::from_label(class).ok()?));
+    let of_label = |class: &String| {
+        Some(Intention::from(Action::from_label(class).ok()?).regardless_of_tool())
+    };
     let intentions: Vec<Intention> = classes.iter().map(of_label).collect::<Option<_>>()?;
     let (mut right, mut all) = (0, 0);
     for (row, own) in evaluation.confusion.iter().zip(&intentions) {

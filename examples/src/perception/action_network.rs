@@ -118,7 +118,8 @@ impl ActionNetwork {
     fn decide(&self, probabilities: &[f32]) -> Result<Option<RecognisedAction>> {
         let classes = || probabilities.iter().zip(&self.actions);
         let of_intention = |action: Action| -> f32 {
-            let same = classes().filter(|(_, other)| Intention::from(**other) == action.into());
+            let wanted = |action: Action| Intention::from(action).regardless_of_tool();
+            let same = classes().filter(|(_, other)| wanted(**other) == wanted(action));
             same.map(|(probability, _)| probability).sum()
         };
         let scored = classes().map(|(own, action)| (of_intention(*action), *own, *action));

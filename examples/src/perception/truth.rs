@@ -48,7 +48,9 @@ impl AgainstTruth {
                 recent.iter().filter_map(|of| Some(of.action?.action)).collect();
             if !actions.is_empty() {
                 action.count(percept.action.is_some_and(|seen| actions.contains(&seen.action)));
-                intention.count(actions.iter().any(|own| Intention::from(*own) == filtered));
+                let wanted = filtered.regardless_of_tool();
+                let is_wanted = |own: &Action| Intention::from(*own).regardless_of_tool() == wanted;
+                intention.count(actions.iter().any(is_wanted));
             }
         }
         Ok(Self {

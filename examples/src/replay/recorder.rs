@@ -4,7 +4,7 @@ use ergo_map::{Conditions, ErgonomicsMap, PersonFrame, Side};
 use hrsw::Capsule;
 use moca_model::whole_body::{Data, FrameId, Model};
 use moca_model::{Controller, ControllerSettings, HeldObject, SafetySettings};
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Translation3, Vector3};
 use vision_models::{Percept, TrackedPerson};
 
 use super::body::{self, BODY_POINTS, BodyPart, POINT_COUNT, Points};
@@ -291,9 +291,12 @@ impl Recorder {
     ) -> Result<Vec<f32>, ReplayError> {
         let mut values = Vec::new();
         let posed = self.data.pose(&self.model, configuration)?;
-        for frame in self.robot.iter().chain([&self.tool]) {
+        for frame in &self.robot {
             write_pose(Some(&posed.world_from(*frame)?), &mut values);
         }
+        // Where the person's hand is who works on what the tool holds.
+        let hand = Translation3::from(*controller.robot().tool_from_hand());
+        write_pose(Some(&(posed.world_from(self.tool)? * hand)), &mut values);
         let space = controller.space();
         write_pose(Some(&controller.command().desired), &mut values);
         write_pose(Some(space.workspace().world_from_workspace()), &mut values);

@@ -1,0 +1,60 @@
+//! What the tool holds, and where the hand is of the person who works on it.
+
+use nalgebra::Vector3;
+
+use super::Controller;
+use crate::error::Error;
+use crate::held_object::HeldObject;
+
+impl Controller {
+    /// The tool holds an object from now on, on which the person works: ergonomics and workspace are then of
+    /// their hand, which their tool keeps away from the object. The object's mass counts, and it is kept
+    /// apart from people and from the robot as the robot's bodies are.
+    ///
+    /// # Errors
+    /// Those of [`HeldObject::validate`]; the robot then holds what it held before.
+    pub fn hold(&mut self, object: HeldObject) -> Result<(), Error> {
+        self.robot.hold(&object)?;
+        // Without bodies nothing is kept apart.
+        if !self.robot.bodies().is_empty() {
+            let count = self.settings.safety.bodies.len() + 1;
+            self.safety.hold(self.robot.bodies().get(..count).unwrap_or_default());
+        }
+        self.object = Some(object);
+        Ok(())
+    }
+
+    /// The tool holds nothing; returns what it held.
+    ///
+    /// # Errors
+    /// None.
+    pub fn release(&mut self) -> Result<Option<HeldObject>, Error> {
+        self.robot.release()?;
+        self.safety.release();
+        Ok(self.object.take())
+    }
+
+    /// What the tool holds.
+    pub fn object(&self) -> Option<&HeldObject> {
+        self.object.as_ref()
+    }
+
+    /// Moves the hand to where the person's tool has it, and the desired pose along with it, so that the
+    /// robot need not move.
+    pub(super) fn advance_hand(&mut self, elapsed: f64) -> Result<(), Error> {
+        let tool = self.space.intention().tool();
+        let goal = match &self.object {
+            Some(object) => object.tool_from_hand(&self.settings.hand, tool)?,
+            None => Vector3::zeros(),
+        };
+        let way = goal - self.robot.tool_from_hand();
+        if way == Vector3::zeros() {
+            return Ok(());
+        }
+        let step = way.cap_magnitude(self.settings.hand.speed * elapsed.max(0.0));
+        self.robot.set_hand(self.robot.tool_from_hand() + step)?;
+        let desired = &mut self.command.desired;
+        desired.translation.vector += desired.rotation * step;
+        Ok(())
+    }
+}
