@@ -157,7 +157,7 @@ pub struct Observation {
 /// assert_eq!(supervisor.unacknowledged(), Some(Fault::BadMeasurement));
 /// supervisor.acknowledge();
 /// supervisor.update(&nobody, 1e-3);
-/// assert_eq!(supervisor.state(), SafetyState::Reduced);
+/// assert_eq!(supervisor.state(), SafetyState::Retreat); // one state at a time
 /// # Ok::<(), hrsw::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
