@@ -119,6 +119,8 @@ pub struct ApproachRows {
     least_distance: f64,
     /// Whether a pair got no row that needs one.
     crowded: bool,
+    /// Of the pairs that may not touch \[m\].
+    least_apart: f64,
 }
 
 /// What rounding may make of a speed of approach \[m/s\].
@@ -153,6 +155,7 @@ impl ApproachRows {
             closest: None,
             least_distance: f64::INFINITY,
             crowded: false,
+            least_apart: f64::INFINITY,
         })
     }
 
@@ -271,6 +274,12 @@ impl ApproachRows {
         })
     }
 
+    /// Returns true if a pair that may not touch is nearer than what is not known of both places: no
+    /// direction is surely away then, and the robot must stand.
+    pub fn is_too_near_to_tell(&self) -> bool {
+        self.least_apart < self.settings.protective_distance(0.0, 0.0)
+    }
+
     /// Returns true if more pairs are at their limits than there are rows: the robot must then brake, which
     /// keeps them all.
     pub fn is_crowded(&self) -> bool {
@@ -342,6 +351,7 @@ impl ApproachRows {
         self.nearest = None;
         self.least_distance = f64::INFINITY;
         self.crowded = false;
+        self.least_apart = f64::INFINITY;
     }
 
     /// Measures the pair that was nearest last, which bounds the least distance from above.
@@ -403,6 +413,7 @@ impl ApproachRows {
     /// the least room.
     fn consider(&mut self, candidate: Candidate, change: f64) {
         if !candidate.contact {
+            self.least_apart = self.least_apart.min(candidate.near.distance);
             let pair = candidate.seen();
             if self.nearest.is_none_or(|other| pair.room() < other.room()) {
                 self.nearest = Some(pair);

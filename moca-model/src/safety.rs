@@ -213,9 +213,12 @@ impl Safety {
 
     /// The share of their speeds that the joints may use: at once zero in a stop for a fault, while the
     /// robot moves towards somebody who is too close, and where more pairs are at their limit than there
-    /// are rows; else the supervisor's.
+    /// are rows or one is nearer than can be told; else the supervisor's.
     pub fn speed_scale(&self) -> f64 {
-        let brakes = self.separation.is_crowded() || self.supervisor.stops_at_once();
+        let separation = &self.separation;
+        let brakes = separation.is_crowded()
+            || separation.is_too_near_to_tell()
+            || self.supervisor.stops_at_once();
         if brakes { 0.0 } else { self.supervisor.speed_scale() }
     }
 
