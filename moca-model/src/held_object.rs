@@ -96,8 +96,7 @@ pub struct HandSettings {
     pub drill: f64,
     /// With a polisher \[m\]. Default 0.12.
     pub polisher: f64,
-    /// How fast the hand is taken to move when the tool changes \[m/s\]: slowly enough for the robot to
-    /// make room. Default 0.1.
+    /// How fast the hand is taken to move when the tool changes \[m/s\]. Default 0.25.
     pub speed: f64,
 }
 
