@@ -3,11 +3,11 @@
 use ergo_map::ErgonomicsQuadratic;
 use moca_model::whole_body::Data;
 use moca_model::{
-    Controller, ControllerSettings, ImpedanceSettings, JointImpedance, JointState, Kinematics,
-    MOCA_HOME, MOCA_TOOL, SafetySettings, SimulatedRobot, moca,
+    Controller, ControllerSettings, HeldObject, ImpedanceSettings, JointImpedance, JointState,
+    Kinematics, MOCA_HOME, MOCA_TOOL, SafetySettings, SimulatedRobot, moca,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
-use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
+use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, Tool};
 
 use crate::drive::{Drive, percept};
 
@@ -75,6 +75,7 @@ fn a_tick_of_the_controller_allocates_nothing() {
         let position = Point3::new(1.4, y, z);
         body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
     }
+    controller.hold(HeldObject::default()).unwrap();
     let action = RecognisedAction { action: Action::DeliverObject, confidence: Confidence::ONE };
     let mut percept = Percept { time: 0.0, body: Some(body), action: Some(action), surface: None };
     let count = allocations(|| {
@@ -82,8 +83,13 @@ fn a_tick_of_the_controller_allocates_nothing() {
             let now = f64::from(tick) * 1e-3;
             if tick.is_multiple_of(50) {
                 percept.time = now;
+                if tick == 1500 {
+                    let action = Action::Using(Tool::Drill);
+                    percept.action = Some(RecognisedAction { action, confidence: Confidence::ONE });
+                }
                 controller.observe(&percept).unwrap();
             }
+            controller.feel(0.0);
             controller.step(now, robot.position()).unwrap();
             robot.step(&controller.command().joint_velocity, 1e-3).unwrap();
         }

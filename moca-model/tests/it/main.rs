@@ -7,6 +7,7 @@ mod controller;
 mod drive;
 mod faults;
 mod golden;
+mod held_object;
 mod properties;
 mod safety;
 mod shared;

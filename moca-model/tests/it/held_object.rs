@@ -1,0 +1,168 @@
+//! The object between robot and person: where the hand is, what it weighs, and what is refused.
+
+use ergo_map::ErgonomicsQuadratic;
+use moca_model::whole_body::Data;
+use moca_model::{
+    BoxSide, Controller, ControllerSettings, Error, HandSettings, HeldObject, MOCA_HOME,
+    SimulatedRobot, TorqueController, TorqueLoopSettings, WorkFace,
+};
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use proptest::prelude::*;
+use vision_models::{Action, Surface, Tool, WalkingDirection};
+
+use crate::drive::doing;
+use crate::shared::MOCA;
+
+const PERIOD: f64 = 1e-3;
+const SIDES: [BoxSide; 6] =
+    [BoxSide::Front, BoxSide::Back, BoxSide::Left, BoxSide::Right, BoxSide::Top, BoxSide::Bottom];
+
+fn controller() -> Controller {
+    let hessian = Matrix3::identity() * 8.0;
+    let best = Vector3::new(0.35, -0.1, 1.1);
+    let least = 0.5 * best.dot(&(hessian * best));
+    let comfort = ErgonomicsQuadratic::new(hessian, -(hessian * best), least).unwrap();
+    Controller::new(MOCA.clone(), comfort, ControllerSettings::default(), &MOCA_HOME).unwrap()
+}
+
+proptest! {
+    #[test]
+    fn the_capsule_holds_the_box_and_the_hand_is_before_the_face(
+        size in prop::array::uniform3(0.01..0.6_f64).prop_map(Vector3::from),
+        place in prop::array::uniform3(-0.3..0.3_f64).prop_map(Vector3::from),
+        turn in prop::array::uniform3(-1.5..1.5_f64).prop_map(Vector3::from),
+        side in prop::sample::select(&SIDES[..]),
+    ) {
+        let faces = vec![WorkFace { side, surface: Surface::Smooth }];
+        let tool_from_object = Isometry3::new(place, turn);
+        let object = HeldObject { size, tool_from_object, faces, mass: 1.0 };
+        let capsule = object.capsule().unwrap();
+        for corner in 0..8_u8 {
+            let sign = |bit: u8| if corner & bit == 0 { -0.5 } else { 0.5 };
+            let corner = size.component_mul(&Vector3::new(sign(1), sign(2), sign(4)));
+            let corner = tool_from_object * Point3::from(corner);
+            prop_assert!(capsule.signed_distance(&corner.coords) < 1e-9);
+        }
+        let settings = HandSettings::default();
+        let [bare, drill] = [None, Some(Tool::Drill)]
+            .map(|tool| object.tool_from_hand(&settings, tool).unwrap());
+        prop_assert!(((drill - bare).norm() - settings.drill).abs() < 1e-12);
+        // In the object's axes: on the surface, and from there straight out.
+        let inside = tool_from_object.inverse_transform_point(&bare.into()).coords;
+        let beyond = inside.abs() - size * 0.5;
+        prop_assert!(beyond.max().abs() < 1e-12 && beyond.iter().filter(|b| b.abs() < 1e-12).count() == 1);
+        let out = tool_from_object.inverse_transform_vector(&(drill - bare));
+        prop_assert!(out.normalize().dot(&inside.normalize()) > 1.0 - 1e-12);
+    }
+}
+
+/// The robot stays behind the drill, and its wrist turns with a point that is not its own.
+#[test]
+fn the_hand_follows_a_person_who_walks_with_a_drill() {
+    let mut controller = controller();
+    controller.hold(HeldObject::default()).unwrap();
+    let mut robot = SimulatedRobot::new(&MOCA, &MOCA_HOME).unwrap();
+    let mut data = Data::new(&MOCA);
+    for tick in 0..9000_u32 {
+        let now = f64::from(tick) * PERIOD;
+        if tick.is_multiple_of(50) {
+            let (x, action) = if now < 5.0 {
+                (1.6, Action::Using(Tool::Drill))
+            } else {
+                let backwards = WalkingDirection::Backwards;
+                (1.6 + 0.15 * (now - 5.0), Action::MoveWhileUsing(backwards, Tool::Drill))
+            };
+            controller.observe(&doing(action, now, Some(x))).unwrap();
+        }
+        controller.feel(0.0);
+        controller.step(now, robot.position()).unwrap();
+        let pose = data.pose(&MOCA, robot.position()).unwrap();
+        let tool = pose.world_from(controller.robot().tool()).unwrap();
+        let hand = (tool * Point3::from(*controller.robot().tool_from_hand())).coords;
+        assert!((controller.actual().translation.vector - hand).norm() < 1e-12);
+        // x_d and the hand stay together: the wrist turns about the hand, not about the tool.
+        let behind = (controller.command().desired.translation.vector - hand).norm();
+        assert!(behind < 5e-4, "{behind} m at {now} s");
+        let velocity = controller.command().joint_velocity.clone();
+        robot.step(&velocity, PERIOD).unwrap();
+    }
+    let along = controller.robot().tool_from_hand();
+    assert!((along - Vector3::new(0.26, 0.0, 0.05)).norm() < 1e-12, "{along}");
+    assert!(controller.command().joint_velocity[0] > 0.05, "it follows");
+}
+
+#[test]
+fn without_a_measured_force_nobody_may_be_touched() {
+    for feels in [true, false] {
+        let mut controller = controller();
+        for tick in 0..2000_u32 {
+            let now = f64::from(tick) * PERIOD;
+            if tick.is_multiple_of(50) {
+                controller.observe(&doing(Action::Using(Tool::Drill), now, Some(1.6))).unwrap();
+            }
+            if feels {
+                controller.feel(0.0);
+            }
+            controller.step(now, &MOCA_HOME).unwrap();
+        }
+        assert_eq!(controller.safety().contact_speed() > 0.0, feels);
+    }
+}
+
+/// The torques that carry it are m g times how each joint lifts its middle.
+#[test]
+fn the_arm_carries_what_it_holds() {
+    let settings = TorqueLoopSettings::default();
+    let mut held = TorqueController::new(controller(), settings.clone()).unwrap();
+    let mut empty = TorqueController::new(controller(), settings).unwrap();
+    let object = HeldObject { mass: 1.5, ..HeldObject::default() };
+    held.hold(object.clone()).unwrap();
+    let measured =
+        moca_model::Measured { position: &MOCA_HOME, velocity: &[0.0; 10], torque: &[0.0; 10] };
+    // The torque's rate is limited.
+    for tick in 0..200_u32 {
+        for controller in [&mut held, &mut empty] {
+            controller.step(f64::from(tick) * PERIOD, &measured).unwrap();
+        }
+    }
+    let mut data = Data::new(&MOCA);
+    let tool = held.controller().robot().tool();
+    let middle = Point3::from(object.tool_from_object.translation.vector);
+    for joint in 0..7 {
+        let mut height = |step: f64| {
+            let mut q = MOCA_HOME;
+            q[3 + joint] += step;
+            (data.pose(&MOCA, &q).unwrap().world_from(tool).unwrap() * middle).z
+        };
+        let lifts = (height(1e-6) - height(-1e-6)) / 2e-6;
+        let difference = held.torque()[joint] - empty.torque()[joint];
+        assert!((difference - 1.5 * 9.81 * lifts).abs() < 1e-3, "joint {joint}: {difference}");
+    }
+    assert_eq!(held.release().unwrap(), Some(object));
+    assert_eq!(held.controller().object(), None);
+}
+
+#[test]
+fn objects_that_are_none_are_named_and_change_nothing() {
+    let mut controller = controller();
+    controller.hold(HeldObject::default()).unwrap();
+    let nan = Isometry3::translation(f64::NAN, 0.0, 0.0);
+    for (object, name) in [
+        (HeldObject { mass: 0.0, ..HeldObject::default() }, "object.mass"),
+        (HeldObject { mass: f64::NAN, ..HeldObject::default() }, "object.mass"),
+        (HeldObject { size: Vector3::new(0.1, -0.1, 0.1), ..HeldObject::default() }, "object.size"),
+        (HeldObject { tool_from_object: nan, ..HeldObject::default() }, "tool_from_object"),
+        (HeldObject { faces: Vec::new(), ..HeldObject::default() }, "face"),
+    ] {
+        let error = controller.hold(object).unwrap_err();
+        assert!(error.to_string().contains(name), "{error}");
+        assert_eq!(controller.object(), Some(&HeldObject::default()));
+    }
+    for hand in [
+        HandSettings { drill: -0.1, ..HandSettings::default() },
+        HandSettings { speed: 0.0, ..HandSettings::default() },
+    ] {
+        let settings = ControllerSettings { hand, ..ControllerSettings::default() };
+        assert!(matches!(settings.validate(), Err(Error::Setting { .. })));
+    }
+}
