@@ -233,21 +233,27 @@ impl Solver {
     fn search(&mut self, levels: usize) -> Result<Status, Error> {
         let from_nothing = self.set.predicted.iter().all(|state| !state.is_active())
             && self.solution.x.iter().all(|&x| x == 0.0);
-        let mut end = self.search_levels(levels);
+        let mut end = self.search_once(levels);
         if !from_nothing && end.is_err() {
             self.conflict.clear();
             self.start_from_nothing();
-            end = self.search_levels(levels);
+            end = self.search_once(levels);
         } else if !from_nothing && end == Ok(Status::Solved) && self.set.is_rank_in_doubt() {
             self.found.copy_from(&self.set);
             self.start_from_nothing();
-            if self.search_levels(levels)? != Status::Solved {
+            if self.search_once(levels)? != Status::Solved {
                 self.found.copy_to(&mut self.set);
             }
         }
-        let status = end?;
+        end
+    }
+
+    /// Searches all levels, and sees to it that what was found holds in the data.
+    fn search_once(&mut self, levels: usize) -> Result<Status, Error> {
+        let status = self.search_levels(levels)?;
         if status == Status::Solved {
             self.polish();
+            self.set.move_onto_broken_rows();
             self.expect_hard_rows()?;
         }
         Ok(status)

@@ -4,6 +4,7 @@
 //! few rows at a time, as long as that goes well; [`level_search`] is the primal active-set method, level
 //! by level, which always ends.
 
+mod broken_rows;
 mod fix;
 mod level_search;
 mod ratio_test;
@@ -62,6 +63,8 @@ pub(crate) struct ActiveSet {
     kept: List<usize>,
     /// Rows of the level at hand that stay because an objective above would move x far without them.
     kept_for_objectives: List<usize>,
+    /// Rows of an objective that has ended, made inactive, and what they were.
+    released: List<(usize, Activity)>,
     /// The largest ‖x‖ of this solve.
     pub(crate) farthest: f64,
     settings: Settings,
@@ -92,6 +95,7 @@ impl ActiveSet {
             candidates: List::with_capacity(count),
             kept: List::with_capacity(count),
             kept_for_objectives: List::with_capacity(count),
+            released: List::with_capacity(count),
             farthest: 0.0,
             data,
             settings,
@@ -231,24 +235,6 @@ impl ActiveSet {
     pub(crate) fn has_spread(&self) -> bool {
         let (data, x_norm) = (&self.data, norm(&self.x));
         data.levels.iter().any(|level| data.have_spread(level.used_objective(), x_norm))
-    }
-
-    /// The hard row that is most violated at x within its bounds, if that is no rounding: numbers of very
-    /// different sizes can lead a search there.
-    pub(crate) fn broken_row(&mut self) -> Option<usize> {
-        for (x, (&lower, &upper)) in
-            self.x.iter_mut().zip(self.data.lower.iter().zip(&self.data.upper))
-        {
-            *x = x.clamp(lower, upper);
-        }
-        let Self { data, x, value, .. } = self;
-        for level in &data.levels {
-            data.multiply(level.constraints.clone(), x, value);
-        }
-        let constraints = self.data.levels.iter().flat_map(|level| level.constraints.clone());
-        let excess = constraints.map(|id| (id, self.excess(id)));
-        let worst = excess.max_by(|a, b| a.1.total_cmp(&b.1));
-        worst.filter(|&(_, excess)| excess > 1.0).map(|(id, _)| id)
     }
 
     /// Returns true if all these rows hold.

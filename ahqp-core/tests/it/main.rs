@@ -18,6 +18,7 @@ mod random_comparison;
 mod rows;
 mod scales;
 mod settings;
+mod small_terms;
 mod stack_changes;
 mod support;
 mod weights;

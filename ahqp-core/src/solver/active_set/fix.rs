@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use super::{ActiveSet, Goal};
+use crate::linalg::vector::norm;
 use crate::solver::activity::Activity;
-use crate::solver::tolerances::CERTAIN;
+use crate::solver::tolerances::{CERTAIN, SETTLED};
 
 impl ActiveSet {
     /// Fixes what a level decided, at the end of its search: active rows that it needs stay active.
@@ -25,11 +26,11 @@ impl ActiveSet {
                 self.fixed[id] |= multiplier.abs() > CERTAIN * rounding;
             }
         }
-        if let Some(Goal::Rows(rows)) = goal {
+        if let Some(goal @ Goal::Rows(rows)) = goal {
             if self.factorisation.hold_met_group() {
                 self.residual[rows.clone()].fill(0.0);
             } else {
-                self.release_unneeded(rows.clone());
+                self.release_unneeded(goal, rows.clone());
             }
             let rows = rows.clone();
             if rows.clone().any(|id| !self.fixed[id]) {
@@ -40,10 +41,13 @@ impl ActiveSet {
         self.factorisation.close_groups(|id| !fixed[id]);
     }
 
-    /// Makes rows of a minimised objective inactive that it does not need: they are not violated.
-    fn release_unneeded(&mut self, rows: Range<usize>) {
+    /// Makes rows of a minimised objective inactive that it does not need: they are not violated. Where the
+    /// optimum would move without them they stay: their pull is there, but less than rounding.
+    fn release_unneeded(&mut self, goal: &Goal, rows: Range<usize>) {
+        self.released.clear();
         for id in rows {
             if self.activity[id].is_active() && !self.fixed[id] {
+                self.released.push((id, self.activity[id]));
                 self.activity[id] = Activity::Inactive;
                 self.factorisation.take_out(&self.data, &self.activity, id);
             }
@@ -51,5 +55,19 @@ impl ActiveSet {
                 self.residual[id] = 0.0;
             }
         }
+        if self.released.is_empty() || !self.moves(goal) {
+            return;
+        }
+        let group = self.factorisation.groups.len() - 1;
+        for &(id, state) in &self.released {
+            self.activity[id] = state;
+            self.fixed[id] = true;
+            self.factorisation.add(&self.data, &self.activity, id, group);
+        }
+    }
+
+    /// Returns true if the minimum of the goal is elsewhere than x.
+    fn moves(&mut self, goal: &Goal) -> bool {
+        self.set_direction(goal) && norm(&self.direction) > SETTLED * (1.0 + norm(&self.x))
     }
 }

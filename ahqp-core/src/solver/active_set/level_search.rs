@@ -114,7 +114,7 @@ impl ActiveSet {
 
     /// The step to the minimum with the active rows held. Returns false if there is none: the direction
     /// is one in which the goal falls for ever.
-    fn set_direction(&mut self, goal: &Goal) -> bool {
+    pub(super) fn set_direction(&mut self, goal: &Goal) -> bool {
         let free = match goal {
             Goal::Rows(_) => FreeCoordinates::Kept,
             Goal::Norm => FreeCoordinates::Zero,

@@ -1,0 +1,110 @@
+//! Rows whose terms are all small beside the largest variable: they hold to their own size, and pulls that
+//! are smaller than the rounding of other sums still count.
+
+use ahqp_core::{Hierarchy, Level, Rows, Settings, Solver, Status};
+use nalgebra::{DMatrix, DVector};
+
+/// One row: its coefficients, then its lower and its upper bound.
+fn rows<const WIDTH: usize>(of: &[[f64; WIDTH]]) -> Rows {
+    let variables = WIDTH - 2;
+    let matrix = DMatrix::from_fn(of.len(), variables, |row, column| of[row][column]);
+    let column = |column: usize| DVector::from_iterator(of.len(), of.iter().map(|row| row[column]));
+    Rows::ranges(&matrix, &column(variables), &column(variables + 1)).unwrap()
+}
+
+/// The violation of each level at the optimum.
+fn violations(hierarchy: &Hierarchy) -> Vec<f64> {
+    let mut solver = Solver::new(hierarchy, Settings::default()).unwrap();
+    let solution = solver.solve(hierarchy).unwrap();
+    assert_eq!(solution.status(), Status::Solved);
+    let x = solution.optimum().unwrap();
+    hierarchy.levels().iter().map(|level| level.violation(x).unwrap()).collect()
+}
+
+#[test]
+fn a_row_of_the_size_of_rounding_is_held_beside_large_variables() {
+    let hard = rows(&[
+        [0.0, -1.0, 0.0, -1.0, -3.5e-14],
+        [0.0, -1.0, 0.0, -1.0, -3.3e-13],
+        [-0.19, 1.0, 1.0, -1.0, -0.15],
+    ]);
+    let soft = rows(&[[0.0, -1.0, 1.0, 0.0, 1.0], [0.0, 1.0, 0.0, -1.0, 0.0]]);
+    let below = rows(&[[1.0, 1.0, 1.0, -1.0, 1.0], [0.0, 1.0, 1.0, -1.0, 1.0]]);
+    let last = rows(&[
+        [1.0, 1.0, 1.0, -1.0, 0.0],
+        [1.0, 1.0, 1.0, -1.0, 0.0],
+        [1.0, 1.0, 1.0, -1.0, 0.0],
+        [1.0, 1.0, 1.0, 0.0, 0.0],
+        [1.0, 1.0, 1.0, -1.847126108114324, 0.0],
+        [1.0, 1.0, 1.0, 0.0, 0.0],
+    ]);
+    let mut problem = Hierarchy::new(3).unwrap();
+    problem.push(Level::constraints_only(hard)).unwrap();
+    for level in [soft, below, last] {
+        problem.push(Level::least_squares(level)).unwrap();
+    }
+    // ‖x‖ is 0.8: what is left is a part in 10¹³ of it.
+    assert!(violations(&problem)[0] < 1e-13);
+}
+
+#[test]
+fn rows_of_the_size_of_rounding_are_held_where_levels_below_pull_at_them() {
+    let first = rows(&[
+        [0.0, -1.0, 1.0, 0.0, 1.0, -1.0, -1.0, 1.0, 0.0, 0.0],
+        [0.0, 1.0, 1.0, 1.0, -1.0, 1.0, -1.0, 1.0, 0.0, 0.0],
+    ]);
+    let hard = rows(&[
+        [0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, -1.0, 0.0],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.0, -1.0, -1.0, -1.1e-13],
+        [0.0, 0.0, 0.0, 0.0, 0.0, -1.0, -1.0, -1.0, -1.0, -2.3e-13],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, -1.0, -3.3e-13],
+        [0.0, 0.036, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, -1.0, -0.083],
+        [1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, -1.0, 0.0],
+    ]);
+    let soft = rows(&[
+        [0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 1.0, 1.0, -1.0, -1.0],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, -1.0, 0.0],
+        [0.0, 0.0, -1.0, 0.0, 0.0, -1.0, 1.0, 1.0, -1.0, 0.0],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0],
+    ]);
+    let mut problem = Hierarchy::new(8).unwrap();
+    problem.push(Level::least_squares(first)).unwrap();
+    problem.push(Level::constraints_only(hard)).unwrap();
+    problem.push(Level::least_squares(soft)).unwrap();
+    assert!(violations(&problem)[1] < 1e-12);
+}
+
+/// Along the chain x₇ → x₆ → x₅ → x₄ → x₃ → x₁ little is left of x₇: the two rows that contradict each other
+/// share 5.4e-10, and the row at the chain's beginning pulls with 3e-17.
+#[test]
+fn a_pull_below_rounding_that_an_optimum_stands_on_is_kept() {
+    let hard = rows(&[[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.0, -4.9e-3]]);
+    let chain = rows(&[
+        [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.0, -1.0, 0.0],
+        [0.0, 0.0, 0.0, 0.0, 1.0, -1.3e-3, 0.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 1.0, -1.9e-2, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0, -4.5e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    ]);
+    let below = rows(&[[1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, -1.0011565842716217, -1.0]]);
+    let mut problem = Hierarchy::new(8).unwrap();
+    problem.push(Level::constraints_only(hard)).unwrap();
+    problem.push(Level::least_squares(chain)).unwrap();
+    problem.push(Level::least_squares(below)).unwrap();
+    let [hard, chain, _] = violations(&problem)[..] else { panic!("three levels") };
+    assert!(hard < 1e-15, "{hard}");
+    // The least norm of residuals rᵢ with Σ cᵢ rᵢ = gap, where cᵢ is what of row i reaches x₁.
+    let reach = [4.5e-3, 1.9e-2, 1.3e-3].map({
+        let mut product = 1.0;
+        move |factor| {
+            product *= factor;
+            product
+        }
+    });
+    let squares = 2.0 + reach.iter().map(|c| c * c).sum::<f64>() + reach[2] * reach[2];
+    let shared = 4.9e-3 * reach[2] / f64::sqrt(squares);
+    assert!((chain - shared).abs() < 1e-15, "{chain} instead of {shared}");
+}
