@@ -17,8 +17,9 @@ pub(crate) const CERTAIN: f64 = 10.0;
 pub(crate) const CLEARLY_THERE: f64 = 1e-6;
 /// Of ‖a‖‖x‖, what a search may leave of a violation that it cannot tell from rounding.
 pub(crate) const DOUBTFUL: f64 = CERTAIN * ROUNDING;
-/// A step shorter than this part of 1 + ‖x‖ moves nothing but the last digits: the search has stalled.
-pub(crate) const SHORTEST_STEP: f64 = 1e-14;
+/// A step shorter than this part of 1 + ‖x‖ is no progress: where dozens of rows meet, a search could go round
+/// for ever in steps of what rounding leaves of each.
+pub(crate) const SHORTEST_STEP: f64 = 1e-12;
 /// A remainder of a row that has shrunk to this part of its square has lost half its digits to
 /// cancellation: it is computed anew.
 pub(crate) const SHRUNK: f64 = 1e-4;
