@@ -23,8 +23,10 @@ const RETURN_TIME: f64 = 5.0;
 #[expect(clippy::struct_excessive_bools, reason = "several kinds of limits can be broken at once")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Breaches {
-    /// The range of a joint, or a limit of speed.
+    /// A limit of speed.
     pub limit: bool,
+    /// The range of a joint.
+    pub range: bool,
     /// The limit of acceleration of a joint.
     pub acceleration: bool,
     /// The limit of jerk of a joint.
@@ -36,7 +38,7 @@ pub struct Breaches {
 impl Breaches {
     /// Returns true if anything is broken.
     pub fn any(self) -> bool {
-        self.limit || self.acceleration || self.jerk || self.desired_acceleration
+        self.limit || self.range || self.acceleration || self.jerk || self.desired_acceleration
     }
 }
 
@@ -131,7 +133,7 @@ impl LimitMonitor {
             let change = v - std::mem::replace(&mut self.velocity[index], v);
             breaches.acceleration |= self.change(change.abs(), acceleration);
             breaches.jerk |= self.jerk(index, change / self.period, jerk);
-            breaches.limit |= self.position(index, q, v, returning);
+            breaches.range |= self.position(index, q, v, returning);
         }
         if self.joints.len() > MOCA_BASE_JOINTS {
             let [x, y, turn] = command.base_twist.map(f64::abs);
@@ -152,6 +154,14 @@ impl LimitMonitor {
             breaches.desired_acceleration |= self.change(part(&change).norm(), acceleration);
         }
         breaches
+    }
+
+    /// Joints that are outside their range now were moved there by no command.
+    pub fn move_outside(&mut self, configuration: &[f64]) {
+        for ((outside, limits), q) in self.outside.iter_mut().zip(&self.joints).zip(configuration) {
+            let is_outside = !(limits.lower..=limits.upper).contains(q);
+            *outside = is_outside.then_some(0.0);
+        }
     }
 
     /// Returns true if a speed is too high, or no number.

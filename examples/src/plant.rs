@@ -22,7 +22,7 @@ use std::time::Instant;
 use anyhow::Result;
 use moca_model::whole_body::{Data, ExternalWrench, Model, RandomSource};
 use moca_model::{
-    Command, Controller, DynamicRobot, DynamicRobotSettings, HeldObject, SimulatedRobot,
+    Command, Controller, DynamicRobot, DynamicRobotSettings, HeldObject, Measured, SimulatedRobot,
     TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
@@ -58,6 +58,8 @@ pub struct Plant {
     period: f64,
     /// Where the command begins \[m, rad\].
     reference: Vec<f64>,
+    /// The positions that the controller was given \[m, rad\].
+    measured: Vec<f64>,
     monitor: TorqueMonitor,
     breaks_torque: bool,
     /// Where the object is pushed, in the tool's frame \[m\].
@@ -106,6 +108,7 @@ impl Plant {
         Ok(Self {
             data: Data::new(&model),
             random: Random(random::generator(seed, STREAM)),
+            measured: start.clone(),
             reference: start,
             breaks_torque: false,
             face: Vector3::zeros(),
@@ -162,20 +165,34 @@ impl Plant {
     /// # Errors
     /// Those of the controller.
     pub fn step(&mut self, now: f64) -> Result<f64> {
+        self.step_measuring(now, |_| {})
+    }
+
+    /// The same, where `spoil` changes the measured positions \[m, rad\].
+    ///
+    /// # Errors
+    /// Those of the controller.
+    pub fn step_measuring(&mut self, now: f64, spoil: impl FnOnce(&mut [f64])) -> Result<f64> {
+        let position = &mut self.measured;
         let started = match &mut self.robot {
             Robot::Torque(both) => {
                 let (controller, robot) = &mut **both;
                 robot.measure(&mut self.random)?;
+                let measured = robot.measured();
+                position.copy_from_slice(measured.position);
+                spoil(position);
                 let started = Instant::now();
-                controller.step(now, &robot.measured())?;
+                controller.step(now, &Measured { position, ..measured })?;
                 started
             }
             Robot::Kinematic(both) => {
                 let (controller, robot) = &mut **both;
+                position.copy_from_slice(robot.position());
+                spoil(position);
                 let started = Instant::now();
                 // Nothing pushes a robot that has no mass.
                 controller.feel(0.0);
-                controller.step(now, robot.position())?;
+                controller.step(now, position)?;
                 started
             }
         };

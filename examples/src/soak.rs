@@ -1,6 +1,7 @@
 //! The closed loop under everything that can go wrong, behind the program `soak`: random people
 //! who walk, jump, vanish and come back; workspaces that move, turn and change their shape; starts
-//! outside the joint limits; percepts that are late, noisy and incomplete.
+//! outside the joint limits; percepts that are late, noisy and incomplete; cameras, clocks and measurements
+//! that fail.
 //!
 //! A soak is a row of episodes, each with a new robot, person and controller. What is promised is
 //! checked in every tick by [`Monitor`], from the commands, the robot's configuration and where
@@ -17,11 +18,13 @@
 //! # Ok::<(), anyhow::Error>(())
 //! ```
 
+mod disturbance;
 mod episode;
 mod monitor;
 mod summary;
 mod task;
 mod tick_times;
 
+pub use disturbance::{Disturbance, Endings};
 pub use monitor::{Counts, Monitor, Tick};
 pub use summary::{Soak, Summary};

@@ -126,6 +126,9 @@ pub struct ApproachRows {
 /// What rounding may make of a speed of approach \[m/s\].
 const ROUNDING: f64 = 1e-7;
 
+/// How far a part of a person may have moved otherwise than predicted since the frame that shows it \[m\].
+const SINCE_THE_FRAME: f64 = 0.03;
+
 /// Bodies of robot and person of which the distances are remembered.
 const BODIES: usize = 32;
 const PARTS: usize = 48;
@@ -277,7 +280,7 @@ impl ApproachRows {
     /// Returns true if a pair that may not touch is nearer than what is not known of both places: no
     /// direction is surely away then, and the robot must stand.
     pub fn is_too_near_to_tell(&self) -> bool {
-        self.least_apart < self.settings.protective_distance(0.0, 0.0)
+        self.least_apart < self.settings.protective_distance(0.0, 0.0) + SINCE_THE_FRAME
     }
 
     /// Returns true if more pairs are at their limits than there are rows: the robot must then brake, which

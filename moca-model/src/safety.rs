@@ -177,7 +177,8 @@ impl Safety {
         let (bodies, rows) = (robot.bodies(), &mut self.separation_rows);
         self.nearest = self.separation.write(&motion, bodies, person, rows)?;
         self.own.write_own(&motion, bodies, &self.own_pairs, &mut self.own_rows)?;
-        self.wait(input.age, input.elapsed);
+        let age = self.person.age(input.now);
+        self.wait(if age > input.age { age } else { input.age }, input.elapsed);
         Ok(())
     }
 

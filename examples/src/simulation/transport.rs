@@ -24,13 +24,14 @@ impl Transport {
         Self { draw, frames: VecDeque::new() }
     }
 
-    /// Sends a frame at the time that it bears; `None` stands for one that the camera lost.
-    pub fn send(&mut self, percept: Option<Percept>) {
+    /// Sends a frame at the time that it bears, to arrive `delay` \[s\] later than usual; `None` stands for one
+    /// that the camera lost.
+    pub fn send(&mut self, percept: Option<Percept>, delay: f64) {
         // Drawn in any case, so that what follows does not depend on what is lost.
         let late = self.draw.random_range(LATENCY);
         let Some(percept) = percept else { return };
         let last = self.frames.back().map_or(percept.time, |(arrives, _)| *arrives);
-        self.frames.push_back((last.max(percept.time + late), percept));
+        self.frames.push_back((last.max(percept.time + late + delay), percept));
     }
 
     /// The next frame that has arrived by `time` (s).

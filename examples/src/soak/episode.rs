@@ -7,8 +7,9 @@ use moca_model::{Controller, ControllerSettings, Goal, MOCA_HOME, SpaceSettings}
 use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use vision_models::Tool;
+use vision_models::{Percept, Tool};
 
+use super::disturbance::{Disturbance, Disturbances};
 use super::monitor::{Monitor, Tick};
 use super::task::{POSITION_ROWS, Task};
 use crate::plant::{Drive, Plant};
@@ -25,11 +26,15 @@ enum Stream {
     Recogniser,
     Transport,
     Task,
+    Disturbances,
 }
 
 /// No joint is seen farther than this from where it is \[m\]: well within Z_d, the uncertainty
 /// that the protective distance allows for.
 const LARGEST_ERROR: f64 = 0.02;
+
+/// From the end of a disturbance to its acknowledgement \[s\].
+const ACKNOWLEDGED: f64 = 0.5;
 
 /// The greatest probability that a joint is missing in a frame.
 const DROP: f64 = 0.1;
@@ -47,6 +52,10 @@ pub(super) struct Episode {
     perception: Perception,
     transport: Transport,
     task: Task,
+    disturbances: Disturbances,
+    /// When the last disturbance ended, the time of the tick before \[s\].
+    ended: f64,
+    last: f64,
     tick: u64,
     /// Ticks from a camera frame to the next.
     frame: u64,
@@ -81,6 +90,9 @@ impl Episode {
             perception: Perception::new(camera, 0.0, Tool::Drill, eyes),
             transport: Transport::new(generator(seed, Stream::Transport)),
             task: Task::new(generator(seed, Stream::Task)),
+            disturbances: Disturbances::new(generator(seed, Stream::Disturbances), drive),
+            ended: 0.0,
+            last: 0.0,
             frame: ticks(1.0 / FRAME_RATE, settings.period),
             period: settings.period,
             plant: Plant::new(
@@ -95,24 +107,43 @@ impl Episode {
         })
     }
 
-    /// One period; how long the controller took (µs).
-    pub(super) fn step(&mut self) -> anyhow::Result<f64> {
+    /// One period; how long the controller took (µs), if it had its turn.
+    pub(super) fn step(&mut self) -> anyhow::Result<Option<f64>> {
         #[expect(clippy::cast_precision_loss, reason = "an episode lasts seconds")]
         let now = self.tick as f64 * self.period;
         let tool = self.plant.controller().actual();
         self.person.advance(now, self.period, tool.translation.vector.xy());
         self.history.push((self.person.person().joints(), self.person.jumped()));
         self.check_person()?;
+        self.advance_disturbances(now);
         self.look(now);
         while let Some(percept) = self.transport.arrived(now) {
-            if percept.body.is_some() {
-                self.known = Some(usize::try_from(ticks(percept.time, self.period))?);
-            }
-            self.plant.observe(&percept)?;
+            self.receive(percept, now)?;
         }
         self.task.advance(now, self.plant.controller_mut().space_mut(), &tool)?;
+        let disturbance = self.disturbances.present(now);
+        let is_late = matches!(disturbance, Some((Disturbance::TicksLate, _)));
+        let tick_us = if is_late && self.tick % 10 < 4 { None } else { Some(self.control(now)?) };
+        if self.plant.command().joint_velocity.iter().all(|velocity| velocity.is_finite()) {
+            self.plant.act(&self.disturbances.push(now))?;
+        }
+        self.tick += 1;
+        Ok(tick_us)
+    }
 
-        let tick_us = self.plant.step(now)?;
+    /// A tick of the controller, and what is to be said of it; how long it took (µs).
+    fn control(&mut self, now: f64) -> anyhow::Result<f64> {
+        let time = self.disturbances.time(now, self.last);
+        let disturbance = self.disturbances.present(now);
+        let is_nan = matches!(disturbance, Some((Disturbance::MeasurementNan, _)));
+        let tick_us = self.plant.step_measuring(time, |position| {
+            if is_nan {
+                position[4] = f64::NAN;
+            }
+        })?;
+        if !time.is_nan() {
+            self.last = time;
+        }
         self.monitor.check(&Tick {
             command: self.plant.command(),
             configuration: self.plant.configuration(),
@@ -123,12 +154,41 @@ impl Episode {
                 known: self.known.map(|tick| body_at(&self.history, tick)),
                 contact: self.plant.controller().safety().contact_speed() > 0.0,
             },
+            disturbance,
         })?;
-        if self.plant.command().joint_velocity.iter().all(|velocity| velocity.is_finite()) {
-            self.plant.act(&Vector3::zeros())?;
-        }
-        self.tick += 1;
         Ok(tick_us)
+    }
+
+    /// Begins and ends disturbances; some time after one somebody acknowledges what it has left.
+    fn advance_disturbances(&mut self, now: f64) {
+        let state = self.plant.command().safety;
+        if let Some(ended) = self.disturbances.advance(now) {
+            self.monitor.ended.count(ended, state);
+            self.ended = now;
+        }
+        let supervisor = self.plant.controller_mut().safety_mut().supervisor_mut();
+        let is_over = self.disturbances.present(now).is_none() && now > self.ended + ACKNOWLEDGED;
+        if is_over && supervisor.waits_for_acknowledgement() {
+            supervisor.acknowledge();
+        }
+    }
+
+    /// Gives the controller a frame, or what has become of it.
+    fn receive(&mut self, percept: Percept, now: f64) -> anyhow::Result<()> {
+        let disturbance = self.disturbances.present(now);
+        let is_seen = percept.body.is_some()
+            && !disturbance.is_some_and(|(disturbance, _)| disturbance.hides_the_person());
+        if is_seen {
+            self.known = Some(usize::try_from(ticks(percept.time, self.period))?);
+        }
+        for frame in self.disturbances.frames(percept) {
+            let taken = self.plant.observe(&frame);
+            // The loop goes on without the frames that the controller refuses.
+            if disturbance.is_none() && now > self.ended + ACKNOWLEDGED {
+                taken?;
+            }
+        }
+        Ok(())
     }
 
     /// Takes a camera frame if one is due.
@@ -148,7 +208,7 @@ impl Episode {
             });
             percept.body = percept.body.take().filter(|_| self.seen_whole);
         }
-        self.transport.send(percept);
+        self.transport.send(percept, self.disturbances.delay());
     }
 
     /// People keep to the speed that the robot assumes where it measures none; who does not

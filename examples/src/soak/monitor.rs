@@ -1,9 +1,10 @@
 //! The checks of every tick.
 
-use hrsw::SafetyState;
+use hrsw::{Fault, SafetyState};
 use moca_model::whole_body::Model;
 use moca_model::{Command, ControllerSettings};
 
+use super::disturbance::{Disturbance, Endings};
 use crate::limits::{LimitMonitor, Return};
 use crate::separation::{Moment, SeparationMonitor};
 
@@ -32,6 +33,8 @@ pub struct Counts {
     pub person_caused: u64,
     /// The robot comes nearer to a person who works with it.
     pub contact: u64,
+    /// Something is wrong with the loop, and the robot may do more than the book says.
+    pub wrong_states: u64,
 }
 
 impl Counts {
@@ -46,6 +49,7 @@ impl Counts {
             + self.separation_violations
             + self.discontinuities
             + self.self_collisions
+            + self.wrong_states
     }
 }
 
@@ -62,6 +66,7 @@ impl std::ops::AddAssign for Counts {
         self.self_collisions += other.self_collisions;
         self.person_caused += other.person_caused;
         self.contact += other.contact;
+        self.wrong_states += other.wrong_states;
     }
 }
 
@@ -78,6 +83,8 @@ pub struct Tick<'a> {
     pub breaks_torque: Option<bool>,
     /// The person.
     pub moment: Moment<'a>,
+    /// What is wrong with the loop at present, and for how long already \[s\].
+    pub disturbance: Option<(Disturbance, f64)>,
 }
 
 /// Checks every tick of an episode.
@@ -87,6 +94,10 @@ pub struct Monitor {
     limits: LimitMonitor,
     /// What was found so far.
     pub counts: Counts,
+    /// How disturbances have ended.
+    pub ended: Endings,
+    /// Ticks left in which joints may be outside their ranges by ticks that came late, or a push.
+    settling: u64,
     /// The first tick with something wrong, and what is known of it.
     pub first_wrong: Option<String>,
 }
@@ -106,6 +117,8 @@ impl Monitor {
             separation: SeparationMonitor::new(model, &settings.safety, period)?,
             limits: LimitMonitor::new(model, settings.desired, period, configuration),
             counts: Counts::default(),
+            ended: Endings::default(),
+            settling: 0,
             first_wrong: None,
         })
     }
@@ -116,16 +129,25 @@ impl Monitor {
     /// A configuration that is not one of the robot.
     pub fn check(&mut self, tick: &Tick<'_>) -> anyhow::Result<()> {
         let command = tick.command;
+        let is_settling = self.settle(tick);
         let counts = &mut self.counts;
-        counts.infeasible += u64::from(!command.outcome.is_optimal());
+        // Without a time or a measurement there is nothing to solve.
+        let mut could_solve =
+            !matches!(command.fault, Some(Fault::Clock(_) | Fault::BadMeasurement));
+        if let Some((disturbance, lasts)) = tick.disturbance {
+            counts.wrong_states += u64::from(command.safety < disturbance.least_state(lasts));
+            could_solve &= !disturbance.leaves_nothing_to_solve();
+        }
+        counts.infeasible += u64::from(!command.outcome.is_optimal() && could_solve);
         if !is_finite(command) {
             counts.not_finite += 1;
             return Ok(());
         }
+
         let free = command.safety == SafetyState::Normal && tick.moment.known.is_none();
         let returning = if free { Return::Free } else { Return::Hindered };
         let breaches = self.limits.check(command, tick.reference, returning);
-        counts.limit_violations += u64::from(breaches.limit);
+        counts.limit_violations += u64::from(breaches.limit || breaches.range && !is_settling);
         counts.acceleration_violations += u64::from(breaches.acceleration);
         counts.jerk_violations += u64::from(breaches.jerk);
         counts.torque_violations += u64::from(tick.breaks_torque == Some(true));
@@ -141,12 +163,31 @@ impl Monitor {
         if self.first_wrong.is_none() && self.counts.wrong() > 0 {
             let blame = verdict.violation;
             let Command { outcome, fault, .. } = command;
-            self.first_wrong =
-                Some(format!("{outcome:?} {fault:?} {breaches:?} {blame:?} {:?}", self.counts));
+            self.first_wrong = Some(format!(
+                "{outcome:?} {fault:?} {breaches:?} {blame:?} {:?}; {:?}",
+                tick.disturbance, self.counts
+            ));
         }
         Ok(())
     }
+
+    /// A joint goes on for as long as the next command is late, or somebody pushes it, which may take it out of
+    /// its range. Returns true if that, and its braking, may be so.
+    fn settle(&mut self, tick: &Tick<'_>) -> bool {
+        if matches!(tick.disturbance, Some((Disturbance::TicksLate | Disturbance::ArmPushed, _))) {
+            self.settling = SETTLING;
+        }
+        let is_settling = self.settling > 0;
+        if is_settling {
+            self.settling -= 1;
+            self.limits.move_outside(tick.reference);
+        }
+        is_settling
+    }
 }
+
+/// Ticks after a late one, or a push, in which joints may still brake that it took out of their ranges.
+const SETTLING: u64 = 500;
 
 fn is_finite(command: &Command) -> bool {
     let numbers = command

@@ -10,6 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::{Serialize, Serializer};
 
+use super::disturbance::Endings;
 use super::episode::Episode;
 use super::monitor::Counts;
 use super::tick_times::TickTimes;
@@ -35,6 +36,8 @@ pub struct Summary {
     pub episodes: u64,
     /// Ticks with something wrong.
     pub counts: Counts,
+    /// How disturbances have ended.
+    pub ended: Endings,
     /// The first of them in each episode, in words.
     pub findings: Vec<String>,
     /// Ticks in which the robot moves.
@@ -62,6 +65,8 @@ struct Line {
     contact: u64,
     moving: u64,
     episodes: u64,
+    wrong_states: u64,
+    disturbances: Endings,
 }
 
 impl Soak {
@@ -92,6 +97,7 @@ impl Soak {
             ticks: 0,
             episodes: 0,
             counts: Counts::default(),
+            ended: Endings::default(),
             findings: Vec::new(),
             moving: 0,
             tick_us: [0.0; 2],
@@ -102,7 +108,9 @@ impl Soak {
             let (seed, length) = (draw.next_u64(), draw.random_range(EPISODE));
             let mut episode = Episode::new(&model, seed, self.drive)?;
             for _ in 0..length.min(self.ticks - summary.ticks) {
-                times.push(episode.step()?);
+                if let Some(tick_us) = episode.step()? {
+                    times.push(tick_us);
+                }
                 if let Some(what) = episode.first_wrong() {
                     summary.findings.push(format!("episode {}, {what}", summary.episodes + 1));
                 }
@@ -116,6 +124,7 @@ impl Soak {
                 }
             }
             summary.counts += episode.monitor.counts;
+            summary.ended += episode.monitor.ended;
             summary.episodes += 1;
         }
         summary.tick_us = [500, 999].map(|thousandths| times.quantile(thousandths));
@@ -144,6 +153,8 @@ impl Serialize for Summary {
             contact: counts.contact,
             moving: self.moving,
             episodes: self.episodes,
+            wrong_states: counts.wrong_states,
+            disturbances: self.ended,
         };
         line.serialize(serializer)
     }
@@ -165,6 +176,7 @@ impl fmt::Display for Summary {
             ("protective distance violated by the robot", counts.separation_violations),
             ("jumps of the desired velocity", counts.discontinuities),
             ("self-collisions", counts.self_collisions),
+            ("disturbed, and in a state that is not enough", counts.wrong_states),
             ("protective distance undercut by the person", counts.person_caused),
             ("coming nearer to arms in collaboration", counts.contact),
         ] {

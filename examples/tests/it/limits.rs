@@ -19,9 +19,15 @@ const DESIRED: DesiredMotion = DesiredMotion {
     angular_velocity: 1.0,
     angular_acceleration: 9.0,
 };
-const NOTHING: Breaches =
-    Breaches { limit: false, acceleration: false, jerk: false, desired_acceleration: false };
+const NOTHING: Breaches = Breaches {
+    limit: false,
+    range: false,
+    acceleration: false,
+    jerk: false,
+    desired_acceleration: false,
+};
 const LIMIT: Breaches = Breaches { limit: true, ..NOTHING };
+const RANGE: Breaches = Breaches { range: true, ..NOTHING };
 const ACCELERATION: Breaches = Breaches { acceleration: true, ..NOTHING };
 const DESIRED_ACCELERATION: Breaches = Breaches { desired_acceleration: true, ..NOTHING };
 
@@ -256,7 +262,7 @@ proptest! {
         // Slow enough to be within the limit of acceleration.
         let v = speed * limits.acceleration * PERIOD;
         hand.command.joint_velocity[joint] = if up { v } else { -v };
-        prop_assert_eq!(hand.check(Return::Free), LIMIT);
+        prop_assert_eq!(hand.check(Return::Free), RANGE);
         prop_assert!(hand.monitor.margins().position < 0.0);
     }
 
@@ -275,7 +281,7 @@ proptest! {
         };
         prop_assert_eq!(after(0.0).0, NOTHING);
         prop_assert_eq!(after(-outwards * step).0, NOTHING);
-        prop_assert_eq!(after(outwards * step).0, LIMIT);
+        prop_assert_eq!(after(outwards * step).0, RANGE);
         prop_assert!(after(0.0).1.position > 0.0);
     }
 
@@ -331,7 +337,7 @@ fn who_has_returned_may_not_leave_again() {
     assert!(hand.q[6] < upper);
     hand.q[6] = upper;
     hand.set(6, step);
-    assert_eq!(hand.check(Return::Free), LIMIT);
+    assert_eq!(hand.check(Return::Free), RANGE);
     let Margins { position, .. } = hand.monitor.margins();
     assert!(position < 0.0, "{position}");
 }

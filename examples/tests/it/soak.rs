@@ -2,7 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use examples::soak::{Counts, Soak, Summary};
+use examples::soak::{Counts, Disturbance, Soak, Summary};
+use hrsw::SafetyState;
 
 fn run(seed: u64, ticks: u64) -> Summary {
     Soak::new(seed, ticks).unwrap().run(|_| ControlFlow::Continue(())).unwrap()
@@ -17,6 +18,30 @@ fn nothing_goes_wrong() {
         moving += summary.moving;
     }
     assert!(moving > 2_700, "the robot moves: {moving} ticks");
+}
+
+/// One after the other goes wrong: cameras, clocks, measurements, a push.
+#[test]
+fn disturbances_end_in_the_states_of_the_book() {
+    let mut ended = 0;
+    for seed in 0..2 {
+        let summary = run(seed, 16_000);
+        assert_eq!(summary.counts.wrong(), 0, "seed {seed}: {:?}", summary.findings);
+        let states = serde_json::to_value(summary.ended).unwrap();
+        let by_state = states.as_object().unwrap().values().flat_map(|s| s.as_object().unwrap());
+        ended += by_state.map(|(_, count)| count.as_u64().unwrap()).sum::<u64>();
+    }
+    assert!(ended > 3, "{ended}");
+}
+
+#[test]
+fn a_disturbance_asks_for_more_the_longer_it_lasts() {
+    for disturbance in Disturbance::ALL {
+        let states = (0..200_u32).map(|tick| disturbance.least_state(0.01 * f64::from(tick)));
+        assert!(states.is_sorted(), "{disturbance}");
+        assert_eq!(disturbance.least_state(0.0), SafetyState::Normal);
+        assert!(disturbance.least_state(2.0) > SafetyState::Normal, "{disturbance}");
+    }
 }
 
 #[test]
@@ -43,12 +68,16 @@ fn the_last_line_is_one_json_object_with_the_names_of_the_book() {
         "torque_violations",
         "separation_violations",
         "discontinuities",
+        "wrong_states",
         "tick_us_p50",
         "tick_us_p999",
     ] {
         assert!(value[key].is_number(), "{key} in {line}");
     }
     assert_eq!(value["ticks"], 100);
+    for disturbance in Disturbance::ALL {
+        assert_eq!(value["disturbances"][disturbance.to_string()]["protective_stop"], 0);
+    }
 }
 
 #[test]

@@ -135,7 +135,7 @@ proptest! {
         while now < time + 0.2 {
             while let Some((time, lost)) = to_send.next_if(|(time, _)| *time <= now) {
                 let percept = Percept { time, body: None, action: None, surface: None };
-                transport.send((!lost).then_some(percept));
+                transport.send((!lost).then_some(percept), 0.0);
             }
             while let Some(percept) = transport.arrived(now) {
                 let late = now - percept.time;

@@ -1,7 +1,7 @@
 //! The person's capsules, from the keypoints that the camera sees.
 
 use hrsw::{
-    BodyRegion, Capsule, Contact, ContactLimit, ContactLimits, MeasuredVelocity, PersonBody,
+    Age, BodyRegion, Capsule, Contact, ContactLimit, ContactLimits, MeasuredVelocity, PersonBody,
     SeparationSettings,
 };
 use nalgebra::{Vector2, Vector3};
@@ -99,6 +99,8 @@ pub(super) struct PersonBodies {
     settings: PersonBodySettings,
     joints: [Option<Seen>; Body25::COUNT],
     newest: f64,
+    /// When the newest frame was taken that shows nobody, or somebody who can have come there \[s\].
+    plausible: f64,
     /// Since when the tracked person has been where the person is seen.
     agrees_since: Option<f64>,
     /// What a contact with each part may do.
@@ -113,6 +115,7 @@ impl PersonBodies {
             contacts: PARTS.map(|part| limits.of(part.region)),
             joints: [None; Body25::COUNT],
             newest: f64::NEG_INFINITY,
+            plausible: f64::NEG_INFINITY,
             agrees_since: None,
             bodies: Vec::with_capacity(PARTS.len()),
         }
@@ -122,18 +125,31 @@ impl PersonBodies {
     pub(super) fn forget(&mut self) {
         self.joints = [None; Body25::COUNT];
         self.newest = f64::NEG_INFINITY;
+        self.plausible = f64::NEG_INFINITY;
         self.agrees_since = None;
         self.bodies.clear();
+    }
+
+    /// How long ago the newest plausible frame was taken: in which nobody is seen, or a person who is where
+    /// somebody can have gone since the frame before.
+    pub(super) fn age(&self, now: f64) -> Age {
+        Age::new((now - self.plausible).max(0.0)).unwrap_or(Age::NEVER)
     }
 
     /// Takes a camera frame, and the tracked person at its time. Joints that it misses move along
     /// with the trunk.
     pub(super) fn observe(&mut self, percept: &Percept, tracked: Option<&TrackedPerson>) {
-        let Some(body) = &percept.body else { return };
         let time = percept.time;
+        let Some(body) = &percept.body else {
+            self.plausible = time;
+            return;
+        };
         let moved = self.displacement(body);
         let elapsed = time - self.newest;
         let jumped = moved.norm() > self.settings.jump_speed * elapsed + NOISE;
+        if !jumped {
+            self.plausible = time;
+        }
         let unsettled = jumped || elapsed > self.settings.gap;
         for (joint, seen) in Body25::ALL.into_iter().zip(&mut self.joints) {
             let place = place(body, joint, self.settings.least_confidence);

@@ -91,3 +91,35 @@ fn every_state_is_what_the_table_of_the_book_says() {
         }
     }
 }
+
+/// Frames in which the person is somewhere else each time say nothing of where they are.
+#[test]
+fn a_person_who_is_everywhere_is_no_news() {
+    let settings = SafetySettings::default().supervisor;
+    let mut drive = Drive::fast();
+    drive.person = Some(drive.controller.actual().translation.x + 5.0);
+    drive.run(0.5);
+    assert_eq!(drive.state(), SafetyState::Normal);
+    let began = drive.time();
+    let mut entered = [None; 2];
+    while drive.time() < began + 1.2 {
+        // Between two frames of 50 ms.
+        let frame = ((drive.time() - began) / 0.05 + 0.5) as u32;
+        let away = if frame.is_multiple_of(2) { 9.0 } else { 5.0 };
+        drive.person = Some(drive.controller.actual().translation.x + away);
+        drive.step();
+        for (entered, state) in
+            entered.iter_mut().zip([SafetyState::Reduced, SafetyState::ProtectiveStop])
+        {
+            if drive.state() >= state {
+                entered.get_or_insert(drive.time() - began);
+            }
+        }
+    }
+    let [Some(reduced), Some(stopped)] = entered else { panic!("{entered:?}") };
+    assert!((reduced - settings.reduced_age).abs() < 0.11, "{reduced} s");
+    assert!((stopped - settings.stop_age).abs() < 0.11, "{stopped} s");
+    // Somebody who did move there is believed.
+    drive.run(2.0);
+    assert_eq!(drive.state(), SafetyState::Normal);
+}

@@ -1,0 +1,330 @@
+//! What goes wrong around the controller, one thing at a time, and the state that each must lead to.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::ops::Range;
+
+use hrsw::SafetyState;
+use nalgebra::{Isometry3, Vector3};
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use serde::{Serialize, Serializer};
+use vision_models::Percept;
+
+use crate::plant::Drive;
+
+/// Something that goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Disturbance {
+    /// No frame comes.
+    FramesLost,
+    /// The same frame comes again and again.
+    FramesFrozen,
+    /// Every frame comes more than half a second late.
+    FramesLate,
+    /// Every frame comes twice.
+    FramesRepeated,
+    /// After every frame comes the one before.
+    FramesOutOfOrder,
+    /// In every frame the person is somewhere else.
+    FramesAbsurd,
+    /// The camera's clock is ahead by 20 s.
+    CameraAhead,
+    /// The camera's clock is behind by 20 s.
+    CameraBehind,
+    /// The camera counts from another origin.
+    CameraEpoch,
+    /// The camera's clock stands still.
+    CameraStands,
+    /// A joint's measured position is NaN.
+    MeasurementNan,
+    /// Every tenth tick comes some milliseconds late.
+    TicksLate,
+    /// The loop's time is NaN.
+    TimeNan,
+    /// The loop's time stands still.
+    TimeStands,
+    /// The loop's clock is set back by a second.
+    TimeBack,
+    /// The loop's clock is set ahead by an hour.
+    TimeAhead,
+    /// The tool is pushed hard for a moment.
+    ArmPushed,
+}
+
+/// How long each lasts \[s\].
+const LENGTH: Range<f64> = 0.3..1.6;
+/// From the end of one to the beginning of the next \[s\].
+const PAUSE: Range<f64> = 2.0..5.0;
+/// From a fault to the state that it leads to \[s\].
+const AT_ONCE: f64 = 0.2;
+/// From the beginning of what is wrong with frames to the arrival of the first of them \[s\].
+const FRAME: f64 = 0.14;
+/// Ages at which frames that stay away lead to reduced speed and to a stop \[s\].
+const STALE: [f64; 2] = [0.3, 0.8];
+/// How long, and how hard, the tool is pushed \[s, N\].
+const PUSH: f64 = 0.1;
+const FORCE: f64 = 150.0;
+/// Of the person's place in an absurd frame \[m\].
+const ANYWHERE: f64 = 30.0;
+
+impl Disturbance {
+    /// Every one.
+    pub const ALL: [Self; 17] = [
+        Self::FramesLost,
+        Self::FramesFrozen,
+        Self::FramesLate,
+        Self::FramesRepeated,
+        Self::FramesOutOfOrder,
+        Self::FramesAbsurd,
+        Self::CameraAhead,
+        Self::CameraBehind,
+        Self::CameraEpoch,
+        Self::CameraStands,
+        Self::MeasurementNan,
+        Self::TicksLate,
+        Self::TimeNan,
+        Self::TimeStands,
+        Self::TimeBack,
+        Self::TimeAhead,
+        Self::ArmPushed,
+    ];
+
+    /// The state that the book promises at least, `time` \[s\] after it began.
+    pub fn least_state(self, time: f64) -> SafetyState {
+        let delay = AT_ONCE + if self.is_of_frames() { FRAME } else { 0.0 };
+        let at_once = if time > delay { self.state_at_once() } else { SafetyState::Normal };
+        let [reduced, stopped] = STALE.map(|age| time > age + delay);
+        let stale = match (reduced, stopped) {
+            _ if !self.hides_the_person() => SafetyState::Normal,
+            (_, true) => SafetyState::ProtectiveStop,
+            (true, false) => SafetyState::Reduced,
+            (false, false) => SafetyState::Normal,
+        };
+        at_once.max(stale)
+    }
+
+    /// Returns true if something is wrong with the camera's frames.
+    fn is_of_frames(self) -> bool {
+        self.hides_the_person()
+            || matches!(self, Self::FramesLate | Self::FramesRepeated | Self::FramesOutOfOrder)
+    }
+
+    /// Returns true if no frame with news of the person comes, so that their age grows.
+    pub(super) fn hides_the_person(self) -> bool {
+        matches!(
+            self,
+            Self::FramesLost
+                | Self::FramesFrozen
+                | Self::FramesAbsurd
+                | Self::CameraAhead
+                | Self::CameraBehind
+                | Self::CameraEpoch
+                | Self::CameraStands
+        )
+    }
+
+    /// Returns true if the controller has no time, or no measurement, for which it could solve anything.
+    pub fn leaves_nothing_to_solve(self) -> bool {
+        matches!(
+            self,
+            Self::MeasurementNan
+                | Self::TimeNan
+                | Self::TimeStands
+                | Self::TimeBack
+                | Self::TimeAhead
+        )
+    }
+
+    fn state_at_once(self) -> SafetyState {
+        match self {
+            Self::FramesLost | Self::FramesAbsurd => SafetyState::Normal,
+            Self::FramesLate
+            | Self::FramesFrozen
+            | Self::FramesRepeated
+            | Self::FramesOutOfOrder
+            | Self::CameraBehind
+            | Self::CameraStands
+            | Self::TicksLate => SafetyState::Reduced,
+            Self::CameraAhead
+            | Self::CameraEpoch
+            | Self::MeasurementNan
+            | Self::TimeNan
+            | Self::TimeStands
+            | Self::TimeBack
+            | Self::TimeAhead
+            | Self::ArmPushed => SafetyState::ProtectiveStop,
+        }
+    }
+}
+
+impl fmt::Display for Disturbance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::FramesLost => "frames_lost",
+            Self::FramesFrozen => "frames_frozen",
+            Self::FramesLate => "frames_late",
+            Self::FramesRepeated => "frames_repeated",
+            Self::FramesOutOfOrder => "frames_out_of_order",
+            Self::FramesAbsurd => "frames_absurd",
+            Self::CameraAhead => "camera_ahead",
+            Self::CameraBehind => "camera_behind",
+            Self::CameraEpoch => "camera_epoch",
+            Self::CameraStands => "camera_stands",
+            Self::MeasurementNan => "measurement_nan",
+            Self::TicksLate => "ticks_late",
+            Self::TimeNan => "time_nan",
+            Self::TimeStands => "time_stands",
+            Self::TimeBack => "time_back",
+            Self::TimeAhead => "time_ahead",
+            Self::ArmPushed => "arm_pushed",
+        })
+    }
+}
+
+/// One disturbance after the other, with pauses.
+#[derive(Clone, Debug)]
+pub(super) struct Disturbances {
+    draw: ChaCha8Rng,
+    drive: Drive,
+    /// What lasts at present.
+    now: Option<Disturbance>,
+    /// Since when, and until when, what lasts or the pause \[s\].
+    since: f64,
+    until: f64,
+    /// The frame that arrived last.
+    last: Option<Percept>,
+}
+
+impl Disturbances {
+    pub(super) fn new(mut draw: ChaCha8Rng, drive: Drive) -> Self {
+        let until = draw.random_range(PAUSE);
+        Self { draw, drive, now: None, since: 0.0, until, last: None }
+    }
+
+    /// Goes on to `time` \[s\]; what has ended there.
+    pub(super) fn advance(&mut self, time: f64) -> Option<Disturbance> {
+        if time < self.until {
+            return None;
+        }
+        self.since = time;
+        if let Some(ended) = self.now.take() {
+            self.until = time + self.draw.random_range(PAUSE);
+            return Some(ended);
+        }
+        self.until = time + self.draw.random_range(LENGTH);
+        let drawn = Disturbance::ALL[self.draw.random_range(0..Disturbance::ALL.len())];
+        // Nothing pushes a robot that has no mass.
+        let is_felt = self.drive == Drive::Torque || drawn != Disturbance::ArmPushed;
+        self.now = is_felt.then_some(drawn);
+        None
+    }
+
+    /// What lasts, and for how long already \[s\].
+    pub(super) fn present(&self, time: f64) -> Option<(Disturbance, f64)> {
+        self.now.map(|disturbance| (disturbance, time - self.since))
+    }
+
+    /// What arrives where the camera has sent `percept`.
+    pub(super) fn frames(&mut self, percept: Percept) -> Vec<Percept> {
+        let before = self.last.replace(percept.clone());
+        match self.now {
+            Some(Disturbance::FramesLost) => {
+                self.last = before;
+                Vec::new()
+            }
+            Some(Disturbance::FramesFrozen) => {
+                self.last.clone_from(&before);
+                before.into_iter().collect()
+            }
+            Some(Disturbance::FramesRepeated) => vec![percept.clone(), percept],
+            Some(Disturbance::FramesOutOfOrder) => std::iter::once(percept).chain(before).collect(),
+            Some(Disturbance::FramesAbsurd) => vec![self.absurd(percept)],
+            Some(Disturbance::CameraAhead) => vec![stamped(&percept, percept.time + 20.0)],
+            Some(Disturbance::CameraBehind) => vec![stamped(&percept, percept.time - 20.0)],
+            Some(Disturbance::CameraEpoch) => vec![stamped(&percept, percept.time + 1.7e9)],
+            Some(Disturbance::CameraStands) => {
+                let stands = before.map_or(percept.time, |before| before.time);
+                self.last = Some(stamped(&percept, stands));
+                vec![stamped(&percept, stands)]
+            }
+            _ => vec![percept],
+        }
+    }
+
+    /// The loop's time where the true one is `time` \[s\], and the one of the tick before `last`.
+    pub(super) fn time(&self, time: f64, last: f64) -> f64 {
+        match self.now {
+            Some(Disturbance::TimeNan) => f64::NAN,
+            Some(Disturbance::TimeStands) => last,
+            Some(Disturbance::TimeBack) => time - 1.0,
+            Some(Disturbance::TimeAhead) => time + 3600.0,
+            _ => time,
+        }
+    }
+
+    /// What pushes the tool \[N, world\].
+    pub(super) fn push(&self, time: f64) -> Vector3<f64> {
+        match self.present(time) {
+            Some((Disturbance::ArmPushed, lasts)) if lasts < PUSH => Vector3::new(FORCE, 0.0, 0.0),
+            _ => Vector3::zeros(),
+        }
+    }
+
+    /// How much later than usual frames arrive \[s\].
+    pub(super) fn delay(&self) -> f64 {
+        if self.now == Some(Disturbance::FramesLate) { 0.6 } else { 0.0 }
+    }
+
+    /// The same person, somewhere.
+    fn absurd(&mut self, percept: Percept) -> Percept {
+        let away = Vector3::from_fn(|_, _| self.draw.random_range(-ANYWHERE..ANYWHERE));
+        let motion = Isometry3::from(away);
+        Percept { body: percept.body.map(|body| body.transformed(&motion)), ..percept }
+    }
+}
+
+fn stamped(percept: &Percept, time: f64) -> Percept {
+    Percept { time, ..percept.clone() }
+}
+
+/// How often each disturbance ended in each state, and how often in one that is not enough.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Endings {
+    ended: [[u64; STATES.len()]; Disturbance::ALL.len()],
+}
+
+const STATES: [(SafetyState, &str); 4] = [
+    (SafetyState::Normal, "normal"),
+    (SafetyState::Reduced, "reduced"),
+    (SafetyState::Retreat, "retreat"),
+    (SafetyState::ProtectiveStop, "protective_stop"),
+];
+
+impl Endings {
+    /// One has ended in this state.
+    pub fn count(&mut self, disturbance: Disturbance, state: SafetyState) {
+        for (row, of) in self.ended.iter_mut().zip(Disturbance::ALL) {
+            for (count, (column, _)) in row.iter_mut().zip(STATES) {
+                *count += u64::from(of == disturbance && column == state);
+            }
+        }
+    }
+}
+
+impl std::ops::AddAssign for Endings {
+    fn add_assign(&mut self, other: Self) {
+        let counts = self.ended.iter_mut().flatten().zip(other.ended.iter().flatten());
+        counts.for_each(|(count, other)| *count += other);
+    }
+}
+
+/// By disturbance and state.
+impl Serialize for Endings {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.ended.iter().zip(Disturbance::ALL).map(|(row, disturbance)| {
+            let states = row.iter().zip(STATES).map(|(count, (_, state))| (state, *count));
+            (disturbance.to_string(), states.collect::<BTreeMap<_, _>>())
+        }))
+    }
+}
