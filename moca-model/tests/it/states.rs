@@ -3,7 +3,7 @@
 use hrsw::{Cause, SafetyState};
 use moca_model::SafetySettings;
 
-use crate::drive::Drive;
+use crate::drive::{Drive, FRAME};
 
 /// State, when it is left.
 fn table() -> Vec<[String; 2]> {
@@ -102,9 +102,9 @@ fn a_person_who_is_everywhere_is_no_news() {
     assert_eq!(drive.state(), SafetyState::Normal);
     let began = drive.time();
     let mut entered = [None; 2];
-    while drive.time() < began + 1.2 {
-        // Between two frames of 50 ms.
-        let frame = ((drive.time() - began) / 0.05 + 0.5) as u32;
+    for tick in 0..1200_u32 {
+        // It changes between two frames.
+        let frame = (tick + FRAME / 2) / FRAME;
         let away = if frame.is_multiple_of(2) { 9.0 } else { 5.0 };
         drive.person = Some(drive.controller.actual().translation.x + away);
         drive.step();
