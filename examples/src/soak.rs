@@ -19,9 +19,12 @@
 
 mod episode;
 mod monitor;
+mod run;
 mod summary;
 mod task;
 mod tick_times;
 
 pub use monitor::{Counts, Monitor, Tick};
-pub use summary::{Soak, Summary};
+pub use run::{EpisodeResult, Job, PROGRAM, Soak, SoakPart, merged_summary, summary};
+pub use summary::Summary;
+pub use tick_times::TickTimes;
