@@ -9,6 +9,8 @@ pub(crate) mod factorisation;
 pub(crate) mod multipliers;
 mod prediction;
 mod quadratic_factor;
+#[cfg(feature = "serde")]
+mod seconds;
 pub(crate) mod settings;
 pub(crate) mod solution;
 pub(crate) mod status;

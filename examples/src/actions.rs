@@ -3,6 +3,7 @@
 pub mod clips;
 pub mod cut;
 pub mod evaluate;
+pub mod evaluated;
 pub mod features;
 pub mod live;
 pub mod model;

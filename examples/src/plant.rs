@@ -54,7 +54,7 @@ pub struct Plant {
     robot: Robot,
     model: Model,
     data: Data,
-    random: Random,
+    random: RobotNoise,
     period: f64,
     /// Where the command begins \[m, rad\].
     reference: Vec<f64>,
@@ -72,10 +72,17 @@ enum Robot {
     Kinematic(Box<(Controller, SimulatedRobot)>),
 }
 
+/// The noise of a simulated robot.
 #[derive(Debug)]
-struct Random(ChaCha8Rng);
+pub(crate) struct RobotNoise(ChaCha8Rng);
 
-impl RandomSource for Random {
+impl RobotNoise {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(random::generator(seed, STREAM))
+    }
+}
+
+impl RandomSource for RobotNoise {
     fn normal(&mut self) -> f64 {
         self.0.sample(StandardNormal)
     }
@@ -91,10 +98,22 @@ impl Plant {
     /// # Errors
     /// A robot that cannot be simulated.
     pub fn new(drive: Drive, controller: Controller, seed: u64) -> Result<Self> {
+        Self::with_torques(drive, controller, TorqueLoopSettings::default(), seed)
+    }
+
+    /// The same with other settings of the loop of torques, which a kinematic robot has no use for.
+    ///
+    /// # Errors
+    /// A robot that cannot be simulated, and settings that the loop refuses.
+    pub fn with_torques(
+        drive: Drive,
+        controller: Controller,
+        torques: TorqueLoopSettings,
+        seed: u64,
+    ) -> Result<Self> {
         let model = controller.robot().model().clone();
         let start = controller.command().joint_position.clone();
         let period = controller.settings().period;
-        let torques = TorqueLoopSettings::default();
         let monitor = TorqueMonitor::new(&model, &torques, period);
         let robot = match drive {
             Drive::Torque => {
@@ -107,7 +126,7 @@ impl Plant {
         };
         Ok(Self {
             data: Data::new(&model),
-            random: Random(random::generator(seed, STREAM)),
+            random: RobotNoise::new(seed),
             measured: start.clone(),
             reference: start,
             breaks_torque: false,

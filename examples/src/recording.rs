@@ -50,6 +50,11 @@ pub fn open(path: impl AsRef<Path>) -> Result<Reader<BufReader<File>>, Recording
     Reader::new(BufReader::new(file))
 }
 
+/// The text of the recording that the repository ships.
+pub fn shipped_bytes() -> &'static [u8] {
+    SHIPPED
+}
+
 /// The recording that the repository ships: a person delivers an object, drills it while leading
 /// the robot about, and leaves.
 ///

@@ -21,10 +21,13 @@
 mod disturbance;
 mod episode;
 mod monitor;
+mod run;
 mod summary;
 mod task;
 mod tick_times;
 
-pub use disturbance::{Disturbance, Endings};
+pub use disturbance::{Disturbance, Endings, StateCounts};
 pub use monitor::{Counts, Monitor, Tick};
-pub use summary::{Soak, Summary};
+pub use run::{EpisodeResult, Job, PROGRAM, Soak, SoakPart, merged_summary, summary};
+pub use summary::Summary;
+pub use tick_times::TickTimes;

@@ -1,5 +1,11 @@
 //! The regions of a person's body, and what a contact with each may do.
 
+#[cfg(feature = "serde")]
+mod contact_limits_table;
+
+#[cfg(feature = "serde")]
+use contact_limits_table::ContactLimitsTable;
+
 use crate::contact::ContactLimit;
 use crate::error::{Error, not_negative, positive};
 
@@ -61,6 +67,8 @@ impl BodyRegion {
 
 /// What a region bears, and how it gives way.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct RegionLimits {
     /// F, the largest force of a quasi-static contact \[N\]. Zero: no contact is planned.
     pub force: f64,
@@ -74,6 +82,8 @@ pub struct RegionLimits {
 
 /// How long a contact lasts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum ContactKind {
     /// The part may be clamped between the robot and something else. No controller alone excludes that.
     #[default]
@@ -109,6 +119,8 @@ impl ContactKind {
 /// # Ok::<(), &str>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(try_from = "ContactLimitsTable", into = "ContactLimitsTable"))]
 pub struct ContactLimits {
     regions: [RegionLimits; BodyRegion::COUNT],
     area: f64,

@@ -6,6 +6,8 @@ use crate::fault::{ClockFault, Fault, FrameFault};
 
 /// How far times may differ from what is expected.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct ClockSettings {
     /// By which share of the period the time between two ticks may differ from it; less is an
     /// early tick, more a late one \[-\]. Default 0.5.

@@ -89,11 +89,14 @@ pub enum Fault {
     /// A limit of the robot was violated.
     #[error("limit violated")]
     LimitViolated,
+    /// Somebody, or the program around the loop, asked the robot to stop.
+    #[error("stop requested")]
+    StopRequested,
 }
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Clock(ClockFault::NotFinite),
         Self::Clock(ClockFault::StandsStill),
         Self::Clock(ClockFault::SetBack),
@@ -112,6 +115,7 @@ impl Fault {
         Self::IterationLimit,
         Self::BadData,
         Self::LimitViolated,
+        Self::StopRequested,
     ];
 
     /// The state that it puts the robot into at once, unless that is in a worse one.
@@ -140,7 +144,8 @@ impl Fault {
             | Self::ContactForce
             | Self::NoSolution
             | Self::BadData
-            | Self::LimitViolated => true,
+            | Self::LimitViolated
+            | Self::StopRequested => true,
         }
     }
 }

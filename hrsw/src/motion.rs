@@ -7,6 +7,8 @@ use crate::error::{Error, check_all, check_pose, positive};
 
 /// How fast a frame may follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct FollowerSettings {
     /// Largest speed \[m/s\]. Default 1.0.
     pub speed: f64,

@@ -5,6 +5,8 @@ use crate::error::{Error, not_negative, positive};
 
 /// How the mobile base under an arm brakes.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct BaseBraking {
     /// How many of the joints, from the first, are the base's.
     pub joints: usize,
@@ -27,6 +29,8 @@ const CREEP: f64 = 0.02;
 /// assert!((settings.protective_distance(1.6, speed) - 1.0).abs() < 1e-12);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SeparationSettings {
     /// v_h, the speed of a person towards the robot where it is not measured \[m/s\]. Default 1.6,
     /// the standard's.

@@ -2,6 +2,8 @@
 
 mod bounds;
 mod capsule;
+#[cfg(feature = "serde")]
+mod capsule_table;
 mod cone;
 mod half_space;
 mod mesh;

@@ -16,6 +16,8 @@ use crate::error::{Error, check_all, check_size, positive};
 /// assert_eq!(cap.limit(10.0), f64::INFINITY);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SpeedCap {
     /// Nearer than `near` \[m/s\]. Default 0.25.
     pub reduced: f64,

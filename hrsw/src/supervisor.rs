@@ -51,6 +51,8 @@ const CREEP: f64 = 0.02;
 
 /// When the states change.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SupervisorSettings {
     /// Room above the protective distance below which speed is reduced \[m\]. Default 0.5.
     pub reduced_room: f64,

@@ -236,6 +236,12 @@ impl Controller {
         }
     }
 
+    /// Asks the robot to stop: from the next tick on it brakes as fast as it can within its limits, and stands
+    /// until somebody acknowledges.
+    pub fn request_stop(&mut self) {
+        self.report(Fault::StopRequested);
+    }
+
     /// Tells the supervisor what went wrong.
     pub(crate) fn report(&mut self, fault: Fault) {
         self.safety.report(fault);

@@ -163,7 +163,22 @@ impl DynamicRobot {
         period: f64,
         random: &mut impl RandomSource,
     ) -> Result<(), Error> {
-        let all = command.joint_velocity.iter().take(self.base_joints).chain(torque);
+        self.drive(&command.joint_velocity, torque, external, period, random)
+    }
+
+    /// The same with the velocities of all joints in place of a command.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn drive(
+        &mut self,
+        velocity: &[f64],
+        torque: &[f64],
+        external: &[ExternalWrench],
+        period: f64,
+        random: &mut impl RandomSource,
+    ) -> Result<(), Error> {
+        let all = velocity.iter().take(self.base_joints).chain(torque);
         for (own, value) in self.command.iter_mut().zip(all) {
             *own = *value;
         }

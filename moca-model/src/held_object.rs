@@ -89,6 +89,8 @@ impl Default for HeldObject {
 
 /// Where the hand of a person is who works on the object: how far in front of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct HandSettings {
     /// With bare hands \[m\]. Default 0.
     pub bare: f64,

@@ -64,6 +64,8 @@ impl From<Action> for Intention {
 
 /// When an action counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct IntentionSettings {
     /// Confidence from which on an action may change the intention \[-\]. Default 0.6.
     pub enter: f64,

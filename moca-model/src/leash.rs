@@ -20,6 +20,8 @@ use crate::error::Error;
 /// assert!(LeashSettings { revolute: f64::NAN, ..LeashSettings::default() }.validate().is_err());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct LeashSettings {
     /// |q* − q| of joints that slide \[m\]. Default 0.2.
     pub prismatic: f64,

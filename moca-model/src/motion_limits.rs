@@ -9,6 +9,8 @@ use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED};
 /// A mecanum base whose wheels limit |v_x| + |v_y| + lever |ω| in its own frame, and whose
 /// controller limits |v_x| and |v_y|.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct MecanumBase {
     /// Largest sum \[m/s\].
     pub speed: f64,

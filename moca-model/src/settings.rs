@@ -17,6 +17,8 @@ use crate::stack::PostureSettings;
 
 /// What the third level of the stack minimises while person and robot work together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Goal {
     /// The person's ergonomics, e_s (the paper's Sec. III-B).
     #[default]
@@ -28,16 +30,38 @@ pub enum Goal {
 /// The shared workspace in the person's frame H (origin on the floor below the pelvis, x
 /// forward, y left, z up).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SpaceSettings {
     /// Least position of the hand \[m\]. Default: that of the work zone of the right hand of a
     /// person of 1.75 m, (0.2, −0.5, 0.7).
+    #[cfg_attr(
+        feature = "serde",
+        serde(with = "crate::serial::vector"),
+        schemars(with = "[f64; 3]")
+    )]
     pub min: Vector3<f64>,
     /// Greatest position of the hand \[m\]. Default (0.75, 0.2, 1.6625).
+    #[cfg_attr(
+        feature = "serde",
+        serde(with = "crate::serial::vector"),
+        schemars(with = "[f64; 3]")
+    )]
     pub max: Vector3<f64>,
     /// The tool's preferred orientation in the person's frame. Default: its x axis towards the
     /// person, its z axis down.
+    #[cfg_attr(
+        feature = "serde",
+        serde(with = "crate::serial::rotation"),
+        schemars(with = "[f64; 4]")
+    )]
     pub tool: UnitQuaternion<f64>,
     /// Half the range of each rotation coordinate about it \[rad\]. Default 0.35.
+    #[cfg_attr(
+        feature = "serde",
+        serde(with = "crate::serial::vector"),
+        schemars(with = "[f64; 3]")
+    )]
     pub turn: Vector3<f64>,
     /// How far the workspace leads the person in the direction in which they walk \[m\].
     /// Default 0.08.
@@ -75,6 +99,8 @@ impl Default for SpaceSettings {
 
 /// What happens when nothing is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct StaleSettings {
     /// Age of the newest body from which on the robot comes to rest \[s\]. Until then, once the
     /// tracker has lost the person, the workspace is frozen. Default 1.5.
@@ -91,6 +117,8 @@ impl Default for StaleSettings {
 
 /// Limits of the desired pose's motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct DesiredMotion {
     /// Speed along each axis \[m/s\]. Default 0.5.
     pub velocity: f64,
@@ -124,12 +152,19 @@ impl DesiredMotion {
 /// assert!(benchmark.validate().is_ok());
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct ControllerSettings {
     /// The link or frame that is the tool. Default MOCA's, [`MOCA_TOOL`].
     pub tool: String,
     /// The control period Δt \[s\]. Default 0.001.
     pub period: f64,
     /// The diagonal of K_p \[1/s\]. Default 30.
+    #[cfg_attr(
+        feature = "serde",
+        serde(with = "crate::serial::vector"),
+        schemars(with = "[f64; 6]")
+    )]
     pub gain: Vector6<f64>,
     /// The horizon τ of workspace and ergonomics \[s\]; at least the velocity limit over the
     /// acceleration limit of the desired pose. Default 0.25.

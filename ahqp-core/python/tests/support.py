@@ -13,9 +13,9 @@ PACKAGE = WORKSPACE / "ahqp-core/python"
 PANDA = WORKSPACE / "moca-model/whole-body/examples/urdf/panda.urdf"
 
 
-def run_example(name):
+def run_example(name, *options):
     """What an example of this folder prints."""
-    command = [sys.executable, PACKAGE / "examples" / f"{name}.py"]
+    command = [sys.executable, PACKAGE / "examples" / f"{name}.py", *options]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 

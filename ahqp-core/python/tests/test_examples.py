@@ -22,6 +22,13 @@ def test_examples_are_short():
     assert len(lines) <= 20
 
 
+def test_a_population_is_the_same_in_shards():
+    head, *rows = run_example("population", "--people", "2", "--workers", "2").splitlines()
+    assert head == "person,stature,x,y,z,rmse" and len(rows) == 2
+    shards = [run_example("population", "--people", "2", "--workers", "1", "--shard", f"{i}/2") for i in (2, 1)]
+    assert sorted(row for shard in shards for row in shard.splitlines()[1:]) == rows
+
+
 @pytest.mark.parametrize("module", [ahqp, ergo, whole_body])
 def test_everything_has_a_docstring_and_their_examples_run(module):
     runner = doctest.DocTestRunner()

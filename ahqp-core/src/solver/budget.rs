@@ -19,11 +19,18 @@ const LOOK_EVERY: usize = 8;
 /// assert_eq!(budget.iterations, Some(200));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Budget {
     /// Iterations; the settings' count where that is less.
     pub iterations: Option<usize>,
     /// Wall-clock time, looked at every eighth iteration: every solve makes that many, and exceeds
     /// its time by at most as many and what loading the data and fixing a level take.
+    #[cfg_attr(
+        feature = "serde",
+        serde(default, with = "crate::solver::seconds"),
+        schemars(with = "Option<f64>")
+    )]
     pub time: Option<Duration>,
 }
 

@@ -14,6 +14,8 @@ use clap::Parser;
 use ergo_map::{ErgonomicsMap, MapOptions, Person};
 use examples::ergonomics::{build_map, read_map};
 use examples::follow::{Comparison, Run, Scenario, Summary};
+#[cfg(feature = "mcap")]
+use examples::mcap_files::RobotLog;
 use examples::page::{ResultRow, Results, page};
 use examples::picture::{animation, still};
 use examples::program::{
@@ -22,6 +24,7 @@ use examples::program::{
 use examples::recording::{self, Completeness, Header, IfPartial, Recording, RecordingError};
 use examples::replay::{Recorder, Replay};
 use examples::report::{RunLog, TickRow, TickTable, figure};
+use examples::settings::{RobotSettings, SettingsFile};
 use moca_model::{Goal, MOCA_URDF};
 
 /// Stature where neither the recording nor the command line gives one (m).
@@ -57,6 +60,18 @@ struct Options {
     /// stature. It says which hand the person works with.
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
+    /// Take these settings in place of the defaults; --write-settings makes a file to begin with. The goal
+    /// is that of each of the two runs all the same.
+    #[arg(long, value_name = "FILE")]
+    settings: Option<PathBuf>,
+    /// Write all settings with what they mean to a TOML file, those of --settings if given, and play
+    /// nothing.
+    #[arg(long, value_name = "FILE")]
+    write_settings: Option<PathBuf>,
+    /// Write the recording, and what the robot does with ergonomics, to this MCAP file, for Foxglove.
+    #[cfg(feature = "mcap")]
+    #[arg(long, value_name = "FILE")]
+    mcap: Option<PathBuf>,
     /// The paper's stack alone: keep no protective distances, and do not slow down near people.
     #[arg(long)]
     no_separation: bool,
@@ -76,6 +91,9 @@ struct Options {
     quiet: Quiet,
 }
 
+/// Sees every tick of a run.
+type Watch<'a> = &'a mut dyn FnMut(&TickRow) -> Result<()>;
+
 /// A run that has been played, and what figure and page need of it.
 struct Played {
     summary: Summary,
@@ -88,6 +106,9 @@ impl Program for Options {
     }
 
     fn run(self, session: &mut Session) -> Result<Ending> {
+        if let Some(path) = &self.write_settings {
+            return self.write_settings(path);
+        }
         let folder = (!self.no_report).then_some(self.output.as_path());
         if let Some(folder) = folder {
             check_folder(folder)?;
@@ -97,17 +118,30 @@ impl Program for Options {
             fs::create_dir_all(folder)
                 .with_context(|| format!("cannot make the folder {}", folder.display()))?;
         }
-        let play = |goal, title: &str, name| {
+        #[cfg(feature = "mcap")]
+        let mut log = self.mcap_log(&scenario)?;
+        let play = |goal, title: &str, name, watch: Watch<'_>| {
             let table = folder.map(|folder| folder.join(format!("ticks-{name}.csv")));
-            play(session, &scenario, goal, title, table.as_deref(), recorded)
+            play(session, &scenario, goal, title, table.as_deref(), recorded, watch)
         };
         let title = |ergonomics: &str| {
             let separation = if scenario.has_separation() { "" } else { ", NO SEPARATION" };
             format!("Ergonomics {ergonomics}{separation}")
         };
-        let on = play(Goal::Ergonomics, &title("on"), "on")?;
+        #[cfg(feature = "mcap")]
+        let mut watch = |row: &TickRow| -> Result<()> {
+            if let Some((log, _)) = &mut log {
+                log.push(row)?;
+            }
+            Ok(())
+        };
+        #[cfg(not(feature = "mcap"))]
+        let mut watch = |_: &TickRow| -> Result<()> { Ok(()) };
+        let on = play(Goal::Ergonomics, &title("on"), "on", &mut watch)?;
         let off = match on.summary.ending {
-            Ending::Complete => Some(play(Goal::LeastMotion, &title("off"), "off")?),
+            Ending::Complete => {
+                Some(play(Goal::LeastMotion, &title("off"), "off", &mut |_| Ok(()))?)
+            }
             _ => None,
         };
         let seen = [Some(&on), off.as_ref()].into_iter().flatten().filter_map(|p| p.seen.as_ref());
@@ -133,6 +167,11 @@ impl Program for Options {
                 file.push(text.as_bytes())?;
                 keep(file, [ending, recorded])?;
             }
+        }
+        #[cfg(feature = "mcap")]
+        if let Some((log, mut file)) = log {
+            file.push(&log.finish()?)?;
+            keep(file, [ending, recorded])?;
         }
         if ending == Ending::Partial {
             session.warn("interrupted: what follows is of the time up to there");
@@ -173,9 +212,43 @@ impl Options {
         };
         let (person, map) = self.person(session, &header)?;
         let scenario = Scenario::new(percepts, &person, map)?.arriving(&timings);
+        let scenario = match self.settings()? {
+            Some((path, file)) => scenario.with_settings(&file).context(path)?,
+            None => scenario,
+        };
         let scenario = if self.no_separation { scenario.without_separation() } else { scenario };
         let scenario = if self.kinematic { scenario.kinematic() } else { scenario };
         Ok((scenario, recorded))
+    }
+
+    /// The MCAP file that is asked for, begun before the work.
+    #[cfg(feature = "mcap")]
+    fn mcap_log(&self, scenario: &Scenario) -> Result<Option<(RobotLog, OutputFile)>> {
+        let Some(path) = &self.mcap else { return Ok(None) };
+        let file = OutputFile::create(path)?;
+        let text = match &self.recording {
+            Some(recording) => fs::read(recording)?,
+            None => recording::shipped_bytes().to_vec(),
+        };
+        Ok(Some((RobotLog::new(&text, &scenario.model)?, file)))
+    }
+
+    /// What the file of settings says, and its name.
+    fn settings(&self) -> Result<Option<(String, SettingsFile)>> {
+        let Some(path) = &self.settings else { return Ok(None) };
+        let name = path.display().to_string();
+        let file = SettingsFile::read(path).context(name.clone())?;
+        Ok(Some((name, file)))
+    }
+
+    fn write_settings(&self, path: &Path) -> Result<Ending> {
+        let defaults = RobotSettings::default();
+        let settings = match self.settings()? {
+            Some((name, file)) => file.over(&defaults).context(name)?,
+            None => defaults,
+        };
+        OutputFile::write_whole(path, settings.to_toml()?.as_bytes())?;
+        Ok(Ending::Complete)
     }
 
     /// The person whose stature was recorded, and the person's map.
@@ -249,13 +322,14 @@ fn play(
     title: &str,
     table: Option<&Path>,
     recorded: Ending,
+    watch: Watch<'_>,
 ) -> Result<Played> {
     let run = Run::new(scenario, goal)?.until(session.interrupt().clone());
     // A tick a millisecond.
     let ticks = Duration::from_secs_f64(scenario.duration()).as_millis();
     let progress = session.progress(title, u64::try_from(ticks).unwrap_or(u64::MAX));
     let Some(path) = table else {
-        let summary = run.play(counting(&progress, |_| Ok(())))?;
+        let summary = run.play(counting(&progress, |row| watch(row)))?;
         return Ok(Played { summary, seen: None });
     };
     let mut recorder =
@@ -268,6 +342,7 @@ fn play(
         let writer = scope.spawn(move || write_ticks(file, title, &receiver));
         let mut batch = Vec::with_capacity(BATCH);
         let played = run.play(counting(&progress, |row| {
+            watch(row)?;
             batch.push(row.clone());
             if batch.len() == BATCH {
                 let full = std::mem::replace(&mut batch, Vec::with_capacity(BATCH));

@@ -1,10 +1,13 @@
 //! The closed loop of MOCA under random people, workspaces and losses; counts what goes wrong.
 
-use std::{io::Write, ops::ControlFlow, process::ExitCode};
+use std::{io::Write, ops::ControlFlow, path::PathBuf, process::ExitCode};
 
+use anyhow::Context;
 use clap::Parser;
 use examples::program::{self, Ending, Json, Program, Quiet, Seed, Session};
-use examples::soak::Soak;
+use examples::settings::{RobotSettings, SettingsFile};
+use examples::shards::ShardOptions;
+use examples::soak::{Soak, summary};
 
 /// Tries the controller on random people, workspaces, starts and camera losses, and counts every
 /// violated promise.
@@ -23,6 +26,12 @@ struct Options {
     /// A robot that follows velocities exactly and at once, in place of one that moves under torques.
     #[arg(long)]
     kinematic: bool,
+    /// Take these settings in place of the defaults; `follow --write-settings` makes a file to begin with.
+    /// The goal is drawn by each episode all the same.
+    #[arg(long, value_name = "FILE")]
+    settings: Option<PathBuf>,
+    #[command(flatten)]
+    shards: ShardOptions,
     #[command(flatten)]
     seed: Seed,
     #[command(flatten)]
@@ -37,31 +46,46 @@ impl Program for Options {
     }
 
     fn run(self, session: &mut Session) -> anyhow::Result<Ending> {
-        let progress = session.progress("soak", self.ticks);
-        let interrupt = session.interrupt().clone();
-        let soak = Soak::new(self.seed.seed, self.ticks)?;
-        let soak = if self.kinematic { soak.kinematic() } else { soak };
-        let summary = soak.run(|ticks| {
+        let file = self.shards.create()?;
+        let soak = self.soak()?;
+        let (wanted, interrupt) = (soak.ticks(), session.interrupt().clone());
+        let progress = session.progress("soak", wanted);
+        let part = soak.part(|ticks| {
             progress.set(ticks);
             if interrupt.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })?;
         progress.finish();
-        let ending = if summary.ticks < self.ticks {
+        let summary = summary(&part);
+        let ending = if summary.ticks < wanted {
             Ending::Partial
         } else if summary.counts.wrong() > 0 {
             Ending::Failed
         } else {
             Ending::Complete
         };
+        // A shard that is not whole cannot be merged.
+        if ending != Ending::Partial {
+            ShardOptions::write(file, &part)?;
+        }
         for finding in &summary.findings {
             session.warn(finding);
         }
         if ending == Ending::Partial {
-            session
-                .warn(format_args!("interrupted after {} of {} ticks", summary.ticks, self.ticks));
+            session.warn(format_args!("interrupted after {} of {} ticks", summary.ticks, wanted));
         }
         writeln!(session.output(), "{summary}")?;
         session.conclude(self.json, &summary, ending)
+    }
+}
+
+impl Options {
+    fn soak(&self) -> anyhow::Result<Soak> {
+        let soak = Soak::new(self.seed.seed, self.ticks)?.sharded(self.shards.shard());
+        let soak = if self.kinematic { soak.kinematic() } else { soak };
+        let Some(path) = &self.settings else { return Ok(soak) };
+        let settings =
+            SettingsFile::read(path).and_then(|file| file.over(&RobotSettings::default()));
+        Ok(soak.with_settings(settings.with_context(|| path.display().to_string())?))
     }
 }
 

@@ -8,7 +8,7 @@ use hrsw::{SafetyState, Workspace};
 use moca_model::whole_body::Model;
 use moca_model::{
     Command, Controller, ControllerSettings, Goal, HeldObject, MOCA_HOME, SafetySettings,
-    SpaceSettings, moca,
+    SpaceSettings, TorqueLoopSettings, moca,
 };
 use nalgebra::Vector3;
 use vision_models::Percept;
@@ -25,6 +25,7 @@ use crate::recording::Timing;
 use crate::replay::Recorder;
 use crate::report::TickRow;
 use crate::separation::{Moment, SeparationMonitor};
+use crate::settings::{RobotSettings, SettingsError, SettingsFile};
 
 /// A margin below which x_d counts as within the workspace \[m or rad\].
 const INSIDE: f64 = 1e-3;
@@ -49,6 +50,8 @@ pub struct Scenario {
     pub start: Vec<f64>,
     /// The controller, but for its goal.
     pub settings: ControllerSettings,
+    /// The loop of torques below it.
+    pub torques: TorqueLoopSettings,
     /// What the robot does with commands.
     pub drive: Drive,
     /// What the robot holds for the person to work on.
@@ -122,7 +125,19 @@ impl Scenario {
         let settings = ControllerSettings { space, ..ControllerSettings::default() };
         let arrivals = percepts.iter().map(|percept| percept.time).collect();
         let (start, drive, object) = (MOCA_HOME.to_vec(), Drive::default(), HeldObject::default());
-        Ok(Self { percepts, arrivals, map, comfort, model, start, settings, drive, object })
+        let torques = TorqueLoopSettings::default();
+        Ok(Self {
+            percepts,
+            arrivals,
+            map,
+            comfort,
+            model,
+            start,
+            settings,
+            torques,
+            drive,
+            object,
+        })
     }
 
     /// The same, with percepts that come as late as their recording says.
@@ -136,6 +151,17 @@ impl Scenario {
             *arrival = latest;
         }
         self
+    }
+
+    /// The same with what a file of settings says in place of the settings so far. The goal is that of
+    /// each run all the same.
+    ///
+    /// # Errors
+    /// Values that are out of range or do not go together.
+    pub fn with_settings(self, file: &SettingsFile) -> Result<Self, SettingsError> {
+        let base = RobotSettings { controller: self.settings, torque: self.torques };
+        let RobotSettings { controller, torque } = file.over(&base)?;
+        Ok(Self { settings: controller, torques: torque, ..self })
     }
 
     /// The same without protective distances, speed cap and self-collision: the paper's stack alone.
@@ -181,7 +207,8 @@ impl<'a> Run<'a> {
         let safety = &scenario.settings.safety;
         let mut separation = SeparationMonitor::new(&scenario.model, safety, period)?;
         separation.carry(controller.robot().tool(), &[scenario.object.capsule()?]);
-        let mut plant = Plant::new(scenario.drive, controller, SEED)?;
+        let torques = scenario.torques.clone();
+        let mut plant = Plant::with_torques(scenario.drive, controller, torques, SEED)?;
         plant.hold(&scenario.object)?;
         Ok(Self {
             scorer: Scorer::new(&scenario.map, middle),

@@ -1,20 +1,20 @@
 //! What goes wrong around the controller, one thing at a time, and the state that each must lead to.
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::ops::Range;
 
 use hrsw::SafetyState;
 use nalgebra::{Isometry3, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 use vision_models::Percept;
 
 use crate::plant::Drive;
 
 /// Something that goes wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Disturbance {
     /// No frame comes.
     FramesLost,
@@ -158,30 +158,6 @@ impl Disturbance {
     }
 }
 
-impl fmt::Display for Disturbance {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::FramesLost => "frames_lost",
-            Self::FramesFrozen => "frames_frozen",
-            Self::FramesLate => "frames_late",
-            Self::FramesRepeated => "frames_repeated",
-            Self::FramesOutOfOrder => "frames_out_of_order",
-            Self::FramesAbsurd => "frames_absurd",
-            Self::CameraAhead => "camera_ahead",
-            Self::CameraBehind => "camera_behind",
-            Self::CameraEpoch => "camera_epoch",
-            Self::CameraStands => "camera_stands",
-            Self::MeasurementNan => "measurement_nan",
-            Self::TicksLate => "ticks_late",
-            Self::TimeNan => "time_nan",
-            Self::TimeStands => "time_stands",
-            Self::TimeBack => "time_back",
-            Self::TimeAhead => "time_ahead",
-            Self::ArmPushed => "arm_pushed",
-        })
-    }
-}
-
 /// One disturbance after the other, with pauses.
 #[derive(Clone, Debug)]
 pub(super) struct Disturbances {
@@ -288,43 +264,57 @@ fn stamped(percept: &Percept, time: f64) -> Percept {
     Percept { time, ..percept.clone() }
 }
 
-/// How often each disturbance ended in each state, and how often in one that is not enough.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Endings {
-    ended: [[u64; STATES.len()]; Disturbance::ALL.len()],
+/// How often each disturbance ended in each state.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Endings(BTreeMap<Disturbance, StateCounts>);
+
+/// How often something ended in each state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StateCounts {
+    /// Full speed.
+    pub normal: u64,
+    /// Reduced speed.
+    pub reduced: u64,
+    /// Coming no nearer.
+    pub retreat: u64,
+    /// At rest.
+    pub protective_stop: u64,
 }
 
-const STATES: [(SafetyState, &str); 4] = [
-    (SafetyState::Normal, "normal"),
-    (SafetyState::Reduced, "reduced"),
-    (SafetyState::Retreat, "retreat"),
-    (SafetyState::ProtectiveStop, "protective_stop"),
-];
+impl Default for Endings {
+    fn default() -> Self {
+        Self(Disturbance::ALL.map(|disturbance| (disturbance, StateCounts::default())).into())
+    }
+}
 
 impl Endings {
     /// One has ended in this state.
     pub fn count(&mut self, disturbance: Disturbance, state: SafetyState) {
-        for (row, of) in self.ended.iter_mut().zip(Disturbance::ALL) {
-            for (count, (column, _)) in row.iter_mut().zip(STATES) {
-                *count += u64::from(of == disturbance && column == state);
-            }
+        let counts = self.0.entry(disturbance).or_default();
+        match state {
+            SafetyState::Normal => counts.normal += 1,
+            SafetyState::Reduced => counts.reduced += 1,
+            SafetyState::Retreat => counts.retreat += 1,
+            SafetyState::ProtectiveStop => counts.protective_stop += 1,
         }
     }
-}
 
-impl std::ops::AddAssign for Endings {
-    fn add_assign(&mut self, other: Self) {
-        let counts = self.ended.iter_mut().flatten().zip(other.ended.iter().flatten());
-        counts.for_each(|(count, other)| *count += other);
+    /// Of every disturbance.
+    pub fn counts(&self) -> impl Iterator<Item = (Disturbance, StateCounts)> {
+        self.0.iter().map(|(disturbance, counts)| (*disturbance, *counts))
     }
 }
 
-/// By disturbance and state.
-impl Serialize for Endings {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.ended.iter().zip(Disturbance::ALL).map(|(row, disturbance)| {
-            let states = row.iter().zip(STATES).map(|(count, (_, state))| (state, *count));
-            (disturbance.to_string(), states.collect::<BTreeMap<_, _>>())
-        }))
+impl std::ops::AddAssign<&Self> for Endings {
+    fn add_assign(&mut self, other: &Self) {
+        for (disturbance, other) in &other.0 {
+            let counts = self.0.entry(*disturbance).or_default();
+            counts.normal += other.normal;
+            counts.reduced += other.reduced;
+            counts.retreat += other.retreat;
+            counts.protective_stop += other.protective_stop;
+        }
     }
 }

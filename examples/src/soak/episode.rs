@@ -15,6 +15,7 @@ use super::task::{POSITION_ROWS, Task};
 use crate::plant::{Drive, Plant};
 use crate::random;
 use crate::separation::{Moment, body};
+use crate::settings::RobotSettings;
 use crate::simulation::{CameraSettings, FRAME_RATE, Joints, Perception, Transport, Wanderer};
 
 /// What a generator is for.
@@ -70,13 +71,20 @@ pub(super) struct Episode {
 
 impl Episode {
     /// The episode of this seed.
-    pub(super) fn new(model: &Model, seed: u64, drive: Drive) -> anyhow::Result<Self> {
+    pub(super) fn new(
+        model: &Model,
+        seed: u64,
+        drive: Drive,
+        robot: &RobotSettings,
+    ) -> anyhow::Result<Self> {
         let draws = |streams: [Stream; 2]| streams.map(|stream| generator(seed, stream));
         let mut draw = generator(seed, Stream::Start);
         let start = start(model, &mut draw);
         let goal = if draw.random_bool(0.8) { Goal::Ergonomics } else { Goal::LeastMotion };
-        let space = SpaceSettings { position_rows: POSITION_ROWS, ..SpaceSettings::default() };
-        let settings = ControllerSettings { goal, space, ..ControllerSettings::default() };
+        let RobotSettings { controller, torque } = robot.clone();
+        let position_rows = controller.space.position_rows.max(POSITION_ROWS);
+        let space = SpaceSettings { position_rows, ..controller.space };
+        let settings = ControllerSettings { goal, space, ..controller };
         let robot = Vector2::new(start[0], start[1]);
         let camera = CameraSettings {
             largest_error: LARGEST_ERROR,
@@ -95,9 +103,10 @@ impl Episode {
             last: 0.0,
             frame: ticks(1.0 / FRAME_RATE, settings.period),
             period: settings.period,
-            plant: Plant::new(
+            plant: Plant::with_torques(
                 drive,
                 Controller::new(model.clone(), comfort()?, settings, &start)?,
+                torque,
                 seed,
             )?,
             tick: 0,

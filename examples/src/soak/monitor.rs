@@ -3,13 +3,15 @@
 use hrsw::{Fault, SafetyState};
 use moca_model::whole_body::Model;
 use moca_model::{Command, ControllerSettings};
+use serde::{Deserialize, Serialize};
 
 use super::disturbance::{Disturbance, Endings};
 use crate::limits::{LimitMonitor, Return};
 use crate::separation::{Moment, SeparationMonitor};
 
 /// Ticks with something wrong, by kind, and two kinds that are not wrong but worth counting.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Counts {
     /// The hierarchy was not solved to its optimum.
     pub infeasible: u64,

@@ -1,31 +1,13 @@
-//! A whole soak, and what it found.
+//! What a soak found.
 
 use std::fmt;
-use std::ops::ControlFlow;
 
-use anyhow::ensure;
-use moca_model::moca;
-use rand::{Rng, RngCore};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use serde::{Serialize, Serializer};
 
 use super::disturbance::Endings;
-use super::episode::Episode;
 use super::monitor::Counts;
+use super::run::EpisodeResult;
 use super::tick_times::TickTimes;
-use crate::plant::Drive;
-
-/// Ticks of an episode.
-const EPISODE: std::ops::Range<u64> = 4_000..25_000;
-
-/// Episodes until a number of ticks is reached. The same seed gives the same ticks.
-#[derive(Clone, Copy, Debug)]
-pub struct Soak {
-    seed: u64,
-    ticks: u64,
-    drive: Drive,
-}
 
 /// What a soak found.
 #[derive(Clone, Debug)]
@@ -69,66 +51,31 @@ struct Line {
     disturbances: Endings,
 }
 
-impl Soak {
-    /// A soak of `ticks` milliseconds.
-    ///
-    /// # Errors
-    /// No ticks at all.
-    pub fn new(seed: u64, ticks: u64) -> anyhow::Result<Self> {
-        ensure!(ticks > 0, "0 ticks are no soak; give at least 1");
-        Ok(Self { seed, ticks, drive: Drive::default() })
-    }
-
-    /// The same, with a robot that follows velocities exactly and at once.
-    #[must_use]
-    pub fn kinematic(mut self) -> Self {
-        self.drive = Drive::Kinematic;
-        self
-    }
-
-    /// Runs it; `each` is told how many ticks are done, after each thousand, and may end it there.
-    ///
-    /// # Errors
-    /// A controller that refuses its settings or what it measures.
-    pub fn run(self, mut each: impl FnMut(u64) -> ControlFlow<()>) -> anyhow::Result<Summary> {
-        let model = moca()?;
-        let mut draw = ChaCha8Rng::seed_from_u64(self.seed);
-        let mut summary = Summary {
+impl Summary {
+    /// Of episodes with their numbers, from 0, and the times of their ticks.
+    pub(super) fn of<'a>(
+        episodes: impl IntoIterator<Item = (u64, &'a EpisodeResult)>,
+        times: &TickTimes,
+    ) -> Self {
+        let mut summary = Self {
             ticks: 0,
             episodes: 0,
             counts: Counts::default(),
             ended: Endings::default(),
             findings: Vec::new(),
             moving: 0,
-            tick_us: [0.0; 2],
+            tick_us: [500, 999].map(|thousandths| times.quantile(thousandths)),
         };
-        let mut times = TickTimes::new();
-        let mut flow = ControlFlow::Continue(());
-        while summary.ticks < self.ticks && flow.is_continue() {
-            let (seed, length) = (draw.next_u64(), draw.random_range(EPISODE));
-            let mut episode = Episode::new(&model, seed, self.drive)?;
-            for _ in 0..length.min(self.ticks - summary.ticks) {
-                if let Some(tick_us) = episode.step()? {
-                    times.push(tick_us);
-                }
-                if let Some(what) = episode.first_wrong() {
-                    summary.findings.push(format!("episode {}, {what}", summary.episodes + 1));
-                }
-                summary.moving += u64::from(episode.moves());
-                summary.ticks += 1;
-                if summary.ticks.is_multiple_of(1000) {
-                    flow = each(summary.ticks);
-                }
-                if flow.is_break() {
-                    break;
-                }
-            }
-            summary.counts += episode.monitor.counts;
-            summary.ended += episode.monitor.ended;
+        for (number, episode) in episodes {
+            summary.ticks += episode.ticks;
             summary.episodes += 1;
+            summary.counts += episode.counts;
+            summary.ended += &episode.ended;
+            summary.moving += episode.moving;
+            let finding = |what: &String| format!("episode {}, {what}", number + 1);
+            summary.findings.extend(episode.finding.as_ref().map(finding));
         }
-        summary.tick_us = [500, 999].map(|thousandths| times.quantile(thousandths));
-        Ok(summary)
+        summary
     }
 }
 
@@ -154,7 +101,7 @@ impl Serialize for Summary {
             moving: self.moving,
             episodes: self.episodes,
             wrong_states: counts.wrong_states,
-            disturbances: self.ended,
+            disturbances: self.ended.clone(),
         };
         line.serialize(serializer)
     }

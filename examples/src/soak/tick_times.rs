@@ -1,15 +1,51 @@
 //! How long ticks take, in memory that does not grow with their number.
 
+use std::collections::BTreeMap;
+use std::ops::AddAssign;
+
+use serde::{Deserialize, Serialize};
+
 /// Width of a bin (µs), the last digit that is printed.
 const WIDTH: f64 = 0.1;
 /// Ticks that take ten milliseconds or more count as ten.
 const BINS: usize = 100_000;
 
 /// A histogram of times.
-#[derive(Clone, Debug)]
-pub(super) struct TickTimes {
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "BTreeMap<usize, u64>", into = "BTreeMap<usize, u64>")]
+pub struct TickTimes {
     bins: Vec<u64>,
     count: u64,
+}
+
+/// The bins that are not empty, in files of shards.
+impl From<TickTimes> for BTreeMap<usize, u64> {
+    fn from(times: TickTimes) -> Self {
+        times.bins.into_iter().enumerate().filter(|(_, count)| *count > 0).collect()
+    }
+}
+
+impl TryFrom<BTreeMap<usize, u64>> for TickTimes {
+    type Error = String;
+
+    fn try_from(filled: BTreeMap<usize, u64>) -> Result<Self, String> {
+        let mut times = Self::new();
+        for (bin, count) in filled {
+            let place = times.bins.get_mut(bin);
+            *place.ok_or_else(|| format!("bin {bin} of the times, expected up to {BINS}"))? = count;
+            times.count = times.count.saturating_add(count);
+        }
+        Ok(times)
+    }
+}
+
+impl AddAssign<&TickTimes> for TickTimes {
+    fn add_assign(&mut self, other: &Self) {
+        for (own, count) in self.bins.iter_mut().zip(&other.bins) {
+            *own = own.saturating_add(*count);
+        }
+        self.count = self.count.saturating_add(other.count);
+    }
 }
 
 impl TickTimes {

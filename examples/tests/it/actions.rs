@@ -102,6 +102,21 @@ fn trains_evaluates_and_recognises() {
     let again = clips.evaluate().with(&["--json"]).run().done().json();
     assert_eq!(again["by_class"], json["by_class"]);
 
+    // In two shards it is the same to the byte.
+    let files = ["1", "2"].map(|shard| {
+        let file = clips.path(&format!("shard-{shard}.json"));
+        let options = [format!("--shard={shard}/2"), "--shard-file".to_owned(), file.clone()];
+        clips.evaluate().with(&options).run().done();
+        file
+    });
+    let merged = clips.path("merged");
+    let again = Runs::new("merge").with(&files).with(&["--json", "--output", &merged]).run().done();
+    assert_eq!(again.output, ran.output);
+    for name in ["confusion.svg", "scores.csv", "evaluation.json"] {
+        let of = |folder: &str| fs::read(format!("{folder}/{name}")).unwrap();
+        assert_eq!(of(&merged), of(&out), "{name}");
+    }
+
     let whole = clips.recognise().with(&["--clips=2", "--json"]).run().done().json();
     assert_eq!(whole["classes"][0]["name"], "Deliver Object");
     let live = clips.recognise().with(&["--live", "--json"]).run().done();

@@ -17,6 +17,8 @@ mod hqp;
 mod ik;
 mod infer;
 mod limits;
+#[cfg(feature = "mcap")]
+mod mcap_files;
 mod page;
 mod perceive;
 mod perceive_networks;
@@ -26,6 +28,9 @@ mod recognise;
 mod record;
 mod recording;
 mod recording_extras;
+mod robot_side;
+mod settings;
+mod shards;
 mod soak;
 mod support;
 mod surface;

@@ -122,6 +122,7 @@ fn help_says_what_each_program_does_and_how_it_ends() {
         ("reba", "Scores filled-in REBA sheets"),
         ("tlx", "Scores NASA-TLX questionnaires"),
         ("perceive", "Makes a recording, as `follow` plays it, of a folder of camera frames"),
+        ("merge", "Merges the files that a program wrote with --shard I/N"),
         ("ergo_map", "Builds the ergonomics map of a person: how"),
     ] {
         let help = Runs::new(name).with(&["--help"]).run().done().output;

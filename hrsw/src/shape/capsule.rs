@@ -2,6 +2,8 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+#[cfg(feature = "serde")]
+use super::capsule_table::CapsuleTable;
 use super::half_space::HalfSpace;
 use crate::error::{Error, check_all, not_negative};
 
@@ -16,6 +18,8 @@ use crate::error::{Error, check_all, not_negative};
 /// # Ok::<(), hrsw::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(try_from = "CapsuleTable", into = "CapsuleTable"))]
 pub struct Capsule {
     start: Vector3<f64>,
     end: Vector3<f64>,

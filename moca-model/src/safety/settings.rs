@@ -9,6 +9,8 @@ use crate::robot::moca::MOCA_BASE_JOINTS;
 
 /// How the person's body is made of what the camera sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct PersonBodySettings {
     /// Keypoints with less confidence are as good as missing \[-\]. Default 0.5.
     pub least_confidence: f64,
@@ -61,6 +63,8 @@ impl Default for PersonBodySettings {
 /// assert!(settings.validate().is_ok());
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SafetySettings {
     /// The terms of the protective distance. Default: that of hrsw with C = 0.05 m, since every
     /// part of the body is tracked, and a = 0.5 m/s² for MOCA's base.

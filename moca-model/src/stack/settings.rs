@@ -10,6 +10,8 @@ use crate::motion_limits::MecanumBase;
 
 /// How the joints spread what no other level decides.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct PostureSettings {
     /// Preferred configuration \[m or rad\]; joints without a gain ignore it.
     pub configuration: Vec<f64>,

@@ -262,6 +262,11 @@ impl TorqueController {
         }
     }
 
+    /// The joints driven by torque, as indices of q̇.
+    pub fn joints(&self) -> &[usize] {
+        &self.joints
+    }
+
     /// The torques for the joints driven by torque, in the order of q \[Nm\]; before the first step those
     /// that carry the arm.
     pub fn torque(&self) -> &[f64] {

@@ -17,6 +17,8 @@ use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_JOINTS};
 /// assert!(soft.validate().is_ok());
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct TorqueLoopSettings {
     /// The joints that are driven by torque, in the order of q. The others take velocities. Default
     /// MOCA's arm.

@@ -380,7 +380,7 @@ fn scenarios() -> BTreeMap<String, Scenario> {
         drive.controller.step(now, &measured).unwrap();
         drive.obey(PERIOD);
     }
-    let scenarios: [(Fault, Scenario); 15] = [
+    let scenarios: [(Fault, Scenario); 16] = [
         (ClockFault::NotFinite.into(), |drive| clock(drive, f64::NAN)),
         (ClockFault::StandsStill.into(), |drive| clock(drive, drive.time() - PERIOD)),
         (ClockFault::SetBack.into(), |drive| clock(drive, drive.time() - 5.0)),
@@ -415,6 +415,10 @@ fn scenarios() -> BTreeMap<String, Scenario> {
             drive.controller.set_comfort(unusable());
             drive.step();
             drive.controller.set_comfort(usable());
+        }),
+        (Fault::StopRequested, |drive| {
+            drive.controller.request_stop();
+            drive.step();
         }),
     ];
     scenarios.into_iter().map(|(fault, make)| (fault.to_string(), make)).collect()

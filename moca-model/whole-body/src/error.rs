@@ -329,6 +329,17 @@ pub enum Error {
         expected: &'static str,
     },
 
+    /// The system does not grant what a thread asks for.
+    #[error("the system refuses {what} ({reason}); {remedy}")]
+    Refused {
+        /// What was asked for.
+        what: &'static str,
+        /// What the system says.
+        reason: String,
+        /// What would help.
+        remedy: &'static str,
+    },
+
     /// A gain is too high for the control period.
     #[error(
         "a gain of {gain} 1/s overshoots with a period of {period} s; it must be at most \

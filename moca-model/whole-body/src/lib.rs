@@ -45,6 +45,7 @@
 //! # Ok::<(), whole_body::Error>(())
 //! ```
 
+mod control_loop;
 mod dynamics;
 mod eigen;
 mod error;
@@ -65,6 +66,14 @@ mod vector;
 pub use ahqp_core::{
     Budget, LevelId, Place, PoseAxes, Settings, Solution, Status, VelocityInterval,
 };
+pub use control_loop::clock::{Clock, ManualClock, MonotonicClock};
+pub use control_loop::deadlines::{DeadlineStatistics, TimeHistogram};
+pub use control_loop::law::ControlLaw;
+pub use control_loop::robot_side::{JointCommand, JointMeasurement, Received, RobotSide};
+pub use control_loop::run::{ControlLoop, LoopEnding, LoopError, StopCause};
+#[cfg(all(feature = "real-time", target_os = "linux"))]
+pub use control_loop::scheduling::Scheduling;
+pub use control_loop::settings::LoopSettings;
 pub use dynamics::external::ExternalWrench;
 pub use error::Error;
 pub use error::urdf::UrdfError;

@@ -15,6 +15,8 @@ use crate::Error;
 /// assert!(wrong.validate().unwrap_err().to_string().contains("gate"));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct TrackerSettings {
     /// Keypoints with less confidence are as good as missing. Default 0.3.
     pub least_confidence: f64,

@@ -5,6 +5,8 @@ use crate::robot::limits::JointLimits;
 
 /// Gains and rate limit of a [`JointImpedance`], one element a joint.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct ImpedanceSettings {
     /// `K_qp`, diagonal \[Nm/rad\]; default 600 600 600 600 250 150 50.
     pub stiffness: Vec<f64>,

@@ -7,6 +7,8 @@ use crate::state::moving::Moving;
 
 /// Whether an observer knows of friction in the joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum ObservedFriction {
     /// It does not: friction is part of what it finds. Fit for torques measured behind the gears.
     #[default]

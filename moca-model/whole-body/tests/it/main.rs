@@ -6,6 +6,7 @@ mod bad_input;
 mod bad_tasks;
 mod bad_urdf;
 mod commanded;
+mod control_loop;
 mod description;
 mod dynamics;
 mod golden;

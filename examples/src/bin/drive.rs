@@ -1,0 +1,277 @@
+//! MOCA in a loop of its own at 1 kHz: simulated in the same process, or behind UDP.
+
+use std::fmt;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::SyncSender;
+use std::thread;
+
+use anyhow::{Context, Result, anyhow, ensure};
+use clap::Parser;
+use ergo_map::{MapOptions, Person};
+use examples::ergonomics::{build_map, read_map};
+use examples::follow::Scenario;
+use examples::program::{self, Ending, Json, Program, Quiet, Session};
+use examples::recording::{self, IfPartial, Recording};
+use examples::robot_side::{SimulatedSide, UdpServer, UdpSide};
+use examples::settings::SettingsFile;
+use moca_model::whole_body::{
+    Clock, ControlLoop, DeadlineStatistics, JointMeasurement, LoopEnding, LoopSettings,
+    MonotonicClock, RobotSide, Scheduling, StopCause, TimeHistogram,
+};
+use moca_model::{Controller, LoopController, TorqueController};
+use serde::Serialize;
+use vision_models::Percept;
+
+/// Stature where the recording gives none (m).
+const DEFAULT_STATURE: f64 = 1.75;
+/// Of the simulated robot's noise.
+const SEED: u64 = 1;
+
+/// Moves MOCA in real time, at 1 kHz, while a recorded person is perceived beside it, and prints how well
+/// the deadlines were kept.
+///
+/// The robot is simulated, in this process or behind UDP: `drive --serve` is such a robot, and shows what a driver
+/// of a real one has to do. The loop ends after the duration, at Ctrl-C, or when robot or perception are silent,
+/// always in order: it brakes, and halts the robot at rest. The exit status is 1 if the robot fell silent.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Options {
+    /// Move the robot at this address, in place of one in this process.
+    #[arg(long, value_name = "HOST:PORT")]
+    robot: Option<String>,
+    /// Be the simulated robot at this address, until Ctrl-C.
+    #[arg(long, value_name = "HOST:PORT", conflicts_with = "robot")]
+    serve: Option<String>,
+    /// How long, in seconds.
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    duration: f64,
+    /// What is perceived, again and again, in place of the recording that is built in.
+    #[arg(long, value_name = "FILE")]
+    recording: Option<PathBuf>,
+    /// The person's ergonomics map, as `ergo_map` saves it, in place of one that is built.
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
+    /// Take these settings in place of the defaults, as `follow` does.
+    #[arg(long, value_name = "FILE")]
+    settings: Option<PathBuf>,
+    /// Real-time priority of the loop, 1 to 99.
+    #[arg(long)]
+    priority: Option<u8>,
+    /// Keep all memory from being paged out.
+    #[arg(long)]
+    lock_memory: bool,
+    /// How long before each tick the loop waits awake, in microseconds.
+    #[arg(long, value_name = "MICROSECONDS", default_value_t = 0.0)]
+    spin: f64,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
+}
+
+/// How well the deadlines were kept. Times in µs.
+#[derive(Debug, Serialize)]
+struct Report {
+    ended: &'static str,
+    at_rest: bool,
+    ticks: u64,
+    missed: u64,
+    unmeasured: u64,
+    latency_us: Times,
+    duration_us: Times,
+}
+
+#[derive(Debug, Serialize)]
+struct Times {
+    p50: f64,
+    p99: f64,
+    p999: f64,
+    max: f64,
+}
+
+impl Program for Options {
+    fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        let duration = self.duration;
+        ensure!(duration > 0.0, "--duration {duration}: give the seconds to drive, above 0");
+        let scenario = self.scenario(session)?;
+        let period = scenario.settings.period;
+        let mut clock = MonotonicClock::new(1e-6 * self.spin);
+        if let Some(address) = &self.serve {
+            let robot = SimulatedSide::new(&scenario.start, period, SEED)?;
+            let mut server = UdpServer::bind(address, robot, &scenario.start)
+                .with_context(|| format!("--serve {address}"))?;
+            writeln!(session.output(), "a robot at {}; Ctrl-C ends it", server.address()?)?;
+            session.output().flush()?;
+            let interrupt = session.interrupt().clone();
+            server.serve(period, &mut clock, || interrupt.requested())?;
+            return Ok(Ending::Complete);
+        }
+        let (ending, statistics) = match &self.robot {
+            Some(address) => {
+                let robot = UdpSide::connect(address, scenario.start.len())
+                    .with_context(|| format!("--robot {address}"))?;
+                self.drive(session, &scenario, robot, clock)?
+            }
+            None => {
+                let robot = SimulatedSide::new(&scenario.start, period, SEED)?;
+                self.drive(session, &scenario, robot, clock)?
+            }
+        };
+        let report = Report::new(ending, &statistics);
+        writeln!(session.output(), "{report}")?;
+        let ending = match ending.cause {
+            StopCause::Requested if session.interrupt().requested() => Ending::Partial,
+            StopCause::Requested => Ending::Complete,
+            _ => Ending::Failed,
+        };
+        session.conclude(self.json, &report, ending)
+    }
+}
+
+impl Options {
+    /// What `follow` plays, in real time.
+    fn scenario(&self, session: &Session) -> Result<Scenario> {
+        let Recording { header, percepts, .. } = match &self.recording {
+            Some(path) => Recording::read(recording::open(path)?, IfPartial::Refuse)
+                .with_context(|| path.display().to_string())?,
+            None => Recording::read(recording::shipped()?, IfPartial::Refuse)?,
+        };
+        let (person, map) = match &self.map {
+            Some(path) => {
+                let map = read_map(path)?;
+                (Person::new(map.stature())?, map)
+            }
+            None => {
+                let person = Person::new(header.stature.unwrap_or(DEFAULT_STATURE))?;
+                let map = build_map(session, &person, &MapOptions::default(), None)?;
+                (person, map)
+            }
+        };
+        let scenario = Scenario::new(percepts, &person, map)?;
+        let Some(path) = &self.settings else { return Ok(scenario) };
+        let settings = SettingsFile::read(path).and_then(|file| scenario.with_settings(&file));
+        settings.with_context(|| path.display().to_string())
+    }
+
+    /// Moves the robot from a thread of its own; this one is the camera.
+    fn drive<R>(
+        &self,
+        session: &Session,
+        scenario: &Scenario,
+        mut robot: R,
+        mut clock: MonotonicClock,
+    ) -> Result<(LoopEnding, DeadlineStatistics)>
+    where
+        R: RobotSide + Send,
+        R::Error: fmt::Display + Send,
+    {
+        let Scenario { model, comfort, settings, torques, start, .. } = scenario;
+        let controller = Controller::new(model.clone(), *comfort, settings.clone(), start)?;
+        let controller = TorqueController::new(controller, torques.clone())?;
+        let (mut law, percepts) = LoopController::new(controller);
+        let times = LoopSettings { period: settings.period, ..LoopSettings::default() };
+        let mut control = ControlLoop::new(times, JointMeasurement::at_rest(model))?;
+        let scheduling = Scheduling { priority: self.priority, lock_memory: self.lock_memory };
+        let (until, camera) = (clock.now() + self.duration, clock);
+        let (interrupt, ended) = (session.interrupt().clone(), AtomicBool::new(false));
+        let watch = clock;
+        thread::scope(|scope| {
+            let looping = scope.spawn(|| {
+                let ending = scheduling.apply().map_err(|error| anyhow!(error)).and_then(|()| {
+                    let stop = || interrupt.requested() || watch.now() > until;
+                    control
+                        .run(&mut robot, &mut law, &mut clock, stop)
+                        .map_err(|error| anyhow!("{error}"))
+                });
+                ended.store(true, Ordering::Release);
+                ending
+            });
+            see(session, &scenario.percepts, camera, &percepts, &ended);
+            looping.join().map_err(|_| anyhow!("the loop panicked"))?
+        })
+        .map(|ending| (ending, control.statistics().clone()))
+    }
+}
+
+/// Plays percepts at the pace of their recording, stamped with the present, until the loop has ended.
+fn see(
+    session: &Session,
+    recorded: &[Percept],
+    mut clock: MonotonicClock,
+    percepts: &SyncSender<Percept>,
+    ended: &AtomicBool,
+) {
+    let progress = session.open_progress("drive");
+    let mut seen = 0;
+    loop {
+        let (begin, first) = (clock.now(), recorded.first().map_or(0.0, |percept| percept.time));
+        for percept in recorded {
+            clock.sleep_until(begin + percept.time - first);
+            if ended.load(Ordering::Acquire) {
+                progress.finish();
+                return;
+            }
+            // A loop that takes none for a while misses these, as it would miss a camera's.
+            let _ = percepts.try_send(Percept { time: clock.now(), ..percept.clone() });
+            seen += 1;
+            progress.set(seen);
+        }
+    }
+}
+
+impl Report {
+    fn new(ending: LoopEnding, statistics: &DeadlineStatistics) -> Self {
+        let times = |histogram: &TimeHistogram| Times {
+            p50: 1e6 * histogram.quantile(0.5),
+            p99: 1e6 * histogram.quantile(0.99),
+            p999: 1e6 * histogram.quantile(0.999),
+            max: 1e6 * histogram.longest(),
+        };
+        Self {
+            ended: match ending.cause {
+                StopCause::Requested => "requested",
+                StopCause::RobotSilent => "robot silent",
+                StopCause::PerceptionSilent => "perception silent",
+                _ => "unknown",
+            },
+            at_rest: ending.at_rest,
+            ticks: statistics.ticks,
+            missed: statistics.missed,
+            unmeasured: statistics.unmeasured,
+            latency_us: times(&statistics.latency),
+            duration_us: times(&statistics.duration),
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { ended, at_rest, ticks, missed, unmeasured, latency_us, duration_us } = self;
+        let rest = if *at_rest { "at rest" } else { "moving" };
+        writeln!(f, "{:30} {ended}, {rest}", "ended")?;
+        for (what, count) in
+            [("ticks", ticks), ("ticks missed", missed), ("ticks without measurement", unmeasured)]
+        {
+            writeln!(f, "{what:30} {count:>10}")?;
+        }
+        let Times { p50, p99, p999, max } = latency_us;
+        writeln!(
+            f,
+            "{:30} {p50:.0}, {p99:.0}, {p999:.0}, {max:.0}",
+            "late [µs] p50 p99 p99.9 max"
+        )?;
+        let Times { p50, p99, p999, max } = duration_us;
+        write!(f, "{:30} {p50:.0}, {p99:.0}, {p999:.0}, {max:.0}", "took [µs] p50 p99 p99.9 max")
+    }
+}
+
+fn main() -> ExitCode {
+    program::main::<Options>()
+}

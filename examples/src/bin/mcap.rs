@@ -1,0 +1,65 @@
+//! Turns a recording into MCAP, and back.
+
+use std::{fs, io::Write, path::PathBuf, process::ExitCode};
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use examples::mcap_files::{from_json_lines, to_json_lines};
+use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Session};
+use serde::Serialize;
+
+/// Turns a recording in JSON Lines into MCAP, which Foxglove shows, or such a file back; nothing is lost either way.
+///
+/// Which way is told by how the input begins. Of a file that `follow --mcap` wrote the recording that was played
+/// comes out.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Options {
+    /// A recording in JSON Lines or in MCAP.
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// Where the other goes.
+    #[arg(long, short, value_name = "FILE")]
+    output: PathBuf,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
+}
+
+/// The line of `--json`.
+#[derive(Serialize)]
+struct Converted {
+    from: &'static str,
+    bytes_in: usize,
+    bytes_out: usize,
+}
+
+/// How every MCAP file begins.
+const MAGIC: &[u8] = b"\x89MCAP";
+
+impl Program for Options {
+    fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        let name = self.input.display().to_string();
+        let input = fs::read(&self.input).with_context(|| format!("cannot open {name}"))?;
+        let (from, output) = if input.starts_with(MAGIC) {
+            ("MCAP", to_json_lines(&input))
+        } else {
+            ("JSON Lines", from_json_lines(&input))
+        };
+        let output = output.with_context(|| name.clone())?;
+        OutputFile::write_whole(&self.output, &output)?;
+        let (bytes_in, bytes_out) = (input.len(), output.len());
+        let to = self.output.display();
+        writeln!(session.output(), "{name}, {from}, {bytes_in} bytes -> {to}, {bytes_out} bytes")?;
+        session.conclude(self.json, &Converted { from, bytes_in, bytes_out }, Ending::Complete)
+    }
+}
+
+fn main() -> ExitCode {
+    program::main::<Options>()
+}

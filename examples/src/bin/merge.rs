@@ -1,0 +1,82 @@
+//! Makes one result of the shards that several machines have computed.
+
+use std::{io::Write, path::PathBuf, process::ExitCode};
+
+use anyhow::{Result, bail};
+use clap::Parser;
+use examples::actions::evaluated::{self, Evaluated};
+use examples::program::{self, Ending, Json, Program, Quiet, Session, check_folder};
+use examples::shards::{Merged, ShardError, program_of};
+use examples::soak;
+
+/// Merges the files that a program wrote with --shard I/N --shard-file FILE, all N of them in any order, into
+/// what the program prints of all cases on one machine.
+///
+/// The result is the same for any N, but for times. The exit status is that of the program. Programs
+/// that can be split: soak, actions evaluate.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Options {
+    /// The files of all shards.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Write what `actions evaluate --output` writes into this folder.
+    #[arg(long, short, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
+}
+
+impl Program for Options {
+    fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
+    fn run(self, session: &mut Session) -> Result<Ending> {
+        let Some(first) = self.files.first() else { return Err(ShardError::Nothing.into()) };
+        match program_of(first)?.as_str() {
+            soak::PROGRAM => self.soak(session),
+            evaluated::PROGRAM => self.evaluation(session),
+            other => bail!(
+                "{}: shards of \"{other}\" are not known; known are {} and {}",
+                first.display(),
+                soak::PROGRAM,
+                evaluated::PROGRAM
+            ),
+        }
+    }
+}
+
+impl Options {
+    fn soak(self, session: &mut Session) -> Result<Ending> {
+        if self.output.is_some() {
+            bail!("a soak writes no folder; leave out --output");
+        }
+        let summary = soak::merged_summary(&Merged::read(&self.files)?);
+        for finding in &summary.findings {
+            session.warn(finding);
+        }
+        let failed = summary.counts.wrong() > 0;
+        writeln!(session.output(), "{summary}")?;
+        let ending = if failed { Ending::Failed } else { Ending::Complete };
+        session.conclude(self.json, &summary, ending)
+    }
+
+    fn evaluation(self, session: &mut Session) -> Result<Ending> {
+        self.output.as_deref().map(check_folder).transpose()?;
+        let Merged { job, results, times } = Merged::read(&self.files)?;
+        let _: Vec<()> = times;
+        let report = Evaluated::of(&job, &results)?;
+        report.write(session.output())?;
+        if let Some(folder) = &self.output {
+            report.write_folder(folder, &job, &results)?;
+        }
+        session.conclude(self.json, &report, Ending::Complete)
+    }
+}
+
+fn main() -> ExitCode {
+    program::main::<Options>()
+}

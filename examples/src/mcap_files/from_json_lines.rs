@@ -1,0 +1,97 @@
+//! A recording in MCAP.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+use schemars::JsonSchema;
+use vision_models::{Body, Body25, Percept};
+
+use super::error::McapFileError;
+use super::messages::{Colour, Entity, SceneUpdate, Shape, Time};
+use super::sink::Sink;
+use super::{PERCEPT, PERCEPTS, RECORDING};
+use crate::recording::{Reader, RecordingError};
+
+/// How long a body is drawn that is not seen again \[s\].
+const LIFETIME: f64 = 0.5;
+/// Of a drawn joint \[m\].
+const DIAMETER: f64 = 0.06;
+
+/// A camera frame of a recording, as the book's page "Recordings" describes it.
+#[derive(JsonSchema)]
+#[expect(dead_code, reason = "it describes the lines, which are written as they are")]
+struct PerceptLine {
+    /// When the camera took the frame \[s\].
+    time: f64,
+    /// x, y, z \[m\] and confidence of BODY_25's joints; null for one that was not seen.
+    keypoints: Option<Vec<Option<[f64; 4]>>>,
+    /// What the person does.
+    action: Option<serde_json::Value>,
+    /// The surface before the on-board camera.
+    surface: Option<serde_json::Value>,
+}
+
+/// The MCAP file of a recording in JSON Lines, whole or partial, every byte of which
+/// [`to_json_lines`](super::to_json_lines) gives back; beside it the body as a scene.
+///
+/// # Errors
+/// [`McapFileError::Recording`] for what is no recording.
+pub fn from_json_lines(text: &[u8]) -> Result<Vec<u8>, McapFileError> {
+    let mut sink = Sink::new()?;
+    write_recording(&mut sink, text)?;
+    sink.finish()
+}
+
+/// Writes a recording into a file.
+pub(super) fn write_recording(sink: &mut Sink, text: &[u8]) -> Result<(), McapFileError> {
+    let percepts = percepts(text)?;
+    let lines: Vec<&[u8]> = text.split_inclusive(|byte| *byte == b'\n').collect();
+    let Some((header, lines)) = lines.split_first() else { return Ok(()) };
+    let frames = lines.len().min(percepts.len());
+    let (frames, closing) = lines.split_at(frames);
+    let as_text = |bytes: &[u8]| String::from_utf8(bytes.to_vec());
+    let entries = [
+        ("header", as_text(header)?),
+        ("closing", as_text(&closing.concat())?),
+        ("frames", frames.len().to_string()),
+    ];
+    let entries = entries.map(|(name, text)| (name.to_owned(), text));
+    sink.metadata(RECORDING, BTreeMap::from(entries))?;
+    let channel = sink.channel_of::<PerceptLine>(PERCEPTS, PERCEPT)?;
+    let scene = sink.channel::<SceneUpdate>("/person")?;
+    for (line, percept) in frames.iter().zip(&percepts) {
+        sink.write_bytes(channel, percept.time, line)?;
+        if let Some(body) = &percept.body {
+            sink.write(scene, percept.time, &drawn(percept.time, body))?;
+        }
+    }
+    Ok(())
+}
+
+/// The frames of a recording, as far as it goes.
+fn percepts(text: &[u8]) -> Result<Vec<Percept>, RecordingError> {
+    let mut percepts = Vec::new();
+    for percept in Reader::new(text)? {
+        match percept {
+            Ok(percept) => percepts.push(percept),
+            Err(error) if error.is_early_end() => break,
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(percepts)
+}
+
+/// A body as spheres.
+fn drawn(time: f64, body: &Body) -> SceneUpdate {
+    let mut person = Entity::new("person", Time::new(time), LIFETIME);
+    let seen = Body25::ALL.into_iter().filter_map(|joint| body.get(joint));
+    let size = Vector3::repeat(DIAMETER);
+    let sphere = |point: Vector3<f64>| Shape::new(point.map(millimetres), size, Colour::PERSON);
+    person.spheres = seen.map(|keypoint| sphere(keypoint.position.coords)).collect();
+    vec![person].into()
+}
+
+/// What is drawn need not be finer.
+fn millimetres(coordinate: f64) -> f64 {
+    (coordinate * 1e3).round() / 1e3
+}

@@ -1,0 +1,28 @@
+//! Every setting of the controller in one TOML file.
+//!
+//! [`RobotSettings::to_toml`] writes all of them, each with what it means, its unit and its default, as the
+//! documentation of its field says. [`SettingsFile::read`] reads a file that holds any part of them;
+//! what it leaves out stays as it is in the settings that it is laid over.
+//!
+//! ```
+//! use examples::settings::{RobotSettings, SettingsFile};
+//!
+//! let file = SettingsFile::parse("version = 1\n[controller.desired]\nvelocity = 0.3\n")?;
+//! let slow = file.over(&RobotSettings::default())?;
+//! assert_eq!(slow.controller.desired.velocity, 0.3);
+//! assert_eq!(slow.controller.horizon, RobotSettings::default().controller.horizon);
+//!
+//! let wrong = SettingsFile::parse("version = 1\n[controller.desired]\nvelocty = 0.3\n");
+//! assert!(wrong.unwrap_err().to_string().contains("controller.desired.velocity"));
+//! # Ok::<(), examples::settings::SettingsError>(())
+//! ```
+
+mod error;
+mod field;
+mod file;
+mod robot;
+mod text;
+
+pub use error::SettingsError;
+pub use file::SettingsFile;
+pub use robot::{RobotSettings, SETTINGS_VERSION};

@@ -1,0 +1,139 @@
+//! Recordings in MCAP.
+
+use std::fs;
+
+use examples::mcap_files::{McapFileError, RobotLog, from_json_lines, to_json_lines};
+use examples::recording::shipped_bytes;
+use examples::report::TickRow;
+use mcap::MessageStream;
+use moca_model::{MOCA_HOME, moca};
+use proptest::prelude::*;
+
+use crate::support::Runs;
+
+/// The beginning of the shipped recording: so many frames, and no closing line.
+fn beginning(frames: usize) -> Vec<u8> {
+    shipped_bytes()
+        .split_inclusive(|byte| *byte == b'\n')
+        .take(frames + 1)
+        .flatten()
+        .copied()
+        .collect()
+}
+
+#[test]
+fn the_shipped_recording_comes_back_to_the_byte_and_takes_less_room() {
+    let file = from_json_lines(shipped_bytes()).unwrap();
+    assert_eq!(to_json_lines(&file).unwrap(), shipped_bytes());
+    assert!(file.len() < shipped_bytes().len(), "{} bytes", file.len());
+}
+
+#[test]
+fn what_was_cut_off_or_written_otherwise_comes_back_as_it_was() {
+    let cut = beginning(5);
+    for text in [&cut[..], &cut[..cut.len() - 1], &cut[..cut.len() - 40]] {
+        let file = from_json_lines(text).unwrap();
+        assert_eq!(to_json_lines(&file).unwrap(), text);
+    }
+    let windows = String::from_utf8(beginning(3)).unwrap().replace('\n', "\r\n");
+    let file = from_json_lines(windows.as_bytes()).unwrap();
+    assert_eq!(to_json_lines(&file).unwrap(), windows.as_bytes());
+}
+
+#[test]
+fn messages_are_json_with_schemas_that_foxglove_knows() {
+    let mut log = RobotLog::new(&beginning(2), &moca().unwrap()).unwrap();
+    let (min, max) = ([0.2, -0.5, 0.7], [0.7, 0.2, 1.6]);
+    for (tick, bounds) in [([f64::NAN; 3], [f64::NAN; 3]), (min, max)].into_iter().enumerate() {
+        let time = 0.05 * tick as f64;
+        let (workspace_min, workspace_max) = bounds;
+        log.push(&TickRow {
+            time,
+            q: MOCA_HOME,
+            workspace_min,
+            workspace_max,
+            ..TickRow::default()
+        })
+        .unwrap();
+    }
+    let file = log.finish().unwrap();
+    assert_eq!(to_json_lines(&file).unwrap(), beginning(2));
+    let mut found = std::collections::BTreeMap::new();
+    for message in MessageStream::new(&file).unwrap() {
+        let message = message.unwrap();
+        let schema = message.channel.schema.clone().unwrap();
+        assert_eq!((&*schema.encoding, &*message.channel.message_encoding), ("jsonschema", "json"));
+        let described: serde_json::Value = serde_json::from_slice(&schema.data).unwrap();
+        assert_eq!(described["type"], "object");
+        let value: serde_json::Value = serde_json::from_slice(&message.data).unwrap();
+        found.insert(message.channel.topic.clone(), (schema.name.clone(), value));
+    }
+    let named: Vec<(&str, &str)> =
+        found.iter().map(|(topic, (name, _))| (&**topic, &**name)).collect();
+    assert_eq!(
+        named,
+        [
+            ("/joint_states", "moca.JointStates"),
+            ("/percepts", "moca.Percept"),
+            ("/person", "foxglove.SceneUpdate"),
+            ("/scores", "moca.Scores"),
+            ("/tf", "foxglove.FrameTransforms"),
+            ("/workspace", "foxglove.SceneUpdate"),
+        ]
+    );
+    assert_eq!(found["/joint_states"].1["position"]["panda_joint4"], MOCA_HOME[6]);
+    assert_eq!(found["/workspace"].1["entities"][1]["cubes"][0]["size"]["y"], 0.7);
+    let transforms = found["/tf"].1["transforms"].as_array().unwrap();
+    let hand = transforms.iter().find(|frame| frame["child_frame_id"] == "panda_hand").unwrap();
+    assert!(hand["translation"]["z"].as_f64().unwrap() > 0.5, "{hand}");
+}
+
+#[test]
+fn a_file_of_something_else_is_refused() {
+    let file = from_json_lines(&beginning(2)).unwrap();
+    let mut sink = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
+    sink.finish().unwrap();
+    let empty = sink.into_inner().into_inner();
+    assert!(matches!(to_json_lines(&empty), Err(McapFileError::NoRecording { .. })));
+    assert!(matches!(to_json_lines(b"nonsense"), Err(McapFileError::Mcap(_))));
+    assert!(matches!(to_json_lines(b""), Err(McapFileError::Mcap(_))));
+    assert!(matches!(from_json_lines(&file), Err(McapFileError::Recording(_))));
+    assert!(matches!(from_json_lines(b""), Err(McapFileError::Recording(_))));
+
+    let mut sink = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
+    let schema = sink.add_schema("other", "jsonschema", b"{}").unwrap();
+    let channel_id = sink.add_channel(schema, "/percepts", "json", &[].into()).unwrap();
+    let header =
+        mcap::records::MessageHeader { channel_id, sequence: 0, log_time: 0, publish_time: 0 };
+    sink.write_to_known_channel(&header, b"{}").unwrap();
+    sink.finish().unwrap();
+    let error = to_json_lines(&sink.into_inner().into_inner()).unwrap_err().to_string();
+    assert!(error.contains("\"other\", expected moca.Percept"), "{error}");
+}
+
+proptest! {
+    /// A file that is cut off is an error, never a panic and never a part taken for the whole.
+    #[test]
+    fn a_cut_file_is_refused(place in any::<proptest::sample::Index>(), damage in any::<u8>()) {
+        let mut file = from_json_lines(&beginning(3)).unwrap();
+        let place = place.index(file.len());
+        prop_assert!(to_json_lines(&file[..place]).is_err());
+        file[place] = damage;
+        let _ = to_json_lines(&file);
+    }
+}
+
+#[test]
+fn the_programs_write_and_convert_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (recording, file, back) = (path("a.jsonl"), path("a.mcap"), path("b.jsonl"));
+    Runs::new("record").with(&["--duration=1", "--output", &recording]).run().done();
+    let played = ["--recording", &recording, "--no-report", "--mcap", &file];
+    Runs::follow().with(&played).run().done();
+    let ran = Runs::new("mcap").with(&[&file, "--output", &back, "--json"]).run().done().json();
+    assert_eq!(ran["from"], "MCAP");
+    assert_eq!(fs::read(&recording).unwrap(), fs::read(&back).unwrap());
+    fs::write(&file, &fs::read(&file).unwrap()[..1000]).unwrap();
+    Runs::new("mcap").with(&[&file, "--output", &back]).run().failed(1, "not a whole MCAP file");
+}

@@ -1,0 +1,35 @@
+//! A capsule in files of settings.
+
+use nalgebra::Vector3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::capsule::Capsule;
+use crate::error::Error;
+
+/// A capsule as a table.
+#[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CapsuleTable {
+    /// Where its segment begins \[m\].
+    start: [f64; 3],
+    /// Where its segment ends \[m\].
+    end: [f64; 3],
+    /// Its radius \[m\].
+    radius: f64,
+}
+
+impl From<Capsule> for CapsuleTable {
+    fn from(capsule: Capsule) -> Self {
+        let (start, end) = (*capsule.start(), *capsule.end());
+        Self { start: start.into(), end: end.into(), radius: capsule.radius() }
+    }
+}
+
+impl TryFrom<CapsuleTable> for Capsule {
+    type Error = Error;
+
+    fn try_from(table: CapsuleTable) -> Result<Self, Error> {
+        Self::new(Vector3::from(table.start), Vector3::from(table.end), table.radius)
+    }
+}

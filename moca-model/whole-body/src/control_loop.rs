@@ -1,0 +1,11 @@
+//! The loop that moves a real robot: once a period it takes what the robot measures, asks a control law and
+//! sends the command; it counts what comes too late, watches over robot and perception, and stops in order.
+
+pub(crate) mod clock;
+pub(crate) mod deadlines;
+pub(crate) mod law;
+pub(crate) mod robot_side;
+pub(crate) mod run;
+#[cfg(all(feature = "real-time", target_os = "linux"))]
+pub(crate) mod scheduling;
+pub(crate) mod settings;

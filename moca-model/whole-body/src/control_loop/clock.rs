@@ -1,0 +1,85 @@
+//! The time of a loop.
+
+use std::cell::Cell;
+use std::rc::Rc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// A clock that a loop waits on. Times are in seconds from any origin.
+pub trait Clock {
+    /// The present \[s\].
+    fn now(&self) -> f64;
+
+    /// Waits until `time` \[s\], if that is not past.
+    fn sleep_until(&mut self, time: f64);
+}
+
+/// The system's monotonic clock, from when it was made.
+#[derive(Debug, Clone, Copy)]
+pub struct MonotonicClock {
+    start: Instant,
+    spin: f64,
+}
+
+impl MonotonicClock {
+    /// A clock whose waits sleep, but for the last `spin` \[s\], which they spend awake: that wakes up more
+    /// exactly and keeps a processor busy. Zero only sleeps.
+    pub fn new(spin: f64) -> Self {
+        Self { start: Instant::now(), spin: spin.max(0.0) }
+    }
+}
+
+impl Default for MonotonicClock {
+    fn default() -> Self {
+        Self::new(0.0)
+    }
+}
+
+impl Clock for MonotonicClock {
+    fn now(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    fn sleep_until(&mut self, time: f64) {
+        let rest = time - self.now() - self.spin;
+        if let Ok(rest) = Duration::try_from_secs_f64(rest) {
+            thread::sleep(rest);
+        }
+        while self.now() < time {
+            std::hint::spin_loop();
+        }
+    }
+}
+
+/// A clock that tests drive: it stands still but for waits and for what [`advance`](Self::advance) adds. Its
+/// clones are the same clock.
+///
+/// ```
+/// use whole_body::{Clock, ManualClock};
+///
+/// let mut clock = ManualClock::default();
+/// clock.sleep_until(2.0);
+/// clock.clone().advance(0.5);
+/// assert_eq!(clock.now(), 2.5);
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct ManualClock {
+    now: Rc<Cell<f64>>,
+}
+
+impl ManualClock {
+    /// Lets time pass \[s\].
+    pub fn advance(&self, time: f64) {
+        self.now.set(self.now.get() + time);
+    }
+}
+
+impl Clock for ManualClock {
+    fn now(&self) -> f64 {
+        self.now.get()
+    }
+
+    fn sleep_until(&mut self, time: f64) {
+        self.now.set(self.now.get().max(time));
+    }
+}

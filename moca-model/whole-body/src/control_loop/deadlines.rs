@@ -1,0 +1,77 @@
+//! How well a loop keeps its deadlines.
+
+/// Width of a bin \[s\].
+const WIDTH: f64 = 1e-6;
+/// What takes ten milliseconds or more is in the last bin.
+const BINS: usize = 10_001;
+
+/// A histogram of times, to a microsecond, of a size that does not grow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TimeHistogram {
+    bins: Vec<u64>,
+    count: u64,
+    longest: f64,
+}
+
+impl TimeHistogram {
+    pub(crate) fn new() -> Self {
+        Self { bins: vec![0; BINS], count: 0, longest: 0.0 }
+    }
+
+    pub(crate) fn push(&mut self, time: f64) {
+        // Negative and NaN become 0, and what is too long the last bin.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
+        let bin = ((time / WIDTH) as usize).min(BINS - 1);
+        if let Some(bin) = self.bins.get_mut(bin) {
+            *bin += 1;
+        }
+        self.count += 1;
+        self.longest = self.longest.max(time);
+    }
+
+    /// How many times were counted.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// The longest \[s\].
+    pub fn longest(&self) -> f64 {
+        self.longest
+    }
+
+    /// The time that a share of all, 0 to 1, do not exceed \[s\], to a microsecond; zero if there are none.
+    pub fn quantile(&self, share: f64) -> f64 {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share")]
+        let rank = (share.clamp(0.0, 1.0) * self.count as f64).ceil().max(1.0) as u64;
+        let mut counted = 0;
+        for (bin, count) in self.bins.iter().enumerate() {
+            counted += count;
+            if counted >= rank {
+                return WIDTH * bin as f64;
+            }
+        }
+        0.0
+    }
+}
+
+/// How well a loop keeps its deadlines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeadlineStatistics {
+    /// From when a tick is due to when it begins.
+    pub latency: TimeHistogram,
+    /// From when a tick begins to when its command is sent.
+    pub duration: TimeHistogram,
+    /// Ticks that ran.
+    pub ticks: u64,
+    /// Ticks that did not run, because the one before had not ended or the system had not woken the loop.
+    pub missed: u64,
+    /// Ticks without a new measurement.
+    pub unmeasured: u64,
+}
+
+impl DeadlineStatistics {
+    pub(crate) fn new() -> Self {
+        let none = TimeHistogram::new();
+        Self { latency: none.clone(), duration: none, ticks: 0, missed: 0, unmeasured: 0 }
+    }
+}

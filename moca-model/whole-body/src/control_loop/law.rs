@@ -1,0 +1,30 @@
+//! The controller as a loop sees it.
+
+use super::robot_side::{JointCommand, JointMeasurement};
+
+/// What a loop computes. No call may allocate, wait or block.
+pub trait ControlLaw {
+    /// Misuse, so that the loop must end. What the law can handle it handles itself.
+    type Error;
+
+    /// Writes the command for the period that begins at `now` \[s\].
+    ///
+    /// # Errors
+    /// Those of the law.
+    fn step(
+        &mut self,
+        now: f64,
+        measured: &JointMeasurement,
+        command: &mut JointCommand,
+    ) -> Result<(), Self::Error>;
+
+    /// The age at the last step of the newest thing that was perceived \[s\], infinite before the first; none for a
+    /// law that perceives nothing.
+    fn perception_age(&self) -> Option<f64>;
+
+    /// From the next step on it brings the robot to rest within its limits, and keeps it there.
+    fn request_stop(&mut self);
+
+    /// Returns true if the last command is to be at rest.
+    fn is_at_rest(&self) -> bool;
+}

@@ -1,0 +1,67 @@
+//! When a loop waits, and when it ends.
+
+use crate::error::Error;
+
+/// The times of a loop.
+///
+/// ```
+/// use whole_body::LoopSettings;
+///
+/// assert!(LoopSettings::default().validate().is_ok());
+/// assert!(LoopSettings { period: 0.0, ..LoopSettings::default() }.validate().is_err());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoopSettings {
+    /// The control period \[s\]. Default 0.001.
+    pub period: f64,
+    /// How long the loop waits for the first measurement before it gives up \[s\]. Default 5.
+    pub first_measurement: f64,
+    /// Without a measurement for this long the loop stops and ends \[s\]. Default 0.02.
+    pub robot_timeout: f64,
+    /// Without anything perceived for this long the loop stops and ends \[s\]; before that it is the law that
+    /// slows the robot down. Infinite for a loop that waits for ever. Default 30.
+    pub perception_timeout: f64,
+    /// A robot that is not at rest this long after it should have begun to stop is halted \[s\]. Default 3.
+    pub stop_within: f64,
+}
+
+impl Default for LoopSettings {
+    fn default() -> Self {
+        Self {
+            period: 1e-3,
+            first_measurement: 5.0,
+            robot_timeout: 0.02,
+            perception_timeout: 30.0,
+            stop_within: 3.0,
+        }
+    }
+}
+
+impl LoopSettings {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] names the first that is out of its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        for (what, value) in [
+            ("the loop's period", self.period),
+            ("the wait for the first measurement", self.first_measurement),
+            ("the robot's timeout", self.robot_timeout),
+            ("the time to stop within", self.stop_within),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::Parameter { what, value, expected: "positive and finite" });
+            }
+        }
+        let value = self.perception_timeout;
+        if value.is_nan() || value <= 0.0 {
+            let what = "the perception's timeout";
+            return Err(Error::Parameter { what, value, expected: "positive" });
+        }
+        let (what, value) = ("the robot's timeout", self.robot_timeout);
+        if value <= self.period {
+            return Err(Error::Parameter { what, value, expected: "above the loop's period" });
+        }
+        Ok(())
+    }
+}
