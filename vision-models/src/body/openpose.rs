@@ -50,7 +50,7 @@ impl ImageBody {
 
     /// Reads the JSON that `OpenPose` writes for an image (`--write_json`, keypoints in pixels): one
     /// body a person, BODY_25 or COCO-18 by the number of joints. A joint of zeros was not seen.
-    /// Confidences above 1 count as 1. It takes at most three times the text's size and 64 KiB of memory.
+    /// Confidences above 1 count as 1. It takes at most five times the text's size and 64 KiB of memory.
     ///
     /// ```
     /// use vision_models::{Body25, ImageBody};

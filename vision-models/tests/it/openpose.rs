@@ -74,7 +74,7 @@ fn other_models_and_other_files_are_named() {
     assert!(problem(&file(&vec![counted(18); 65])).contains("65 people"));
 }
 
-/// However many people, numbers or brackets a file has, it takes three times its size and 64 KiB at most.
+/// However many people, numbers or brackets a file has, it takes five times its size and 64 KiB at most.
 #[test]
 fn a_file_of_nothing_useful_stays_small() {
     let many = "0,".repeat(2 << 20);
@@ -89,7 +89,7 @@ fn a_file_of_nothing_useful_stays_small() {
     ] {
         let refused = || assert!(problem(&text).contains(says), "{}", problem(&text));
         let held = allocation_counter::measure(refused).bytes_max;
-        assert!(held < 3 * text.len() as u64 + (64 << 10), "{held} bytes, {says}");
+        assert!(held < 5 * text.len() as u64 + (64 << 10), "{held} bytes, {says}");
     }
 }
 
