@@ -52,3 +52,11 @@ for name, image, kind in [
     buffer = io.BytesIO()
     image.save(buffer, kind)
     seed("image", name, buffer.getvalue())
+depth = numpy.arange(30, dtype=numpy.uint16).reshape(5, 6) * 100
+buffer = io.BytesIO()
+Image.fromarray(depth).save(buffer, "PNG")
+seed("depth", "small.png", buffer.getvalue())
+joint = b"1.5,2e2,0.7"
+for name, joints in [("body25", 25), ("coco18", 18)]:
+    person = b'{"person_id":[-1],"pose_keypoints_2d":[' + b",".join([joint] * joints) + b"]}"
+    seed("openpose", name, b'{"version":1.3,"people":[' + person + b"," + person + b"]}")

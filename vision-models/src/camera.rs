@@ -10,6 +10,6 @@ mod placed;
 pub use depth_image::DepthImage;
 pub use depth_noise::DepthNoise;
 #[cfg(feature = "inference")]
-pub use files::read_depth;
+pub use files::{decode_depth, read_depth};
 pub use intrinsics::Intrinsics;
 pub use placed::Camera;

@@ -84,9 +84,9 @@ pub use body::{
     PeopleSettings, PersonId, PersonTrack, SegmentLength, StatureEstimate, TrackStatus,
     TrackedPerson, TrackerSettings,
 };
-#[cfg(feature = "inference")]
-pub use camera::read_depth;
 pub use camera::{Camera, DepthImage, DepthNoise, Intrinsics};
+#[cfg(feature = "inference")]
+pub use camera::{decode_depth, read_depth};
 pub use confidence::Confidence;
 #[cfg(feature = "inference")]
 pub use engine::{Options, Scores};

@@ -2,8 +2,6 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use vision_models::Checkpoint;
+use vision_models_fuzz::checkpoint;
 
-fuzz_target!(|bytes: &[u8]| {
-    let _ = Checkpoint::from_reader(std::io::Cursor::new(bytes)).and_then(Checkpoint::read);
-});
+fuzz_target!(|bytes: &[u8]| checkpoint(bytes.to_vec()));

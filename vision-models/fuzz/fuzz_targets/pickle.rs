@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use vision_models::Checkpoint;
+use vision_models_fuzz::checkpoint;
 
 fuzz_target!(|bytes: &[u8]| {
     let file = [
@@ -15,5 +15,5 @@ fuzz_target!(|bytes: &[u8]| {
         &[0; 16],
     ]
     .concat();
-    let _ = Checkpoint::from_reader(std::io::Cursor::new(file)).and_then(Checkpoint::read);
+    checkpoint(file);
 });

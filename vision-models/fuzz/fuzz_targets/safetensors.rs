@@ -2,9 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use vision_models::Checkpoint;
+use vision_models_fuzz::checkpoint;
 
 fuzz_target!(|bytes: &[u8]| {
-    let file = [&(bytes.len() as u64).to_le_bytes(), bytes, &[0; 8]].concat();
-    let _ = Checkpoint::from_reader(std::io::Cursor::new(file)).and_then(Checkpoint::read);
+    checkpoint([&(bytes.len() as u64).to_le_bytes(), bytes, &[0; 8]].concat());
 });

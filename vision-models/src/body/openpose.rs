@@ -1,9 +1,12 @@
 //! The JSON that OpenPose writes.
 
+mod bounded;
+
 use nalgebra::Point2;
 use serde::Deserialize;
-use serde_json::Value;
+use serde_json::value::RawValue;
 
+use self::bounded::Bounded;
 use super::{
     image_body::{ImageBody, ImageKeypoint},
     keypoints::Body25,
@@ -23,9 +26,22 @@ const OTHERS: [(usize, &str); 3] = [
     (405, "the 135 joints of BODY_135: run OpenPose with --model_pose BODY_25"),
 ];
 
+/// More numbers than a person has in any model.
+const NUMBERS: usize = 512;
+
 #[derive(Deserialize)]
-struct File {
-    people: Vec<Value>,
+struct File<'a> {
+    #[serde(borrow)]
+    people: Bounded<'a, { ImageBody::MAX_PEOPLE }>,
+}
+
+/// A person: versions of OpenPose before 1.3 leave `_2d` out.
+#[derive(Deserialize)]
+struct Person<'a> {
+    #[serde(borrow)]
+    pose_keypoints_2d: Option<&'a RawValue>,
+    #[serde(borrow)]
+    pose_keypoints: Option<&'a RawValue>,
 }
 
 impl ImageBody {
@@ -34,7 +50,7 @@ impl ImageBody {
 
     /// Reads the JSON that `OpenPose` writes for an image (`--write_json`, keypoints in pixels): one
     /// body a person, BODY_25 or COCO-18 by the number of joints. A joint of zeros was not seen.
-    /// Confidences above 1 count as 1.
+    /// Confidences above 1 count as 1. It takes at most five times the text's size and 64 KiB of memory.
     ///
     /// ```
     /// use vision_models::{Body25, ImageBody};
@@ -57,24 +73,26 @@ impl ImageBody {
         }
         let File { people } = serde_json::from_slice(json)
             .map_err(|error| refuse(Excerpt(&error.to_string()).to_string()))?;
-        if people.len() > Self::MAX_PEOPLE {
-            let (found, most) = (people.len(), Self::MAX_PEOPLE);
+        if people.count > Self::MAX_PEOPLE {
+            let (found, most) = (people.count, Self::MAX_PEOPLE);
             return Err(refuse(format!("{found} people, at most {most} are read")));
         }
-        people.iter().enumerate().map(|(index, value)| person(index, value)).collect()
+        people.first.iter().enumerate().map(|(index, text)| person(index, text)).collect()
     }
 }
 
-fn person(index: usize, value: &Value) -> Result<ImageBody, Error> {
+fn person(index: usize, text: &RawValue) -> Result<ImageBody, Error> {
     let refuse = |problem: &str| refuse(format!("person {index} (from 0) has {problem}"));
-    let numbers = value
-        .get("pose_keypoints_2d")
-        .or_else(|| value.get("pose_keypoints"))
-        .and_then(Value::as_array)
+    let numbers = serde_json::from_str(text.get())
+        .ok()
+        .and_then(|Person { pose_keypoints_2d, pose_keypoints }| {
+            pose_keypoints_2d.or(pose_keypoints)
+        })
+        .and_then(|text| serde_json::from_str::<Bounded<'_, NUMBERS>>(text.get()).ok())
         .ok_or_else(|| refuse("no array \"pose_keypoints_2d\""))?;
     let mut keypoints = [None; Body25::COUNT];
-    let joints = numbers.as_chunks::<3>();
-    let count = numbers.len();
+    let joints = numbers.first.as_chunks::<3>();
+    let count = numbers.count;
     if ![75, 54].contains(&count) {
         let known = OTHERS.iter().find(|(numbers, _)| *numbers == count);
         let other = known.map_or(String::new(), |(_, what)| format!(", {what}"));
@@ -91,12 +109,13 @@ fn person(index: usize, value: &Value) -> Result<ImageBody, Error> {
 }
 
 /// A joint, if it was seen; else what stands there.
-fn keypoint(values: &[Value; 3]) -> Result<Option<ImageKeypoint>, String> {
+fn keypoint(values: &[&RawValue; 3]) -> Result<Option<ImageKeypoint>, String> {
     let shown = || {
-        let [x, y, c] = values;
-        Excerpt(&format!("{x}, {y}, {c}")).to_string()
+        let [x, y, c] = values.map(|value| Excerpt(value.get()));
+        format!("{x}, {y}, {c}")
     };
-    let [Some(x), Some(y), Some(confidence)] = values.each_ref().map(Value::as_f64) else {
+    let number = |value: &RawValue| serde_json::from_str::<f64>(value.get()).ok();
+    let [Some(x), Some(y), Some(confidence)] = values.map(number) else {
         return Err(shown());
     };
     if confidence == 0.0 {

@@ -8,7 +8,11 @@ use nalgebra::Vector2;
 pub use person::{PersonId, PersonTrack};
 pub use settings::PeopleSettings;
 
-use super::{keypoints::Body, pose::TrackedPerson, seen::Seen, settings::TrackerSettings};
+use super::{
+    keypoints::Body,
+    seen::{Facing, Seen},
+    settings::TrackerSettings,
+};
 use crate::Error;
 
 /// Follows several people at once and selects the one who engages with the robot.
@@ -73,7 +77,7 @@ impl People {
             track.expect(time);
         }
         let mut unclaimed = 0;
-        while let Some((track, body)) = self.nearest_pair(bodies, interval) {
+        while let Some((track, body)) = self.nearest_pair(bodies, interval, time) {
             if let (Some(track), Some(body)) = (self.tracks.get_mut(track), bodies.get(body)) {
                 track.claim(body, time)?;
             }
@@ -105,25 +109,27 @@ impl People {
     /// The heading at the time `now` (s) of the person who is where this body is, once they have been
     /// taken up (rad): for [`Lifter::lift`](crate::Lifter::lift).
     pub fn heading_near(&self, body: &Body, now: f64) -> Option<f64> {
-        let floor = floor(body, &self.tracker, f64::INFINITY)?;
-        let people = self.tracks.iter().filter_map(|track| track.predict(now));
-        let distance = |person: &TrackedPerson| (person.floor.coords - floor).norm();
-        people
-            .filter(|person| person.status.is_usable() && distance(person) <= self.settings.reach)
-            .min_by(|one, other| distance(one).total_cmp(&distance(other)))
-            .map(|person| person.heading)
+        let near = self.tracks.iter().filter_map(|track| {
+            let person = track.predict(now).filter(|person| person.status.is_usable())?;
+            let floor = floor(body, &self.tracker, f64::INFINITY, track.facing(now))?;
+            Some(((person.floor.coords - floor).norm(), person.heading))
+        });
+        near.filter(|(distance, _)| *distance <= self.settings.reach)
+            .min_by(|(one, _), (other, _)| one.total_cmp(other))
+            .map(|(_, heading)| heading)
     }
 
     /// Of the tracks without a body and the bodies without a track, the two that are nearest.
-    fn nearest_pair(&self, bodies: &[Body], interval: f64) -> Option<(usize, usize)> {
+    fn nearest_pair(&self, bodies: &[Body], interval: f64, now: f64) -> Option<(usize, usize)> {
         let mut best: Option<(f64, usize, usize)> = None;
         for (index, track) in self.tracks.iter().enumerate() {
             let Some(expected) = track.expected() else { continue };
+            let facing = track.facing(now);
             for (other, body) in bodies.iter().enumerate() {
                 if self.tracks.iter().any(|track| track.has(body)) {
                     continue;
                 }
-                let floor = floor(body, &self.tracker, interval);
+                let floor = floor(body, &self.tracker, interval, facing);
                 let distance = floor.map_or(f64::INFINITY, |floor| (floor - expected).norm());
                 let near = distance <= self.settings.reach;
                 if near && best.is_none_or(|(nearest, ..)| distance < nearest) {
@@ -137,7 +143,7 @@ impl People {
     /// Begins tracks for people who are nobody's, but for a second skeleton of one person.
     fn begin(&mut self, bodies: &[Body], interval: f64, time: f64) -> Result<(), Error> {
         for body in bodies {
-            let Some(floor) = floor(body, &self.tracker, interval) else { continue };
+            let Some(floor) = floor(body, &self.tracker, interval, None) else { continue };
             let taken = self
                 .tracks
                 .iter()
@@ -195,7 +201,12 @@ impl People {
     }
 }
 
-/// The floor below a body.
-fn floor(body: &Body, settings: &TrackerSettings, interval: f64) -> Option<Vector2<f64>> {
-    Seen::new(body, settings, interval).best_floor().map(|floor| floor.position)
+/// The floor below a body, of a person who faces that way where it is known.
+fn floor(
+    body: &Body,
+    settings: &TrackerSettings,
+    interval: f64,
+    facing: Option<Facing>,
+) -> Option<Vector2<f64>> {
+    Seen::new(body, settings, interval).best_floor(facing).map(|floor| floor.position)
 }

@@ -16,7 +16,7 @@ const FARTHEST: f64 = 1e3;
 const SHORTEST_LEFT: f64 = 0.05;
 
 /// From the middle of the hips and of the shoulders to either, of adults (m), and how unsure that is, as a
-/// share, with how unsure the heading is.
+/// share.
 const HIP: f64 = 0.09;
 const SHOULDER: f64 = 0.2;
 const UNSURE: f64 = 0.1;
@@ -48,6 +48,15 @@ pub(super) struct Heading {
     pub(super) angle: f64,
     /// Where it is known (rad²).
     pub(super) variance: Option<f64>,
+}
+
+/// The way that a person is known to face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Facing {
+    /// (rad)
+    pub(super) angle: f64,
+    /// (rad²)
+    pub(super) variance: f64,
 }
 
 impl<'body> Seen<'body> {
@@ -83,11 +92,11 @@ impl<'body> Seen<'body> {
 
     /// The floor below the pelvis (m): below mid hip and hips, and below neck and shoulders, which are above
     /// the pelvis but for the person's lean. Both where their covariances are known, else the first. With
-    /// the way that the person faces (rad), one hip or shoulder tells where the middle is.
+    /// the way that the person faces, one hip or shoulder tells where the middle is.
     pub(super) fn floors(
         &self,
         lean: &LeanInWorld,
-        facing: Option<f64>,
+        facing: Option<Facing>,
     ) -> [Option<Measurement<2>>; 2] {
         let hips = self.girdle(Body25::MidHip, [Body25::LeftHip, Body25::RightHip], HIP, facing);
         let above = self.above(facing);
@@ -104,14 +113,17 @@ impl<'body> Seen<'body> {
         [hips, above]
     }
 
-    /// The best measurement of the floor below the pelvis (m), without knowing the person.
-    pub(super) fn best_floor(&self) -> Option<Measurement<2>> {
-        self.floors(&LeanInWorld::default(), None).into_iter().flatten().next()
+    /// The best measurement of the floor below the pelvis (m), without knowing how the person leans, and
+    /// the way that they face only where nothing else tells.
+    pub(super) fn best_floor(&self, facing: Option<Facing>) -> Option<Measurement<2>> {
+        let best =
+            |facing| self.floors(&LeanInWorld::default(), facing).into_iter().flatten().next();
+        best(None).or_else(|| best(Some(facing?)))
     }
 
     /// From the pelvis to the neck on the floor plan, and the variance of each axis, where both are
     /// measured (m, m²).
-    pub(super) fn lean(&self, facing: Option<f64>) -> Option<(Vector2<f64>, f64)> {
+    pub(super) fn lean(&self, facing: Option<Facing>) -> Option<(Vector2<f64>, f64)> {
         let hips = [Body25::LeftHip, Body25::RightHip];
         let pelvis = self.girdle(Body25::MidHip, hips, HIP, facing)?;
         let above = self.above(facing)?;
@@ -120,7 +132,7 @@ impl<'body> Seen<'body> {
         Some(((above.position - pelvis.position).xy(), variance))
     }
 
-    fn above(&self, facing: Option<f64>) -> Option<Joint> {
+    fn above(&self, facing: Option<Facing>) -> Option<Joint> {
         let shoulders = [Body25::LeftShoulder, Body25::RightShoulder];
         self.girdle(Body25::Neck, shoulders, SHOULDER, facing)
     }
@@ -133,17 +145,21 @@ impl<'body> Seen<'body> {
         middle: Body25,
         pair: [Body25; 2],
         aside: f64,
-        facing: Option<f64>,
+        facing: Option<Facing>,
     ) -> Option<Joint> {
         let (middle, pair) = (self.joint(middle), pair.map(|joint| self.joint(joint)));
         let [left, right] = pair;
         let alone = middle.or_else(|| Some(Joint::middle(&left?, &right?)));
-        let Some(facing) = facing.filter(|facing| facing.is_finite()) else { return alone };
-        let aside_left = vector![-facing.sin(), facing.cos(), 0.0];
+        let Some(Facing { angle, variance }) = facing.filter(Facing::is_known) else {
+            return alone;
+        };
+        let forwards = vector![angle.cos(), angle.sin(), 0.0];
+        let aside_left = vector![-forwards.y, forwards.x, 0.0];
+        // Off by the difference of people, and along the way that they face by the error of the heading.
+        let unsure = Matrix3::identity() * (UNSURE * aside).powi(2)
+            + forwards * forwards.transpose() * (variance * aside.powi(2));
         let moved = |joint: Option<Joint>, side: f64| {
             let joint = joint?;
-            // Off by the difference of people, and across it by the error of the heading.
-            let unsure = Matrix3::identity() * (UNSURE * aside).powi(2);
             let position = joint.position - aside_left * (side * aside);
             Some(Joint { position, covariance: joint.covariance.map(|known| known + unsure) })
         };
@@ -209,6 +225,12 @@ impl<'body> Seen<'body> {
     }
 }
 
+impl Facing {
+    fn is_known(&self) -> bool {
+        self.angle.is_finite() && self.variance.is_finite()
+    }
+}
+
 impl Joint {
     fn is_measured(&self) -> bool {
         self.covariance.is_some()
@@ -247,7 +269,7 @@ mod tests {
     }
 
     fn floor(body: &Body) -> Option<Vector2<f64>> {
-        seen(body).best_floor().map(|measured| measured.position)
+        seen(body).best_floor(None).map(|measured| measured.position)
     }
 
     fn heading(body: &Body) -> Option<f64> {
@@ -340,12 +362,19 @@ mod tests {
         let keypoint = Keypoint { position: hip.into(), confidence: Confidence::ONE };
         person.set_measured(Body25::LeftHip, keypoint, Matrix3::identity() * 1e-4);
         let floors = |facing| seen(&person).floors(&LeanInWorld::default(), facing);
-        assert!(floors(None)[0].is_none());
+        assert!(floors(None)[0].is_none() && seen(&person).best_floor(None).is_none());
         // Left is -y for one who faces -x.
-        let [Some(floor), None] = floors(Some(std::f64::consts::PI)) else { panic!("one floor") };
+        let angle = std::f64::consts::PI;
+        let at = |variance| floors(Some(Facing { angle, variance }))[0].expect("one floor");
+        let (sure, unsure) = (at(0.0), at(0.04));
         let expected = Vector2::new(1.0, 0.5 + HIP);
-        assert!((floor.position - expected).norm() < 1e-9, "{}", floor.position);
-        assert!(floor.covariance[(0, 0)] > 1e-4, "less certain than the hip");
+        assert!((sure.position - expected).norm() < 1e-9, "{}", sure.position);
+        let position = |facing| seen(&person).best_floor(facing).map(|floor| floor.position);
+        assert_eq!(position(Some(Facing { angle, variance: 0.0 })), Some(sure.position));
+        assert!(sure.covariance[(0, 0)] > 1e-4, "less certain than the hip");
+        // Turned by 0.2 rad the middle would be farther ahead or behind, and as far to the side.
+        let more = (unsure.covariance - sure.covariance) / seen(&person).inflation();
+        assert!((more[(0, 0)] - 0.04 * HIP * HIP).abs() < 1e-12 && more[(1, 1)].abs() < 1e-12);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::{
     lean::Lean,
     lengths::{SegmentLength, StatureEstimate},
     pose::{TrackStatus, TrackedPerson},
-    seen::{Heading, Seen},
+    seen::{Facing, Heading, Seen},
     segment::BodySegment,
     settings::TrackerSettings,
     track::{Candidate, Track, nearest_branch},
@@ -90,10 +90,10 @@ impl BodyTracker {
         };
         let seen = Seen::new(body, &self.settings, interval);
         self.identity.update(&seen);
-        let facing = self.predict(time).map(|person| person.heading);
-        let lean = facing.map(|facing| self.lean.in_world(facing, time)).unwrap_or_default();
+        let facing = self.facing(time);
+        let lean = facing.map(|facing| self.lean.in_world(facing.angle, time)).unwrap_or_default();
         let (floors, heading) = (seen.floors(&lean, facing), seen.heading());
-        let best = seen.best_floor();
+        let best = seen.best_floor(facing);
 
         let track = self
             .track
@@ -113,7 +113,7 @@ impl BodyTracker {
                     self.jumps += u64::from(track.take_heading(heading, time, &self.settings));
                 }
                 if let (Some((offset, variance)), Some(facing)) = (seen.lean(facing), facing) {
-                    self.lean.update(&offset, variance, facing, time);
+                    self.lean.update(&offset, variance, facing.angle, time);
                 }
                 if best.is_some() {
                     self.candidate = None;
@@ -168,6 +168,16 @@ impl BodyTracker {
             heading_age,
             status,
         })
+    }
+
+    /// The way that the person faces at the time `now` (s), as far as it is known.
+    pub(super) fn facing(&self, now: f64) -> Option<Facing> {
+        let settings = &self.settings;
+        let track = self.track.as_ref()?;
+        let age = extrapolated(now, track.heading_time, settings.coast_limit);
+        let advanced = track.heading.advanced(age, &settings.turning());
+        let angle = self.predict(now)?.heading;
+        Some(Facing { angle, variance: advanced.position_covariance().x })
     }
 
     /// The person's stature, once the legs were seen often enough.

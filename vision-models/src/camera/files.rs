@@ -25,9 +25,21 @@ const MAX_FILE: u64 = 256 << 20;
 pub fn read_depth(path: impl AsRef<Path>, scale: f64) -> Result<DepthImage, Error> {
     check_scale(scale)?;
     let path = path.as_ref();
-    let bytes = read_bytes(path, MAX_FILE)?;
-    let refuse = |reason| Error::Image { path: path.display().to_string(), reason };
-    let (size, units) = decode(&bytes).map_err(refuse)?;
+    decode_depth(&read_bytes(path, MAX_FILE)?, scale).map_err(|error| match error {
+        Error::Image { reason, .. } => Error::Image { path: path.display().to_string(), reason },
+        other => other,
+    })
+}
+
+/// The same from the bytes of a file. Takes at most 512 MiB of memory.
+///
+/// # Errors
+/// [`Error::Image`] if it is no such PNG or has more than 64 megapixels, [`Error::Setting`] for a
+/// scale outside [1e-6, 1] m.
+pub fn decode_depth(bytes: &[u8], scale: f64) -> Result<DepthImage, Error> {
+    check_scale(scale)?;
+    let refuse = |reason| Error::Image { path: String::new(), reason };
+    let (size, units) = decode(bytes).map_err(refuse)?;
     DepthImage::from_units(size, &units, scale)
 }
 

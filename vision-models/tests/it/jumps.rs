@@ -235,3 +235,37 @@ fn two_skeletons_of_one_person_are_one_person() {
     }
     assert_eq!(people.tracks().len(), 1);
 }
+
+/// At the edge of the image one shoulder is all that is left of somebody, and it tells where they go.
+#[test]
+fn one_shoulder_keeps_a_person_who_is_followed() {
+    let mut people = People::new(PeopleSettings::default(), TrackerSettings::default()).unwrap();
+    let mut noise = Noise::new(0.2);
+    let (speed, whole) = (0.8, 40);
+    for k in 0..whole + 20 {
+        let time = f64::from(k) * FRAME;
+        let place = Vector2::new(2.6 - speed * time.min(2.0), 0.4 * (time - 2.0).max(0.0));
+        let mut body = noise.see(1.0, place, PI);
+        if k >= whole {
+            // Walking on to the side, which no coasting foresees.
+            for joint in Body25::ALL.into_iter().filter(|&joint| joint != Body25::RightShoulder) {
+                body.set(joint, None);
+            }
+        }
+        people.update(time, &[body]).unwrap();
+        if time > 1.0 {
+            let person = people.engaged().unwrap().predict(time).unwrap();
+            assert!(person.status.is_usable(), "{:?} at {time} s", person.status);
+            let error = (person.floor.coords - place).norm();
+            assert!(error < 0.15, "{error} m at {time} s");
+        }
+    }
+    // Whoever is not followed is not begun by a shoulder.
+    let mut strangers = People::new(PeopleSettings::default(), TrackerSettings::default()).unwrap();
+    let mut body = noise.see(1.0, Vector2::new(2.0, 0.0), PI);
+    for joint in Body25::ALL.into_iter().filter(|&joint| joint != Body25::RightShoulder) {
+        body.set(joint, None);
+    }
+    strangers.update(0.0, &[body]).unwrap();
+    assert!(strangers.tracks().is_empty());
+}

@@ -74,6 +74,25 @@ fn other_models_and_other_files_are_named() {
     assert!(problem(&file(&vec![counted(18); 65])).contains("65 people"));
 }
 
+/// However many people, numbers or brackets a file has, it takes five times its size and 64 KiB at most.
+#[test]
+fn a_file_of_nothing_useful_stays_small() {
+    let many = "0,".repeat(2 << 20);
+    let deep = "[".repeat(1 << 20) + &"]".repeat(1 << 20);
+    for (text, says) in [
+        (format!("{{\"people\":[{many}0]}}"), "2097153 people"),
+        (format!("{{\"people\":[{{\"pose_keypoints_2d\":[{many}0]}}]}}"), "2097153 numbers"),
+        (format!("{{\"people\":[{{\"pose_keypoints_2d\":[{deep}]}}]}}"), "1 numbers"),
+        (format!("{{\"people\":[{many}0],\"people\":[]}}"), "duplicate field"),
+        (format!("{{\"x\":[{many}0],\"people\":{{}}}}"), "expected an array"),
+        (format!("{{\"people\":\"{many}\"}}"), "invalid type: string"),
+    ] {
+        let refused = || assert!(problem(&text).contains(says), "{}", problem(&text));
+        let held = allocation_counter::measure(refused).bytes_max;
+        assert!(held < 5 * text.len() as u64 + (64 << 10), "{held} bytes, {says}");
+    }
+}
+
 proptest! {
     /// Whatever a file holds, nothing panics, and what is read is finite.
     #[test]

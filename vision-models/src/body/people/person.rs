@@ -8,7 +8,7 @@ use super::{
         keypoints::Body,
         lengths::{SegmentLength, StatureEstimate},
         pose::TrackedPerson,
-        seen::Seen,
+        seen::{Facing, Seen},
         segment::BodySegment,
         settings::TrackerSettings,
         tracker::BodyTracker,
@@ -119,6 +119,11 @@ impl PersonTrack {
         self.expected.filter(|_| !self.claimed)
     }
 
+    /// The way that the person faces at the time `now` (s), as far as it is known.
+    pub(super) fn facing(&self, now: f64) -> Option<Facing> {
+        self.tracker.facing(now)
+    }
+
     /// Returns true if this body of the newest frame is the person's.
     pub(super) fn has(&self, body: &Body) -> bool {
         self.claimed && self.measured == *body
@@ -131,7 +136,8 @@ impl PersonTrack {
         self.tracker.update(&percept)?;
         let settings = self.tracker.settings();
         let seen = Seen::new(body, settings, interval);
-        self.expected = seen.best_floor().map(|floor| floor.position).or(self.expected);
+        let floor = seen.best_floor(self.tracker.facing(time));
+        self.expected = floor.map(|floor| floor.position).or(self.expected);
         let length = |segment| self.tracker.segment(segment).map(|known| known.length);
         let walking = self.tracker.predict(time).map(|person| person.velocity).unwrap_or_default();
         self.body = self.joints.update(body, &seen, time, walking, settings, length);
