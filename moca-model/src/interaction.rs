@@ -95,7 +95,7 @@ pub(crate) struct Interaction {
 
 impl Interaction {
     /// What robot and person are at.
-    pub(crate) fn phase(&self) -> Phase {
+    pub(crate) fn phase(self) -> Phase {
         self.phase
     }
 
@@ -130,9 +130,8 @@ fn next(phase: Phase, situation: &Situation) -> Option<(Phase, Reason)> {
         }
         Phase::Grasping => None,
         _ if !holds => Some((Phase::Handover, Reason::Released)),
-        Phase::Turning { .. } if turn.is_some() => turn,
+        _ if turn.is_some() => turn,
         Phase::Turning { .. } => arrived.then_some((work, Reason::RightSurface)),
-        Phase::Working | Phase::Walking { .. } if turn.is_some() => turn,
         Phase::Working | Phase::Walking { .. } if work == phase => None,
         Phase::Working | Phase::Walking { .. } => match work {
             Phase::Walking { .. } => Some((work, Reason::Walks)),
