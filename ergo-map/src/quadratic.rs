@@ -117,6 +117,27 @@ impl ErgonomicsQuadratic {
         }
     }
 
+    /// The same for a body `ratio` times as large and of the same proportions: e(x / ratio), as
+    /// [`ErgonomicsMap::for_stature`](crate::ErgonomicsMap::for_stature) does with a map.
+    ///
+    /// ```
+    /// use ergo_map::ErgonomicsQuadratic;
+    /// use nalgebra::{Matrix3, Vector3};
+    /// let average = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::new(-0.4, 0.1, -1.1), 0.8)?;
+    /// let tall = average.resized(1.94 / 1.75)?;
+    /// let hand = Vector3::new(0.4, -0.1, 1.0);
+    /// assert!((tall.value(&(hand * 1.94 / 1.75)) - average.value(&hand)).abs() < 1e-12);
+    /// # Ok::<(), ergo_map::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] or [`Error::OutOfRange`] for a ratio that is not from 0.1 to 10.
+    pub fn resized(&self, ratio: f64) -> Result<Self> {
+        let ratio = within("ratio of sizes", ratio, [0.1, 10.0], "(ratio)")?;
+        let (hessian, gradient) = (self.hessian / (ratio * ratio), self.gradient / ratio);
+        Ok(Self { hessian, gradient, constant: self.constant })
+    }
+
     /// (1 - share) of this quadratic plus share of another; convex for a share from 0 to 1.
     pub(crate) fn blended(&self, other: &Self, share: f64) -> Self {
         let keep = 1.0 - share;

@@ -2,6 +2,7 @@
 //! simulated robot, closed in a loop.
 
 mod comparison;
+mod on_board;
 mod run;
 mod scoring;
 mod seen;
@@ -9,6 +10,6 @@ mod summary;
 mod work;
 
 pub use comparison::Comparison;
-pub use run::{Run, Scenario};
+pub use run::{Delivery, Run, Scenario};
 pub use scoring::{HandScore, Scorer};
 pub use summary::{MeasuredReba, Summary};

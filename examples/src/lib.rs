@@ -3,6 +3,7 @@
 pub mod actions;
 pub mod ergonomics;
 mod excerpt;
+pub mod experiment;
 pub mod follow;
 pub mod frames;
 pub mod hqp_file;

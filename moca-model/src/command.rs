@@ -5,6 +5,7 @@ use hrsw::{Fault, SafetyState};
 use nalgebra::{Isometry3, Vector6};
 
 use crate::intention::Intention;
+use crate::interaction::{Phase, Transition};
 
 /// How a tick went.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,6 +43,10 @@ pub struct Command {
     pub slack: Vector6<f64>,
     /// What the person wants.
     pub intention: Intention,
+    /// What robot and person are at.
+    pub phase: Phase,
+    /// How that changed in this tick, if it did.
+    pub transition: Option<Transition>,
     /// The share of ergonomics in the third level, 0 to 1.
     pub activation: f64,
     /// How much the robot may do.
@@ -63,6 +68,8 @@ impl Command {
             desired_twist: Vector6::zeros(),
             slack: Vector6::zeros(),
             intention: Intention::Apart,
+            phase: Phase::Apart,
+            transition: None,
             activation: 0.0,
             safety: SafetyState::Normal,
             outcome: Outcome::Solved(Status::Solved),

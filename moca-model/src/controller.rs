@@ -2,17 +2,21 @@
 
 mod coming_to_rest;
 mod holding;
+mod looking;
+mod reporting;
+mod turning;
 
 use ahqp_core::{JerkLimits, Limits, Status, VelocityInterval, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Fault, LoopClock, Softening};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 use vision_models::Percept;
 use whole_body::{Following, Model};
 
 use crate::command::{Command, Outcome};
 use crate::error::{Error, check_size};
-use crate::held_object::HeldObject;
+use crate::held_object::{BoxSide, HeldObject};
+use crate::interaction::{Interaction, Transition};
 use crate::leash::Leash;
 use crate::motion_limits::{
     Motion, admit_braking, braking_limits, joint_limits, nearest_to_rest, write_intervals,
@@ -22,6 +26,8 @@ use crate::safety::{Safety, SafetyInput};
 use crate::settings::{ControllerSettings, DesiredMotion, Goal};
 use crate::shared_space::SharedSpace;
 use crate::stack::{CollaborationStack, GoalTerms, StackInput, StackSettings};
+use looking::SeenSurface;
+use turning::HandTurn;
 
 /// Ergonomic collaboration with a person: AHQP over the robot, the shared workspace and the
 /// person's ergonomics.
@@ -78,6 +84,13 @@ pub struct Controller {
     fault: Option<Fault>,
     /// What the robot holds for the person to work on.
     object: Option<HeldObject>,
+    /// The side of it that the person sees, or is about to.
+    shown: BoxSide,
+    hand_turn: HandTurn,
+    seen_surface: SeenSurface,
+    interaction: Interaction,
+    /// In the last tick.
+    transition: Option<Transition>,
     /// Whether the force from outside was measured since the last command.
     feels: bool,
     /// The base's, as measured last \[rad\].
@@ -140,6 +153,11 @@ impl Controller {
             leash: Leash::new(settings.leash, robot.model())?,
             fault: None,
             object: None,
+            shown: BoxSide::Front,
+            hand_turn: HandTurn::resting(Vector3::x_axis()),
+            seen_surface: SeenSurface::default(),
+            interaction: Interaction::default(),
+            transition: None,
             feels: false,
             yaw: 0.0,
             speed: 1.0,
@@ -165,6 +183,7 @@ impl Controller {
         }
         self.space.observe(percept)?;
         self.safety.observe(percept, self.space.person_at(percept.time).as_ref());
+        self.look(percept);
         Ok(())
     }
 
@@ -219,43 +238,6 @@ impl Controller {
         }
     }
 
-    /// Takes the force from outside that was measured for the coming tick \[N\]. One that is too large stops
-    /// the robot, and while it is to give way the commanded state starts anew from the measured one.
-    ///
-    /// A robot that does not feel keeps its distance from everybody: the person it works with may come
-    /// into contact with it only in ticks for which this was called.
-    pub fn feel(&mut self, force: f64) {
-        self.feels = true;
-        let supervisor = self.safety.supervisor_mut();
-        let (fault, gives_way) = (supervisor.feel(force), supervisor.gives_way());
-        if let Some(fault) = fault {
-            self.note(fault);
-        }
-        if gives_way {
-            self.leash.resynchronise();
-        }
-    }
-
-    /// Asks the robot to stop: from the next tick on it brakes as fast as it can within its limits, and stands
-    /// until somebody acknowledges.
-    pub fn request_stop(&mut self) {
-        self.report(Fault::StopRequested);
-    }
-
-    /// Tells the supervisor what went wrong.
-    pub(crate) fn report(&mut self, fault: Fault) {
-        self.safety.report(fault);
-        self.note(fault);
-    }
-
-    /// Keeps the worst that went wrong, for the next command.
-    fn note(&mut self, fault: Fault) {
-        let worse = |known: Fault| fault.state() > known.state();
-        if self.fault.is_none_or(worse) {
-            self.fault = Some(fault);
-        }
-    }
-
     /// Takes the measured configuration, and holds the commanded state to it; returns false if it
     /// cannot be used.
     fn measure(&mut self, configuration: &[f64]) -> bool {
@@ -295,7 +277,8 @@ impl Controller {
         }
         self.advance_speed(elapsed);
         self.advance_activation(elapsed);
-        if self.advance_hand(elapsed).is_err() {
+        let time = self.clock.now().unwrap_or_default();
+        if self.interact(time).and_then(|()| self.advance_hand(elapsed)).is_err() {
             self.report(Fault::BadData);
             return false;
         }
@@ -425,6 +408,8 @@ impl Controller {
     fn finish(&mut self) {
         let command = &mut self.command;
         command.intention = self.space.intention();
+        command.phase = self.interaction.phase();
+        command.transition = self.transition.take();
         command.safety = self.safety.supervisor().state();
         command.fault = self.fault.take();
         if let ([x, y, turn, ..], true) =

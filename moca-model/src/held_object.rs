@@ -1,7 +1,7 @@
 //! What the robot holds for the person to work on, and where the person's hand is then.
 
 use hrsw::Capsule;
-use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Unit, UnitQuaternion, Vector3};
 use vision_models::{Surface, Tool};
 use whole_body::{FrameId, Payload};
 
@@ -184,9 +184,56 @@ impl HeldObject {
     }
 
     fn before(&self, side: BoxSide, distance: f64) -> Vector3<f64> {
-        let normal = side.normal();
+        self.towards(&self.out_of(side), distance)
+    }
+
+    /// The direction out of a side, in the tool's axes.
+    pub(crate) fn out_of(&self, side: BoxSide) -> Unit<Vector3<f64>> {
+        Unit::new_unchecked(self.tool_from_object.rotation * side.normal())
+    }
+
+    /// A point so far out of the box in this direction of the tool's axes, from its middle, in the tool's
+    /// frame \[m\].
+    pub(crate) fn towards(&self, direction: &Unit<Vector3<f64>>, distance: f64) -> Vector3<f64> {
+        let normal = self.tool_from_object.rotation.inverse() * **direction;
         let half = 0.5 * self.size.dot(&normal.abs());
         (self.tool_from_object * Point3::from(normal * (half + distance))).coords
+    }
+
+    /// The rotation of the tool, in its own axes, after which a side is where the first face was: by half
+    /// a turn about the tool's z axis, where that can do it.
+    pub(crate) fn turn_to_show(&self, side: BoxSide) -> UnitQuaternion<f64> {
+        let shown = self.faces.first().map_or(BoxSide::Front, |face| face.side);
+        let (from, to) = (self.out_of(side), self.out_of(shown));
+        UnitQuaternion::rotation_between_axis(&from, &to).unwrap_or_else(|| {
+            let across = Vector3::z() - *from * from.z;
+            let axis = Unit::try_new(across, 0.5).unwrap_or_else(Vector3::y_axis);
+            UnitQuaternion::from_axis_angle(&axis, std::f64::consts::PI)
+        })
+    }
+
+    /// What is to be done with a side, if anything.
+    pub(crate) fn surface_of(&self, side: BoxSide) -> Option<Surface> {
+        self.faces.iter().find(|face| face.side == side).map(|face| face.surface)
+    }
+
+    /// The first side with this surface.
+    pub(crate) fn side_with(&self, surface: Surface) -> Option<BoxSide> {
+        self.faces.iter().find(|face| face.surface == surface).map(|face| face.side)
+    }
+
+    /// Takes it that this side has this surface: the sides exchange theirs if another was taken to have it.
+    pub(crate) fn identify(&mut self, side: BoxSide, surface: Surface) {
+        let Some(at) = self.faces.iter().position(|face| face.side == side) else { return };
+        let other = self.faces.iter().position(|face| face.surface == surface);
+        if let (Some(found), Some(face)) = (self.surface_of(side), self.faces.get_mut(at)) {
+            face.surface = surface;
+            if let Some(other) = other.and_then(|other| self.faces.get_mut(other))
+                && other.side != side
+            {
+                other.surface = found;
+            }
+        }
     }
 
     /// A capsule around the box, in the frame of the robot's tool.

@@ -179,6 +179,10 @@ pub struct ControllerSettings {
     pub space: SpaceSettings,
     /// Where the person's hand is when they work on what the robot holds.
     pub hand: HandSettings,
+    /// Where the on-board camera is, in the frame of the base on the floor \[m\], to take from the surface that
+    /// it recognises which surface is on which side of the object. Default none: the object's own word
+    /// is taken.
+    pub on_board_camera: Option<[f64; 3]>,
     /// The wheel limit, for robots whose first three joints are a mecanum base. Default MOCA's.
     pub base: Option<MecanumBase>,
     /// The posture of the fourth level.
@@ -217,6 +221,7 @@ impl Default for ControllerSettings {
             desired: DesiredMotion::default(),
             space: SpaceSettings::default(),
             hand: HandSettings::default(),
+            on_board_camera: None,
             base: Some(MecanumBase::default()),
             posture: PostureSettings {
                 configuration: MOCA_HOME.to_vec(),
@@ -264,6 +269,10 @@ impl ControllerSettings {
             return Err(Error::Setting { name: "space.lead", value, expected });
         }
         self.hand.validate()?;
+        let camera = self.on_board_camera.unwrap_or_default();
+        if let Some(&value) = camera.iter().find(|value| !value.is_finite()) {
+            return Err(Error::Setting { name: "on_board_camera", value, expected: "finite" });
+        }
         self.clock.validate(self.period)?;
         self.leash.validate()?;
         let [linear, angular] = desired.axis_accelerations();

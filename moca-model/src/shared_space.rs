@@ -6,11 +6,15 @@ use hrsw::{
     PositionShape, Workspace,
 };
 use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
-use vision_models::{BodyTracker, Percept, TrackedPerson};
+use vision_models::{BodyTracker, Percept, StatureEstimate, TrackedPerson};
 
 use crate::error::Error;
 use crate::intention::{Intention, IntentionFilter};
 use crate::settings::ControllerSettings;
+
+/// How far the workspace may be from the person's frame, beside its lead, where it is in place
+/// \[m, rad\].
+const IN_PLACE: f64 = 0.05;
 
 /// Tracks the person, filters their intention, and moves the shared workspace with them.
 ///
@@ -195,6 +199,11 @@ impl SharedSpace {
         self.moving.workspace()
     }
 
+    /// What moves it.
+    pub fn moving(&self) -> &MovingWorkspace {
+        &self.moving
+    }
+
     /// What moves it, to reorient it.
     pub fn moving_mut(&mut self) -> &mut MovingWorkspace {
         &mut self.moving
@@ -210,6 +219,14 @@ impl SharedSpace {
         self.carrier == Carrier::Person
     }
 
+    /// Returns true if the workspace is the person's and has come to where they are.
+    pub fn is_in_place(&self) -> bool {
+        let way = self.frame.pose().inv_mul(self.workspace().world_from_workspace());
+        self.is_shared()
+            && way.translation.vector.norm() <= self.lead + IN_PLACE
+            && way.rotation.angle() <= IN_PLACE
+    }
+
     /// The person as tracked, if anybody was seen.
     pub fn person(&self) -> Option<&TrackedPerson> {
         self.person.as_ref()
@@ -218,6 +235,11 @@ impl SharedSpace {
     /// The person as tracked at the time `now` \[s\], if anybody was seen.
     pub fn person_at(&self, now: f64) -> Option<TrackedPerson> {
         self.tracker.predict(now)
+    }
+
+    /// The tracked person's stature, once it was measured often enough.
+    pub fn stature(&self) -> Option<StatureEstimate> {
+        self.tracker.stature()
     }
 
     /// How long ago the person was seen \[s\]; infinite if never.

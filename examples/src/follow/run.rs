@@ -7,12 +7,13 @@ use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, Person, PersonFrame};
 use hrsw::{SafetyState, Workspace};
 use moca_model::whole_body::Model;
 use moca_model::{
-    Command, Controller, ControllerSettings, Goal, HeldObject, MOCA_HOME, SafetySettings,
+    Command, Controller, ControllerSettings, Goal, HeldObject, MOCA_HOME, Phase, SafetySettings,
     SpaceSettings, TorqueLoopSettings, moca,
 };
 use nalgebra::Vector3;
 use vision_models::Percept;
 
+use super::on_board::OnBoardEye;
 use super::scoring::Scorer;
 use super::seen::SeenPerson;
 use super::summary::{MeasuredReba, Summary};
@@ -44,6 +45,9 @@ pub struct Scenario {
     pub map: ErgonomicsMap,
     /// What the controller minimises.
     pub comfort: ErgonomicsQuadratic,
+    /// Whose stature that is of, to adapt it to the stature that the robot measures \[m\]; none to leave
+    /// it as it is.
+    pub adapts_from: Option<f64>,
     /// The robot.
     pub model: Model,
     /// Where it starts.
@@ -56,6 +60,21 @@ pub struct Scenario {
     pub drive: Drive,
     /// What the robot holds for the person to work on.
     pub object: HeldObject,
+    /// How it comes by that.
+    pub delivery: Delivery,
+}
+
+/// How the robot comes by the object.
+#[derive(Debug, Clone, Default)]
+pub enum Delivery {
+    /// It holds it from the beginning, and knows it. Surfaces are as recorded.
+    #[default]
+    Held,
+    /// The person hands it over. The on-board camera sees the true object.
+    HandedOver {
+        /// What the robot takes the object for, until the camera has seen it.
+        believed: HeldObject,
+    },
 }
 
 /// One controller against the simulated robot.
@@ -67,6 +86,7 @@ pub struct Run<'a> {
     /// In the newest percept.
     measured: Option<MeasuredAssessment>,
     plant: Plant,
+    on_board: OnBoardEye,
     work: WorkForce,
     monitor: LimitMonitor,
     person: SeenPerson,
@@ -126,17 +146,20 @@ impl Scenario {
         let arrivals = percepts.iter().map(|percept| percept.time).collect();
         let (start, drive, object) = (MOCA_HOME.to_vec(), Drive::default(), HeldObject::default());
         let torques = TorqueLoopSettings::default();
+        let adapts_from = None;
         Ok(Self {
             percepts,
             arrivals,
             map,
             comfort,
+            adapts_from,
             model,
             start,
             settings,
             torques,
             drive,
             object,
+            delivery: Delivery::Held,
         })
     }
 
@@ -209,8 +232,11 @@ impl<'a> Run<'a> {
         separation.carry(controller.robot().tool(), &[scenario.object.capsule()?]);
         let torques = scenario.torques.clone();
         let mut plant = Plant::with_torques(scenario.drive, controller, torques, SEED)?;
-        plant.hold(&scenario.object)?;
+        if let Delivery::Held = scenario.delivery {
+            plant.hold(&scenario.object)?;
+        }
         Ok(Self {
+            on_board: OnBoardEye::new(SEED),
             scorer: Scorer::new(&scenario.map, middle),
             assessor: Assessor::default(),
             measured: None,
@@ -249,8 +275,19 @@ impl<'a> Run<'a> {
     /// # Errors
     /// Percepts out of order, and whatever `each` fails with.
     pub fn play(
-        mut self,
+        self,
         mut each: impl FnMut(&TickRow) -> anyhow::Result<()>,
+    ) -> anyhow::Result<Summary> {
+        self.play_watched(|row, _| each(row))
+    }
+
+    /// The same, but `each` sees the robot, too, as it is when the tick is over.
+    ///
+    /// # Errors
+    /// As [`play`](Self::play).
+    pub fn play_watched(
+        mut self,
+        mut each: impl FnMut(&TickRow, &mut Plant) -> anyhow::Result<()>,
     ) -> anyhow::Result<Summary> {
         let begin = self.scenario.percepts.first().map_or(0.0, |percept| percept.time);
         let duration = self.scenario.duration();
@@ -264,7 +301,8 @@ impl<'a> Run<'a> {
                 break;
             }
             while let Some((percept, _)) = percepts.next_if(|(_, at)| **at <= begin + elapsed) {
-                self.plant.observe(percept)?;
+                self.observe(percept)?;
+                self.adapt()?;
                 if let Some(body) = &percept.body {
                     let person = self.scenario.settings.safety.person;
                     self.person.update(percept.time, body, person.least_confidence);
@@ -278,13 +316,43 @@ impl<'a> Run<'a> {
                 }
             }
             let row = self.tick(begin + elapsed)?;
-            each(&row)?;
+            each(&row, &mut self.plant)?;
             #[expect(clippy::cast_precision_loss, reason = "ticks count far below 2^52")]
             let time = self.tally.ticks as f64 * self.period;
             elapsed = time;
         }
         let wall = started.elapsed().as_secs_f64();
         Ok(self.summary(elapsed.min(duration), wall, ending))
+    }
+
+    fn observe(&mut self, percept: &Percept) -> anyhow::Result<()> {
+        match &self.scenario.delivery {
+            Delivery::Held => self.plant.observe(percept),
+            Delivery::HandedOver { .. } => {
+                let surface = self.on_board.look(&mut self.plant, self.scenario)?;
+                self.plant.observe(&Percept { surface, ..percept.clone() })
+            }
+        }
+    }
+
+    /// Closes the gripper when the object is there.
+    fn grasp(&mut self) -> anyhow::Result<()> {
+        match &self.scenario.delivery {
+            Delivery::HandedOver { believed } if self.plant.command().phase == Phase::Grasping => {
+                self.plant.hold(believed)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Has the controller minimise the ergonomics of somebody of the stature that was measured.
+    fn adapt(&mut self) -> anyhow::Result<()> {
+        let Some(stature) = self.scenario.adapts_from else { return Ok(()) };
+        if let Some(measured) = self.plant.controller().space().stature() {
+            let comfort = self.scenario.comfort.resized(measured.stature / stature)?;
+            self.plant.controller_mut().set_comfort(comfort);
+        }
+        Ok(())
     }
 
     fn tick(&mut self, now: f64) -> anyhow::Result<TickRow> {
@@ -363,6 +431,7 @@ impl<'a> Run<'a> {
             });
         let force = self.work.advance(towards.filter(|_| self.engaged), self.period);
         self.plant.act(&force)?;
+        self.grasp()?;
         Ok(row)
     }
 

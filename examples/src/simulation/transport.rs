@@ -40,6 +40,15 @@ impl Transport {
         if *arrives > time {
             return None;
         }
-        self.frames.pop_front().map(|(_, percept)| percept)
+        self.next().map(|(_, percept)| percept)
+    }
+}
+
+/// The frames on their way, each with when it arrives (s).
+impl Iterator for Transport {
+    type Item = (f64, Percept);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.frames.pop_front()
     }
 }

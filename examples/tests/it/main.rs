@@ -12,6 +12,7 @@ mod chain;
 mod classify;
 mod convert;
 mod ergo_map;
+mod experiment;
 mod follow;
 mod hqp;
 mod ik;

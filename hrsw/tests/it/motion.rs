@@ -2,9 +2,8 @@
 
 use crate::support::*;
 use hrsw::{
-    Anchor, AnchorSettings, Attachment, Bounds, Cone, Error, Heading, Intent, IntentSettings,
-    IntentUpdate, MovingSettings, MovingWorkspace, OrientationShape, Path, PositionShape,
-    Workspace,
+    Anchor, AnchorSettings, Attachment, Bounds, Error, MovingSettings, MovingWorkspace,
+    OrientationShape, Path, PositionShape, Workspace,
 };
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, Vector6};
 use proptest::prelude::*;
@@ -317,72 +316,6 @@ proptest! {
             prop_assert!(soft.write(workspace, &at, &mut level).is_ok());
         }
     }
-}
-
-fn intents() -> IntentUpdate {
-    let workspace = box_workspace();
-    let open = Bounds::new(Vector3::new(0.1, -0.6, 0.6), Vector3::new(1.0, 0.6, 1.7)).unwrap();
-    let offered = Cone::new(Vector3::z(), Vector3::x(), 0.4).unwrap();
-    IntentUpdate::new(IntentSettings {
-        lead: 0.3,
-        duration: 0.5,
-        work: (workspace.position_shape().clone(), *workspace.orientation_shape()),
-        handover: (open.into(), offered.into()),
-        surfaces: vec![
-            UnitQuaternion::identity(),
-            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI),
-        ],
-        turn_axis: Vector3::z_axis(),
-    })
-    .unwrap()
-}
-
-#[test]
-fn walking_shifts_the_workspace_in_the_persons_frame() {
-    let person = Isometry3::new(Vector3::new(1.0, 2.0, 0.0), Vector3::z() * 0.7);
-    for heading in Heading::ALL {
-        let mut moving = moving();
-        moving.attach(Attachment::Person(Isometry3::identity())).unwrap();
-        moving.observe_person(person, Vector6::zeros(), 0.0).unwrap();
-        for _ in 0..160 {
-            intents().apply(Intent::Walk(heading), &mut moving).unwrap();
-            run(&mut moving, 50);
-        }
-        let shifted = person.inv_mul(moving.workspace().world_from_workspace());
-        assert!((shifted.translation.vector - heading.unit() * 0.3).norm() < 1e-6, "{heading:?}");
-        assert!((heading.unit().norm() - 1.0).abs() < 1e-12);
-    }
-    // Counter-clockwise, an eighth of a turn each.
-    for (i, heading) in Heading::ALL.iter().enumerate() {
-        let angle = std::f64::consts::FRAC_PI_4 * i as f64;
-        let expected = Vector3::new(angle.cos(), angle.sin(), 0.0);
-        assert!((heading.unit() - expected).norm() < 1e-12);
-    }
-}
-
-#[test]
-fn an_intent_given_again_changes_nothing() {
-    let updates = intents();
-    for intent in [Intent::Work { surface: 1 }, Intent::Handover, Intent::Walk(Heading::Left)] {
-        let (mut once, mut often) = (moving(), moving());
-        updates.apply(intent, &mut once).unwrap();
-        for _ in 0..20 {
-            updates.apply(intent, &mut often).unwrap();
-            run(&mut once, 50);
-            run(&mut often, 50);
-        }
-        assert_eq!(once, often);
-        let (position, orientation) = if intent == Intent::Handover {
-            &updates.settings().handover
-        } else {
-            &updates.settings().work
-        };
-        assert_eq!(often.workspace().position_shape(), position);
-        assert_eq!(often.workspace().orientation_shape(), orientation);
-    }
-    let mut moving = moving();
-    let unknown = updates.apply(Intent::Work { surface: 2 }, &mut moving).unwrap_err();
-    assert!(matches!(unknown, Error::TooMany { found: 3, limit: 2, .. }));
 }
 
 #[test]

@@ -3,8 +3,9 @@
 use nalgebra::Vector3;
 
 use super::Controller;
+use super::turning::HandTurn;
 use crate::error::Error;
-use crate::held_object::HeldObject;
+use crate::held_object::{BoxSide, HeldObject};
 
 impl Controller {
     /// The tool holds an object from now on, on which the person works: ergonomics and workspace are then of
@@ -15,13 +16,15 @@ impl Controller {
     /// Those of [`HeldObject::validate`]; the robot then holds what it held before.
     pub fn hold(&mut self, object: HeldObject) -> Result<(), Error> {
         self.robot.hold(&object)?;
+        let shown = object.faces.first().map_or(BoxSide::Front, |face| face.side);
+        self.hand_turn = HandTurn::resting(object.out_of(shown));
         // Without bodies nothing is kept apart.
         if !self.robot.bodies().is_empty() {
             let count = self.settings.safety.bodies.len() + 1;
             self.safety.hold(self.robot.bodies().get(..count).unwrap_or_default());
         }
         self.object = Some(object);
-        Ok(())
+        self.turn_to(shown)
     }
 
     /// The tool holds nothing; returns what it held.
@@ -31,6 +34,8 @@ impl Controller {
     pub fn release(&mut self) -> Result<Option<HeldObject>, Error> {
         self.robot.release()?;
         self.safety.release();
+        let upright = self.settings.space.tool;
+        self.space.moving_mut().reorient(upright, &Vector3::z_axis())?;
         Ok(self.object.take())
     }
 
@@ -42,16 +47,26 @@ impl Controller {
     /// Moves the hand to where the person's tool has it, and the desired pose along with it, so that the
     /// robot need not move.
     pub(super) fn advance_hand(&mut self, elapsed: f64) -> Result<(), Error> {
+        let elapsed = elapsed.max(0.0);
         let tool = self.space.intention().tool();
+        // Around an object that turns the hand stays where it is.
+        let turn = self.hand_turn.advance(self.settings.desired.angular_velocity * elapsed);
         let goal = match &self.object {
-            Some(object) => object.tool_from_hand(&self.settings.hand, tool)?,
+            Some(object) => {
+                if let Some(turn) = turn {
+                    let middle = object.tool_from_object.translation.vector;
+                    let hand = middle + turn * (self.robot.tool_from_hand() - middle);
+                    self.robot.set_hand(hand)?;
+                }
+                object.towards(&self.hand_turn.direction, self.settings.hand.distance(tool))
+            }
             None => Vector3::zeros(),
         };
         let way = goal - self.robot.tool_from_hand();
         if way == Vector3::zeros() {
             return Ok(());
         }
-        let step = way.cap_magnitude(self.settings.hand.speed * elapsed.max(0.0));
+        let step = way.cap_magnitude(self.settings.hand.speed * elapsed);
         self.robot.set_hand(self.robot.tool_from_hand() + step)?;
         let desired = &mut self.command.desired;
         desired.translation.vector += desired.rotation * step;

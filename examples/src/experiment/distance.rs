@@ -1,0 +1,109 @@
+//! How well the robot keeps its place beside a walking person.
+
+use nalgebra::{Rotation2, Vector2};
+
+use crate::report::TickRow;
+use crate::simulation::Truth;
+
+/// A person counts as standing, or as walking evenly, from so long after the last change of velocity \[s\].
+const SETTLE: f64 = 2.0;
+/// Changes of velocity below this are none \[m/s\].
+const CHANGE: f64 = 0.03;
+/// Slower than this, people stand \[m/s\].
+const STANDING: f64 = 0.02;
+
+/// How far the hand is from where it is when the person stands, in the person's own frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DistanceError {
+    /// Length of the mean displacement while the person walks evenly \[m\]; none if they never did.
+    pub steady: Option<f64>,
+    /// The largest while they walk at all \[m\].
+    pub largest: f64,
+}
+
+/// Watches the true person and the true hand.
+#[derive(Clone, Debug)]
+pub struct DistanceMonitor<'a> {
+    truth: &'a [Truth],
+    /// Of the velocity that is kept, and since when \[m/s, s\].
+    kept: (Vector2<f64>, f64),
+    standing: Mean,
+    walking: Mean,
+    largest: f64,
+}
+
+/// A running mean.
+#[derive(Clone, Copy, Debug, Default)]
+struct Mean {
+    sum: Vector2<f64>,
+    count: f64,
+}
+
+impl Mean {
+    fn push(&mut self, value: Vector2<f64>) {
+        self.sum += value;
+        self.count += 1.0;
+    }
+
+    fn value(self) -> Option<Vector2<f64>> {
+        (self.count > 0.0).then(|| self.sum / self.count)
+    }
+}
+
+impl<'a> DistanceMonitor<'a> {
+    /// For a person who truly moves so.
+    pub fn new(truth: &'a [Truth]) -> Self {
+        Self {
+            truth,
+            kept: (Vector2::zeros(), f64::INFINITY),
+            standing: Mean::default(),
+            walking: Mean::default(),
+            largest: 0.0,
+        }
+    }
+
+    /// Takes a tick.
+    pub fn push(&mut self, row: &TickRow) {
+        let Some((floor, heading, velocity)) = self.person(row.time) else { return };
+        if (velocity - self.kept.0).norm() > CHANGE || self.kept.1 > row.time {
+            self.kept = (velocity, row.time);
+        }
+        if !row.collaborating {
+            return;
+        }
+        let hand = Vector2::new(row.actual[0], row.actual[1]) - floor;
+        let hand = Rotation2::new(-heading) * hand;
+        let settled = row.time - self.kept.1 >= SETTLE;
+        if velocity.norm() > STANDING {
+            if let Some(usual) = self.standing.value() {
+                self.largest = self.largest.max((hand - usual).norm());
+            }
+            if settled {
+                self.walking.push(hand);
+            }
+        } else if settled {
+            self.standing.push(hand);
+        }
+    }
+
+    /// Where the person is at a time, which way they face, and how fast they move.
+    fn person(&self, time: f64) -> Option<(Vector2<f64>, f64, Vector2<f64>)> {
+        let next = self.truth.partition_point(|truth| truth.time <= time);
+        let before = self.truth.get(next.checked_sub(1)?)?;
+        let after = self.truth.get(next).unwrap_or(before);
+        let span = after.time - before.time;
+        let share = if span > 0.0 { (time - before.time) / span } else { 0.0 };
+        let floor = before.floor.coords.lerp(&after.floor.coords, share);
+        let heading = before.heading + (after.heading - before.heading) * share;
+        Some((floor, heading, before.velocity.lerp(&after.velocity, share)))
+    }
+
+    /// What it came to.
+    pub fn error(&self) -> DistanceError {
+        let steady = match (self.standing.value(), self.walking.value()) {
+            (Some(standing), Some(walking)) => Some((walking - standing).norm()),
+            _ => None,
+        };
+        DistanceError { steady, largest: self.largest }
+    }
+}

@@ -1,0 +1,174 @@
+//! People who walk straight on, at up to the robot's speed.
+
+use std::fmt;
+
+use anyhow::Result;
+use ergo_map::ErgonomicsMap;
+use moca_model::{DesiredMotion, Goal, MOCA_AXIS_SPEED};
+use nalgebra::{Point2, Rotation2, Vector2};
+use rand::Rng;
+use serde::Serialize;
+
+use crate::experiment::cases::{generator, play_all};
+use crate::experiment::distance::{DistanceError, DistanceMonitor};
+use crate::experiment::options::Common;
+use crate::experiment::spread::Spread;
+use crate::experiment::walk::Walk;
+use crate::follow::{Run, Scenario, Summary};
+use crate::program::{Ending, Session};
+use crate::simulation::{WalkerSettings, WalkingPath};
+
+/// How fast people walk \[m/s\]; the last is the robot's own speed.
+const SPEEDS: [f64; 8] = [0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.35, MOCA_AXIS_SPEED];
+
+/// How long they walk \[s\].
+const WALK: f64 = 8.0;
+
+/// What they do before, but for coming to the workplace, and after \[s\].
+const BEFORE: f64 = 12.5;
+const AFTER: f64 = 8.0;
+
+/// From the walker's first place to the workplace \[m\].
+const APPROACH: f64 = 1.8;
+
+/// Case numbers apart from those of the random paths.
+const FIRST: u64 = 1 << 32;
+
+/// What it came to at each speed.
+#[derive(Clone, Debug, Default)]
+pub struct Speeds {
+    pub(super) rows: Vec<SpeedResult>,
+}
+
+/// At one speed.
+#[derive(Clone, Debug, Serialize)]
+pub struct SpeedResult {
+    /// \[m/s\].
+    pub(super) speed: f64,
+    /// Whether people are kept at a distance, which slows the robot near them.
+    pub(super) separation: bool,
+    cases: usize,
+    /// Displacement of the hand in the person's frame while the person walks evenly \[m\].
+    pub(super) steady_m: Spread,
+    /// The largest on the way \[m\].
+    pub(super) largest_m: Spread,
+    /// Outside of the workspace while working together \[s\].
+    outside_s: Spread,
+    limit_violations: u64,
+    separation_violations: u64,
+    protective_stops: u64,
+}
+
+struct Case {
+    number: u64,
+    speed: f64,
+    separation: bool,
+}
+
+/// Speed and whether there is separation, and what they came to.
+type Trial = ((f64, bool), Summary, DistanceError);
+
+/// Plays people at each speed, a tenth of the experiment's cases each, at least one.
+pub(super) fn measure(
+    session: &Session,
+    common: &Common,
+    average: &ErgonomicsMap,
+) -> Result<(Speeds, Ending)> {
+    let each = common.cases.div_ceil(10);
+    let runs = || SPEEDS.into_iter().flat_map(|speed| [(speed, true), (speed, false)]);
+    let case = |(speed, separation)| {
+        // The same people with separation and without.
+        (FIRST..FIRST + each).map(move |number| Case { number, speed, separation })
+    };
+    let cases: Vec<Case> = runs().flat_map(case).collect();
+    let seed = common.seed.seed;
+    let (trials, ending) =
+        play_all(session, "walking straight", common.threads, &cases, |case, interrupt| {
+            let mut draw = generator(seed, case.number);
+            let walk = Walk::new(walker(case.speed, &mut draw))?;
+            let stature = draw.random_range(1.58..=1.94);
+            let map = average.for_stature(stature)?;
+            let scenario = quick(walk.scenario(&map, common.drive(), &mut draw)?);
+            let scenario = if case.separation { scenario } else { scenario.without_separation() };
+            let mut monitor = DistanceMonitor::new(&walk.truth);
+            let run = Run::new(&scenario, Goal::Ergonomics)?.until(interrupt.clone());
+            let summary = run.play(|row| {
+                monitor.push(row);
+                Ok(())
+            })?;
+            Ok(((case.speed, case.separation), summary, monitor.error()))
+        })?;
+    let rows = runs().filter_map(|(speed, separation)| {
+        let same = |trial: &&Trial| trial.0 == (speed, separation);
+        let trials: Vec<_> = trials.iter().filter(same).collect();
+        (!trials.is_empty()).then(|| row(speed, separation, &trials))
+    });
+    Ok((Speeds { rows: rows.collect() }, ending))
+}
+
+/// Somebody who works, then walks backwards, straight but for a few degrees.
+fn walker(speed: f64, draw: &mut impl Rng) -> WalkerSettings {
+    let workplace = Point2::new(1.4, 0.0);
+    let way = Rotation2::new(draw.random_range(-0.15..0.15)) * Vector2::x() * (speed * WALK);
+    WalkerSettings {
+        path: WalkingPath::Points(vec![workplace + way]),
+        speed: Some(speed),
+        duration: APPROACH / speed + BEFORE + WALK + AFTER,
+        seed: draw.random(),
+        ..WalkerSettings::default()
+    }
+}
+
+/// The same with a desired pose and a workspace that may be as fast as the robot.
+fn quick(mut scenario: Scenario) -> Scenario {
+    let settings = &mut scenario.settings;
+    settings.desired = DesiredMotion { velocity: MOCA_AXIS_SPEED, ..settings.desired };
+    // As long as braking from there takes.
+    settings.horizon = MOCA_AXIS_SPEED / (settings.desired.acceleration / 3.0_f64.sqrt());
+    settings.follower.speed = 1.2 * MOCA_AXIS_SPEED;
+    scenario
+}
+
+fn row(speed: f64, separation: bool, trials: &[&Trial]) -> SpeedResult {
+    let sum = |of: fn(&Summary) -> u64| trials.iter().map(|(_, summary, _)| of(summary)).sum();
+    SpeedResult {
+        speed,
+        separation,
+        cases: trials.len(),
+        steady_m: Spread::of(trials.iter().filter_map(|(.., error)| error.steady)),
+        largest_m: Spread::of(trials.iter().map(|(.., error)| error.largest)),
+        outside_s: Spread::of(trials.iter().map(|(_, summary, _)| summary.outside)),
+        limit_violations: sum(|summary| summary.limit_violations),
+        separation_violations: sum(|summary| summary.separation_violations),
+        protective_stops: sum(|summary| summary.protective_stops),
+    }
+}
+
+impl fmt::Display for Speeds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{:<12}{:<12}{:>6}{:>26}{:>26}{:>26}{:>8}{:>8}{:>8}",
+            "speed [m/s]",
+            "separation",
+            "cases",
+            "steady error [m]",
+            "largest error [m]",
+            "outside [s]",
+            "limits",
+            "near",
+            "stops",
+        )?;
+        for row in &self.rows {
+            let separation = if row.separation { "on" } else { "OFF" };
+            write!(f, "{:<12.2}{separation:<12}{:>6}", row.speed, row.cases)?;
+            for Spread { mean, worst, .. } in [row.steady_m, row.largest_m, row.outside_s] {
+                write!(f, "{:>14}", format!("mean {mean:.3}"))?;
+                write!(f, "{:>12}", format!("worst {worst:.3}"))?;
+            }
+            let SpeedResult { limit_violations, separation_violations, protective_stops, .. } = row;
+            writeln!(f, "{limit_violations:>8}{separation_violations:>8}{protective_stops:>8}")?;
+        }
+        Ok(())
+    }
+}

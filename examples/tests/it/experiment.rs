@@ -1,0 +1,115 @@
+//! The paper's experiments, in a few small cases.
+
+use examples::experiment::reorientation::ReorientationResult;
+use examples::experiment::{DistanceMonitor, Spread, Versus, following, reorientation, subjects};
+use examples::plant::Drive;
+use examples::program::Interrupt;
+use examples::report::TickRow;
+use examples::simulation::Truth;
+use nalgebra::{Point2, Vector2};
+use vision_models::Action;
+
+use crate::support::{Runs, average_map};
+
+#[test]
+fn cases_do_not_depend_on_how_many_there_are() {
+    let walkers = |seed, count| -> Vec<_> {
+        following::cases(seed, count, 30.0).into_iter().map(|case| case.walker).collect()
+    };
+    assert_eq!(walkers(3, 5)[..2], walkers(3, 2)[..]);
+    assert_ne!(walkers(3, 2), walkers(4, 2));
+    let (few, more) = (reorientation::cases(3, 2), reorientation::cases(3, 5));
+    for (few, more) in few.iter().zip(&more) {
+        assert_eq!((few.number, few.front, &few.walker), (more.number, more.front, &more.walker));
+    }
+    // Ten people, each as often.
+    let of = |subject| subjects::cases(1, 21).iter().filter(|case| case.subject == subject).count();
+    assert!((0..10).all(|subject| of(subject) == 3));
+}
+
+/// The object is handed over, the camera finds out which surface is where, and the robot turns it to the
+/// one that the person's tool is for: in the first case as the robot takes it to be, then the other way.
+#[test]
+fn the_right_surface_comes_before_the_person() {
+    let cases = reorientation::cases(1, 8);
+    let other = cases.iter().find(|case| case.front != cases[0].front).unwrap();
+    let trials = [&cases[0], other]
+        .map(|case| case.play(average_map(), Drive::Kinematic, &Interrupt::default()).unwrap());
+    let result = ReorientationResult::new(trials.into());
+    for line in &result.turns {
+        assert_eq!((line.cases, line.grasped, line.recognised), (2, 2, 2), "{result}");
+        assert_eq!((line.right, line.safe), (2, 2), "{result}");
+    }
+    let text = result.to_string();
+    assert!(text.contains("Handover -> Grasping: Arrived"), "{text}");
+    assert!(text.contains("Turning { to: Back }: WrongSurface"), "{text}");
+    assert!(text.contains("-> Working: RightSurface"), "{text}");
+}
+
+#[test]
+fn the_same_case_twice_gives_the_same_bits() {
+    let case = &following::cases(5, 1, 20.0)[0];
+    let play = || {
+        let drive = Drive::Kinematic;
+        let [on, off] = case.play(average_map(), drive, &Interrupt::default()).unwrap();
+        [on.score_mean, on.outside, on.tracking_error_rms_mm, off.score_mean].map(f64::to_bits)
+    };
+    assert_eq!(play(), play());
+}
+
+/// Who walks at 0.5 m/s has the hand 0.1 m behind its usual place.
+#[test]
+fn a_hand_that_lags_is_a_steady_error() {
+    let speed = |time: f64| if time < 5.0 { 0.0 } else { 0.5 };
+    let floor = |time: f64| Vector2::new(-0.5 * (time - 5.0).max(0.0), 1.0);
+    let truth: Vec<Truth> = (0..200_u32)
+        .map(|frame| {
+            let time = 0.05 * f64::from(frame);
+            Truth {
+                time,
+                floor: Point2::from(floor(time)),
+                heading: 0.0,
+                velocity: Vector2::new(-speed(time), 0.0),
+                action: Action::Walking,
+            }
+        })
+        .collect();
+    let mut monitor = DistanceMonitor::new(&truth);
+    for tick in 0..9900_u32 {
+        let time = 1e-3 * f64::from(tick);
+        let lag = 0.2 * speed(time);
+        let hand = floor(time) + Vector2::new(0.4 + lag, -0.1);
+        let actual = [hand.x, hand.y, 1.0];
+        monitor.push(&TickRow { time, actual, collaborating: true, ..TickRow::default() });
+    }
+    let error = monitor.error();
+    assert!((error.steady.unwrap() - 0.1).abs() < 1e-3, "{error:?}");
+    assert!((error.largest - 0.1).abs() < 0.03, "{error:?}");
+}
+
+#[test]
+fn nothing_played_is_no_number() {
+    assert!(Spread::of([]).mean.is_nan() && Spread::of([]).worst.is_nan());
+    let line = serde_json::to_value(Versus::default().line()).unwrap();
+    assert_eq!((&line["cases"], &line["score"]["wins"]), (&0.into(), &serde_json::Value::Null));
+}
+
+#[test]
+fn help_and_wrong_folders_of_each_experiment() {
+    let file = env!("CARGO_MANIFEST_PATH");
+    for (name, does) in [
+        ("reorientation", "Experiment 3"),
+        ("following", "Experiment 4"),
+        ("subjects", "Experiment 5"),
+    ] {
+        let help = Runs::new("experiment").with(&[name, "--help"]).run().done().output;
+        assert!(help.starts_with(does), "{help}");
+        for part in ["--json", "--quiet", "--seed", "--threads", "--cases"] {
+            assert!(help.contains(part), "{name}: {part}");
+        }
+        let program = |folder| Runs::new("experiment").with(&[name, "--output", folder]).run();
+        program(file).failed(1, "it is a file; give a folder");
+        program("/proc/out").failed(1, "cannot write /proc/out");
+        Runs::new("experiment").with(&[name, "--cases", "0"]).run().failed(2, "--cases");
+    }
+}

@@ -1,0 +1,141 @@
+//! Ticks in which the object turns to the side that the person's tool is for.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Unit, UnitQuaternion, Vector3};
+
+use super::Controller;
+use crate::error::Error;
+use crate::held_object::BoxSide;
+use crate::intention::Intention;
+use crate::interaction::{Phase, Situation};
+
+/// By how much the desired pose may be out of the shared workspace where it counts as within
+/// \[m or rad\].
+const WITHIN: f64 = 1e-3;
+
+/// How near the reference of orientations is to its goal where it counts as there \[rad\].
+const THERE: f64 = 0.02;
+
+/// Shares of the largest below this do not make another joint's axis nearer to that of a turn.
+const NEARLY: f64 = 0.9;
+
+/// The way of the hand around an object that turns below it, in the tool's axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct HandTurn {
+    /// From the middle of the object to the hand.
+    pub(super) direction: Unit<Vector3<f64>>,
+    axis: Unit<Vector3<f64>>,
+    /// Still to be turned \[rad\].
+    left: f64,
+}
+
+impl HandTurn {
+    /// At rest.
+    pub(super) fn resting(direction: Unit<Vector3<f64>>) -> Self {
+        Self { direction, axis: Vector3::z_axis(), left: 0.0 }
+    }
+
+    /// Goes on by at most `step` \[rad\]; the rotation by which it went.
+    pub(super) fn advance(&mut self, step: f64) -> Option<UnitQuaternion<f64>> {
+        let step = step.min(self.left);
+        if step <= 0.0 {
+            return None;
+        }
+        self.left -= step;
+        let rotation = UnitQuaternion::from_axis_angle(&self.axis, step);
+        self.direction = Unit::new_normalize(rotation * *self.direction);
+        Some(rotation)
+    }
+}
+
+impl Controller {
+    /// What robot and person are at.
+    pub fn phase(&self) -> Phase {
+        self.interaction.phase()
+    }
+
+    /// The side of the object that the person sees, or is about to.
+    pub fn shown(&self) -> BoxSide {
+        self.shown
+    }
+
+    /// Goes on to the next phase if its time has come, and begins what belongs to it.
+    pub(super) fn interact(&mut self, time: f64) -> Result<(), Error> {
+        let shared = self.space.is_shared();
+        let intention = if shared { self.space.intention() } else { Intention::Apart };
+        let mismatch = self.object.as_ref().and_then(|object| {
+            let needed = intention.tool()?.surface();
+            let shown = object.surface_of(self.shown)?;
+            let side = object.side_with(needed).filter(|_| needed != shown)?;
+            Some((shown, needed, side))
+        });
+        let situation = Situation {
+            time,
+            intention,
+            holds: self.object.is_some(),
+            mismatch,
+            arrived: self.has_arrived(),
+        };
+        let transition = self.interaction.advance(&situation);
+        if let Some(Phase::Turning { to }) = transition.map(|transition| transition.to) {
+            self.turn_to(to)?;
+        }
+        self.transition = transition;
+        Ok(())
+    }
+
+    /// Whether the desired pose is within the shared workspace, and that where and as it is to be.
+    fn has_arrived(&self) -> bool {
+        let workspace = self.space.workspace();
+        let goal = self.space.moving().reference_goal();
+        self.space.is_in_place()
+            && workspace.reference().angle_to(&goal) <= THERE
+            && self.hand_turn.left == 0.0
+            && workspace.violation(&self.command.desired).amax() <= WITHIN
+    }
+
+    /// Shows this side of the object from now on.
+    pub(super) fn turn_to(&mut self, side: BoxSide) -> Result<(), Error> {
+        let Some(object) = &self.object else { return Ok(()) };
+        let goal = self.settings.space.tool * object.turn_to_show(side);
+        let (out, now) = (object.out_of(side), self.hand_turn.direction);
+        let way = self.space.workspace().reference().inverse() * goal;
+        self.shown = side;
+        let Some((axis, angle)) = way.axis_angle() else { return Ok(()) };
+        // Two ways are as long only about half a turn.
+        let free = angle > PI - 1e-3 && !self.has_more_room(&axis);
+        let axis = if free { -axis } else { axis };
+        self.space.moving_mut().reorient(goal, &axis)?;
+        // Seen from the tool, the person goes round the object the other way.
+        self.hand_turn.axis = -axis;
+        let (flat, end) = (out.cross(&axis), now.cross(&axis));
+        // The angle from where the hand is to where it is to be, about that axis, in [0, 2π).
+        let angle = flat.cross(&end).dot(&axis).atan2(flat.dot(&end));
+        let angle = angle.rem_euclid(TAU);
+        // Rounding does not make a whole turn of none.
+        self.hand_turn.left = if angle > TAU - 1e-6 { 0.0 } else { angle };
+        Ok(())
+    }
+
+    /// Whether the joint nearest to the tool whose axis is about that of a turn, in the tool's axes, has
+    /// more room in that sense than in the other.
+    fn has_more_room(&self, axis: &Unit<Vector3<f64>>) -> bool {
+        let axis = self.robot.world_from_tool().rotation * **axis;
+        let jacobian = self.robot.jacobian();
+        let along = |joint: usize| jacobian.fixed_view::<3, 1>(3, joint).dot(&axis);
+        let limits = self.robot.model().limits();
+        let bounded = |joint: &usize| {
+            limits.get(*joint).is_some_and(|limit| (limit.upper - limit.lower).is_finite())
+        };
+        let joints = || (0..self.reference.len()).filter(bounded);
+        let most = joints().map(|joint| along(joint).abs()).fold(0.0, f64::max);
+        let nearest = joints().rev().find(|joint| along(*joint).abs() >= NEARLY * most);
+        let Some(joint) = nearest else { return true };
+        let (Some(limit), Some(q)) = (limits.get(joint), self.reference.get(joint)) else {
+            return true;
+        };
+        let (above, below) = (limit.upper - q, q - limit.lower);
+        if along(joint) >= 0.0 { above >= below } else { below >= above }
+    }
+}
