@@ -1,15 +1,43 @@
 //! Hierarchical quadratic programming with strict priorities, and the augmented closed-loop
 //! inverse kinematics built on it.
 //!
-//! ```
-//! use ahqp_core::{Hierarchy, Level, Rows, Settings, Solver};
-//! use nalgebra::{dmatrix, dvector};
+//! A [`Hierarchy`] has variables with bounds and [`Level`]s, highest priority first; a [`Solver`] finds the
+//! point that is best for the first level, then for the second among those, and so on. In a control loop the
+//! data are rewritten in place, and the solver starts from where it was. Here an arm on a slide brings its
+//! tool to 0.4 m and, as far as that leaves it free, the arm back to its middle, within [`Limits`] of position,
+//! velocity and acceleration:
 //!
+//! ```
+//! use ahqp_core::nalgebra::{self, dmatrix};
+//! use ahqp_core::{Hierarchy, Level, Limits, MotionState, Rows, Settings, Solver};
+//!
+//! const PERIOD: f64 = 1e-3; // s
+//! let limits = [Limits::new(-0.5, 0.5, 0.2, 1.0)?, Limits::new(-0.3, 0.3, 1.0, 5.0)?];
+//! let mut joints = [MotionState { position: 0.0, velocity: 0.0 }; 2]; // slide, arm
+//!
+//! // The variables are the velocities of slide and arm; the first level is the tool's, the second the arm's.
 //! let mut hierarchy = Hierarchy::new(2)?;
-//! hierarchy.push(Level::least_squares(Rows::equalities(&dmatrix![1.0, 1.0], &dvector![2.0])?))?;
+//! let tool = Level::least_squares(Rows::equalities(&dmatrix![1.0, 1.0], &[0.0])?);
+//! let tool = hierarchy.push(tool.named("tool"))?;
+//! let middle = Level::least_squares(Rows::equalities(&dmatrix![0.0, 1.0], &[0.0])?);
+//! let middle = hierarchy.push(middle.named("arm in the middle"))?;
 //! let mut solver = Solver::new(&hierarchy, Settings::default())?;
-//! let x = solver.solve(&hierarchy)?.optimum()?;
-//! assert!((x[0] - 1.0).abs() < 1e-12 && (x[1] - 1.0).abs() < 1e-12);
+//!
+//! for _tick in 0..8000 {
+//!     let (lower, upper) = hierarchy.bounds_mut();
+//!     for (i, (limits, joint)) in limits.iter().zip(joints).enumerate() {
+//!         let interval = limits.velocity_interval(joint, PERIOD);
+//!         (lower[i], upper[i]) = (interval.lower, interval.upper);
+//!     }
+//!     let position = joints[0].position + joints[1].position;
+//!     hierarchy.rows_mut(tool)?.set_targets(&[2.0 * (0.4 - position)])?;
+//!     hierarchy.rows_mut(middle)?.set_targets(&[-2.0 * joints[1].position])?;
+//!     let velocities = solver.solve(&hierarchy)?.optimum()?;
+//!     for (joint, &velocity) in joints.iter_mut().zip(velocities) {
+//!         *joint = MotionState { position: joint.position + PERIOD * velocity, velocity };
+//!     }
+//! }
+//! assert!((joints[0].position - 0.4).abs() < 1e-3 && joints[1].position.abs() < 1e-3);
 //! # Ok::<(), ahqp_core::Error>(())
 //! ```
 
@@ -50,12 +78,7 @@ pub use solver::solution::Solution;
 pub use solver::status::Status;
 pub use stack::{CertifiedPart, ContinuousStack, Part, Place};
 
-/// The example of the repository's front page.
+/// The program of the crate's README.
 #[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
-struct FrontPage;
-
-/// The examples of the book's page on this crate.
-#[cfg(doctest)]
-#[doc = include_str!("../../docs/src/ahqp-core.md")]
-struct BookPage;
+#[doc = include_str!("../README.md")]
+struct Readme;

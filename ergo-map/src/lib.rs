@@ -24,8 +24,8 @@
 //! map with recordings of yours.
 //!
 //! ```
+//! use ergo_map::nalgebra::Vector3;
 //! use ergo_map::{ErgonomicsMap, FitOptions, MapOptions, Person, PersonFrame, Placement, PlacementLimits};
-//! use nalgebra::Vector3;
 //!
 //! // Once per person.
 //! let person = Person::new(1.68)?;
@@ -70,6 +70,7 @@ pub use map::{
     read_samples,
 };
 pub use measured_posture::{JointPositions, MeasuredPosture, PostureFilter};
+pub use nalgebra;
 pub use person::{Person, Segments};
 pub use person_frame::PersonFrame;
 pub use placement::{Placement, PlacementLimits};
@@ -84,3 +85,8 @@ pub use region::Region;
 pub use rula::{LoadPattern, Rula, RulaActionLevel, RulaSubScores, RulaWorksheet};
 pub use side::Side;
 pub use skeleton::{Landmarks, Skeleton};
+
+/// The program of the crate's README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

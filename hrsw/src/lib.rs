@@ -4,22 +4,47 @@
 //! Speed and separation monitoring follows ISO/TS 15066, the limits of contacts ISO 10218-2; this is not
 //! safety-rated software.
 //!
-//! ```
-//! use hrsw::{Bounds, FollowerSettings, FrameFollower, Workspace};
-//! use nalgebra::{Isometry3, Vector3, Vector6};
+//! The rows of a workspace stand in a stack of one's own: here the desired pose of a tool stays in a box that goes
+//! with a person and, below that, moves as little as it can.
 //!
-//! // A box in front of a person, whose frame follows them.
+//! ```
+//! use ahqp_core::{AugmentedState, Hierarchy, Level, Rows, Settings, Solver, integrate_pose};
+//! use hrsw::nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
+//! use hrsw::{Bounds, FollowerSettings, FrameFollower, SoftWorkspace, Workspace};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! const PERIOD: f64 = 1e-3; // s
 //! let mut person = FrameFollower::new(Isometry3::identity(), FollowerSettings::default())?;
 //! let mut workspace = Workspace::new(
 //!     *person.pose(),
 //!     Bounds::new(Vector3::new(0.25, -0.4, 0.7), Vector3::new(0.75, 0.3, 1.5))?,
 //!     Bounds::symmetric(Vector3::repeat(0.3))?,
 //! )?;
-//! person.retarget(Isometry3::translation(0.1, 0.0, 0.0), Vector6::zeros())?;
-//! person.advance(1e-3);
-//! workspace.place(*person.pose(), person.twist())?;
-//! assert!(workspace.contains(&Isometry3::translation(0.5, 0.0, 1.0)));
-//! # Ok::<(), hrsw::Error>(())
+//!
+//! // χ = [ẋ_d; s], the twist of the desired pose and the slack; the joints of a robot would come first.
+//! let state = AugmentedState { joints: 0, task: 6, slack: 6 };
+//! let soft = SoftWorkspace::new(state, 0.2)?;
+//! let mut hierarchy = Hierarchy::new(state.len())?;
+//! let inside = hierarchy.push(soft.level()?)?;
+//! let still = Rows::equalities(&DMatrix::identity(6, 12), &DVector::zeros(6))?;
+//! hierarchy.push(Level::least_squares(still))?;
+//! let mut solver = Solver::new(&hierarchy, Settings::default())?;
+//!
+//! // The person steps back by half a metre, and the tool follows into the box.
+//! let mut desired = Isometry3::translation(0.5, 0.0, 1.0);
+//! person.retarget(Isometry3::translation(-0.5, 0.0, 0.0), Vector6::zeros())?;
+//! for _tick in 0..4000 {
+//!     person.advance(PERIOD);
+//!     workspace.place(*person.pose(), person.twist())?;
+//!     soft.write_rows(&workspace, None, &desired, hierarchy.constraints_mut(inside)?)?;
+//!     let x = solver.solve(&hierarchy)?.optimum()?;
+//!     let twist = Vector6::from_column_slice(&x[state.desired_velocity()]);
+//!     desired = integrate_pose(&desired, &twist, PERIOD);
+//! }
+//! assert!(workspace.violation(&desired).norm() < 1e-3);
+//! assert!((desired.translation.x - 0.25).abs() < 1e-2); // at the far side of the box
+//! # Ok(())
+//! # }
 //! ```
 
 mod age;
@@ -58,6 +83,7 @@ pub use error::Error;
 pub use fault::{ClockFault, Fault, FrameFault};
 pub use motion::{FollowerSettings, FrameFollower};
 pub use moving::{Attachment, MovingSettings, MovingWorkspace};
+pub use nalgebra;
 pub use path::Path;
 pub use rows::PoseRow;
 pub use safety_state::SafetyState;
@@ -70,3 +96,8 @@ pub use speed_cap::SpeedCap;
 pub use supervisor::{Cause, Observation, Supervisor, SupervisorSettings};
 pub use surroundings::{ForbiddenRegion, Intersection, Reach, Surroundings};
 pub use workspace::Workspace;
+
+/// The program of the crate's README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -3,17 +3,51 @@
 //! The robot is a [`Model`](whole_body::Model) of the crate [`whole_body`], which has its kinematics
 //! and dynamics; here is what is MOCA's and what collaboration with a person needs.
 //!
-//! ```
-//! use moca_model::whole_body::Data;
-//! use moca_model::{MOCA_HOME, moca};
+//! A [`Controller`] takes what perception reports, 20 times a second, and the measured configuration, a thousand
+//! times, and gives [`Command`]s:
 //!
-//! let model = moca()?;
-//! let mut data = Data::new(&model);
-//! let mut gravity = [0.0; 10];
-//! data.pose(&model, &MOCA_HOME)?.gravity_into(&mut gravity)?;
-//! assert!((gravity[6] - 22.0).abs() < 0.5); // Nm on the elbow
-//! # Ok::<(), moca_model::Error>(())
 //! ```
+//! use ergo_map::{ErgonomicsMap, FitOptions, MapOptions, Person};
+//! use moca_model::nalgebra::Point3;
+//! use moca_model::{Controller, ControllerSettings, MOCA_HOME, SimulatedRobot, SpaceSettings, moca};
+//! use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, Tool};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // Once for each person.
+//! let person = Person::new(1.75)?;
+//! let map = ErgonomicsMap::build(&person, &MapOptions { spacing: 0.08, ..MapOptions::default() }, None)?;
+//! let (comfort, _report) = map.fit(&FitOptions::default())?;
+//! let space = SpaceSettings::default().for_person(&person, map.side());
+//! let settings = ControllerSettings { space, ..ControllerSettings::default() };
+//! let mut controller = Controller::new(moca()?, comfort, settings, &MOCA_HOME)?;
+//! let mut robot = SimulatedRobot::new(&moca()?, &MOCA_HOME)?;
+//!
+//! // A person who stands 1.7 m ahead, faces the robot and drills.
+//! let confidence = Confidence::new(0.9)?;
+//! let mut body = Body::default();
+//! for (joint, y, z) in [
+//!     (Body25::LeftShoulder, -0.2, 1.4),
+//!     (Body25::RightShoulder, 0.2, 1.4),
+//!     (Body25::MidHip, 0.0, 0.9),
+//! ] {
+//!     body.set(joint, Some(Keypoint { position: Point3::new(1.7, y, z), confidence }));
+//! }
+//! let action = Some(RecognisedAction { action: Action::Using(Tool::Drill), confidence });
+//! for tick in 1..=2000 {
+//!     let time = 1e-3 * f64::from(tick);
+//!     if tick % 50 == 0 {
+//!         let body = Some(body.clone());
+//!         controller.observe(&Percept { time, body, action, surface: None })?;
+//!     }
+//!     let command = controller.step(time, robot.position())?;
+//!     assert!(command.outcome.is_optimal());
+//!     robot.step(&command.joint_velocity, 1e-3)?; // the base's twist and the arm's positions, on a real one
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! This is not safety-rated software.
 
 mod command;
 mod controller;
@@ -45,6 +79,7 @@ pub use interaction::{Phase, Reason, Transition};
 pub use leash::LeashSettings;
 pub use loop_controller::LoopController;
 pub use motion_limits::MecanumBase;
+pub use nalgebra;
 pub use robot::bodies::LinkCapsule;
 pub use robot::kinematics::Kinematics;
 pub use robot::moca::{
@@ -61,7 +96,7 @@ pub use torque::{Measured, TorqueController, TorqueLoopSettings};
 pub use whole_body;
 pub use whole_body::{ImpedanceSettings, JointImpedance, JointState};
 
-/// The examples of the book's page on this crate.
+/// The program of the crate's README.
 #[cfg(doctest)]
-#[doc = include_str!("../../docs/src/moca-model.md")]
-struct BookPage;
+#[doc = include_str!("../README.md")]
+struct Readme;

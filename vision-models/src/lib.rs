@@ -12,33 +12,34 @@
 //! Units are SI and radians. Positions are in the world frame: x and y on the floor, z up. The
 //! person's frame has its origin on the floor below the pelvis, x forwards and y to the left.
 //!
-//! ```
-//! use nalgebra::Point3;
-//! use vision_models::{Body, Body25, BodyTracker, Confidence, Keypoint, Percept, TrackerSettings, TrackStatus};
+//! Features of a residual network, and a linear support vector machine over them that tells two surfaces apart:
 //!
+//! ```no_run
+//! # #[cfg(feature = "inference")]
 //! # fn main() -> Result<(), vision_models::Error> {
-//! // A person at x = 2 m who faces the robot at the origin: the left side is at negative y.
-//! let confidence = Confidence::new(0.9)?;
-//! let mut body = Body::default();
-//! for (joint, x, y, z) in [
-//!     (Body25::LeftShoulder, 2.0, -0.2, 1.4),
-//!     (Body25::RightShoulder, 2.0, 0.2, 1.4),
-//!     (Body25::MidHip, 2.0, 0.0, 0.9),
-//! ] {
-//!     body.set(joint, Some(Keypoint { position: Point3::new(x, y, z), confidence }));
-//! }
+//! use vision_models::ndarray::{Axis, concatenate};
+//! use vision_models::{
+//!     Checkpoint, LinearSvm, Options, Preprocessing, ResNet, ResNetDepth, SvmSettings, read_image,
+//! };
 //!
-//! let mut tracker = BodyTracker::new(TrackerSettings::default())?;
-//! for frame in 0..10 {
-//!     let time = 0.05 * f64::from(frame);
-//!     tracker.update(&Percept { time, body: Some(body.clone()), action: None, surface: None })?;
-//! }
-//! let person = tracker.predict(0.451).expect("seen in ten frames");
-//! assert_eq!(person.status, TrackStatus::Tracked);
-//! assert!((person.floor - nalgebra::Point2::new(2.0, 0.0)).norm() < 1e-9);
-//! assert!((person.heading.abs() - std::f64::consts::PI).abs() < 1e-9);
+//! let weights = Checkpoint::open("resnet50.pth")?; // as torch.save wrote it
+//! let mut network = ResNet::load(ResNetDepth::Fifty, weights, [224, 224], Options::default())?;
+//! let mut features = |file: &str| {
+//!     let image = Preprocessing::SURFACE.image(read_image(file)?.view())?;
+//!     Ok::<_, vision_models::Error>(network.infer(image.view())?.features.to_owned())
+//! };
+//!
+//! let (smooth, drilled) = (features("smooth.png")?, features("drilled.png")?);
+//! let samples = concatenate![Axis(0), smooth, drilled];
+//! let classes = vec!["smooth".into(), "drilled".into()];
+//! let (svm, _trainings) = LinearSvm::train(samples.view(), &[0, 1], classes, &SvmSettings::default())?;
+//!
+//! let class = svm.classify(features("new.png")?.row(0))?;
+//! println!("{}", svm.classes()[class]);
 //! # Ok(())
 //! # }
+//! # #[cfg(not(feature = "inference"))]
+//! # fn main() {}
 //! ```
 
 mod action;
@@ -100,6 +101,9 @@ pub use labels::ClassNames;
 pub use lifting::{CrossSection, Lifter, LiftingSettings, SkinDepths};
 #[cfg(feature = "inference")]
 pub use metrics::{ConfusionMatrix, softmax, top_k, top_k_accuracy};
+pub use nalgebra;
+#[cfg(feature = "inference")]
+pub use ndarray;
 #[cfg(feature = "inference")]
 pub use networks::{
     NetworkKind, OpenPoseForm, ResNet, ResNetDepth, ResNetForm, SimpleBaselineForm, SlowFast,
@@ -123,3 +127,8 @@ pub use weights::{
     Checkpoint, CheckpointError, ElementType, Format, PickleProblem, Tensor, TensorInfo,
     TensorSource, Tensors,
 };
+
+/// The program of the crate's README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -113,16 +113,13 @@ impl Program for Options {
             server.serve(period, &mut clock, || interrupt.requested())?;
             return Ok(Ending::Complete);
         }
-        let (ending, statistics) = match &self.robot {
-            Some(address) => {
-                let robot = UdpSide::connect(address, scenario.start.len())
-                    .with_context(|| format!("--robot {address}"))?;
-                self.drive(session, &scenario, robot, clock)?
-            }
-            None => {
-                let robot = SimulatedSide::new(&scenario.start, period, SEED)?;
-                self.drive(session, &scenario, robot, clock)?
-            }
+        let (ending, statistics) = if let Some(address) = &self.robot {
+            let robot = UdpSide::connect(address, scenario.start.len())
+                .with_context(|| format!("--robot {address}"))?;
+            self.drive(session, &scenario, robot, clock)?
+        } else {
+            let robot = SimulatedSide::new(&scenario.start, period, SEED)?;
+            self.drive(session, &scenario, robot, clock)?
         };
         let report = Report::new(ending, &statistics);
         writeln!(session.output(), "{report}")?;
@@ -143,16 +140,13 @@ impl Options {
                 .with_context(|| path.display().to_string())?,
             None => Recording::read(recording::shipped()?, IfPartial::Refuse)?,
         };
-        let (person, map) = match &self.map {
-            Some(path) => {
-                let map = read_map(path)?;
-                (Person::new(map.stature())?, map)
-            }
-            None => {
-                let person = Person::new(header.stature.unwrap_or(DEFAULT_STATURE))?;
-                let map = build_map(session, &person, &MapOptions::default(), None)?;
-                (person, map)
-            }
+        let (person, map) = if let Some(path) = &self.map {
+            let map = read_map(path)?;
+            (Person::new(map.stature())?, map)
+        } else {
+            let person = Person::new(header.stature.unwrap_or(DEFAULT_STATURE))?;
+            let map = build_map(session, &person, &MapOptions::default(), None)?;
+            (person, map)
         };
         let scenario = Scenario::new(percepts, &person, map)?;
         let Some(path) = &self.settings else { return Ok(scenario) };

@@ -54,8 +54,11 @@ const ROWS: [Row; 8] = [
     ("ticks not solved", 1, |run| run.solver_failures as f64),
 ];
 
+/// A count's name, and how it is found.
+type Count = (&'static str, fn(&Summary) -> u64);
+
 /// What must not happen in either run.
-const COUNTS: [(&str, fn(&Summary) -> u64); 6] = [
+const COUNTS: [Count; 6] = [
     ("ticks with a violated limit", |run| run.limit_violations),
     ("ticks with a violated torque limit", |run| run.torque_violations.unwrap_or_default()),
     ("ticks too near to the person", |run| run.separation_violations),

@@ -45,7 +45,7 @@ impl Walk {
             truth.push(person);
             transport.send(percept, 0.0);
         }
-        while let Some((at, percept)) = transport.next() {
+        for (at, percept) in transport {
             arrivals.push(at);
             percepts.push(percept);
         }

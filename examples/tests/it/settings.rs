@@ -22,7 +22,7 @@ fn error(below_version: &str) -> String {
 fn others() -> RobotSettings {
     let mut settings = RobotSettings::default();
     let controller = &mut settings.controller;
-    controller.tool = "panda_hand \"x\"".to_owned();
+    controller.tool = String::from("panda_hand \"x\"");
     controller.goal = Goal::LeastMotion;
     controller.base = None;
     controller.budget.iterations = Some(77);

@@ -7,7 +7,7 @@ use crate::drive::{Drive, FRAME};
 
 /// State, when it is left.
 fn table() -> Vec<[String; 2]> {
-    let book = include_str!("../../../docs/src/moca-model.md");
+    let book = include_str!("../book.md");
     let header = "| state | cause | entered when | what the robot does | left when |";
     let (_, table) = book.split_once(header).unwrap();
     let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));

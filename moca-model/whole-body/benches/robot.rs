@@ -7,7 +7,7 @@ use divan::{Bencher, black_box};
 use nalgebra::{DMatrix, IsometryMatrix3, Matrix6xX};
 use whole_body::{Axes, Base, Data, Description, FrameId, Model};
 
-const MOCA: &str = include_str!("../../urdf/moca.urdf");
+const MOCA: &str = include_str!("../examples/urdf/moca.urdf");
 const HUMANOID: &str = include_str!("../tests/golden/humanoid.urdf");
 
 fn main() {

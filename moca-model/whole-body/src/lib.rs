@@ -17,8 +17,36 @@
 //! for. The size of q is [`Model::position_count`], that of q̇ [`Model::velocity_count`]; they
 //! differ for a floating base alone.
 //!
+//! A Panda's hand on a circle, its position before its orientation before the posture of the arm:
+//!
 //! ```
-//! use nalgebra::Matrix6xX;
+//! use whole_body::nalgebra::{self, vector};
+//! use whole_body::{Description, Ik, Model, OrientationTask, PositionTask, PostureTask};
+//!
+//! let model = Model::from_urdf_file("examples/urdf/panda.urdf", &Description::default())?;
+//! let hand = model.frame_id("panda_hand_tcp")?;
+//! let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
+//! let mut builder = Ik::builder(&model);
+//! let position = builder.push("position", PositionTask::new(hand)); // highest priority first
+//! builder.push("orientation", OrientationTask::new(hand));
+//! builder.push("posture", PostureTask::new());
+//! let mut ik = builder.build_at(&q)?; // orientation and posture stay as they are there
+//! let start = ik.pose(&q, hand)?.translation.vector;
+//! for tick in 0..6000 {
+//!     let angle = f64::min(1.57e-3 * f64::from(tick), std::f64::consts::TAU); // once round
+//!     let target = start + 0.1 * vector![0.0, angle.sin(), angle.cos() - 1.0];
+//!     ik.task_mut(position)?.set_target(target)?;
+//!     let step = ik.step(&q, 1e-3)?; // within all limits of the joints
+//!     step.integrate(&mut q)?; // or send step.velocity() to the robot
+//! }
+//! assert!((ik.pose(&q, hand)?.translation.vector - start).norm() < 1e-3);
+//! # Ok::<(), whole_body::Error>(())
+//! ```
+//!
+//! Kinematics by themselves, of an arm on a base that moves in the plane:
+//!
+//! ```
+//! use whole_body::nalgebra::Matrix6xX;
 //! use whole_body::{Axes, Base, Data, Description, Model};
 //!
 //! let urdf = r#"<robot name="arm">
@@ -87,6 +115,7 @@ pub use kinematics::jacobian::Axes;
 pub use limits::frame_velocity::FrameVelocityLimit;
 pub use limits::joint_intervals::{End, LimitKind};
 pub use limits::wheels::WheelLimit;
+pub use nalgebra;
 pub use robot::description::{AddedFrame, Base, Description};
 pub use robot::frame::FrameId;
 pub use robot::friction::JointFriction;
@@ -131,22 +160,7 @@ pub use torque::impedance::{ImpedanceSettings, JointImpedance, JointState};
 pub use torque::momentum_observer::{MomentumObserver, ObservedFriction, ObserverSettings};
 pub use torque::resynchronisation::{Following, Resynchronisation};
 
-/// The example of the crate's front page.
+/// The program of the crate's README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
-struct FrontPage;
-
-/// The example of the book's page on this crate.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/src/whole-body.md")]
-struct BookPage;
-
-/// The examples of the book's page on tasks and limits.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/src/whole-body-tasks.md")]
-struct TasksPage;
-
-/// The examples of the book's page on torques and simulation.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/src/whole-body-torques.md")]
-struct TorquesPage;
+struct Readme;

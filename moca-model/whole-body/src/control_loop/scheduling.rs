@@ -51,8 +51,7 @@ impl Scheduling {
             reason,
             remedy: "raise the limit rtprio in /etc/security/limits.conf",
         };
-        let value =
-            ThreadPriorityValue::try_from(priority).map_err(|error| refused(error.to_owned()))?;
+        let value = ThreadPriorityValue::try_from(priority).map_err(refused)?;
         let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
         set_thread_priority_and_policy(
             thread_native_id(),

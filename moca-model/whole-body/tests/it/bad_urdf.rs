@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use proptest::prelude::*;
 use whole_body::{Base, Data, Description, Error, JointFriction, LimitOverride, Model, UrdfError};
 
-const MOCA: &str = include_str!("../../../urdf/moca.urdf");
+const MOCA: &str = include_str!("../../examples/urdf/moca.urdf");
 
 /// Asserts the variant of an error and words of its message.
 macro_rules! assert_error {

@@ -147,7 +147,7 @@ fn ticks_come_once_a_period() {
     }
     let statistics = control.statistics();
     assert_eq!(statistics.missed, 0);
-    assert_eq!(statistics.ticks as usize, law.times.len());
+    assert_eq!(usize::try_from(statistics.ticks).unwrap(), law.times.len());
     assert_eq!(statistics.latency.longest(), 0.0);
 }
 

@@ -11,7 +11,7 @@ use whole_body::{
 use crate::support::{Kind, Robot, jacobian, pose, robots_of, states};
 
 const TWO_ARMS: &str = include_str!("../golden/two_arms.urdf");
-const MOCA: &str = include_str!("../../../urdf/moca.urdf");
+const MOCA: &str = include_str!("../../examples/urdf/moca.urdf");
 
 fn read(urdf: &str, description: &Description) -> Model {
     Model::from_urdf(urdf, description).unwrap()

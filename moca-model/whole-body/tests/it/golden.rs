@@ -126,7 +126,7 @@ fn assert_close(ours: &[f64], theirs: &[f64]) {
 
 #[test]
 fn moca_with_a_finger_that_mimics_the_other() {
-    check(include_str!("../../../urdf/moca.urdf"), include_str!("../golden/moca.json"));
+    check(include_str!("../../examples/urdf/moca.urdf"), include_str!("../golden/moca.json"));
 }
 
 #[test]

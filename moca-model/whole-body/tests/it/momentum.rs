@@ -22,7 +22,7 @@ pub(crate) fn arm(has_friction: bool) -> Model {
         friction,
         ..Description::default()
     };
-    Model::from_urdf(include_str!("../../../urdf/moca.urdf"), &description).unwrap()
+    Model::from_urdf(include_str!("../../examples/urdf/moca.urdf"), &description).unwrap()
 }
 
 pub(crate) const HOME: [f64; 7] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];

@@ -82,7 +82,7 @@ fn mobile() -> Model {
         tips: vec!["panda_tcp".into()],
         ..Description::on_planar_base(unlimited(), unlimited())
     };
-    Model::from_urdf(include_str!("../../../urdf/moca.urdf"), &description).unwrap()
+    Model::from_urdf(include_str!("../../examples/urdf/moca.urdf"), &description).unwrap()
 }
 
 #[test]

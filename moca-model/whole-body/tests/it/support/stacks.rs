@@ -43,7 +43,7 @@ pub(crate) fn bush() -> Model {
 
 /// The fingers are held.
 pub(crate) fn moca() -> Model {
-    let urdf = include_str!("../../../../urdf/moca.urdf");
+    let urdf = include_str!("../../../examples/urdf/moca.urdf");
     let tips = vec!["panda_tcp".to_owned()];
     Model::from_urdf(urdf, &Description { tips, ..Description::default() }).unwrap()
 }
