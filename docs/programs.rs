@@ -19,6 +19,10 @@ struct Contributing;
 struct MocaModel;
 
 #[cfg(doctest)]
+#[doc = include_str!("src/real-robot.md")]
+struct RealRobot;
+
+#[cfg(doctest)]
 #[doc = include_str!("src/vision-networks.md")]
 struct VisionNetworks;
 

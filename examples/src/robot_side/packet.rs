@@ -51,7 +51,8 @@ const HEAD: usize = 12;
 /// sent.write(PacketKind::Command, 7, [&[0.1], &[0.2], &[0.3]]);
 /// let mut received = Packet::new(1);
 /// assert_eq!(received.take(sent.bytes())?, (PacketKind::Command, 7));
-/// assert_eq!(received.numbers()[1].collect::<Vec<_>>(), [0.2]);
+/// let [_, velocity, _] = received.numbers();
+/// assert_eq!(velocity.collect::<Vec<_>>(), [0.2]);
 /// # Ok::<(), examples::robot_side::PacketError>(())
 /// ```
 #[derive(Clone, Debug)]

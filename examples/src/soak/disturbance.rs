@@ -126,14 +126,12 @@ impl Disturbance {
 
     /// Returns true if the controller has no time, or no measurement, for which it could solve anything.
     pub fn leaves_nothing_to_solve(self) -> bool {
-        matches!(
-            self,
-            Self::MeasurementNan
-                | Self::TimeNan
-                | Self::TimeStands
-                | Self::TimeBack
-                | Self::TimeAhead
-        )
+        self == Self::MeasurementNan || self.is_of_time()
+    }
+
+    /// Returns true if the loop's time is wrong, and with it the age of all that was seen.
+    pub(super) fn is_of_time(self) -> bool {
+        matches!(self, Self::TimeNan | Self::TimeStands | Self::TimeBack | Self::TimeAhead)
     }
 
     fn state_at_once(self) -> SafetyState {
@@ -215,7 +213,10 @@ impl Disturbances {
             }
             Some(Disturbance::FramesRepeated) => vec![percept.clone(), percept],
             Some(Disturbance::FramesOutOfOrder) => std::iter::once(percept).chain(before).collect(),
-            Some(Disturbance::FramesAbsurd) => vec![self.absurd(percept)],
+            // Where nobody is in view there is nobody to misplace: no frame comes.
+            Some(Disturbance::FramesAbsurd) => {
+                percept.body.is_some().then(|| self.absurd(percept)).into_iter().collect()
+            }
             Some(Disturbance::CameraAhead) => vec![stamped(&percept, percept.time + 20.0)],
             Some(Disturbance::CameraBehind) => vec![stamped(&percept, percept.time - 20.0)],
             Some(Disturbance::CameraEpoch) => vec![stamped(&percept, percept.time + 1.7e9)],

@@ -173,6 +173,8 @@ impl Episode {
         let state = self.plant.command().safety;
         if let Some(ended) = self.disturbances.advance(now) {
             self.monitor.ended.count(ended, state);
+            // The robot forgets what was seen at wrong times; who acknowledges looks for people.
+            self.known = self.known.filter(|_| !ended.is_of_time());
             self.ended = now;
         }
         let supervisor = self.plant.controller_mut().safety_mut().supervisor_mut();

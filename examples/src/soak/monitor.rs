@@ -1,6 +1,6 @@
 //! The checks of every tick.
 
-use hrsw::{Fault, SafetyState};
+use hrsw::SafetyState;
 use moca_model::whole_body::Model;
 use moca_model::{Command, ControllerSettings};
 use serde::{Deserialize, Serialize};
@@ -98,6 +98,8 @@ pub struct Monitor {
     pub counts: Counts,
     /// How disturbances have ended.
     pub ended: Endings,
+    /// Whether the tick before had no time, or no measurement.
+    was_blind: bool,
     /// Ticks left in which joints may be outside their ranges by ticks that came late, or a push.
     settling: u64,
     /// The first tick with something wrong, and what is known of it.
@@ -121,6 +123,7 @@ impl Monitor {
             counts: Counts::default(),
             ended: Endings::default(),
             settling: 0,
+            was_blind: false,
             first_wrong: None,
         })
     }
@@ -133,12 +136,12 @@ impl Monitor {
         let command = tick.command;
         let is_settling = self.settle(tick);
         let counts = &mut self.counts;
-        // Without a time or a measurement there is nothing to solve.
-        let mut could_solve =
-            !matches!(command.fault, Some(Fault::Clock(_) | Fault::BadMeasurement));
+        let blind = tick.disturbance.is_some_and(|(what, _)| what.leaves_nothing_to_solve());
+        // The tick after a wrong time has no time either.
+        let was_blind = std::mem::replace(&mut self.was_blind, blind);
+        let could_solve = !blind && !was_blind;
         if let Some((disturbance, lasts)) = tick.disturbance {
             counts.wrong_states += u64::from(command.safety < disturbance.least_state(lasts));
-            could_solve &= !disturbance.leaves_nothing_to_solve();
         }
         counts.infeasible += u64::from(!command.outcome.is_optimal() && could_solve);
         if !is_finite(command) {
@@ -161,7 +164,7 @@ impl Monitor {
         counts.separation_violations += u64::from(verdict.violation.is_some());
         counts.person_caused += u64::from(verdict.person_caused);
         counts.contact += u64::from(verdict.contact);
-        counts.self_collisions += u64::from(self.separation.collides());
+        counts.self_collisions += u64::from(self.separation.collides() && !is_settling);
         if self.first_wrong.is_none() && self.counts.wrong() > 0 {
             let blame = verdict.violation;
             let Command { outcome, fault, .. } = command;

@@ -8,8 +8,8 @@ use crate::held_object::BoxSide;
 use crate::interaction::Phase;
 
 /// A side faces the camera if the cosine of the angle between its normal and the way to the camera is at
-/// least this: within 45°.
-const FACES: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// least this: within 60°.
+const FACES: f64 = 0.5;
 
 /// A surface that is seen where another was taken to be, and since when \[s\].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

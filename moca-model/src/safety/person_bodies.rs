@@ -35,6 +35,14 @@ const fn part(ends: [Body25; 2], beyond: f64, radius: f64, limb: Limb, region: B
     Part { from, to, beyond, radius, limb, region }
 }
 
+impl Part {
+    /// Between two joints, wider by `growth` \[m\].
+    fn capsule(&self, from: &Vector3<f64>, to: &Vector3<f64>, growth: f64) -> Option<Capsule> {
+        let beyond = (to - from).try_normalize(1e-9).unwrap_or_default() * self.beyond;
+        Capsule::new(*from, to + beyond, self.radius + growth).ok()
+    }
+}
+
 /// Radii are those of a large adult. Hands and feet are the continuation of forearm and shank, and a forearm
 /// bears less than its hand.
 const PARTS: [Part; 12] = {
@@ -98,6 +106,9 @@ impl Seen {
 pub(super) struct PersonBodies {
     settings: PersonBodySettings,
     joints: [Option<Seen>; Body25::COUNT],
+    /// Somebody who was seen where nobody can have gone since the frame before: not believed alone, but there
+    /// may be somebody.
+    doubtful: Option<Sighting>,
     newest: f64,
     /// When the newest frame was taken that shows nobody, or somebody who can have come there \[s\].
     plausible: f64,
@@ -114,16 +125,18 @@ impl PersonBodies {
             settings,
             contacts: PARTS.map(|part| limits.of(part.region)),
             joints: [None; Body25::COUNT],
+            doubtful: None,
             newest: f64::NEG_INFINITY,
             plausible: f64::NEG_INFINITY,
             agrees_since: None,
-            bodies: Vec::with_capacity(PARTS.len()),
+            bodies: Vec::with_capacity(2 * PARTS.len()),
         }
     }
 
     /// Forgets what was seen, and when.
     pub(super) fn forget(&mut self) {
         self.joints = [None; Body25::COUNT];
+        self.doubtful = None;
         self.newest = f64::NEG_INFINITY;
         self.plausible = f64::NEG_INFINITY;
         self.agrees_since = None;
@@ -140,16 +153,27 @@ impl PersonBodies {
     /// with the trunk.
     pub(super) fn observe(&mut self, percept: &Percept, tracked: Option<&TrackedPerson>) {
         let time = percept.time;
+        let doubtful = self.doubtful.take();
         let Some(body) = &percept.body else {
             self.plausible = time;
             return;
         };
-        let moved = self.displacement(body);
-        let elapsed = time - self.newest;
-        let jumped = moved.norm() > self.settings.jump_speed * elapsed + NOISE;
-        if !jumped {
-            self.plausible = time;
+        let least = self.settings.least_confidence;
+        let reach = |elapsed: f64| self.settings.jump_speed * elapsed + NOISE;
+        let (moved, elapsed) = (displacement(body, &self.places(), least), time - self.newest);
+        let jumped = moved.norm() > reach(elapsed);
+        if jumped {
+            let is_again = doubtful.is_some_and(|seen| {
+                displacement(body, &seen.joints, least).norm() <= reach(time - seen.time)
+            });
+            if !is_again {
+                let joints = Body25::ALL.map(|joint| place(body, joint, least));
+                self.doubtful = Some(Sighting { joints, time });
+                self.agrees_since = None;
+                return;
+            }
         }
+        self.plausible = time;
         let unsettled = jumped || elapsed > self.settings.gap;
         for (joint, seen) in Body25::ALL.into_iter().zip(&mut self.joints) {
             let place = place(body, joint, self.settings.least_confidence);
@@ -182,8 +206,19 @@ impl PersonBodies {
         self.bodies.clear();
         if now - self.newest > self.settings.forget_after {
             self.joints = [None; Body25::COUNT];
-            return &self.bodies;
         }
+        self.place_believed(now, tracked, separation, contact_speed);
+        self.place_doubtful(now, separation);
+        &self.bodies
+    }
+
+    fn place_believed(
+        &mut self,
+        now: f64,
+        tracked: Option<&TrackedPerson>,
+        separation: &SeparationSettings,
+        contact_speed: f64,
+    ) {
         let motion = tracked.filter(|person| self.is_measured(person, now));
         let uncertainty = motion.map_or(0.0, |person| {
             let variance = person.velocity_covariance.symmetric_eigenvalues().max();
@@ -202,12 +237,8 @@ impl PersonBodies {
             let velocity = carried.filter(|_| part.limb == Limb::Body);
             let fastest =
                 velocity.map_or(separation.human_speed, |v| v.mean.norm() + v.uncertainty);
-            // The reaction time covers the age of a frame; what is older may be anywhere near.
-            let age = (now - from.time.min(to.time) - separation.reaction_time).max(0.0);
-            let along = to.place - from.place;
-            let beyond = along.try_normalize(1e-9).unwrap_or_default() * part.beyond;
-            let radius = part.radius + fastest * age;
-            if let Ok(capsule) = Capsule::new(from.place, to.place + beyond, radius) {
+            let age = beyond_reaction(now - from.time.min(to.time), separation);
+            if let Some(capsule) = part.capsule(&from.place, &to.place, fastest * age) {
                 let contact = limit.filter(|_| contact_speed > 0.0).map(|limit| Contact {
                     limit,
                     fastest: contact_speed,
@@ -216,7 +247,19 @@ impl PersonBodies {
                 self.bodies.push(PersonBody { capsule, velocity, contact });
             }
         }
-        &self.bodies
+    }
+
+    /// The capsules of who was seen where nobody can have gone: nobody may touch them.
+    fn place_doubtful(&mut self, now: f64, separation: &SeparationSettings) {
+        let Some(seen) = &self.doubtful else { return };
+        let age = beyond_reaction(now - seen.time, separation);
+        for part in &PARTS {
+            let ends = (seen.joints[part.from as usize], seen.joints[part.to as usize]);
+            let (Some(from), Some(to)) = ends else { continue };
+            if let Some(capsule) = part.capsule(&from, &to, separation.human_speed * age) {
+                self.bodies.push(PersonBody { capsule, velocity: None, contact: None });
+            }
+        }
     }
 
     /// As placed last.
@@ -237,27 +280,9 @@ impl PersonBodies {
             && self.agrees_since.is_some_and(|since| now - since >= self.settings.settling)
     }
 
-    /// How far the trunk moved since the frame before: the median of its joints, by axis, so that
-    /// one that is misplaced does not count.
-    fn displacement(&self, body: &Body) -> Vector3<f64> {
-        let mut moved = [Vector3::zeros(); ROOT.len()];
-        let mut count = 0;
-        for joint in ROOT {
-            let now = place(body, joint, self.settings.least_confidence);
-            if let (Some(now), Some(before)) = (now, self.joints[joint as usize])
-                && let Some(slot) = moved.get_mut(count)
-            {
-                *slot = now - before.place;
-                count += 1;
-            }
-        }
-        let Some(moved) = moved.get_mut(..count).filter(|moved| !moved.is_empty()) else {
-            return Vector3::zeros();
-        };
-        Vector3::from_fn(|axis, _| {
-            moved.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
-            moved[moved.len() / 2][axis]
-        })
+    /// Where the joints were seen last.
+    fn places(&self) -> [Option<Vector3<f64>>; Body25::COUNT] {
+        self.joints.map(|seen| seen.map(|seen| seen.place))
     }
 
     /// Below the middle of the trunk, of the joints in the newest frame.
@@ -287,4 +312,43 @@ fn place(body: &Body, joint: Body25, least_confidence: f64) -> Option<Vector3<f6
     let good = keypoint.confidence.value() >= least_confidence
         && place.iter().all(|coordinate| coordinate.is_finite());
     good.then_some(place)
+}
+
+/// Where a person was seen in one frame, and when \[m, s\].
+#[derive(Debug, Clone, Copy)]
+struct Sighting {
+    joints: [Option<Vector3<f64>>; Body25::COUNT],
+    time: f64,
+}
+
+/// The age of what was seen, beyond what the reaction time covers: it may be anywhere near.
+fn beyond_reaction(age: f64, separation: &SeparationSettings) -> f64 {
+    (age - separation.reaction_time).max(0.0)
+}
+
+/// How far the trunk of `body` is from where it was `before`: the median of its joints, by axis, so that one that
+/// is misplaced does not count.
+fn displacement(
+    body: &Body,
+    before: &[Option<Vector3<f64>>; Body25::COUNT],
+    least_confidence: f64,
+) -> Vector3<f64> {
+    let mut moved = [Vector3::zeros(); ROOT.len()];
+    let mut count = 0;
+    for joint in ROOT {
+        let now = place(body, joint, least_confidence);
+        if let (Some(now), Some(before)) = (now, before[joint as usize])
+            && let Some(slot) = moved.get_mut(count)
+        {
+            *slot = now - before;
+            count += 1;
+        }
+    }
+    let Some(moved) = moved.get_mut(..count).filter(|moved| !moved.is_empty()) else {
+        return Vector3::zeros();
+    };
+    Vector3::from_fn(|axis, _| {
+        moved.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
+        moved[moved.len() / 2][axis]
+    })
 }

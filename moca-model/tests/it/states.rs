@@ -2,6 +2,7 @@
 
 use hrsw::{Cause, SafetyState};
 use moca_model::SafetySettings;
+use nalgebra::Vector3;
 
 use crate::drive::{Drive, FRAME};
 
@@ -105,7 +106,7 @@ fn a_person_who_is_everywhere_is_no_news() {
     for tick in 0..1200_u32 {
         // It changes between two frames.
         let frame = (tick + FRAME / 2) / FRAME;
-        let away = if frame.is_multiple_of(2) { 9.0 } else { 5.0 };
+        let away = f64::from(10 + 7 * (frame % 5));
         drive.person = Some(drive.controller.actual().translation.x + away);
         drive.step();
         for (entered, state) in
@@ -122,4 +123,27 @@ fn a_person_who_is_everywhere_is_no_news() {
     // Somebody who did move there is believed.
     drive.run(2.0);
     assert_eq!(drive.state(), SafetyState::Normal);
+}
+
+/// Who is seen in one frame where nobody can have gone counts there, and where they were.
+#[test]
+fn one_frame_moves_nobody_away_and_keeps_the_robot_off() {
+    let mut drive = Drive::fast();
+    let here = drive.controller.actual().translation.x + 3.0;
+    drive.person = Some(here);
+    drive.run(0.5);
+    let counts_at = |drive: &Drive, x: f64| {
+        let chest = Vector3::new(x, 0.0, 1.2);
+        let bodies = drive.controller.safety().person_bodies();
+        bodies.iter().any(|body| body.capsule.signed_distance(&chest) < 0.1)
+    };
+    assert!(counts_at(&drive, here) && !counts_at(&drive, here + 9.0));
+    drive.person = Some(here + 9.0);
+    while !counts_at(&drive, here + 9.0) {
+        drive.step();
+    }
+    assert!(counts_at(&drive, here));
+    // The next frame decides.
+    drive.run(0.06);
+    assert!(counts_at(&drive, here + 9.0) && !counts_at(&drive, here));
 }
