@@ -230,34 +230,37 @@ impl Solver {
         }
     }
 
-    /// Searches from the prediction; then from nothing where that ended with an error, or where the rank
-    /// tolerance has decided what the active set is, as both may depend on where a search begins.
+    /// Searches from the prediction; then from nothing where that ended with an error, as that may depend on
+    /// where a search begins.
     fn search(&mut self, levels: usize) -> Result<Status, Error> {
         let from_nothing = self.set.predicted.iter().all(|state| !state.is_active())
             && self.solution.x.iter().all(|&x| x == 0.0);
-        let mut end = self.search_once(levels);
-        if !from_nothing && end.is_err() {
-            self.conflict.clear();
-            self.start_from_nothing();
-            end = self.search_once(levels);
-        } else if !from_nothing && end == Ok(Status::Solved) && self.set.is_rank_in_doubt() {
+        let end = self.search_and_check(levels, from_nothing);
+        if from_nothing || end.is_ok() {
+            return end;
+        }
+        self.conflict.clear();
+        self.start_from_nothing();
+        self.search_and_check(levels, true)
+    }
+
+    /// Searches all levels, once more from nothing where the rank tolerance has decided what the active set is,
+    /// and sees to it that what was found holds in the data.
+    fn search_and_check(&mut self, levels: usize, from_nothing: bool) -> Result<Status, Error> {
+        let status = self.search_levels(levels)?;
+        if status != Status::Solved {
+            return Ok(status);
+        }
+        if !from_nothing && self.set.is_rank_in_doubt() {
             self.found.copy_from(&self.set);
             self.start_from_nothing();
-            if self.search_once(levels)? != Status::Solved {
+            if self.search_levels(levels)? != Status::Solved {
                 self.found.copy_to(&mut self.set);
             }
         }
-        end
-    }
-
-    /// Searches all levels, and sees to it that what was found holds in the data.
-    fn search_once(&mut self, levels: usize) -> Result<Status, Error> {
-        let status = self.search_levels(levels)?;
-        if status == Status::Solved {
-            self.polish();
-            self.set.move_onto_broken_rows();
-            self.expect_hard_rows()?;
-        }
+        self.polish();
+        self.set.move_onto_broken_rows();
+        self.expect_hard_rows()?;
         Ok(status)
     }
 
