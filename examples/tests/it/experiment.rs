@@ -54,7 +54,7 @@ fn the_right_surface_comes_before_the_person() {
 
 #[test]
 fn the_same_case_twice_gives_the_same_bits() {
-    let case = &following::cases(5, 1, 20.0)[0];
+    let case = &following::cases(5, 1, 8.0)[0];
     let play = || {
         let drive = Drive::Kinematic;
         let [on, off] = case.play(average_map(), drive, &Interrupt::default()).unwrap();
