@@ -3,7 +3,6 @@
 use std::ffi::c_char;
 
 use ahqp_core::{CoefficientMatrix, Hierarchy, Level, LevelId, Objective, Rows};
-use nalgebra::{DMatrix, DVector};
 
 use crate::failure::{AhqpStatus, Failure, Result, call};
 use crate::handle::{free, give, read, write};
@@ -130,8 +129,7 @@ pub unsafe extern "C" fn ahqp_hierarchy_push_quadratic(
         let (h, name) = unsafe { (h.required("H")?, optional_text("the name", name)?) };
         // SAFETY: the caller's promise.
         let g = unsafe { g.required("g", hierarchy.variables()) }?;
-        let hessian = DMatrix::from_fn(h.nrows(), h.ncols(), |row, column| h.entry(row, column));
-        let new = Level::quadratic(hessian, DVector::from_column_slice(g))?;
+        let new = Level::quadratic(&h, g)?;
         // SAFETY: the caller's promise.
         unsafe { push(hierarchy, new, name, level) }
     })

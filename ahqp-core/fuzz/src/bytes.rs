@@ -90,7 +90,7 @@ impl Bytes<'_> {
         let root = DMatrix::from_fn(rank, n, |_, _| self.small());
         let target = DVector::from_fn(rank, |_, _| self.small());
         let gradient = -(root.transpose() * target);
-        Level::quadratic(root.transpose() * root, gradient).expect("a square matrix")
+        Level::quadratic(&(root.transpose() * root), &gradient).expect("a square matrix")
     }
 
     /// A hierarchy in which every number may be anything.

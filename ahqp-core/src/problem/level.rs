@@ -7,7 +7,8 @@ use nalgebra::{DMatrix, DVector};
 use crate::error::Error;
 use crate::linalg::vector::dot;
 use crate::problem::ids::LevelId;
-use crate::problem::rows::{Rows, expect_size};
+use crate::problem::matrix::CoefficientMatrix;
+use crate::problem::rows::{Rows, Values, expect_size};
 use crate::problem::source::{ConstraintSource, Names};
 
 /// What a level minimises.
@@ -69,15 +70,29 @@ impl Level {
 
     /// A level that minimises ½ xᵀHx + gᵀx, H of size n × n, g of size n.
     ///
+    /// ```
+    /// use ahqp_core::Level;
+    /// use nalgebra::{dmatrix, dvector};
+    ///
+    /// let level = Level::quadratic(&dmatrix![2.0, 0.0; 0.0, 2.0], &dvector![-1.0, 0.0])?;
+    /// # Ok::<(), ahqp_core::Error>(())
+    /// ```
+    ///
     /// Whether H is symmetric and positive semidefinite is checked at each solve, since it may
     /// be rewritten between two of them.
     ///
     /// # Errors
     /// [`Error::Size`] when H is not square or g does not fit it.
-    pub fn quadratic(hessian: DMatrix<f64>, gradient: DVector<f64>) -> Result<Self, Error> {
-        expect_size("the columns of the Hessian", hessian.ncols(), hessian.nrows())?;
-        expect_size("the gradient", gradient.len(), hessian.nrows())?;
-        let constraints = Rows::zeros(0, gradient.len());
+    pub fn quadratic<'a>(
+        hessian: &impl CoefficientMatrix,
+        gradient: impl Values<'a>,
+    ) -> Result<Self, Error> {
+        let (n, gradient) = (hessian.nrows(), gradient.into_iter().copied());
+        expect_size("the columns of the Hessian", hessian.ncols(), n)?;
+        expect_size("the gradient", gradient.len(), n)?;
+        let hessian = DMatrix::from_fn(n, n, |row, column| hessian.entry(row, column));
+        let gradient = DVector::from_iterator(n, gradient);
+        let constraints = Rows::zeros(0, n);
         Ok(Self { objective: Objective::Quadratic { hessian, gradient }, constraints, name: None })
     }
 

@@ -3,18 +3,21 @@
 use nalgebra::{Dim, Matrix, RawStorage};
 
 /// A matrix of coefficients, one row a constraint or target: nalgebra's matrices of any size and storage,
-/// and with the feature `faer` views of faer's.
+/// and with the feature `faer` faer's and views of them.
 ///
 #[cfg_attr(
     feature = "faer",
     doc = r"
 ```
-use ahqp_core::Rows;
+use ahqp_core::{Level, Rows};
 use faer::{col, mat};
 
 let (a, b) = (mat![[1.0, 2.0], [0.0, 1.0_f64]], col![3.0, 4.0_f64]);
-let rows = Rows::equalities(&a.as_ref(), b.iter())?;
+let rows = Rows::equalities(&a, b.iter())?;
 assert_eq!((rows.row(0), rows.upper()), (Some(&[1.0, 2.0][..]), &[3.0, 4.0][..]));
+
+let hessian = &a.transpose() * &a;
+let level = Level::quadratic(&hessian, b.iter())?;
 # Ok::<(), ahqp_core::Error>(())
 ```"
 )]
@@ -30,6 +33,21 @@ pub trait CoefficientMatrix {
 }
 
 impl<R: Dim, C: Dim, S: RawStorage<f64, R, C>> CoefficientMatrix for Matrix<f64, R, C, S> {
+    fn nrows(&self) -> usize {
+        self.nrows()
+    }
+
+    fn ncols(&self) -> usize {
+        self.ncols()
+    }
+
+    fn entry(&self, row: usize, column: usize) -> f64 {
+        self[(row, column)]
+    }
+}
+
+#[cfg(feature = "faer")]
+impl CoefficientMatrix for faer::Mat<f64> {
     fn nrows(&self) -> usize {
         self.nrows()
     }

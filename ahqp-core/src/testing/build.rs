@@ -169,7 +169,7 @@ impl LevelPlan {
                 // Outside the range of H the objective is linear, and only bounds stop it.
                 let tilt = if closed && consistent.is_none() { 1.0 } else { 0.0 };
                 let tilt = DVector::from_fn(n, |_, _| tilt * random.dyadic());
-                Level::quadratic(a.tr_mul(&a), tilt - a.tr_mul(&b))
+                Level::quadratic(&a.tr_mul(&a), &(tilt - a.tr_mul(&b)))
             }
         }
     }

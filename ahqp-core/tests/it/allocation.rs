@@ -6,7 +6,7 @@ use ahqp_core::{
     Limits, MotionState, Place, PoseAxes, Rows, Settings, Solution, Solver, Status, WarmStart,
     integrate_pose, pose_error,
 };
-use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6, dmatrix, dvector};
+use nalgebra::{DMatrix, Isometry3, Vector3, Vector6, dmatrix, dvector};
 use proptest::prelude::*;
 
 /// How often `work` calls the allocator.
@@ -53,7 +53,7 @@ fn refusing_a_problem_does_not_allocate() {
     hierarchy.set_bounds(&dvector![-1.0, -1.0, -1.0], &dvector![1.0, 1.0, 1.0]).unwrap();
     let sum = dmatrix![1.0, 1.0, 1.0; 1.0, -1.0, 0.0];
     let rows = Rows::ranges(&sum, &dvector![9.0, 0.0], &dvector![f64::INFINITY, 0.0]).unwrap();
-    let flat = Level::quadratic(DMatrix::zeros(3, 3), DVector::zeros(3)).unwrap();
+    let flat = Level::quadratic(&DMatrix::zeros(3, 3), &[0.0; 3]).unwrap();
     let rows = rows.with_names(["sum", "difference"]).unwrap();
     let level = hierarchy.push(flat.with_constraints(rows).named("flat")).unwrap();
     let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();

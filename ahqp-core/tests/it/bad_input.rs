@@ -4,7 +4,7 @@ use ahqp_core::{
     AugmentedClik, AugmentedState, ContinuousStack, Error, Hierarchy, Level, Limits, PoseAxes,
     Rows, Settings, Solution, Solver,
 };
-use nalgebra::{DMatrix, DVector, Vector6, dmatrix, dvector};
+use nalgebra::{DMatrix, Vector6, dmatrix, dvector};
 
 use crate::support::{expect_words, id};
 
@@ -78,12 +78,12 @@ fn sizes_that_do_not_fit_are_named() {
         (Rows::zeros(1, 3).set_matrix(&dmatrix![1.0, 1.0]).unwrap_err(), "columns of A"),
         (rows(3).set_bounds(&dvector![], &dvector![1.0]).unwrap_err(), "lower bound"),
         (rows(3).set_bounds(&dvector![1.0], &dvector![]).unwrap_err(), "upper bound"),
-        (Level::quadratic(DMatrix::zeros(2, 3), dvector![1.0, 2.0]).unwrap_err(), "Hessian"),
-        (Level::quadratic(square(2), dvector![1.0]).unwrap_err(), "gradient"),
+        (Level::quadratic(&DMatrix::zeros(2, 3), &[1.0, 2.0]).unwrap_err(), "Hessian"),
+        (Level::quadratic(&square(2), &[1.0]).unwrap_err(), "gradient"),
         (hierarchy().push(Level::least_squares(rows(3))).unwrap_err(), "objective"),
         (hierarchy().push(Level::constraints_only(rows(1))).unwrap_err(), "constraints"),
         (
-            hierarchy().push(Level::quadratic(square(3), DVector::zeros(3)).unwrap()).unwrap_err(),
+            hierarchy().push(Level::quadratic(&square(3), &[0.0; 3]).unwrap()).unwrap_err(),
             "gradient",
         ),
         (hierarchy().set_bounds(&dvector![0.0], &dvector![1.0, 1.0]).unwrap_err(), "lower bound"),
@@ -139,8 +139,8 @@ fn numbers_whose_squares_overflow() {
         let bounds = bound.bounds_mut();
         (bounds.0[1], bounds.1[1]) =
             if value > 0.0 { (value, f64::INFINITY) } else { (f64::NEG_INFINITY, value) };
-        let gradient = quadratic(DMatrix::identity(2, 2), dvector![0.0, value]);
-        let hessian = quadratic(dmatrix![1.0, 0.0; 0.0, value.abs()], DVector::zeros(2));
+        let gradient = quadratic(&DMatrix::identity(2, 2), &[0.0, value]);
+        let hessian = quadratic(&dmatrix![1.0, 0.0; 0.0, value.abs()], &[0.0; 2]);
         for hierarchy in [coefficient, target, bound, gradient, hessian] {
             let error = solve(&hierarchy).unwrap_err();
             assert!(matches!(error, Error::TooLarge { .. }), "{error}");
@@ -181,7 +181,7 @@ fn a_bound_far_away_neither_counts_nor_loosens_the_near_one() {
 #[test]
 fn a_solution_that_overflows() {
     let mut hierarchy = Hierarchy::new(1).unwrap();
-    let tiny = Level::quadratic(dmatrix![f64::MIN_POSITIVE], dvector![1e50]).unwrap();
+    let tiny = Level::quadratic(&dmatrix![f64::MIN_POSITIVE], &[1e50]).unwrap();
     hierarchy.push(tiny).unwrap();
     let error = solve(&hierarchy).unwrap_err();
     assert_eq!(error, Error::Overflow);
@@ -244,7 +244,7 @@ fn expect_bounds(error: &Error, place: &str, lower: f64, upper: f64) {
     }
 }
 
-fn quadratic(hessian: DMatrix<f64>, gradient: DVector<f64>) -> Hierarchy {
+fn quadratic(hessian: &DMatrix<f64>, gradient: &[f64]) -> Hierarchy {
     let mut hierarchy = sound();
     hierarchy.push(Level::quadratic(hessian, gradient).unwrap()).unwrap();
     hierarchy
@@ -253,11 +253,10 @@ fn quadratic(hessian: DMatrix<f64>, gradient: DVector<f64>) -> Hierarchy {
 #[test]
 fn a_quadratic_that_is_not_finite() {
     for value in NOT_FINITE {
-        let error =
-            solve(&quadratic(dmatrix![1.0, 0.0; 0.0, value], dvector![0.0, 0.0])).unwrap_err();
+        let error = solve(&quadratic(&dmatrix![1.0, 0.0; 0.0, value], &[0.0, 0.0])).unwrap_err();
         assert!(matches!(error, Error::NotFinite { entry: 1, .. }), "{error}");
         expect_words(&error, &["Hessian", "level 2"]);
-        let error = solve(&quadratic(DMatrix::identity(2, 2), dvector![0.0, value])).unwrap_err();
+        let error = solve(&quadratic(&DMatrix::identity(2, 2), &[0.0, value])).unwrap_err();
         assert!(matches!(error, Error::NotFinite { entry: 1, .. }), "{error}");
         expect_words(&error, &["gradient", "level 2"]);
     }
@@ -265,7 +264,7 @@ fn a_quadratic_that_is_not_finite() {
 
 #[test]
 fn an_asymmetric_hessian() {
-    let error = solve(&quadratic(dmatrix![1.0, 0.5; 0.25, 1.0], dvector![0.0, 0.0])).unwrap_err();
+    let error = solve(&quadratic(&dmatrix![1.0, 0.5; 0.25, 1.0], &[0.0, 0.0])).unwrap_err();
     let Error::AsymmetricHessian { level, row: 1, column: 0, difference, .. } = error else {
         panic!("{error}")
     };
@@ -281,7 +280,7 @@ fn an_indefinite_hessian() {
         dmatrix![-1.0, 0.0; 0.0, -1.0],
         dmatrix![1.0, 2.0; 2.0, 1.0],
     ] {
-        let error = solve(&quadratic(hessian, dvector![0.0, 0.0])).unwrap_err();
+        let error = solve(&quadratic(&hessian, &[0.0, 0.0])).unwrap_err();
         assert!(
             matches!(error, Error::IndefiniteHessian { level, .. } if level.index() == 2),
             "{error}"
@@ -294,13 +293,13 @@ fn an_indefinite_hessian() {
 fn rounding_does_not_make_a_hessian_indefinite_or_asymmetric() {
     let third = 1.0 / 3.0;
     let hessian = dmatrix![third * third, third * 0.1; third * 0.1 + 1e-17, 0.01];
-    assert!(solve(&quadratic(hessian, dvector![0.0, 0.0])).is_ok());
+    assert!(solve(&quadratic(&hessian, &[0.0, 0.0])).is_ok());
 }
 
 #[test]
 fn a_quadratic_without_a_minimum() {
     let mut hierarchy = Hierarchy::new(2).unwrap();
-    let falling = Level::quadratic(dmatrix![1.0, 0.0; 0.0, 0.0], dvector![0.0, 1.0]).unwrap();
+    let falling = Level::quadratic(&dmatrix![1.0, 0.0; 0.0, 0.0], &[0.0, 1.0]).unwrap();
     hierarchy.push(falling).unwrap();
     let error = solve(&hierarchy).unwrap_err();
     assert!(matches!(error, Error::Unbounded { .. }), "{error}");
@@ -322,7 +321,7 @@ fn a_hierarchy_of_another_shape() {
     other_rows.push(Level::constraints_only(range())).unwrap();
     let mut other_kind = Hierarchy::new(2).unwrap();
     other_kind.push(Level::least_squares(equality())).unwrap();
-    let quadratic = Level::quadratic(DMatrix::identity(2, 2), DVector::zeros(2)).unwrap();
+    let quadratic = Level::quadratic(&DMatrix::identity(2, 2), &[0.0; 2]).unwrap();
     other_kind.push(quadratic.with_constraints(range())).unwrap();
     let mut shorter = Hierarchy::new(2).unwrap();
     shorter.push(Level::least_squares(equality())).unwrap();
@@ -339,7 +338,7 @@ fn a_hierarchy_of_another_shape() {
 
 #[test]
 fn a_hessian_resized_between_two_solves() {
-    let mut hierarchy = quadratic(DMatrix::identity(2, 2), DVector::zeros(2));
+    let mut hierarchy = quadratic(&DMatrix::identity(2, 2), &[0.0; 2]);
     let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
     *hierarchy.quadratic_mut(id(&hierarchy, 2)).unwrap().0 = DMatrix::identity(3, 3);
     let error = solver.solve(&hierarchy).unwrap_err();
@@ -401,7 +400,7 @@ fn a_level_that_is_not_there() {
 fn a_level_with_another_objective_says_what_it_has() {
     let mut hierarchy = Hierarchy::new(1).unwrap();
     let rows = hierarchy.push(Level::least_squares(Rows::zeros(1, 1)).named("reach")).unwrap();
-    let quadratic = Level::quadratic(DMatrix::identity(1, 1), DVector::zeros(1)).unwrap();
+    let quadratic = Level::quadratic(&DMatrix::identity(1, 1), &[0.0]).unwrap();
     let quadratic = hierarchy.push(quadratic.named("comfort")).unwrap();
     let nothing = hierarchy.push(Level::constraints_only(Rows::zeros(1, 1))).unwrap();
     let cases = [

@@ -73,9 +73,9 @@ fn of_every_kind() -> Hierarchy {
     let soft = Rows::equalities(&dmatrix![1.0, 0.5, 0.0], &dvector![3.0]).unwrap();
     hierarchy.push(Level::least_squares(soft).with_constraints(hard)).unwrap();
     let full = dmatrix![2.0, 1.0, 0.0; 1.0, 2.0, 0.0; 0.0, 0.0, 1.0];
-    hierarchy.push(Level::quadratic(full, dvector![1.0, 0.0, -1.0]).unwrap()).unwrap();
+    hierarchy.push(Level::quadratic(&full, &[1.0, 0.0, -1.0]).unwrap()).unwrap();
     let flat = dmatrix![1.0, 0.0, 0.0; 0.0, 0.0, 0.0; 0.0, 0.0, 0.0];
-    hierarchy.push(Level::quadratic(flat, dvector![1.0, 0.0, 0.0]).unwrap()).unwrap();
+    hierarchy.push(Level::quadratic(&flat, &[1.0, 0.0, 0.0]).unwrap()).unwrap();
     hierarchy
 }
 

@@ -101,7 +101,7 @@ fn level(
                 if gram {
                     hessian = hessian.transpose() * hessian;
                 }
-                Level::quadratic(hessian, DVector::from_vec(gradient)).unwrap()
+                Level::quadratic(&hessian, &gradient).unwrap()
             }),
     ];
     let constraints = prop_oneof![
@@ -248,7 +248,7 @@ proptest! {
             let pushed = hierarchy.push(Level::least_squares(rows));
             prop_assert_eq!(pushed.is_ok(), columns == variables);
         }
-        let quadratic = Level::quadratic(DMatrix::zeros(rows, columns), DVector::zeros(bounds));
+        let quadratic = Level::quadratic(&DMatrix::zeros(rows, columns), &DVector::zeros(bounds));
         prop_assert_eq!(quadratic.is_ok(), rows == columns && rows == bounds);
     }
 }

@@ -439,7 +439,7 @@ fn a_row_that_rounding_alone_seems_to_leave_open() {
         1266.239309310913,
         -1313.1487426757813
     ];
-    let quadratic = Level::quadratic(hessian, gradient).unwrap().with_constraints(second);
+    let quadratic = Level::quadratic(&hessian, &gradient).unwrap().with_constraints(second);
     let problem = hierarchy(6, [Level::constraints_only(first), quadratic]);
     let mut with_norm = problem.clone();
     with_norm.push(towards(&DVector::zeros(6))).unwrap();

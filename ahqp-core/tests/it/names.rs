@@ -4,7 +4,7 @@ use ahqp_core::{
     ConstraintSource, ContinuousStack, Error, Hierarchy, Level, Place, Rows, Settings, Solver,
     solve_reference,
 };
-use nalgebra::{DMatrix, dmatrix, dvector};
+use nalgebra::{DMatrix, dmatrix};
 
 /// A named problem with every kind of row.
 fn named() -> Hierarchy {
@@ -15,7 +15,7 @@ fn named() -> Hierarchy {
     let limit = Rows::at_most(&dmatrix![1.0, 1.0], &[1.0]).unwrap();
     let reach = Level::least_squares(reach.with_names(["x", "y"]).unwrap()).named("reach");
     hierarchy.push(reach.with_constraints(limit.with_names(["wall"]).unwrap())).unwrap();
-    let comfort = Level::quadratic(DMatrix::identity(2, 2), dvector![0.0, 0.0]).unwrap();
+    let comfort = Level::quadratic(&DMatrix::identity(2, 2), &[0.0, 0.0]).unwrap();
     hierarchy.push(comfort.named("comfort")).unwrap();
     hierarchy
 }
@@ -100,7 +100,7 @@ fn errors_name_what_they_speak_of() {
         }
     }
     let mut falling = Hierarchy::new(1).unwrap();
-    let level = Level::quadratic(dmatrix![0.0], dvector![1.0]).unwrap().named("fall");
+    let level = Level::quadratic(&dmatrix![0.0], &[1.0]).unwrap().named("fall");
     falling.push(level).unwrap();
     let error = Solver::new(&falling, Settings::default()).unwrap().solve(&falling).unwrap_err();
     assert!(error.to_string().contains("level 0 \"fall\" decreases without bound"), "{error}");

@@ -293,7 +293,7 @@ proptest! {
             let scaled = match level.objective() {
                 Objective::LeastSquares(rows) => Level::least_squares(stretched_rows(rows)),
                 Objective::Quadratic { hessian, gradient } => {
-                    Level::quadratic(hessian.clone(), gradient * factor).unwrap()
+                    Level::quadratic(hessian, &(gradient * factor)).unwrap()
                 }
                 _ => Level::constraints_only(Rows::zeros(0, hierarchy.variables())),
             };
@@ -329,8 +329,8 @@ proptest! {
             let objective = match level.objective() {
                 Objective::LeastSquares(rows) => Level::least_squares(turned_rows(rows)),
                 Objective::Quadratic { hessian, gradient } => Level::quadratic(
-                    DMatrix::from_fn(n, n, |i, j| hessian[(at(i), at(j))]),
-                    DVector::from_fn(n, |i, _| gradient[at(i)]),
+                    &DMatrix::from_fn(n, n, |i, j| hessian[(at(i), at(j))]),
+                    &DVector::from_fn(n, |i, _| gradient[at(i)]),
                 )
                 .unwrap(),
                 _ => Level::constraints_only(Rows::zeros(0, n)),

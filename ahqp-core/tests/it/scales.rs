@@ -82,7 +82,7 @@ fn curvatures_and_slopes_of_very_different_size_count() {
     let quadratic = |hessian: DMatrix<f64>, gradient: DVector<f64>| {
         let mut hierarchy = Hierarchy::new(2).unwrap();
         hierarchy.set_bounds(&dvector![-1e3, -1e3], &dvector![1e3, 1e3]).unwrap();
-        hierarchy.push(Level::quadratic(hessian, gradient).unwrap()).unwrap();
+        hierarchy.push(Level::quadratic(&hessian, &gradient).unwrap()).unwrap();
         let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
         solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec()
     };

@@ -161,9 +161,8 @@ impl Hierarchy {
     ) -> Result<usize> {
         let mut problem = self.0.lock()?;
         let hierarchy = problem.change();
-        let hessian = Matrix::read("H", H)?.to_nalgebra();
-        let gradient = vector("g", g)?.as_array().iter().copied().collect::<Vec<_>>();
-        push(hierarchy, Level::quadratic(hessian, gradient.into())?, name)
+        let (hessian, gradient) = (Matrix::read("H", H)?, vector("g", g)?);
+        push(hierarchy, Level::quadratic(&hessian.view(), gradient.as_array().iter())?, name)
     }
 
     /// Rewrites data of a level that `push` returned, in the same shapes; what is None stays.

@@ -81,7 +81,7 @@ impl LevelTasks {
             Level::constraints_only(constraints)
         } else {
             let (hessian, gradient) = (DMatrix::zeros(columns, columns), DVector::zeros(columns));
-            Level::quadratic(hessian, gradient)?.with_constraints(constraints)
+            Level::quadratic(&hessian, &gradient)?.with_constraints(constraints)
         };
         Ok(level.named(Arc::clone(&self.name)))
     }
