@@ -217,6 +217,10 @@ impl Ik {
     ) -> Result<(), Error> {
         let mut posed = self.data.pose(&self.model, q)?;
         self.intervals.update(q, &self.velocity, &self.acceleration, period);
+        if self.anticipation.is_needed() {
+            let longest = self.anticipation.stop_time();
+            self.intervals.keep_even_stop(q, &self.velocity, longest, period);
+        }
         self.intervals.narrow(narrower);
         let solver = self.stack.solver_mut();
         write_bounds(solver.bounds_mut(), &self.intervals.cruising);

@@ -5,6 +5,10 @@ use ahqp_core::Rows;
 use super::joint_intervals::JointIntervals;
 use crate::vector::dot_of_sizes;
 
+/// Of a limit, how much a row may turn while the robot comes to stand. The rest is for accelerations that change
+/// at once, and for rows that turn faster on the way.
+const KEPT: f64 = 0.5;
+
 /// Narrows the rows of limits so that their values come to rest at the limit, and not beyond it,
 /// where jerks are limited.
 ///
@@ -20,12 +24,51 @@ pub(crate) struct Anticipation {
     done: Vec<bool>,
     /// By entry of q̇: by how much it can grow at most until then \[rad/s or m/s\].
     growth: Vec<f64>,
+    /// The coefficients of the rows in the last period, one row after another; empty before the first.
+    past: Vec<f64>,
+    /// In what time a robot that shrinks its velocities evenly has to stand \[s\].
+    stop_time: f64,
 }
 
 impl Anticipation {
     /// For rows of which some take care of that themselves.
     pub(crate) fn new(velocities: usize, done: Vec<bool>) -> Self {
-        Self { ends: vec![0.0; velocities], growth: vec![0.0; velocities], done }
+        let past = Vec::with_capacity(done.len() * velocities);
+        let (ends, growth) = (vec![0.0; velocities], vec![0.0; velocities]);
+        Self { ends, growth, done, past, stop_time: f64::INFINITY }
+    }
+
+    /// In what time a robot whose velocities shrink evenly has to stand so that the rows hold on the way, as
+    /// far as was known in the last period \[s\].
+    pub(crate) fn stop_time(&self) -> f64 {
+        self.stop_time
+    }
+
+    /// Takes from how the rows turn while the joints move how soon the robot must be able to stand.
+    ///
+    /// The value s of a row changes by b = J̇q̇ a second at constant velocities. While velocities shrink evenly to
+    /// zero in T it shrinks by s/T and grows by no more than b: with |b| T below the limit it stays within.
+    fn observe_turning(&mut self, rows: &Rows, velocity: &[f64], period: f64) {
+        let columns = velocity.len();
+        self.stop_time = f64::INFINITY;
+        let past = self.past.chunks_exact(columns.max(1));
+        // Others, such as those of distances, change with the place too, and may admit rest only.
+        let of_speeds = |range: &(&[f64], f64, f64)| range.1 == -range.2;
+        for ((row, _, upper), past) in rows.iter().zip(past).filter(|(row, _)| of_speeds(row)) {
+            let turned = row.iter().zip(past).zip(velocity);
+            let change: f64 = turned.map(|((now, past), velocity)| (now - past) * velocity).sum();
+            let limit = KEPT * upper;
+            if change.abs() * self.stop_time > limit * period {
+                self.stop_time = limit * period / change.abs();
+            }
+        }
+        self.past.clear();
+        self.past.extend(rows.iter().flat_map(|(row, ..)| row.iter().take(columns)));
+    }
+
+    /// Returns true if there are rows that do not take care of that themselves.
+    pub(crate) fn is_needed(&self) -> bool {
+        self.done.iter().any(|done| !done)
     }
 
     /// Narrows the rows for the velocities and accelerations commanded last; `values` is room for a
@@ -39,6 +82,9 @@ impl Anticipation {
         period: f64,
         values: &mut [f64],
     ) {
+        if self.is_needed() {
+            self.observe_turning(rows, velocity, period);
+        }
         let entries = self.ends.iter_mut().zip(&mut self.growth).zip(acceleration);
         for (entry, ((end, growth), acceleration)) in entries.enumerate() {
             let jerk = joints.jerk(entry);

@@ -15,7 +15,8 @@ use crate::tasks::task::{Limit, Task};
 /// A speed limit s of any direction is met by s/√3 along each axis.
 ///
 /// Axes turn as the robot moves, and joints need time to change their accelerations: 5 % of the limit
-/// are kept for what is added until they have.
+/// are kept for what is added until they have. Joints that are fast together and cancel at the frame stay so slow
+/// that all can stop evenly, before one comes to its position limit and while the axes turn.
 #[derive(Debug, Clone)]
 pub struct FrameVelocityLimit {
     frame: FrameId,

@@ -33,6 +33,23 @@ struct Joint {
     position: Option<usize>,
 }
 
+impl Joint {
+    /// The inverse of its acceleration limit; zero for none.
+    fn slowness(&self) -> f64 {
+        self.limits.map_or(0.0, |limits| limits.limits().acceleration().recip())
+    }
+
+    /// How far it may go down and up after this period at `velocity`; infinite for what has no limits.
+    fn room(&self, q: &[f64], velocity: f64, period: f64) -> [f64; 2] {
+        let (Some(limits), Some(index)) = (self.limits, self.position) else {
+            return [f64::INFINITY; 2];
+        };
+        let (limits, position) = (limits.limits(), q[index]);
+        let (down, up) = (position - limits.lower(), limits.upper() - position);
+        [down + velocity.min(0.0) * period, up - velocity.max(0.0) * period]
+    }
+}
+
 /// A limit of one joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum LimitKind {
@@ -86,6 +103,35 @@ impl JointIntervals {
                 lower: lasting.lower.min(now.lower),
                 upper: lasting.upper.max(now.upper),
             };
+        }
+    }
+
+    /// Keeps the robot able to stop along a straight line of velocities: q̇ shrinks evenly to zero in the time
+    /// T = max |q̇ᵢ|/aᵢ, and no joint meets a position limit on the way. What is linear in q̇ then shrinks
+    /// evenly too. Joints that brake each on its own break limits of their sums, where fast ones cancel.
+    ///
+    /// With q̇ᵢ T/2 no farther than the joint may go that holds now. So that it holds in the next period T may
+    /// grow only as far as every joint, shrinking evenly, leaves the room; and to no more than `longest` \[s\].
+    pub(crate) fn keep_even_stop(&mut self, q: &[f64], v: &[f64], longest: f64, period: f64) {
+        let stopping = self.joints.iter().zip(v).map(|(joint, v)| v.abs() * joint.slowness());
+        let now = stopping.fold(0.0, f64::max);
+        let share = (1.0 - period / now.max(period)).max(0.0);
+        let mut next = longest.min(now + period);
+        for (joint, &velocity) in self.joints.iter().zip(v) {
+            let [below, above] = joint.room(q, velocity, period);
+            let room = if velocity > 0.0 { above } else { below };
+            let slower = velocity.abs() * share;
+            if room > 0.0 && slower > 0.0 {
+                next = next.min(2.0 * room / slower);
+            }
+        }
+        let next = next.max(now - period).max(period);
+        for ((joint, own), &velocity) in self.joints.iter().zip(&mut self.now).zip(v) {
+            let [below, above] = joint.room(q, velocity, period);
+            let fastest = next / joint.slowness();
+            let end = |room: f64| if room > 0.0 { fastest.min(2.0 * room / next) } else { fastest };
+            let within = |velocity: f64| velocity.max(own.lower).min(own.upper);
+            *own = VelocityInterval { lower: within(-end(below)), upper: within(end(above)) };
         }
     }
 
