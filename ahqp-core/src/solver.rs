@@ -254,7 +254,8 @@ impl Solver {
         if !from_nothing && self.set.is_rank_in_doubt() {
             self.found.copy_from(&self.set);
             self.start_from_nothing();
-            if self.search_levels(levels)? != Status::Solved {
+            if self.search_levels(levels) != Ok(Status::Solved) {
+                self.conflict.clear();
                 self.found.copy_to(&mut self.set);
             }
         }
