@@ -71,10 +71,11 @@ impl Level {
     /// A level that minimises ½ xᵀHx + gᵀx, H of size n × n, g of size n.
     ///
     /// ```
-    /// use ahqp_core::Level;
+    /// use ahqp_core::{Level, Objective};
     /// use nalgebra::{dmatrix, dvector};
     ///
     /// let level = Level::quadratic(&dmatrix![2.0, 0.0; 0.0, 2.0], &dvector![-1.0, 0.0])?;
+    /// assert!(matches!(level.objective(), Objective::Quadratic { .. }));
     /// # Ok::<(), ahqp_core::Error>(())
     /// ```
     ///

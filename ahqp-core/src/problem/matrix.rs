@@ -9,7 +9,7 @@ use nalgebra::{Dim, Matrix, RawStorage};
     feature = "faer",
     doc = r"
 ```
-use ahqp_core::{Level, Rows};
+use ahqp_core::{Level, Objective, Rows};
 use faer::{col, mat};
 
 let (a, b) = (mat![[1.0, 2.0], [0.0, 1.0_f64]], col![3.0, 4.0_f64]);
@@ -18,6 +18,7 @@ assert_eq!((rows.row(0), rows.upper()), (Some(&[1.0, 2.0][..]), &[3.0, 4.0][..])
 
 let hessian = &a.transpose() * &a;
 let level = Level::quadratic(&hessian, b.iter())?;
+assert!(matches!(level.objective(), Objective::Quadratic { hessian, .. } if hessian[(0, 1)] == 2.0));
 # Ok::<(), ahqp_core::Error>(())
 ```"
 )]

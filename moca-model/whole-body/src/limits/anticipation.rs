@@ -26,7 +26,7 @@ pub(crate) struct Anticipation {
     growth: Vec<f64>,
     /// The coefficients of the rows in the last period, one row after another; empty before the first.
     past: Vec<f64>,
-    /// In what time a robot that shrinks its velocities evenly has to stand \[s\].
+    /// The longest time in which the velocities may shrink evenly to zero \[s\].
     stop_time: f64,
 }
 
@@ -38,13 +38,13 @@ impl Anticipation {
         Self { ends, growth, done, past, stop_time: f64::INFINITY }
     }
 
-    /// In what time a robot whose velocities shrink evenly has to stand so that the rows hold on the way, as
-    /// far as was known in the last period \[s\].
+    /// The longest time in which the velocities may shrink evenly to zero so that the rows hold on the way, as
+    /// it was in the last period \[s\]; infinite for no rows of speeds.
     pub(crate) fn stop_time(&self) -> f64 {
         self.stop_time
     }
 
-    /// Takes from how the rows turn while the joints move how soon the robot must be able to stand.
+    /// Computes that time from how much the rows have changed since the last period.
     ///
     /// The value s of a row changes by b = J̇q̇ a second at constant velocities. While velocities shrink evenly to
     /// zero in T it shrinks by s/T and grows by no more than b: with |b| T below the limit it stays within.
@@ -52,8 +52,9 @@ impl Anticipation {
         let columns = velocity.len();
         self.stop_time = f64::INFINITY;
         let past = self.past.chunks_exact(columns.max(1));
-        // Others, such as those of distances, change with the place too, and may admit rest only.
-        let of_speeds = |range: &(&[f64], f64, f64)| range.1 == -range.2;
+        // Rows of distances have one side. Rows that hold a value at zero leave nothing to turn in: with them the
+        // robot could only stand.
+        let of_speeds = |range: &(&[f64], f64, f64)| range.2 > 0.0 && range.1 == -range.2;
         for ((row, _, upper), past) in rows.iter().zip(past).filter(|(row, _)| of_speeds(row)) {
             let turned = row.iter().zip(past).zip(velocity);
             let change: f64 = turned.map(|((now, past), velocity)| (now - past) * velocity).sum();
@@ -147,5 +148,33 @@ impl Row<'_> {
         let root = (self.period * self.period + 2.0 * excess / jerk).sqrt();
         let next = self.value + sign * (2.0 * excess / (self.period + root)) * self.period;
         if sign > 0.0 { limit.min(next) } else { limit.max(next) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use nalgebra::dmatrix;
+
+    use super::*;
+
+    /// The time after a row has turned from x to y while the second joint moves.
+    fn stop_time(lower: f64, upper: f64) -> f64 {
+        let mut anticipation = Anticipation::new(2, vec![false]);
+        for row in [dmatrix![1.0, 0.0], dmatrix![1.0, 0.01]] {
+            let rows = Rows::ranges(&row, &[lower], &[upper]).unwrap();
+            anticipation.observe_turning(&rows, &[0.0, 2.0], 1e-3);
+        }
+        anticipation.stop_time()
+    }
+
+    #[test]
+    fn only_rows_of_speeds_shorten_the_stop() {
+        // It turns by 20 m/s² beside a limit of 4 m/s, of which half counts.
+        assert!((stop_time(-4.0, 4.0) - 0.1).abs() < 1e-12);
+        for (lower, upper) in [(0.0, 0.0), (f64::NEG_INFINITY, 0.0), (-1.0, f64::INFINITY)] {
+            assert_eq!(stop_time(lower, upper), f64::INFINITY);
+        }
     }
 }
