@@ -10,6 +10,7 @@ mod distance;
 pub mod following;
 mod options;
 pub mod reorientation;
+mod sight;
 mod spread;
 pub mod subjects;
 mod versus;
@@ -17,7 +18,8 @@ mod walk;
 
 pub use cases::generator;
 pub use distance::{DistanceError, DistanceMonitor};
-pub use options::Common;
+pub use options::{Common, Conditions};
+pub use sight::Sight;
 pub use spread::{Duel, Spread};
 pub use versus::{Versus, VersusLine};
 pub use walk::Walk;

@@ -3,7 +3,7 @@
 use ahqp_core::{AugmentedState, Level, Rows};
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
 
-use crate::error::{Error, check_pose, check_size, positive};
+use crate::error::{Error, check_pose, check_size, not_negative, positive};
 use crate::rows::{PoseRow, stack};
 use crate::surroundings::Surroundings;
 use crate::workspace::Workspace;
@@ -27,6 +27,10 @@ pub struct Softening {
     /// What a slack costs, by coordinate of the workspace \[1/m², 1/rad²\]; a row between two
     /// coordinates takes the mean of theirs, weighted by the squares of its parts. Default 1.
     pub weights: Vector6<f64>,
+    /// How far within its bounds the pose is kept \[m or rad\], so that a frame that is not known exactly does
+    /// not carry it out of them; the slack counts what the margin lacks, too. In a shape that is narrower than
+    /// both margins the pose is kept to the middle. Default 0.
+    pub margin: f64,
     /// Room for rows of the position; a change between two kinds of shape needs as many as
     /// both together. Default 6, a box.
     pub position_rows: usize,
@@ -41,6 +45,7 @@ impl Default for Softening {
         Self {
             slack: Slack::Shared,
             weights: Vector6::repeat(1.0),
+            margin: 0.0,
             position_rows: 6,
             orientation_rows: 6,
             surrounding_rows: 0,
@@ -113,6 +118,7 @@ impl SoftWorkspace {
         for &weight in &softening.weights {
             positive("a weight of the slack", weight)?;
         }
+        not_negative("the margin of the slack", softening.margin)?;
         Ok(Self { state, horizon: positive("the horizon", horizon)?, softening })
     }
 
@@ -243,7 +249,9 @@ impl SoftWorkspace {
         for (out, part) in out[slack].iter_mut().zip(&row.axes) {
             *out = -part.abs();
         }
-        rows.upper_mut()[index] = -scale * (row.excess + self.horizon * row.drift);
+        // A row that fades out has a gradient that does.
+        let margin = self.softening.margin * row.gradient.norm();
+        rows.upper_mut()[index] = -scale * (row.excess + margin + self.horizon * row.drift);
         Ok(())
     }
 

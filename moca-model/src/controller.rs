@@ -119,6 +119,7 @@ impl Controller {
         let clock = LoopClock::new(settings.period, settings.clock)?;
         let rest = vec![0.0; n];
         let softening = Softening {
+            margin: settings.space.margin,
             position_rows: settings.space.position_rows,
             orientation_rows: settings.space.orientation_rows,
             ..Softening::default()

@@ -66,6 +66,9 @@ pub struct SpaceSettings {
     /// How far the workspace leads the person in the direction in which they walk \[m\].
     /// Default 0.08.
     pub lead: f64,
+    /// How far within the workspace the tool is kept \[m or rad\], so that what is not known of the person's
+    /// place does not carry it out; at most half of the narrowest range. Default 0.02.
+    pub margin: f64,
     /// Room for rows of the position; a change between two kinds of shape needs as many as both
     /// together. Default 6, a box.
     pub position_rows: usize,
@@ -91,6 +94,7 @@ impl Default for SpaceSettings {
             tool: UnitQuaternion::from_axis_angle(&Vector3::y_axis(), half_turn),
             turn: Vector3::repeat(0.35),
             lead: 0.08,
+            margin: 0.02,
             position_rows: 6,
             orientation_rows: 6,
         }
@@ -167,7 +171,7 @@ pub struct ControllerSettings {
     )]
     pub gain: Vector6<f64>,
     /// The horizon τ of workspace and ergonomics \[s\]; at least the velocity limit over the
-    /// acceleration limit of the desired pose. Default 0.25.
+    /// acceleration limit of the desired pose. Default 0.4.
     pub horizon: f64,
     /// The third level.
     pub goal: Goal,
@@ -215,7 +219,7 @@ impl Default for ControllerSettings {
             tool: MOCA_TOOL.to_owned(),
             period: 1e-3,
             gain: Vector6::repeat(30.0),
-            horizon: 0.25,
+            horizon: 0.4,
             goal: Goal::default(),
             activation_time: 0.5,
             desired: DesiredMotion::default(),
@@ -267,6 +271,13 @@ impl ControllerSettings {
             let value = self.space.lead;
             let expected = "finite and not negative";
             return Err(Error::Setting { name: "space.lead", value, expected });
+        }
+        let space = &self.space;
+        let narrowest = (0.5 * (space.max - space.min)).min().min(space.turn.min());
+        if !(0.0..=narrowest).contains(&space.margin) {
+            let expected =
+                "from 0 to half of the narrowest range of space.min to space.max and space.turn";
+            return Err(Error::Setting { name: "space.margin", value: space.margin, expected });
         }
         self.hand.validate()?;
         let camera = self.on_board_camera.unwrap_or_default();

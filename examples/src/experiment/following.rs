@@ -16,12 +16,11 @@ use vision_models::Tool;
 
 use super::cases::{generator, play_all};
 use super::chart::{Panel, Series, Style, chart};
-use super::options::Common;
+use super::options::{Common, Conditions};
 use super::versus::{Versus, VersusLine};
 use super::walk::Walk;
 use crate::ergonomics::build_map;
 use crate::follow::{Run, Summary};
-use crate::plant::Drive;
 use crate::program::{Ending, Interrupt, Quiet, Session};
 use crate::simulation::{WalkerSettings, WalkingPath};
 pub use speeds::{SpeedResult, Speeds};
@@ -92,13 +91,17 @@ impl Case {
     pub fn play(
         &self,
         average: &ErgonomicsMap,
-        drive: Drive,
+        conditions: Conditions,
         interrupt: &Interrupt,
     ) -> Result<[Summary; 2]> {
         // Apart from the walk's, from which the same generator drew before.
         let mut draw = generator(self.walker.seed, self.number);
         let map = average.for_stature(self.walker.stature)?;
-        let scenario = Walk::new(self.walker.clone())?.scenario(&map, drive, &mut draw)?;
+        let scenario = Walk::new(self.walker.clone(), conditions.sight)?.scenario(
+            &map,
+            conditions.drive,
+            &mut draw,
+        )?;
         let play = |goal| Run::new(&scenario, goal)?.until(interrupt.clone()).play(|_| Ok(()));
         Ok([play(Goal::Ergonomics)?, play(Goal::LeastMotion)?])
     }
@@ -147,7 +150,7 @@ impl Following {
         let cases = cases(seed, common.cases, self.duration);
         let (pairs, ending) =
             play_all(session, "following", common.threads, &cases, |case, stop| {
-                case.play(&average, common.drive(), stop)
+                case.play(&average, common.conditions(), stop)
             })?;
         let (speeds, ending) = match ending {
             Ending::Complete => speeds::measure(session, common, &average)?,

@@ -6,8 +6,18 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 
+use super::sight::Sight;
 use crate::plant::Drive;
 use crate::program::{Ending, Json, OutputFile, Quiet, Seed, Threads, check_folder};
+
+/// What is the same in all cases of an experiment.
+#[derive(Clone, Copy, Debug)]
+pub struct Conditions {
+    /// What the robot does with commands.
+    pub drive: Drive,
+    /// How the robot sees the person.
+    pub sight: Sight,
+}
 
 /// Options of every experiment.
 #[derive(Args, Clone, Debug)]
@@ -18,6 +28,10 @@ pub struct Common {
     /// A robot that follows velocities exactly and at once, in place of one that moves under torques.
     #[arg(long)]
     kinematic: bool,
+    /// See the person in rendered frames with depth, by what `perceive` does, in place of a model of the camera: some
+    /// seconds more a case.
+    #[arg(long)]
+    pixels: bool,
     /// The folder of the figures, made if it is not there.
     #[arg(long, short, value_name = "FOLDER", default_value = "report")]
     output: PathBuf,
@@ -39,9 +53,12 @@ pub struct Common {
 }
 
 impl Common {
-    /// What the robot does with commands.
-    pub fn drive(&self) -> Drive {
-        if self.kinematic { Drive::Kinematic } else { Drive::Torque }
+    /// What is the same in all cases.
+    pub fn conditions(&self) -> Conditions {
+        Conditions {
+            drive: if self.kinematic { Drive::Kinematic } else { Drive::Torque },
+            sight: if self.pixels { Sight::Pixels } else { Sight::Modelled },
+        }
     }
 
     /// Makes the folder of the figures; before the work, so that a wrong place is known early.

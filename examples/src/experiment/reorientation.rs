@@ -16,13 +16,12 @@ use vision_models::Surface;
 
 use super::cases::{generator, play_all};
 use super::chart::{Panel, Series, Style, chart};
-use super::options::Common;
+use super::options::{Common, Conditions};
 use super::spread::Spread;
 use super::versus::{Versus, VersusLine};
 use super::walk::Walk;
 use crate::ergonomics::build_map;
 use crate::follow::{Delivery, Run, Summary};
-use crate::plant::Drive;
 use crate::program::{Ending, Interrupt, Quiet, Session};
 use crate::simulation::{WalkerSettings, WalkingPath};
 pub use judge::{Judge, Turn};
@@ -101,13 +100,13 @@ impl Case {
     pub fn play(
         &self,
         average: &ErgonomicsMap,
-        drive: Drive,
+        conditions: Conditions,
         interrupt: &Interrupt,
     ) -> Result<Trial> {
         let mut draw = generator(self.walker.seed, self.number);
         let map = average.for_stature(self.walker.stature)?;
-        let walk = Walk::new(self.walker.clone())?;
-        let mut scenario = walk.scenario(&map, drive, &mut draw)?;
+        let walk = Walk::new(self.walker.clone(), conditions.sight)?;
+        let mut scenario = walk.scenario(&map, conditions.drive, &mut draw)?;
         scenario.settings.on_board_camera = Some(CAMERA);
         scenario.object.faces = vec![
             WorkFace { side: BoxSide::Front, surface: self.front },
@@ -295,7 +294,7 @@ impl Reorientation {
         let cases = cases(seed, common.cases);
         let (trials, ending) =
             play_all(session, "reorientation", common.threads, &cases, |case, stop| {
-                case.play(&average, common.drive(), stop)
+                case.play(&average, common.conditions(), stop)
             })?;
         let result = ReorientationResult::new(trials);
         common.write(&[("reorientation.svg", result.figure()?)], ending)?;

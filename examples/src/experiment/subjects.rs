@@ -14,12 +14,11 @@ use vision_models::Tool;
 
 use super::cases::{generator, play_all};
 use super::chart::{Panel, Series, Style, chart};
-use super::options::Common;
+use super::options::{Common, Conditions};
 use super::spread::{Duel, Spread};
 use super::walk::{FIT, Walk};
 use crate::ergonomics::build_map;
 use crate::follow::{Run, Summary};
-use crate::plant::Drive;
 use crate::program::{Ending, Interrupt, Quiet, Session};
 use crate::simulation::{WalkerSettings, WalkingPath};
 
@@ -116,12 +115,16 @@ impl Case {
     pub fn play(
         &self,
         average: &ErgonomicsMap,
-        drive: Drive,
+        conditions: Conditions,
         interrupt: &Interrupt,
     ) -> Result<[Summary; 4]> {
         let own = average.for_stature(self.walker.stature)?;
         let mut draw = generator(self.walker.seed, self.subject);
-        let mut scenario = Walk::new(self.walker.clone())?.scenario(&own, drive, &mut draw)?;
+        let mut scenario = Walk::new(self.walker.clone(), conditions.sight)?.scenario(
+            &own,
+            conditions.drive,
+            &mut draw,
+        )?;
         let everybody = average.for_stature(AVERAGE)?;
         let space = scenario.settings.space;
         scenario.settings.space =
@@ -316,7 +319,7 @@ impl Subjects {
         let cases = cases(seed, common.cases);
         let (trials, ending) =
             play_all(session, "subjects", common.threads, &cases, |case, stop| {
-                Ok((case.subject, case.play(&average, common.drive(), stop)?))
+                Ok((case.subject, case.play(&average, common.conditions(), stop)?))
             })?;
         let result = SubjectsResult::new(&trials);
         common.write(&[("subjects.svg", result.figure()?)], ending)?;

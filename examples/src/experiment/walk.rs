@@ -7,6 +7,7 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::Percept;
 
+use super::sight::{FilmedPerson, Sight};
 use crate::follow::Scenario;
 use crate::plant::Drive;
 use crate::random;
@@ -33,16 +34,24 @@ pub struct Walk {
 }
 
 impl Walk {
-    /// The walk of these settings. Frames arrive 20 to 90 ms late.
+    /// The walk of these settings, seen so. Frames arrive 20 to 90 ms late.
     ///
     /// # Errors
     /// Settings that make no walk.
-    pub fn new(settings: WalkerSettings) -> Result<Self> {
+    pub fn new(settings: WalkerSettings, sight: Sight) -> Result<Self> {
+        let mut film = match sight {
+            Sight::Modelled => None,
+            Sight::Pixels => Some(FilmedPerson::new(&settings)?),
+        };
         let mut transport = Transport::new(random::generator(settings.seed, TRANSPORT));
         let mut walker = Walker::new(settings)?;
         let (mut percepts, mut arrivals, mut truth) = (Vec::new(), Vec::new(), Vec::new());
         while let Some((person, percept)) = walker.next_frame() {
             truth.push(person);
+            let percept = match &mut film {
+                Some(film) => film.see(percept)?,
+                None => percept,
+            };
             transport.send(percept, 0.0);
         }
         for (at, percept) in transport {

@@ -1,15 +1,19 @@
 //! The paper's experiments, in a few small cases.
 
 use examples::experiment::reorientation::ReorientationResult;
-use examples::experiment::{DistanceMonitor, Spread, Versus, following, reorientation, subjects};
+use examples::experiment::{
+    Conditions, DistanceMonitor, Sight, Spread, Versus, Walk, following, reorientation, subjects,
+};
 use examples::plant::Drive;
 use examples::program::Interrupt;
 use examples::report::TickRow;
-use examples::simulation::Truth;
+use examples::simulation::{Truth, WalkerSettings};
 use nalgebra::{Point2, Vector2};
-use vision_models::Action;
+use vision_models::{Action, Body25};
 
 use crate::support::{Runs, average_map};
+
+const KINEMATIC: Conditions = Conditions { drive: Drive::Kinematic, sight: Sight::Modelled };
 
 #[test]
 fn cases_do_not_depend_on_how_many_there_are() {
@@ -34,7 +38,7 @@ fn the_right_surface_comes_before_the_person() {
     let cases = reorientation::cases(1, 8);
     let other = cases.iter().find(|case| case.front != cases[0].front).unwrap();
     let trials = [&cases[0], other]
-        .map(|case| case.play(average_map(), Drive::Kinematic, &Interrupt::default()).unwrap());
+        .map(|case| case.play(average_map(), KINEMATIC, &Interrupt::default()).unwrap());
     let result = ReorientationResult::new(trials.into());
     let [on, off] = &result.turns;
     assert_eq!(
@@ -56,8 +60,7 @@ fn the_right_surface_comes_before_the_person() {
 fn the_same_case_twice_gives_the_same_bits() {
     let case = &following::cases(5, 1, 8.0)[0];
     let play = || {
-        let drive = Drive::Kinematic;
-        let [on, off] = case.play(average_map(), drive, &Interrupt::default()).unwrap();
+        let [on, off] = case.play(average_map(), KINEMATIC, &Interrupt::default()).unwrap();
         [on.score_mean, on.outside, on.tracking_error_rms_mm, off.score_mean].map(f64::to_bits)
     };
     assert_eq!(play(), play());
@@ -93,6 +96,33 @@ fn a_hand_that_lags_is_a_steady_error() {
     assert!((error.largest - 0.1).abs() < 0.03, "{error:?}");
 }
 
+/// A person who is filmed is seen where they are, by other joints than those that a model of the camera
+/// reports, and does what they do.
+#[test]
+fn pixels_show_the_person_where_they_are() {
+    let settings = WalkerSettings { stature: 1.68, duration: 8.0, seed: 7, ..Default::default() };
+    let seen = Walk::new(settings.clone(), Sight::Pixels).unwrap();
+    let modelled = Walk::new(settings, Sight::Modelled).unwrap();
+    assert_eq!(seen.truth, modelled.truth);
+    assert_eq!(seen.percepts.len(), modelled.percepts.len());
+    let (mut squared, mut count, mut the_same) = (0.0, 0_u32, 0);
+    for (percept, reported) in seen.percepts.iter().zip(&modelled.percepts) {
+        assert_eq!((percept.time, percept.action), (reported.time, reported.action));
+        let Some(pelvis) = percept.body.as_ref().and_then(|body| body.get(Body25::MidHip)) else {
+            continue;
+        };
+        let truth = seen.truth.iter().find(|truth| truth.time == percept.time).unwrap();
+        squared += (pelvis.position.xy() - truth.floor).norm_squared();
+        count += 1;
+        the_same += u32::from(percept.body == reported.body);
+    }
+    let frames = seen.percepts.len();
+    assert!(count as usize > frames * 9 / 10, "seen in {count} of {frames} frames");
+    assert_eq!(the_same, 0);
+    let error = (squared / f64::from(count)).sqrt();
+    assert!(error < 0.05, "the pelvis is {error} m from where it is");
+}
+
 #[test]
 fn nothing_played_is_no_number() {
     assert!(Spread::of([]).mean.is_nan() && Spread::of([]).worst.is_nan());
@@ -110,7 +140,7 @@ fn help_and_wrong_folders_of_each_experiment() {
     ] {
         let help = Runs::new("experiment").with(&[name, "--help"]).run().done().output;
         assert!(help.starts_with(does), "{help}");
-        for part in ["--json", "--quiet", "--seed", "--threads", "--cases"] {
+        for part in ["--json", "--quiet", "--seed", "--threads", "--cases", "--pixels"] {
             assert!(help.contains(part), "{name}: {part}");
         }
         let program = |folder| Runs::new("experiment").with(&[name, "--output", folder]).run();

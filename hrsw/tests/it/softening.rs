@@ -1,7 +1,9 @@
 //! Softened workspaces against Clarabel, and what slack and weights trade off.
 
 use crate::support::*;
-use ahqp_core::{AugmentedState, Hierarchy, Level, Rows, Settings, Solver, solve_reference};
+use ahqp_core::{
+    AugmentedState, Hierarchy, Level, Rows, Settings, Solver, integrate_pose, solve_reference,
+};
 use hrsw::{
     Bounds, Error, ForbiddenRegion, Polytope, Reach, Slack, SoftWorkspace, Softening, Surroundings,
     Workspace,
@@ -105,6 +107,36 @@ proptest! {
             row_excess(&workspace, &nothing, &desired, &Vector6::from_column_slice(&x[1..7]))
         });
         prop_assert!((costs[0] - costs[1]).abs() < 1e-9, "{costs:?}");
+    }
+
+    /// From anywhere the pose comes that far within all bounds, and stays there; by no more than it has to.
+    #[test]
+    fn a_margin_keeps_the_pose_that_far_within(
+        frame in pose(1.0, 1.0), half in vector(0.2), turn in vector(0.15), relative in pose(0.6, 0.7),
+        margin in 0.0..0.05_f64, shared in any::<bool>(),
+    ) {
+        let wide = |half: Vector3<f64>| Bounds::symmetric(half.abs().add_scalar(0.06)).unwrap();
+        let workspace = Workspace::new(frame, wide(half), wide(turn)).unwrap();
+        let slack = if shared { Slack::Shared } else { Slack::RowWise };
+        let softening = Softening { margin, ..softening(slack) };
+        let soft = SoftWorkspace::with_softening(SLACK, HORIZON, softening).unwrap();
+        let mut desired = frame * relative;
+        let outermost = |desired: &Isometry3<f64>| {
+            let rooms = workspace.rows(desired).map(|row| row.excess / row.gradient.norm());
+            rooms.fold(f64::NEG_INFINITY, f64::max)
+        };
+        let began = outermost(&desired);
+        for _ in 0..120 {
+            let mut level = soft.level().unwrap();
+            soft.write(&workspace, &desired, &mut level).unwrap();
+            let hierarchy = hierarchy(&soft, level, 5.0);
+            let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
+            let x = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
+            desired = integrate_pose(&desired, &Vector6::from_column_slice(&x[1..7]), 0.05);
+        }
+        let ended = outermost(&desired);
+        prop_assert!(ended <= -margin + 1e-4, "{ended} with a margin of {margin}");
+        prop_assert!(ended >= began.min(-margin) - 1e-4, "from {began} to {ended}");
     }
 
     /// With ẋ + ẏ held at zero, x and y compete: each gives way as the inverse of its weight.

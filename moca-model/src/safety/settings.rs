@@ -26,7 +26,7 @@ pub struct PersonBodySettings {
     /// How far tracked and seen person may lie apart for the tracked velocity to count \[m\].
     /// Default 0.25.
     pub agreement: f64,
-    /// How long they must have agreed for that \[s\]. Default 0.6.
+    /// How long they must have agreed for that \[s\]. Default 0.3.
     pub settling: f64,
     /// How long the velocity measured last is believed \[s\]. Default 0.3.
     pub believed_for: f64,
@@ -45,7 +45,7 @@ impl Default for PersonBodySettings {
             jump_speed: 1.6,
             gap: 0.16,
             agreement: 0.25,
-            settling: 0.6,
+            settling: 0.3,
             believed_for: 0.3,
             speed_deviations: 3.0,
             forget_after: 10.0,

@@ -102,7 +102,7 @@ fn configurations_that_are_none() {
 }
 
 #[test]
-fn bad_settings_of_clock_and_leash_are_named() {
+fn bad_settings_of_space_clock_and_leash_are_named() {
     let model = MOCA.clone();
     let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
     let mut named = Vec::new();
@@ -122,5 +122,9 @@ fn bad_settings_of_clock_and_leash_are_named() {
     check(&|s| s.leash.revolute = f64::INFINITY, "leash.revolute");
     check(&|s| s.leash.position = -0.1, "leash.position");
     check(&|s| s.leash.rotation = 4.0, "leash.rotation");
-    assert_eq!(named.len(), 8);
+    check(&|s| s.space.lead = -0.1, "space.lead");
+    check(&|s| s.space.margin = -1e-3, "space.margin");
+    check(&|s| s.space.margin = f64::NAN, "space.margin");
+    check(&|s| s.space.turn.y = 0.01, "space.margin");
+    assert_eq!(named.len(), 12);
 }

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::experiment::cases::{generator, play_all};
 use crate::experiment::distance::{DistanceError, DistanceMonitor};
-use crate::experiment::options::Common;
+use crate::experiment::options::{Common, Conditions};
 use crate::experiment::spread::Spread;
 use crate::experiment::walk::Walk;
 use crate::follow::{Run, Scenario, Summary};
@@ -85,10 +85,11 @@ pub(super) fn measure(
     let (trials, ending) =
         play_all(session, "walking straight", common.threads, &cases, |case, interrupt| {
             let mut draw = generator(seed, case.number);
-            let walk = Walk::new(walker(case.speed, &mut draw))?;
+            let Conditions { drive, sight } = common.conditions();
+            let walk = Walk::new(walker(case.speed, &mut draw), sight)?;
             let stature = draw.random_range(1.58..=1.94);
             let map = average.for_stature(stature)?;
-            let scenario = quick(walk.scenario(&map, common.drive(), &mut draw)?);
+            let scenario = quick(walk.scenario(&map, drive, &mut draw)?);
             let scenario = if case.separation { scenario } else { scenario.without_separation() };
             let mut monitor = DistanceMonitor::new(&walk.truth);
             let run = Run::new(&scenario, Goal::Ergonomics)?.until(interrupt.clone());

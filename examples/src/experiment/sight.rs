@@ -1,0 +1,50 @@
+//! How the robot sees a simulated person.
+
+use anyhow::{Context, Result};
+use vision_models::Percept;
+
+use crate::perception::{Perceiver, PerceiverSettings};
+use crate::rendering::{Film, Viewpoint};
+use crate::simulation::WalkerSettings;
+
+/// Width and height of the frames.
+const SIZE: [usize; 2] = [640, 480];
+
+/// How the robot comes to know where a simulated person's joints are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sight {
+    /// A model of camera and pose network reports them.
+    #[default]
+    Modelled,
+    /// From rendered frames, by what `perceive` does.
+    Pixels,
+}
+
+/// Films a person, and finds their joints in the frames as `perceive` does: those of a simulated pose network
+/// in the image, lifted by the measured depth and followed from frame to frame.
+#[derive(Debug)]
+pub(super) struct FilmedPerson {
+    film: Film,
+    perceiver: Perceiver,
+}
+
+impl FilmedPerson {
+    /// A person before the first frame, seen from the front.
+    pub(super) fn new(settings: &WalkerSettings) -> Result<Self> {
+        let settings_of_perceiver = PerceiverSettings::default();
+        let pixel_sigma = settings_of_perceiver.lifting.pixel_sigma;
+        let film = Film::new(settings.clone(), Viewpoint::Facing, SIZE, pixel_sigma)?;
+        let perceiver = Perceiver::new(*film.camera(), settings_of_perceiver)?;
+        Ok(Self { film, perceiver })
+    }
+
+    /// Films the next frame. The same percept, with the joints that are found in it; `None` stands for a
+    /// frame that the camera lost.
+    pub(super) fn see(&mut self, percept: Option<Percept>) -> Result<Option<Percept>> {
+        let shot = self.film.next().context("the film is shorter than the walk")??;
+        let Some(percept) = percept else { return Ok(None) };
+        let people: Vec<_> = shot.skeleton.into_iter().collect();
+        self.perceiver.see(shot.entry.time, &people, &shot.depth)?;
+        Ok(Some(Percept { body: self.perceiver.body().cloned(), ..percept }))
+    }
+}
