@@ -22,7 +22,10 @@ def main() -> int:
     parser.add_argument("--drive", required=True, help="the program, built with the feature ros2")
     parser.add_argument("--duration", type=float, default=60.0, help="how long [s]; default 60")
     parser.add_argument("--limit", type=float, default=2.0, help="latency of 99 in 100 [ms]; default 2")
+    parser.add_argument("--priority", type=int, help="real-time priority of all processes, on a machine that does more")
     options = parser.parse_args()
+    if options.priority:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(options.priority))
     command = [options.drive, "--ros2", "--interface", "velocity", "--json", "--quiet"]
     command += [f"--duration={options.duration}"]
     load = os.getloadavg()[0]
@@ -31,7 +34,7 @@ def main() -> int:
         if not drive.stdout.strip():
             print("drive printed nothing", file=sys.stderr)
             return 1
-        (sent, late, pose), obeyed = robot.results()
+        measured, obeyed = robot.results()
     report = json.loads(drive.stdout.splitlines()[-1])
     ros2 = report["ros2"]
     topics = {topic["topic"]: topic for topic in ros2["topics"]}
@@ -48,10 +51,15 @@ def main() -> int:
     age = states["age_us"]
     print(f"ended                {report['ended']}, at rest: {report['at_rest']}")
     print(f"ticks                {report['ticks']}, missed {report['missed']}, unmeasured {report['unmeasured']}")
-    print(f"measurements         {sent} sent, {states['taken']} taken; {late} periods late at the robot's side")
+    begun, took = (", ".join(f"{1e-3 * report[what][share]:.3f}" for share in ("p50", "p99", "max"))
+                   for what in ("latency_us", "duration_us"))
+    print(f"ticks p50 p99 max    late {begun} ms; took {took} ms")
+    print(f"measurements         {measured.count} sent, {states['taken']} taken; {measured.late} periods late at the "
+          f"robot's side, {1e3 * measured.longest:.1f} ms the longest gap")
     print(f"commands             {ros2['published']} published, {ros2['superseded']} superseded, "
           f"{obeyed.twists} and {obeyed.joints} came")
     print(f"persons              {topics['/body_joints']['taken']} taken")
+    pose = measured.pose
     print(f"the base went to     {pose[0]:.3f} m, {pose[1]:.3f} m, {pose[2]:.3f} rad")
     print(f"lost                 {lost}")
     print(f"refused              {refused}")

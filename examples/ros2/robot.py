@@ -1,5 +1,6 @@
 """A robot that does exactly as it is told, with a person who stands before it: the processes of `loopback.py`."""
 
+import gc
 import math
 import time
 from dataclasses import dataclass
@@ -69,8 +70,9 @@ def measure(told: Array, ready: Event, stop: Event, sent: Queue) -> None:
         if stop.wait(0.01):
             return
     time.sleep(1.0)  # until the other end knows all of this as well
-    pose, arm, count, late = [0.0, 0.0, 0.0], list(HOME), 0, 0
-    due = time.monotonic()
+    pose, arm, result = [0.0, 0.0, 0.0], list(HOME), Measured()
+    gc.disable()  # nothing here is cyclic, and its pauses are of milliseconds
+    due = written = time.monotonic()
     while not stop.is_set():
         twist, velocity = told[:3], told[3:]
         cosine, sine = math.cos(pose[2]), math.sin(pose[2])
@@ -80,17 +82,30 @@ def measure(told: Array, ready: Event, stop: Event, sent: Queue) -> None:
         arm = [angle + PERIOD * speed for angle, speed in zip(arm, velocity)]
         base.write(odometry(pose, twist))
         states.write(joint_state(arm, velocity))
-        if count % 50 == 0:
+        now = time.monotonic()
+        written, result.longest = now, max(result.longest, now - written)
+        if result.count % 50 == 0:
             action.write(String("Using The Drill"))
             body.write(person())
-        count += 1
+        result.count += 1
         due += PERIOD
         rest = due - time.monotonic()
         if rest > 0:
             time.sleep(rest)
-        elif rest < -PERIOD:  # periods that the machine did not give this process
-            late, due = late + 1, time.monotonic()
-    sent.put((count, late, pose))
+        elif rest < -PERIOD:
+            result.late, due = result.late + 1, time.monotonic()
+    result.pose = pose
+    sent.put(result)
+
+
+@dataclass
+class Measured:
+    """What was published."""
+
+    count: int = 0
+    late: int = 0  # periods that the machine did not give
+    longest: float = 0.0  # from one joint state to the next [s]
+    pose: list | None = None  # of the base, at the end
 
 
 @dataclass
@@ -118,6 +133,7 @@ def obey(told: Array, ready: Event, stop: Event, obeyed: Queue) -> None:
         if stop.wait(0.01):
             return
     ready.set()
+    gc.disable()
     result = Obeyed(0, 0, [])
     while not stop.is_set():
         waits.wait(duration(milliseconds=20))
@@ -146,8 +162,8 @@ class Robot:
             process.start()
         return self
 
-    def results(self) -> tuple[tuple[int, int, list], Obeyed]:
-        """Ends it: how many measurements were sent, how many periods were late, where it stands; what it was told."""
+    def results(self) -> tuple[Measured, Obeyed]:
+        """Ends it."""
         self.stop.set()
         return self.sent.get(timeout=10), self.obeyed.get(timeout=10)
 

@@ -67,7 +67,8 @@ impl<M: DeserializeOwned> Inbox<M> {
     /// Counts messages that are missing between the newest of this publisher and this one.
     fn count(&mut self, publisher: Gid, number: i64) {
         let newest = self.newest.entry(publisher).or_insert(number);
-        self.statistics.lost += u64::try_from(number - *newest - 1).unwrap_or_default();
+        let missing = number.saturating_sub(*newest).saturating_sub(1);
+        self.statistics.lost += u64::try_from(missing).unwrap_or_default();
         *newest = number.max(*newest);
     }
 }

@@ -91,34 +91,29 @@ impl Measurements {
         state: &JointState,
         now: SystemTime,
     ) -> Result<f64, Refusal> {
-        let expected = state.name.len();
-        let effort: &[f64] = if state.effort.is_empty() { &[] } else { &state.effort };
-        for (what, numbers) in [("position", &*state.position), ("velocity", &*state.velocity)] {
-            check_size(what, numbers, expected)?;
-        }
+        let JointState { header, name, position, velocity, effort } = state;
+        check_size("position", position, name.len())?;
+        check_size("velocity", velocity, name.len())?;
         if !effort.is_empty() {
-            check_size("effort", effort, expected)?;
+            check_size("effort", effort, name.len())?;
         }
-        self.find(&state.name)?;
+        self.find(name)?;
+        let parts = [("position", position), ("velocity", velocity), ("effort", effort)];
         let of = |numbers: &[f64], place: usize| numbers.get(place).copied().unwrap_or_default();
-        for (what, numbers) in
-            [("position", &*state.position), ("velocity", &*state.velocity), ("effort", effort)]
-        {
+        for (what, numbers) in parts {
             if !self.places.iter().all(|place| of(numbers, *place).is_finite()) {
                 return Err(Refusal::NotFinite { what });
             }
         }
-        let age = self.joint_stamps.admit(state.header.stamp, now)?;
+        let age = self.joint_stamps.admit(header.stamp, now)?;
         let JointMeasurement { position, velocity, torque } = &mut self.measured;
-        for (own, numbers) in
-            [(position, &*state.position), (velocity, &*state.velocity), (torque, effort)]
-        {
+        for (own, (_, numbers)) in [position, velocity, torque].into_iter().zip(parts) {
             for (own, place) in own.iter_mut().skip(MOCA_BASE_JOINTS).zip(&self.places) {
                 *own = of(numbers, *place);
             }
         }
         let oldest = OLDEST_ODOMETRY;
-        let recent = |stamp: Time| state.header.stamp.seconds_since(stamp) <= oldest;
+        let recent = |stamp: Time| header.stamp.seconds_since(stamp) <= oldest;
         if self.odometry.is_some_and(recent) {
             Ok(age)
         } else {

@@ -23,7 +23,8 @@ pub struct TopicStatistics {
     pub topic: Topic,
     /// Messages that were taken.
     pub taken: u64,
-    /// Messages that never came, by the numbers that their publishers give them.
+    /// Messages that never came, by the numbers that their publishers give them; and those refused for their bytes,
+    /// whose numbers are not known.
     pub lost: u64,
     /// From the stamp of a message to when it was taken \[s\].
     pub age: TimeHistogram,

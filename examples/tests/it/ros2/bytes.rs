@@ -24,7 +24,7 @@ const TYPES: [&str; 6] =
 
 /// The bytes of a message, without the four that say how it is encoded.
 fn golden(name: &str) -> Vec<u8> {
-    let lines = include_str!("../../data/ros2.txt").lines();
+    let lines = include_str!("../../../ros2/golden.txt").lines();
     let mut messages = lines.filter_map(|line| line.split_once(' '));
     let (_, digits) = messages.find(|(found, _)| *found == name).unwrap();
     let byte = |place: usize| u8::from_str_radix(&digits[place..place + 2], 16).unwrap();
