@@ -1,7 +1,10 @@
-//! Robots for a [`ControlLoop`](moca_model::whole_body::ControlLoop): a simulated one in the same process, and one that
-//! is reached by UDP, as an example of a connection; with the simulated robot at its other end.
+//! Robots for a [`ControlLoop`](moca_model::whole_body::ControlLoop): a simulated one in the same process, one that
+//! is reached by UDP, as an example of a connection, and with the feature `ros2` one on ROS 2; with the simulated
+//! robot at the other end of each.
 
 mod packet;
+#[cfg(feature = "ros2")]
+pub mod ros2;
 mod simulated;
 mod udp;
 mod udp_server;

@@ -1,12 +1,16 @@
-//! MOCA in a loop of its own at 1 kHz: simulated in the same process, or behind UDP.
+//! MOCA in a loop of its own at 1 kHz: simulated in the same process, or behind UDP or ROS 2.
 
 use std::fmt;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
+#[cfg(feature = "ros2")]
+use std::sync::mpsc::Receiver;
 use std::sync::mpsc::SyncSender;
 use std::thread;
+#[cfg(feature = "ros2")]
+use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::Parser;
@@ -15,6 +19,11 @@ use examples::ergonomics::{build_map, read_map};
 use examples::follow::Scenario;
 use examples::program::{self, Ending, Json, Program, Quiet, Session};
 use examples::recording::{self, IfPartial, Recording};
+#[cfg(feature = "ros2")]
+use examples::robot_side::ros2::{
+    JointInterface, RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPerson,
+    TopicReport,
+};
 use examples::robot_side::{SimulatedSide, UdpServer, UdpSide};
 use examples::settings::SettingsFile;
 use moca_model::whole_body::{
@@ -30,11 +39,16 @@ const DEFAULT_STATURE: f64 = 1.75;
 /// Of the simulated robot's noise.
 const SEED: u64 = 1;
 
+/// After so long at most a camera that nobody hears notices that the loop has ended.
+#[cfg(feature = "ros2")]
+const WAKES: Duration = Duration::from_millis(50);
+
 /// Moves MOCA in real time, at 1 kHz, while a recorded person is perceived beside it, and prints how well
 /// the deadlines were kept.
 ///
 /// The robot is simulated, in this process or behind UDP: `drive --serve` is such a robot, and shows what a driver
-/// of a real one has to do. The loop ends after the duration, at Ctrl-C, or when robot or perception are silent,
+/// of a real one has to do. With the feature `ros2`, `--ros2` moves a robot on the ROS 2 graph and sees the person
+/// there, and `--ros2 --serve` is such a robot. The loop ends after the duration, at Ctrl-C, or when robot or perception are silent,
 /// always in order: it brakes, and halts the robot at rest. The exit status is 1 if the robot fell silent.
 #[derive(Debug, Parser)]
 #[command(version)]
@@ -42,9 +56,18 @@ struct Options {
     /// Move the robot at this address, in place of one in this process.
     #[arg(long, value_name = "HOST:PORT")]
     robot: Option<String>,
-    /// Be the simulated robot at this address, until Ctrl-C.
+    /// Be the simulated robot at this address, until Ctrl-C; with `--ros2` on the ROS 2 graph, without an address.
     #[arg(long, value_name = "HOST:PORT", conflicts_with = "robot")]
-    serve: Option<String>,
+    #[expect(clippy::option_option, reason = "an option whose value may be left out")]
+    serve: Option<Option<String>>,
+    /// Move the robot on the ROS 2 graph of `ROS_DOMAIN_ID`, and see the person there.
+    #[cfg(feature = "ros2")]
+    #[arg(long, conflicts_with = "robot")]
+    ros2: bool,
+    /// What the arm on the ROS 2 graph follows.
+    #[cfg(feature = "ros2")]
+    #[arg(long, value_name = "KIND", value_enum, default_value_t, requires = "ros2")]
+    interface: JointInterface,
     /// How long, in seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     duration: f64,
@@ -84,6 +107,15 @@ struct Report {
     duration_us: Times,
 }
 
+/// The same on the ROS 2 graph.
+#[cfg(feature = "ros2")]
+#[derive(Debug, Serialize)]
+struct OnRos2 {
+    #[serde(flatten)]
+    report: Report,
+    ros2: Ros2Report,
+}
+
 #[derive(Debug, Serialize)]
 struct Times {
     p50: f64,
@@ -103,7 +135,12 @@ impl Program for Options {
         let scenario = self.scenario(session)?;
         let period = scenario.settings.period;
         let mut clock = MonotonicClock::new(1e-6 * self.spin);
+        #[cfg(feature = "ros2")]
+        if self.ros2 {
+            return self.on_ros2(session, &scenario, clock);
+        }
         if let Some(address) = &self.serve {
+            let address = address.as_ref().context("--serve: give an address, HOST:PORT")?;
             let robot = SimulatedSide::new(&scenario.start, period, SEED)?;
             let mut server = UdpServer::bind(address, robot, &scenario.start)
                 .with_context(|| format!("--serve {address}"))?;
@@ -113,22 +150,18 @@ impl Program for Options {
             server.serve(period, &mut clock, || interrupt.requested())?;
             return Ok(Ending::Complete);
         }
+        let recorded = recorded(session, &scenario.percepts, clock);
         let (ending, statistics) = if let Some(address) = &self.robot {
-            let robot = UdpSide::connect(address, scenario.start.len())
+            let mut robot = UdpSide::connect(address, scenario.start.len())
                 .with_context(|| format!("--robot {address}"))?;
-            self.drive(session, &scenario, robot, clock)?
+            self.drive(session, &scenario, &mut robot, clock, recorded)?
         } else {
-            let robot = SimulatedSide::new(&scenario.start, period, SEED)?;
-            self.drive(session, &scenario, robot, clock)?
+            let mut robot = SimulatedSide::new(&scenario.start, period, SEED)?;
+            self.drive(session, &scenario, &mut robot, clock, recorded)?
         };
         let report = Report::new(ending, &statistics);
         writeln!(session.output(), "{report}")?;
-        let ending = match ending.cause {
-            StopCause::Requested if session.interrupt().requested() => Ending::Partial,
-            StopCause::Requested => Ending::Complete,
-            _ => Ending::Failed,
-        };
-        session.conclude(self.json, &report, ending)
+        session.conclude(self.json, &report, ended(session, ending))
     }
 }
 
@@ -154,13 +187,48 @@ impl Options {
         settings.with_context(|| path.display().to_string())
     }
 
-    /// Moves the robot from a thread of its own; this one is the camera.
+    /// The same on the ROS 2 graph.
+    #[cfg(feature = "ros2")]
+    fn on_ros2(
+        &self,
+        session: &mut Session,
+        scenario: &Scenario,
+        mut clock: MonotonicClock,
+    ) -> Result<Ending> {
+        if let Some(address) = &self.serve {
+            ensure!(address.is_none(), "--ros2 --serve: give no address");
+            let period = scenario.settings.period;
+            let robot = SimulatedSide::new(&scenario.start, period, SEED)?;
+            let mut server =
+                Ros2Server::join(RosDomain::of_environment()?, robot, &scenario.start)?;
+            writeln!(session.output(), "a robot on ROS 2; Ctrl-C ends it")?;
+            session.output().flush()?;
+            let interrupt = session.interrupt().clone();
+            server.serve(period, &scenario.percepts, &mut clock, || interrupt.requested())?;
+            for topic in &server.statistics() {
+                writeln!(session.output(), "{}", TopicReport::from(topic))?;
+            }
+            return Ok(Ending::Complete);
+        }
+        let (mut robot, persons) =
+            Ros2Side::join(RosDomain::of_environment()?, RobotJoints::moca(), self.interface)?;
+        let driven =
+            self.drive(session, scenario, &mut robot, clock, seen_by_others(&persons, clock));
+        let messages = Ros2Report::from(&robot.close()?);
+        let (ending, statistics) = driven.inspect_err(|_| session.warn(&messages))?;
+        let report = OnRos2 { report: Report::new(ending, &statistics), ros2: messages };
+        writeln!(session.output(), "{}\n{}", report.report, report.ros2)?;
+        session.conclude(self.json, &report, ended(session, ending))
+    }
+
+    /// Moves the robot from a thread of its own; this one is the camera, until the loop has ended.
     fn drive<R>(
         &self,
         session: &Session,
         scenario: &Scenario,
-        mut robot: R,
+        robot: &mut R,
         mut clock: MonotonicClock,
+        camera: impl FnOnce(&SyncSender<Percept>, &AtomicBool),
     ) -> Result<(LoopEnding, DeadlineStatistics)>
     where
         R: RobotSide + Send,
@@ -173,7 +241,7 @@ impl Options {
         let times = LoopSettings { period: settings.period, ..LoopSettings::default() };
         let mut control = ControlLoop::new(times, JointMeasurement::at_rest(model))?;
         let scheduling = Scheduling { priority: self.priority, lock_memory: self.lock_memory };
-        let (until, camera) = (clock.now() + self.duration, clock);
+        let until = clock.now() + self.duration;
         let (interrupt, ended) = (session.interrupt().clone(), AtomicBool::new(false));
         let watch = clock;
         thread::scope(|scope| {
@@ -181,42 +249,70 @@ impl Options {
                 let ending = scheduling.apply().map_err(|error| anyhow!(error)).and_then(|()| {
                     let stop = || interrupt.requested() || watch.now() > until;
                     control
-                        .run(&mut robot, &mut law, &mut clock, stop)
+                        .run(robot, &mut law, &mut clock, stop)
                         .map_err(|error| anyhow!("{error}"))
                 });
                 ended.store(true, Ordering::Release);
                 ending
             });
-            see(session, &scenario.percepts, camera, &percepts, &ended);
+            camera(&percepts, &ended);
             looping.join().map_err(|_| anyhow!("the loop panicked"))?
         })
         .map(|ending| (ending, control.statistics().clone()))
     }
 }
 
-/// Plays percepts at the pace of their recording, stamped with the present, until the loop has ended.
-fn see(
+/// A camera that plays percepts at the pace of their recording, stamped with the present.
+fn recorded(
     session: &Session,
     recorded: &[Percept],
     mut clock: MonotonicClock,
-    percepts: &SyncSender<Percept>,
-    ended: &AtomicBool,
-) {
+) -> impl FnOnce(&SyncSender<Percept>, &AtomicBool) {
     let progress = session.open_progress("drive");
-    let mut seen = 0;
-    loop {
-        let (begin, first) = (clock.now(), recorded.first().map_or(0.0, |percept| percept.time));
-        for percept in recorded {
-            clock.sleep_until(begin + percept.time - first);
-            if ended.load(Ordering::Acquire) {
-                progress.finish();
-                return;
+    move |percepts, ended| {
+        let mut seen = 0;
+        loop {
+            let (begin, first) =
+                (clock.now(), recorded.first().map_or(0.0, |percept| percept.time));
+            for percept in recorded {
+                clock.sleep_until(begin + percept.time - first);
+                if ended.load(Ordering::Acquire) {
+                    progress.finish();
+                    return;
+                }
+                // A loop that takes none for a while misses these, as it would miss a camera's.
+                let _ = percepts.try_send(Percept { time: clock.now(), ..percept.clone() });
+                seen += 1;
+                progress.set(seen);
             }
-            // A loop that takes none for a while misses these, as it would miss a camera's.
-            let _ = percepts.try_send(Percept { time: clock.now(), ..percept.clone() });
-            seen += 1;
-            progress.set(seen);
         }
+    }
+}
+
+/// A camera somewhere on the ROS 2 graph.
+#[cfg(feature = "ros2")]
+fn seen_by_others(
+    persons: &Receiver<SeenPerson>,
+    clock: MonotonicClock,
+) -> impl FnOnce(&SyncSender<Percept>, &AtomicBool) {
+    move |percepts, ended| {
+        while !ended.load(Ordering::Acquire) {
+            let Ok(SeenPerson { taken, body, action }) = persons.recv_timeout(WAKES) else {
+                continue;
+            };
+            let age = taken.elapsed().map_or(0.0, |age| age.as_secs_f64());
+            let time = clock.now() - age;
+            let _ = percepts.try_send(Percept { time, body: Some(body), action, surface: None });
+        }
+    }
+}
+
+/// How a program ends whose loop ends so.
+fn ended(session: &Session, ending: LoopEnding) -> Ending {
+    match ending.cause {
+        StopCause::Requested if session.interrupt().requested() => Ending::Partial,
+        StopCause::Requested => Ending::Complete,
+        _ => Ending::Failed,
     }
 }
 

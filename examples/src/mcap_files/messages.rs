@@ -147,7 +147,6 @@ impl Time {
     pub(super) fn new(seconds: f64) -> Self {
         let nanoseconds = nanoseconds(seconds);
         // The rest is below 10⁹.
-        #[expect(clippy::cast_possible_truncation, reason = "as above")]
         let nsec = (nanoseconds % 1_000_000_000) as u32;
         Self { sec: nanoseconds / 1_000_000_000, nsec }
     }

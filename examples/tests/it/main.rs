@@ -30,6 +30,8 @@ mod record;
 mod recording;
 mod recording_extras;
 mod robot_side;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod settings;
 mod shards;
 mod soak;

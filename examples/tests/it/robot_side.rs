@@ -14,7 +14,7 @@ use proptest::prelude::*;
 
 use crate::support::{Runs, coarse_map_file};
 
-fn at_rest(joints: usize) -> JointMeasurement {
+pub(crate) fn at_rest(joints: usize) -> JointMeasurement {
     JointMeasurement {
         position: vec![0.0; joints],
         velocity: vec![0.0; joints],

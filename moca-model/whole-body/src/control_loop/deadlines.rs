@@ -6,6 +6,14 @@ const WIDTH: f64 = 1e-6;
 const BINS: usize = 10_001;
 
 /// A histogram of times, to a microsecond, of a size that does not grow.
+///
+/// ```
+/// use whole_body::TimeHistogram;
+///
+/// let mut times = TimeHistogram::default();
+/// [1e-3, 2e-3, 3e-3].into_iter().for_each(|time| times.push(time));
+/// assert!((times.quantile(0.5) - 2e-3).abs() < 1e-6);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeHistogram {
     bins: Vec<u64>,
@@ -13,12 +21,16 @@ pub struct TimeHistogram {
     longest: f64,
 }
 
-impl TimeHistogram {
-    pub(crate) fn new() -> Self {
+/// Empty.
+impl Default for TimeHistogram {
+    fn default() -> Self {
         Self { bins: vec![0; BINS], count: 0, longest: 0.0 }
     }
+}
 
-    pub(crate) fn push(&mut self, time: f64) {
+impl TimeHistogram {
+    /// Counts a time \[s\]; one of ten milliseconds or more as ten.
+    pub fn push(&mut self, time: f64) {
         // Negative and NaN become 0, and what is too long the last bin.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
         let bin = ((time / WIDTH) as usize).min(BINS - 1);
@@ -71,7 +83,7 @@ pub struct DeadlineStatistics {
 
 impl DeadlineStatistics {
     pub(crate) fn new() -> Self {
-        let none = TimeHistogram::new();
+        let none = TimeHistogram::default();
         Self { latency: none.clone(), duration: none, ticks: 0, missed: 0, unmeasured: 0 }
     }
 }

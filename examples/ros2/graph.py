@@ -1,0 +1,43 @@
+"""The robot's end of the ROS graph in Cyclone DDS: topics by their ROS names, with the QoS of ROS nodes."""
+
+import os
+
+from cyclonedds.core import Policy, Qos
+from cyclonedds.domain import DomainParticipant
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+
+from messages import Float64MultiArray, JointState, Odometry, PoseArray, String, TwistStamped
+
+# What publishers and subscribers of ROS have by default, and what ros2_controllers have.
+RELIABLE = Qos(
+    Policy.Reliability.Reliable(duration(milliseconds=100)),
+    Policy.Durability.Volatile,
+    Policy.History.KeepLast(100),
+)
+
+TYPES = {
+    "/joint_states": JointState,
+    "/odom": Odometry,
+    "/body_joints": PoseArray,
+    "/action": String,
+    "/cmd_vel": TwistStamped,
+    "/forward_effort_controller/commands": Float64MultiArray,
+    "/forward_velocity_controller/commands": Float64MultiArray,
+    "/forward_position_controller/commands": Float64MultiArray,
+}
+
+
+def participant() -> DomainParticipant:
+    """One in the domain of ROS_DOMAIN_ID, or 0."""
+    return DomainParticipant(int(os.environ.get("ROS_DOMAIN_ID") or 0))
+
+
+def writer(participant: DomainParticipant, name: str, message: type | None = None) -> DataWriter:
+    return DataWriter(participant, Topic(participant, f"rt{name}", message or TYPES[name]), RELIABLE)
+
+
+def reader(participant: DomainParticipant, name: str) -> DataReader:
+    return DataReader(participant, Topic(participant, f"rt{name}", TYPES[name]), RELIABLE)

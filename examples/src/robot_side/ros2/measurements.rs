@@ -1,0 +1,201 @@
+//! From joint states and odometry to measurements.
+
+use std::f64::consts::{PI, TAU};
+use std::time::SystemTime;
+
+use moca_model::whole_body::JointMeasurement;
+use moca_model::{MOCA_BASE_JOINTS, MOCA_JOINTS};
+use nalgebra::{Quaternion as Coordinates, UnitQuaternion, Vector2};
+
+use super::messages::{JointState, Odometry, Time, Twist};
+use super::refusal::Refusal;
+use super::stamps::Stamps;
+use super::{BASE_FRAME, WORLD_FRAME};
+
+/// How old the odometry of a measurement may be \[s\]: bases publish slower than arms.
+const OLDEST_ODOMETRY: f64 = 0.1;
+/// How far from 1 the norm of an orientation may be.
+const NORM: f64 = 1e-3;
+/// The frame of the base on its axles: on its motion in the plane it agrees with [`BASE_FRAME`].
+const AXLES_FRAME: &str = "base_link";
+
+/// The joints of a robot: x, y and yaw of a base, then those of an arm by their names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RobotJoints {
+    arm: Vec<String>,
+}
+
+impl RobotJoints {
+    /// MOCA's.
+    pub fn moca() -> Self {
+        Self { arm: MOCA_JOINTS.iter().skip(MOCA_BASE_JOINTS).map(ToString::to_string).collect() }
+    }
+
+    /// The names of the arm's joints, in the order of q.
+    pub fn arm(&self) -> &[String] {
+        &self.arm
+    }
+
+    /// How many there are, with the base's three.
+    pub fn count(&self) -> usize {
+        MOCA_BASE_JOINTS + self.arm.len()
+    }
+}
+
+/// Joins the joint states of the arm and the odometry of the base.
+///
+/// A joint state makes a measurement of both, if odometry has come within 0.1 s before it. Joints that are
+/// not the robot's are left out: grippers and wheels are published with the arm.
+#[derive(Clone, Debug)]
+pub struct Measurements {
+    joints: RobotJoints,
+    measured: JointMeasurement,
+    /// Where each joint of the arm is in a message.
+    places: Vec<usize>,
+    joint_stamps: Stamps,
+    odometry_stamps: Stamps,
+    /// Of the newest odometry.
+    odometry: Option<Time>,
+}
+
+impl Measurements {
+    /// Of such a robot, before the first.
+    pub fn new(joints: RobotJoints) -> Self {
+        let none = vec![0.0; joints.count()];
+        Self {
+            places: Vec::with_capacity(joints.arm.len()),
+            measured: JointMeasurement {
+                position: none.clone(),
+                velocity: none.clone(),
+                torque: none,
+            },
+            joints,
+            joint_stamps: Stamps::of_robot(),
+            odometry_stamps: Stamps::of_robot(),
+            odometry: None,
+        }
+    }
+
+    /// The newest of base and arm: q in the world, q̇ along the world's axes; torques of the base are zero.
+    pub fn newest(&self) -> &JointMeasurement {
+        &self.measured
+    }
+
+    /// Takes a joint state that has come `now`, and has made a measurement; its age \[s\]. Velocities must be in it;
+    /// without efforts torques are zero.
+    ///
+    /// # Errors
+    /// Why it makes none. The numbers are then as they were, but for [`Refusal::NoOdometry`].
+    pub fn take_joint_state(
+        &mut self,
+        state: &JointState,
+        now: SystemTime,
+    ) -> Result<f64, Refusal> {
+        let JointState { header, name, position, velocity, effort } = state;
+        check_size("position", position, name.len())?;
+        check_size("velocity", velocity, name.len())?;
+        if !effort.is_empty() {
+            check_size("effort", effort, name.len())?;
+        }
+        self.find(name)?;
+        let parts = [("position", position), ("velocity", velocity), ("effort", effort)];
+        let of = |numbers: &[f64], place: usize| numbers.get(place).copied().unwrap_or_default();
+        for (what, numbers) in parts {
+            if !self.places.iter().all(|place| of(numbers, *place).is_finite()) {
+                return Err(Refusal::NotFinite { what });
+            }
+        }
+        let age = self.joint_stamps.admit(header.stamp, now)?;
+        let JointMeasurement { position, velocity, torque } = &mut self.measured;
+        for (own, (_, numbers)) in [position, velocity, torque].into_iter().zip(parts) {
+            for (own, place) in own.iter_mut().skip(MOCA_BASE_JOINTS).zip(&self.places) {
+                *own = of(numbers, *place);
+            }
+        }
+        let oldest = OLDEST_ODOMETRY;
+        let recent = |stamp: Time| header.stamp.seconds_since(stamp) <= oldest;
+        if self.odometry.is_some_and(recent) {
+            Ok(age)
+        } else {
+            Err(Refusal::NoOdometry { oldest })
+        }
+    }
+
+    /// Takes odometry that has come `now`; its age \[s\]. Of a tilted base only the yaw counts, which goes on from turn
+    /// to turn as the robot's does.
+    ///
+    /// # Errors
+    /// Why it is refused; the numbers are then as they were.
+    pub fn take_odometry(&mut self, odometry: &Odometry, now: SystemTime) -> Result<f64, Refusal> {
+        check_frame(&odometry.header.frame_id, WORLD_FRAME)?;
+        if odometry.child_frame_id != AXLES_FRAME {
+            check_frame(&odometry.child_frame_id, BASE_FRAME)?;
+        }
+        let (pose, twist) = (&odometry.pose.pose, &odometry.twist.twist);
+        let (at, turned) = (pose.position, pose.orientation);
+        if ![at.x, at.y].into_iter().all(f64::is_finite) {
+            return Err(Refusal::NotFinite { what: "position" });
+        }
+        check_twist(twist)?;
+        let orientation = Coordinates::new(turned.w, turned.x, turned.y, turned.z);
+        let norm = orientation.norm();
+        if norm.is_nan() || (norm - 1.0).abs() > NORM {
+            return Err(Refusal::Orientation { norm });
+        }
+        let age = self.odometry_stamps.admit(odometry.header.stamp, now)?;
+        let (_, _, heading) = UnitQuaternion::from_quaternion(orientation).euler_angles();
+        let along =
+            nalgebra::Rotation2::new(heading) * Vector2::new(twist.linear.x, twist.linear.y);
+        let JointMeasurement { position, velocity, .. } = &mut self.measured;
+        if let Some([x, y, yaw]) = position.first_chunk_mut() {
+            let turn = (heading - *yaw + PI).rem_euclid(TAU) - PI;
+            (*x, *y, *yaw) = (at.x, at.y, *yaw + turn);
+        }
+        if let Some(base) = velocity.first_chunk_mut() {
+            *base = [along.x, along.y, twist.angular.z];
+        }
+        self.odometry = Some(odometry.header.stamp);
+        Ok(age)
+    }
+
+    /// Finds the arm's joints.
+    fn find(&mut self, names: &[String]) -> Result<(), Refusal> {
+        self.places.clear();
+        for joint in &self.joints.arm {
+            let mut places = names.iter().enumerate().filter(|(_, name)| *name == joint);
+            let Some((place, _)) = places.next() else {
+                return Err(Refusal::MissingJoint { joint: joint.clone(), found: names.to_vec() });
+            };
+            if places.next().is_some() {
+                return Err(Refusal::RepeatedJoint { joint: joint.clone() });
+            }
+            self.places.push(place);
+        }
+        Ok(())
+    }
+}
+
+pub(super) fn check_size(
+    what: &'static str,
+    numbers: &[f64],
+    expected: usize,
+) -> Result<(), Refusal> {
+    let found = numbers.len();
+    if found == expected { Ok(()) } else { Err(Refusal::Size { what, found, expected }) }
+}
+
+pub(super) fn check_frame(found: &str, expected: &'static str) -> Result<(), Refusal> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(Refusal::Frame { found: found.to_owned(), expected })
+}
+
+/// Checks the twist of a base: x, y and the turn about z.
+pub(super) fn check_twist(twist: &Twist) -> Result<(), Refusal> {
+    let numbers = [twist.linear.x, twist.linear.y, twist.angular.z];
+    if numbers.into_iter().all(f64::is_finite) {
+        return Ok(());
+    }
+    Err(Refusal::NotFinite { what: "twist" })
+}

@@ -1,0 +1,137 @@
+//! A node of the ROS graph.
+
+use std::collections::HashMap;
+
+use ros2_client::dds::rustdds::DomainParticipantStatusListener;
+use ros2_client::dds::rustdds::dds::statusevents::{DomainParticipantStatusEvent, StatusEvented};
+use ros2_client::qos::{History, WhenFull};
+use ros2_client::{
+    Context, ContextOptions, Gid, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher,
+    QosProfile,
+};
+use serde::{Serialize, de::DeserializeOwned};
+
+use super::domain::RosDomain;
+use super::error::Ros2Error;
+use super::inbox::Inbox;
+use super::refusal::Refusal;
+use super::statistics::TopicStatistics;
+use super::topic::Topic;
+
+/// Messages that may wait to be taken, of those that come while a thread does not run.
+const DEPTH: usize = 64;
+
+/// A node with its connection.
+pub(super) struct RosNode {
+    context: Context,
+    node: Node,
+}
+
+impl RosNode {
+    /// Joins a domain.
+    ///
+    /// # Errors
+    /// [`Ros2Error::Create`]
+    pub(super) fn join(domain: RosDomain, name: &str) -> Result<Self, Ros2Error> {
+        let options = ContextOptions::new().domain_id(domain.number());
+        let context = Context::with_options(options)
+            .map_err(|error| Ros2Error::create("a participant", &error))?;
+        let name = NodeName::new("/", name).map_err(|error| Ros2Error::create(name, &error))?;
+        let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
+        let node = context
+            .new_node(name, options)
+            .map_err(|error| Ros2Error::create("a node", &format!("{error:?}")))?;
+        Ok(Self { context, node })
+    }
+
+    /// A publisher whom every subscriber may take: reliable, and volatile. It never waits for one.
+    pub(super) fn publisher<M: Serialize>(
+        &mut self,
+        topic: Topic,
+    ) -> Result<Publisher<M>, Ros2Error> {
+        let reliable = QosProfile::publisher_default()
+            .reliability_reliable(WhenFull::Fail)
+            .history(History::KeepLast { depth: DEPTH });
+        let failed = |error: ros2_client::CreateError| Ros2Error::create(topic.name(), &error);
+        let handle = self.topic(topic, &reliable)?;
+        self.node.create_publisher(&handle, None).map_err(failed)
+    }
+
+    /// A subscription that takes every publisher: best effort, for what is repeated anew is better than what is sent
+    /// again.
+    pub(super) fn inbox<M: DeserializeOwned>(
+        &mut self,
+        topic: Topic,
+    ) -> Result<Inbox<M>, Ros2Error> {
+        let newest = QosProfile::subscription_default().history(History::KeepLast { depth: DEPTH });
+        let handle = self.topic(topic, &newest)?;
+        let subscription = self
+            .node
+            .create_subscription(&handle, None)
+            .map_err(|error| Ros2Error::create(topic.name(), &error))?;
+        Ok(Inbox::new(subscription, TopicStatistics::new(topic)))
+    }
+
+    /// Whoever else uses these topics.
+    pub(super) fn peers(&self, topics: Vec<Topic>) -> Peers {
+        let events = self.context.domain_participant().status_listener();
+        Peers { events, topics, strangers: HashMap::new() }
+    }
+
+    fn topic(
+        &self,
+        topic: Topic,
+        qos: &QosProfile,
+    ) -> Result<ros2_client::dds::rustdds::Topic, Ros2Error> {
+        let failed = |reason: String| Ros2Error::create(topic.name(), &reason);
+        let name = Name::parse(topic.name()).map_err(|error| failed(error.to_string()))?;
+        let (package, message) = topic.message();
+        self.node
+            .create_topic(&name, MessageTypeName::new(package, message), qos)
+            .map_err(|error| failed(error.to_string()))
+    }
+}
+
+/// Publishers and subscribers of other types on topics in use.
+pub(super) struct Peers {
+    events: DomainParticipantStatusListener,
+    topics: Vec<Topic>,
+    strangers: HashMap<Gid, (Topic, Refusal)>,
+}
+
+impl Peers {
+    /// Takes what discovery has found since.
+    pub(super) fn update(&mut self) {
+        while let Some(event) = self.events.try_recv_status() {
+            let peer = match event {
+                DomainParticipantStatusEvent::WriterDetected { writer } => writer,
+                DomainParticipantStatusEvent::ReaderDetected { reader } => reader,
+                _ => continue,
+            };
+            // DDS names of ROS topics begin with `rt`.
+            let named = |topic: &&Topic| peer.topic_name.strip_prefix("rt") == Some(topic.name());
+            let Some(topic) = self.topics.iter().find(named) else { continue };
+            if let Err(refusal) = topic.check_type(&peer.type_name) {
+                self.strangers.insert(peer.guid.into(), (*topic, refusal));
+            }
+        }
+    }
+
+    /// The topics.
+    pub(super) fn topics(&self) -> impl Iterator<Item = Topic> + '_ {
+        self.topics.iter().copied()
+    }
+
+    /// Why messages of this publisher are refused, if they are.
+    pub(super) fn refusal(&self, publisher: Gid) -> Option<Refusal> {
+        self.strangers.get(&publisher).map(|(_, refusal)| refusal.clone())
+    }
+
+    /// Counts the strangers on a topic.
+    pub(super) fn count(&self, statistics: &mut TopicStatistics) {
+        let topic = statistics.topic;
+        for (_, refusal) in self.strangers.values().filter(|(on, _)| *on == topic) {
+            statistics.refuse(refusal.clone());
+        }
+    }
+}

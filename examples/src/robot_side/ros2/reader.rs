@@ -1,0 +1,121 @@
+//! The thread that takes messages.
+
+use std::io::ErrorKind;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::SyncSender;
+
+use moca_model::whole_body::JointMeasurement;
+use ros2_client::dds::rustdds::mio1::{Events, Interest, Poll, Token};
+
+use super::error::Ros2Error;
+use super::hand_over::Giver;
+use super::inbox::Inbox;
+use super::measurements::Measurements;
+use super::messages::{JointState, Odometry, PoseArray, Text};
+use super::node::{Peers, RosNode};
+use super::perceived::{Perceived, SeenPerson};
+use super::side::WAKES;
+use super::statistics::TopicStatistics;
+use super::topic::{JointInterface, Topic};
+
+/// The thread that takes messages.
+pub(super) struct Reader {
+    poll: Poll,
+    peers: Peers,
+    joint_states: Inbox<JointState>,
+    odometry: Inbox<Odometry>,
+    bodies: Inbox<PoseArray>,
+    actions: Inbox<Text>,
+    measurements: Measurements,
+    perceived: Perceived,
+    measured: Giver,
+    persons: SyncSender<SeenPerson>,
+}
+
+impl Reader {
+    pub(super) fn new(
+        node: &mut RosNode,
+        measurements: Measurements,
+        interface: JointInterface,
+        measured: Giver,
+        persons: SyncSender<SeenPerson>,
+    ) -> Result<Self, Ros2Error> {
+        let topics = [
+            Topic::JointStates,
+            Topic::Odometry,
+            Topic::BodyJoints,
+            Topic::Action,
+            Topic::BaseTwist,
+            Topic::JointCommands(interface),
+        ];
+        let poll = Poll::new().map_err(|error| Ros2Error::create("a poll", &error))?;
+        let mut reader = Self {
+            peers: node.peers(topics.to_vec()),
+            joint_states: node.inbox(Topic::JointStates)?,
+            odometry: node.inbox(Topic::Odometry)?,
+            bodies: node.inbox(Topic::BodyJoints)?,
+            actions: node.inbox(Topic::Action)?,
+            poll,
+            measurements,
+            perceived: Perceived::default(),
+            measured,
+            persons,
+        };
+        let registry = reader.poll.registry();
+        // Whatever wakes it, all topics are drained.
+        registry
+            .register(&mut reader.joint_states.subscription, Token(0), Interest::READABLE)
+            .and_then(|()| {
+                registry.register(&mut reader.bodies.subscription, Token(1), Interest::READABLE)
+            })
+            .map_err(|error| Ros2Error::create("a poll", &error))?;
+        Ok(reader)
+    }
+
+    pub(super) fn run(mut self, ending: &AtomicBool) -> Result<Vec<TopicStatistics>, Ros2Error> {
+        let mut events = Events::with_capacity(8);
+        while !ending.load(Ordering::Acquire) {
+            match self.poll.poll(&mut events, Some(WAKES)) {
+                Err(error) if error.kind() != ErrorKind::Interrupted => {
+                    return Err(Ros2Error::create("a wait for messages", &error));
+                }
+                _ => self.drain()?,
+            }
+        }
+        let came = [
+            self.joint_states.statistics,
+            self.odometry.statistics,
+            self.bodies.statistics,
+            self.actions.statistics,
+        ];
+        let told = self.peers.topics().skip(came.len()).map(TopicStatistics::new);
+        let mut statistics: Vec<_> = came.into_iter().chain(told).collect();
+        for topic in &mut statistics {
+            self.peers.count(topic);
+        }
+        Ok(statistics)
+    }
+
+    fn drain(&mut self) -> Result<(), Ros2Error> {
+        self.peers.update();
+        let Self { peers, measurements, perceived, measured, persons, .. } = self;
+        self.odometry
+            .drain(peers, |odometry, now| measurements.take_odometry(odometry, now).map(Some))?;
+        let mut numbers = Vec::new();
+        self.joint_states.drain(peers, |state, now| {
+            let age = measurements.take_joint_state(state, now)?;
+            let JointMeasurement { position, velocity, torque } = measurements.newest();
+            numbers.clear();
+            numbers.extend([position, velocity, torque].into_iter().flatten());
+            measured.give(&numbers);
+            Ok(Some(age))
+        })?;
+        self.actions
+            .drain(peers, |action, now| perceived.take_action(action, now).map(|()| None))?;
+        self.bodies.drain(peers, |poses, now| {
+            // A loop that takes none for a while misses these, as it would miss a camera's.
+            let _ = persons.try_send(perceived.take_body(poses, now)?);
+            Ok(None)
+        })
+    }
+}

@@ -1,0 +1,174 @@
+//! A robot that is reached by ROS 2.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, SystemTime};
+
+use moca_model::MOCA_BASE_JOINTS;
+use moca_model::whole_body::{JointCommand, JointMeasurement, Received, RobotSide};
+
+use super::commands::{base_velocity, joint_values};
+use super::domain::RosDomain;
+use super::error::Ros2Error;
+use super::hand_over::{Giver, Taker, hand_over};
+use super::measurements::{Measurements, RobotJoints};
+use super::node::RosNode;
+use super::outbox::{Outbox, Publishing};
+use super::perceived::SeenPerson;
+use super::reader::Reader;
+use super::statistics::TopicStatistics;
+use super::topic::JointInterface;
+
+/// After so long at most the threads notice that they should end.
+pub(super) const WAKES: Duration = Duration::from_millis(50);
+/// Persons that may wait for whoever looks at them.
+const WAITING: usize = 8;
+
+/// The loop's end of the connection.
+///
+/// It publishes the commands of the base, in the axes of the base as measured last, and those of the arm to the
+/// controller of one [`JointInterface`]. To halt, it publishes a twist of zero, velocities of zero where the arm
+/// follows velocities, and then nothing more.
+#[derive(Debug)]
+pub struct Ros2Side {
+    measured: Taker,
+    commands: Giver,
+    /// A command on its way: the time since `epoch` \[s\], the base's twist, the arm's part.
+    outgoing: Vec<f64>,
+    epoch: SystemTime,
+    interface: JointInterface,
+    yaw: f64,
+    ending: Ending,
+    reader: JoinHandle<Result<Vec<TopicStatistics>, Ros2Error>>,
+    publisher: JoinHandle<Publishing>,
+}
+
+/// Tells the threads to end, at the latest when nobody holds it any more.
+#[derive(Debug)]
+struct Ending(Arc<AtomicBool>);
+
+impl Ending {
+    fn begin(&self) {
+        self.0.store(true, Ordering::Release);
+    }
+}
+
+impl Drop for Ending {
+    fn drop(&mut self) {
+        self.begin();
+    }
+}
+
+/// What went over a connection that is closed.
+#[derive(Clone, Debug)]
+pub struct Ros2Statistics {
+    /// What came on each topic; on all, those of commands too, whoever has another type there.
+    pub topics: Vec<TopicStatistics>,
+    /// Commands that were published.
+    pub published: u64,
+    /// Commands that the library did not take.
+    pub failed: u64,
+    /// Commands that a newer one replaced before they were published.
+    pub superseded: u64,
+}
+
+impl Ros2Side {
+    /// Joins a domain as the node `moca_control`; and where persons come that others see.
+    ///
+    /// # Errors
+    /// [`Ros2Error::Create`]
+    pub fn join(
+        domain: RosDomain,
+        joints: RobotJoints,
+        interface: JointInterface,
+    ) -> Result<(Self, Receiver<SeenPerson>), Ros2Error> {
+        let mut node = RosNode::join(domain, "moca_control")?;
+        let (count, arm_joints) = (joints.count(), joints.arm().len());
+        let (measured, taken) = hand_over(3 * count);
+        let (commands, outgoing) = hand_over(1 + count);
+        let (persons, seen) = sync_channel(WAITING);
+        let epoch = SystemTime::now();
+        let reader =
+            Reader::new(&mut node, Measurements::new(joints), interface, measured, persons)?;
+        let outbox = Outbox::new(node, interface, arm_joints, outgoing, epoch)?;
+        let ending = Ending(Arc::new(AtomicBool::new(false)));
+        let (reads, publishes) = (ending.0.clone(), ending.0.clone());
+        let side = Self {
+            measured: taken,
+            commands,
+            outgoing: vec![0.0; 1 + count],
+            epoch,
+            interface,
+            yaw: 0.0,
+            ending,
+            reader: spawn("ros2-reader", move || reader.run(&reads))?,
+            publisher: spawn("ros2-publisher", move || outbox.run(&publishes))?,
+        };
+        Ok((side, seen))
+    }
+
+    /// Closes the connection; what went over it.
+    ///
+    /// # Errors
+    /// What ended one of its threads.
+    pub fn close(self) -> Result<Ros2Statistics, Ros2Error> {
+        self.end();
+        let Publishing { taken: published, failed, superseded } =
+            self.publisher.join().map_err(|_| Ros2Error::Ended { does: "publishes" })?;
+        let topics = self.reader.join().map_err(|_| Ros2Error::Ended { does: "takes" })??;
+        Ok(Ros2Statistics { topics, published, failed, superseded })
+    }
+
+    fn end(&self) {
+        self.ending.begin();
+        self.publisher.thread().unpark();
+    }
+}
+
+fn spawn<T: Send + 'static>(
+    name: &str,
+    run: impl FnOnce() -> T + Send + 'static,
+) -> Result<JoinHandle<T>, Ros2Error> {
+    thread::Builder::new()
+        .name(name.to_owned())
+        .spawn(run)
+        .map_err(|error| Ros2Error::create("a thread", &error))
+}
+
+impl RobotSide for Ros2Side {
+    type Error = Ros2Error;
+
+    fn receive(&mut self, measured: &mut JointMeasurement) -> Result<Received, Ros2Error> {
+        if self.measured.is_abandoned() {
+            return Err(Ros2Error::Ended { does: "takes" });
+        }
+        let Some((numbers, _)) = self.measured.take() else { return Ok(Received::Nothing) };
+        let JointMeasurement { position, velocity, torque } = measured;
+        let parts = numbers.chunks_exact((numbers.len() / 3).max(1));
+        for (own, numbers) in [position, velocity, torque].into_iter().zip(parts) {
+            own.iter_mut().zip(numbers).for_each(|(own, number)| *own = *number);
+        }
+        self.yaw = measured.position.get(MOCA_BASE_JOINTS - 1).copied().unwrap_or_default();
+        Ok(Received::Fresh)
+    }
+
+    fn send(&mut self, command: &JointCommand) -> Result<(), Ros2Error> {
+        if self.commands.is_abandoned() {
+            return Err(Ros2Error::Ended { does: "publishes" });
+        }
+        let time = self.epoch.elapsed().map_or(0.0, |since| since.as_secs_f64());
+        let numbers = [time].into_iter().chain(base_velocity(&command.velocity, self.yaw));
+        let numbers = numbers.chain(joint_values(command, self.interface).iter().copied());
+        self.outgoing.iter_mut().zip(numbers).for_each(|(own, number)| *own = number);
+        self.commands.give(&self.outgoing);
+        self.publisher.thread().unpark();
+        Ok(())
+    }
+
+    fn halt(&mut self) -> Result<(), Ros2Error> {
+        self.end();
+        Ok(())
+    }
+}

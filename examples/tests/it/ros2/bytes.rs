@@ -1,0 +1,153 @@
+//! Messages as bytes, against those of Cyclone DDS (`examples/ros2/golden.py`).
+
+use std::f64::consts::FRAC_PI_2;
+use std::fmt::Debug;
+
+use examples::robot_side::ros2::messages::{
+    Float64MultiArray, JointState, Odometry, PoseArray, Text, TwistStamped,
+};
+use examples::robot_side::ros2::{Commands, Measurements, Perceived, RobotJoints};
+use moca_model::whole_body::{JointCommand, JointMeasurement};
+use proptest::prelude::*;
+use ros2_client::dds::rustdds::RepresentationIdentifier;
+use ros2_client::dds::rustdds::serialization::{
+    deserialize_from_cdr_with_rep_id, to_writer_with_rep_id,
+};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::{after, measurements};
+
+const LITTLE_ENDIAN: RepresentationIdentifier = RepresentationIdentifier::CDR_LE;
+const TYPES: [&str; 6] =
+    ["JointState", "Odometry", "PoseArray", "String", "TwistStamped", "Float64MultiArray"];
+
+/// The bytes of a message, without the four that say how it is encoded.
+fn golden(name: &str) -> Vec<u8> {
+    let lines = include_str!("../../../ros2/golden.txt").lines();
+    let mut messages = lines.filter_map(|line| line.split_once(' '));
+    let (_, digits) = messages.find(|(found, _)| *found == name).unwrap();
+    let byte = |place: usize| u8::from_str_radix(&digits[place..place + 2], 16).unwrap();
+    let bytes: Vec<u8> = (0..digits.len()).step_by(2).map(byte).collect();
+    assert_eq!(bytes[..4], [0, 1, 0, 0], "little-endian CDR");
+    bytes[4..].to_vec()
+}
+
+fn decode<M: DeserializeOwned>(bytes: &[u8]) -> Option<M> {
+    deserialize_from_cdr_with_rep_id(bytes, LITTLE_ENDIAN).ok().map(|(message, _)| message)
+}
+
+/// The message of Cyclone DDS, which is written back to the same bytes.
+fn same<M: DeserializeOwned + Serialize + PartialEq + Debug>(name: &str) -> M {
+    let bytes = golden(name);
+    let message = decode(&bytes).unwrap();
+    let mut again = Vec::new();
+    to_writer_with_rep_id(&mut again, &message, LITTLE_ENDIAN).unwrap();
+    // Cyclone DDS fills up to four bytes.
+    again.resize(again.len().next_multiple_of(4), 0);
+    assert_eq!(again, bytes, "{name}");
+    message
+}
+
+/// Takes bytes as a message of a type; whether anything was taken.
+fn take(name: &str, bytes: &[u8]) -> bool {
+    let (mut perceived, mut commands) = (Perceived::default(), Commands::new(7));
+    // Odometry of the same time would be overtaken by the one before.
+    let before = name == "JointState";
+    let mut measurements =
+        if before { measurements() } else { Measurements::new(RobotJoints::moca()) };
+    let now = after(2);
+    let taken = match name {
+        "JointState" => decode::<JointState>(bytes)
+            .is_some_and(|message| measurements.take_joint_state(&message, now).is_ok()),
+        "Odometry" => decode::<Odometry>(bytes)
+            .is_some_and(|message| measurements.take_odometry(&message, now).is_ok()),
+        "PoseArray" => decode::<PoseArray>(bytes)
+            .is_some_and(|message| perceived.take_body(&message, now).is_ok()),
+        "String" => decode::<Text>(bytes)
+            .is_some_and(|message| perceived.take_action(&message, now).is_ok()),
+        "TwistStamped" => decode::<TwistStamped>(bytes)
+            .is_some_and(|message| commands.take_twist(&message, now).is_ok()),
+        _ => decode::<Float64MultiArray>(bytes)
+            .is_some_and(|message| commands.take_effort(&message).is_ok()),
+    };
+    let newest = measurements.newest();
+    let mut command = JointCommand::at_rest(newest);
+    commands.write(0.0, &mut command);
+    let JointMeasurement { position, velocity, torque } = newest;
+    for numbers in [position, velocity, torque, &command.velocity, &command.torque] {
+        assert!(numbers.iter().all(|number| number.is_finite()), "{numbers:?}");
+    }
+    taken
+}
+
+#[test]
+fn bytes_of_cyclone_dds_are_the_messages_that_it_wrote() {
+    let mut measurements = Measurements::new(RobotJoints::moca());
+    measurements.take_odometry(&same("Odometry"), after(1)).unwrap();
+    measurements.take_joint_state(&same("JointState"), after(1)).unwrap();
+    let newest = measurements.newest();
+    let [x, y, yaw, arm @ ..] = newest.position.as_slice() else { panic!("three of the base") };
+    assert_eq!((*x, *y, arm), (1.5, -2.5, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7].as_slice()));
+    assert!((yaw - FRAC_PI_2).abs() < 1e-12, "{yaw}");
+    // The twist (0.5, -0.25) of a base that looks along y.
+    assert!((newest.velocity[0] - 0.25).abs() < 1e-12 && (newest.velocity[1] - 0.5).abs() < 1e-12);
+    assert_eq!(newest.velocity[2..], [0.125, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+    assert_eq!(newest.torque[3..], [10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0]);
+    let odometry: Odometry = same("Odometry");
+    assert_eq!((odometry.pose.covariance[5][5], odometry.twist.covariance[0][1]), (35.0, -1.0));
+
+    let mut perceived = Perceived::default();
+    perceived.take_action(&same("String"), after(1)).unwrap();
+    let seen = perceived.take_body(&same("PoseArray"), after(1)).unwrap();
+    assert_eq!(seen.body.keypoints()[24].unwrap().position.y, 0.24);
+    assert!(seen.action.is_some());
+
+    let mut commands = Commands::new(7);
+    commands.take_twist(&same("TwistStamped"), after(1)).unwrap();
+    commands.take_effort(&same("Float64MultiArray")).unwrap();
+    let mut command = JointCommand::at_rest(newest);
+    commands.write(0.0, &mut command);
+    assert_eq!(command.velocity[..3], [0.5, -0.25, 0.125]);
+    assert_eq!(command.torque[3..], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+}
+
+#[test]
+fn bytes_of_another_message_are_refused() {
+    for name in TYPES {
+        assert!(take(name, &golden(name)), "{name}");
+        for other in TYPES.into_iter().filter(|other| *other != name) {
+            assert!(!take(name, &golden(other)), "{other} as {name}");
+        }
+    }
+}
+
+#[test]
+fn messages_that_are_cut_off_are_refused() {
+    for name in TYPES {
+        let bytes = golden(name);
+        // Without what Cyclone DDS fills up with, and without one byte of what it means.
+        for length in 0..bytes.len().saturating_sub(4) {
+            assert!(!take(name, &bytes[..length]), "{length} bytes of {name}");
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_bytes_break_anything(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        for name in TYPES {
+            take(name, &bytes);
+        }
+    }
+
+    #[test]
+    fn no_wrong_byte_breaks_anything(place in any::<prop::sample::Index>(), byte in any::<u8>()) {
+        for name in TYPES {
+            let mut bytes = golden(name);
+            let place = place.index(bytes.len());
+            bytes[place] = byte;
+            take(name, &bytes);
+        }
+    }
+}

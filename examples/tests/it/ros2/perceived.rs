@@ -1,0 +1,54 @@
+use examples::robot_side::ros2::messages::{Text, Time};
+use examples::robot_side::ros2::{Perceived, Refusal};
+use nalgebra::Point3;
+use vision_models::{Action, Body25, Tool};
+
+use super::{after, body};
+
+#[test]
+fn poses_are_joints_in_the_order_of_body_25() {
+    let mut poses = body();
+    let unseen = &mut poses.poses[Body25::LeftEar.index()].position;
+    (unseen.x, unseen.y, unseen.z) = (f64::NAN, f64::NAN, f64::NAN);
+    let seen = Perceived::default().take_body(&poses, after(80)).unwrap();
+    assert_eq!(seen.body.get(Body25::LeftEar), None);
+    assert_eq!(seen.body.iter().count(), 24);
+    let wrist = seen.body.get(Body25::LeftWrist).unwrap();
+    assert!((wrist.position - Point3::new(2.0, 0.0, 0.7)).norm() < 1e-12);
+    let taken = seen.taken.duration_since(after(0)).unwrap_or_else(|before| before.duration());
+    assert!(taken.as_secs_f64() < 1e-6 && seen.action.is_none(), "{taken:?}");
+}
+
+#[test]
+fn bodies_that_are_none_are_refused() {
+    let refused = |change: fn(&mut examples::robot_side::ros2::messages::PoseArray)| {
+        let mut poses = body();
+        change(&mut poses);
+        Perceived::default().take_body(&poses, after(80)).unwrap_err()
+    };
+    // OpenPose's COCO model.
+    let coco = refused(|poses| poses.poses.truncate(18));
+    assert_eq!(coco, Refusal::Size { what: "body joints", found: 18, expected: 25 });
+    let half = refused(|poses| poses.poses[3].position.y = f64::NAN);
+    assert_eq!(half, Refusal::NotFinite { what: "body joints" });
+    let far = refused(|poses| poses.poses[3].position.y = f64::INFINITY);
+    assert_eq!(far, Refusal::NotFinite { what: "body joints" });
+    let camera = refused(|poses| poses.header.frame_id = "camera".to_owned());
+    assert_eq!(camera, Refusal::Frame { found: "camera".to_owned(), expected: "odom" });
+    let simulated = refused(|poses| poses.header.stamp = Time { sec: 3, nanosec: 0 });
+    assert!(matches!(simulated, Refusal::Old { .. }), "{simulated}");
+}
+
+#[test]
+fn an_action_holds_for_a_second() {
+    let (mut perceived, mut poses) = (Perceived::default(), body());
+    let named = |name: &str| Text { data: name.to_owned() };
+    perceived.take_action(&named("Using The Drill"), after(0)).unwrap();
+    let unknown = perceived.take_action(&named("drilling"), after(0)).unwrap_err();
+    assert!(unknown.to_string().contains("drilling"), "{unknown}");
+    let seen = perceived.take_body(&poses, after(900)).unwrap();
+    assert_eq!(seen.action.map(|seen| seen.action), Some(Action::Using(Tool::Drill)));
+    poses.header.stamp.sec += 1;
+    let seen = perceived.take_body(&poses, after(1100)).unwrap();
+    assert_eq!(seen.action, None);
+}
