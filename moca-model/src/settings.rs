@@ -2,7 +2,7 @@
 
 use ahqp_core::Budget;
 use ergo_map::{Person, Region, Side};
-use hrsw::{ClockSettings, FollowerSettings};
+use hrsw::{Bounds, ClockSettings, FollowerSettings};
 use nalgebra::{UnitQuaternion, Vector3, Vector6};
 use vision_models::TrackerSettings;
 
@@ -273,6 +273,8 @@ impl ControllerSettings {
             return Err(Error::Setting { name: "space.lead", value, expected });
         }
         let space = &self.space;
+        Bounds::new(space.min, space.max)?;
+        Bounds::symmetric(space.turn)?;
         let narrowest = (0.5 * (space.max - space.min)).min().min(space.turn.min());
         if !(0.0..=narrowest).contains(&space.margin) {
             let expected =

@@ -241,13 +241,18 @@ impl Options {
         let times = LoopSettings { period: settings.period, ..LoopSettings::default() };
         let mut control = ControlLoop::new(times, JointMeasurement::at_rest(model))?;
         let scheduling = Scheduling { priority: self.priority, lock_memory: self.lock_memory };
-        let until = clock.now() + self.duration;
         let (interrupt, ended) = (session.interrupt().clone(), AtomicBool::new(false));
         let watch = clock;
         thread::scope(|scope| {
             let looping = scope.spawn(|| {
                 let ending = scheduling.apply().map_err(|error| anyhow!(error)).and_then(|()| {
-                    let stop = || interrupt.requested() || watch.now() > until;
+                    // Asked once a tick: from the first one on.
+                    let mut begun = None;
+                    let stop = || {
+                        let now = watch.now();
+                        let driven = now - *begun.get_or_insert(now);
+                        interrupt.requested() || driven > self.duration
+                    };
                     control
                         .run(robot, &mut law, &mut clock, stop)
                         .map_err(|error| anyhow!("{error}"))

@@ -120,7 +120,8 @@ fn the_benchmark_goes_to_the_shared_workspace_and_no_further() {
     let mut run = Loop::new(settings);
     run.run(8000, |time| Some(percept(time, &person, Action::Using(Tool::Drill))));
     let hand = run.hand_in(&person);
-    assert!((hand.x - 0.75).abs() < 5e-3, "stops at the far side: {hand}");
+    let far = 0.75 - SpaceSettings::default().margin;
+    assert!((hand.x - far).abs() < 5e-3, "stops at the far side: {hand}");
     assert!(run.controller.command().activation == 0.0);
 }
 
