@@ -1,19 +1,19 @@
 //! Products of rows with each other, and the Cholesky factorisation, in blocks that fit the cache.
 
-use ndarray::{Array1, Array2, ArrayView2, Axis, LinalgScalar, linalg::general_mat_mul, s};
+use ndarray::{Array1, Array2, ArrayView2, Axis, linalg::general_mat_mul, s};
 
 /// Rows of a block.
 const BLOCK: usize = 96;
 
 /// The lower triangle of X Xᵀ; what stands above it is not meant.
-pub(super) fn lower_products<A: LinalgScalar>(rows: ArrayView2<'_, A>) -> Array2<A> {
+pub(super) fn lower_products(rows: ArrayView2<'_, f64>) -> Array2<f64> {
     let count = rows.nrows();
     let mut products = Array2::zeros((count, count));
     for (start, end) in blocks(0, count) {
         let block = rows.slice(s![start..end, ..]);
         let mut target = products.slice_mut(s![start..end, ..end]);
         let others = rows.slice(s![..end, ..]);
-        general_mat_mul(A::one(), &block, &others.t(), A::zero(), &mut target);
+        general_mat_mul(1.0, &block, &others.t(), 0.0, &mut target);
     }
     products
 }

@@ -31,9 +31,9 @@ pub(super) struct Slope<'a> {
 /// samples (the Woodbury identity; then M = S⁻¹ + X Xᵀ).
 #[derive(Debug, Default)]
 pub(super) struct Newton {
-    /// Inner products of all samples, once they are needed. Their rounding bends the direction a little; what
-    /// is minimised, and the gap, are computed in f64.
-    products: Option<Array2<f32>>,
+    /// Inner products of all samples, once they are needed. In f64: large samples that are nearly parallel leave
+    /// less than f32 rounds off.
+    products: Option<Array2<f64>>,
 }
 
 impl Newton {
@@ -97,14 +97,16 @@ impl Newton {
         if samples > features || (self.products.is_none() && 4 * curved.len() < samples) {
             return lower_products(rows_of(problem, curved).view());
         }
-        let all = self.products.get_or_insert_with(|| lower_products(problem.samples.view()));
+        let all = self
+            .products
+            .get_or_insert_with(|| lower_products(problem.samples.mapv(f64::from).view()));
         let mut products = Array2::zeros((curved.len(), curved.len()));
         for (place, (sample, _)) in curved.iter().enumerate() {
             // Samples are in order, so that the lower triangle of all has what is needed.
             let from = all.row(*sample);
             let mut row = products.slice_mut(s![place, ..=place]);
             for (product, (other, _)) in row.iter_mut().zip(curved) {
-                *product = f64::from(from[*other]);
+                *product = from[*other];
             }
         }
         products

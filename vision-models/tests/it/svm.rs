@@ -64,6 +64,20 @@ fn planes_are_those_of_scikit_learn() {
     }
 }
 
+/// Features of a random network are large and differ little from image to image: what tells the samples apart is lost
+/// where their products are rounded to f32.
+#[test]
+fn large_samples_that_are_nearly_parallel() {
+    let points = Array2::from_shape_fn((40, 64), |(sample, feature)| {
+        let noise = (37 * sample + 101 * feature + sample * feature) % 97;
+        3000.0 + f32::from(u8::try_from(noise).unwrap()) / 97.0
+    });
+    let labels: Vec<usize> = (0..40).map(|sample| sample % 2).collect();
+    let (_, trainings) =
+        LinearSvm::train(points.view(), &labels, names(2), &SvmSettings::default()).unwrap();
+    assert!(trainings.iter().all(|training| training.converged), "{trainings:?}");
+}
+
 /// Two points: the plane is half way, and the margin is their distance.
 #[test]
 fn two_points() {
