@@ -4,12 +4,14 @@
 mod comparison;
 mod on_board;
 mod run;
+mod scenario;
 mod scoring;
 mod seen;
 mod summary;
 mod work;
 
 pub use comparison::Comparison;
-pub use run::{Delivery, Run, Scenario};
+pub use run::Run;
+pub use scenario::{Delivery, Scenario};
 pub use scoring::{HandScore, Scorer};
 pub use summary::{MeasuredReba, Summary};

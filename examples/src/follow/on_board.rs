@@ -6,7 +6,7 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{Confidence, RecognisedSurface, Surface};
 
-use super::run::Scenario;
+use super::scenario::Scenario;
 use crate::plant::Plant;
 use crate::random;
 

@@ -2,80 +2,31 @@
 
 use std::time::Instant;
 
-use anyhow::{Context, ensure};
-use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, Person, PersonFrame};
+use ergo_map::PersonFrame;
 use hrsw::{SafetyState, Workspace};
-use moca_model::whole_body::Model;
-use moca_model::{
-    Command, Controller, ControllerSettings, Goal, HeldObject, MOCA_HOME, Phase, SafetySettings,
-    SpaceSettings, TorqueLoopSettings, moca,
-};
+use moca_model::{Command, Controller, ControllerSettings, Goal, HeldObject, Phase};
 use nalgebra::Vector3;
 use vision_models::Percept;
 
 use super::on_board::OnBoardEye;
+use super::scenario::{Delivery, Scenario};
 use super::scoring::Scorer;
 use super::seen::SeenPerson;
 use super::summary::{MeasuredReba, Summary};
 use super::work::WorkForce;
 use crate::limits::{LimitMonitor, Return};
 use crate::perception::{Assessor, MeasuredAssessment};
-use crate::plant::{Drive, Plant};
+use crate::plant::Plant;
 use crate::program::{Ending, Interrupt};
-use crate::recording::Timing;
 use crate::replay::Recorder;
 use crate::report::TickRow;
 use crate::separation::{Moment, SeparationMonitor};
-use crate::settings::{RobotSettings, SettingsError, SettingsFile};
 
 /// A margin below which x_d counts as within the workspace \[m or rad\].
 const INSIDE: f64 = 1e-3;
 
 /// Of the robot's noise, the same in both runs.
 const SEED: u64 = 1;
-
-/// What both runs share.
-#[derive(Debug)]
-pub struct Scenario {
-    /// Camera frames in the order of their times.
-    pub percepts: Vec<Percept>,
-    /// When each is there to be acted on \[s\]: none before its time.
-    pub arrivals: Vec<f64>,
-    /// The person's map, which scores the postures.
-    pub map: ErgonomicsMap,
-    /// What the controller minimises.
-    pub comfort: ErgonomicsQuadratic,
-    /// Whose stature that is of, to adapt it to the stature that the robot measures \[m\]; none to leave
-    /// it as it is.
-    pub adapts_from: Option<f64>,
-    /// The robot.
-    pub model: Model,
-    /// Where it starts.
-    pub start: Vec<f64>,
-    /// The controller, but for its goal.
-    pub settings: ControllerSettings,
-    /// The loop of torques below it.
-    pub torques: TorqueLoopSettings,
-    /// What the robot does with commands.
-    pub drive: Drive,
-    /// What the robot holds for the person to work on.
-    pub object: HeldObject,
-    /// How it comes by that.
-    pub delivery: Delivery,
-}
-
-/// How the robot comes by the object.
-#[derive(Debug, Clone, Default)]
-pub enum Delivery {
-    /// It holds it from the beginning, and knows it. Surfaces are as recorded.
-    #[default]
-    Held,
-    /// The person hands it over. The on-board camera sees the true object.
-    HandedOver {
-        /// What the robot takes the object for, until the camera has seen it.
-        believed: HeldObject,
-    },
-}
 
 /// One controller against the simulated robot.
 #[derive(Debug)]
@@ -127,94 +78,6 @@ struct Tally {
     failures: u64,
 }
 
-impl Scenario {
-    /// MOCA at its home configuration with these percepts and this map, holding an object.
-    ///
-    /// # Errors
-    /// A map that cannot be fitted, or no percepts.
-    pub fn new(
-        percepts: Vec<Percept>,
-        person: &Person,
-        map: ErgonomicsMap,
-    ) -> anyhow::Result<Self> {
-        ensure!(!percepts.is_empty(), "the recording holds no camera frame");
-        let (comfort, _) =
-            map.fit(&ergo_map::FitOptions::default()).context("fitting the person's ergonomics")?;
-        let model = moca()?;
-        let space = SpaceSettings::default().for_person(person, map.side());
-        let settings = ControllerSettings { space, ..ControllerSettings::default() };
-        let arrivals = percepts.iter().map(|percept| percept.time).collect();
-        let (start, drive, object) = (MOCA_HOME.to_vec(), Drive::default(), HeldObject::default());
-        let torques = TorqueLoopSettings::default();
-        let adapts_from = None;
-        Ok(Self {
-            percepts,
-            arrivals,
-            map,
-            comfort,
-            adapts_from,
-            model,
-            start,
-            settings,
-            torques,
-            drive,
-            object,
-            delivery: Delivery::Held,
-        })
-    }
-
-    /// The same, with percepts that come as late as their recording says.
-    #[must_use]
-    pub fn arriving(mut self, timings: &[Timing]) -> Self {
-        let mut latest = f64::NEG_INFINITY;
-        for ((arrival, percept), timing) in
-            self.arrivals.iter_mut().zip(&self.percepts).zip(timings)
-        {
-            latest = timing.available(percept.time).max(latest);
-            *arrival = latest;
-        }
-        self
-    }
-
-    /// The same with what a file of settings says in place of the settings so far. The goal is that of
-    /// each run all the same.
-    ///
-    /// # Errors
-    /// Values that are out of range or do not go together.
-    pub fn with_settings(self, file: &SettingsFile) -> Result<Self, SettingsError> {
-        let base = RobotSettings { controller: self.settings, torque: self.torques };
-        let RobotSettings { controller, torque } = file.over(&base)?;
-        Ok(Self { settings: controller, torques: torque, ..self })
-    }
-
-    /// The same without protective distances, speed cap and self-collision: the paper's stack alone.
-    #[must_use]
-    pub fn without_separation(mut self) -> Self {
-        self.settings.safety = SafetySettings::off();
-        self
-    }
-
-    /// Returns true if people are kept at a distance.
-    pub fn has_separation(&self) -> bool {
-        !self.settings.safety.bodies.is_empty()
-    }
-
-    /// The same, with a robot that follows velocities exactly and at once.
-    #[must_use]
-    pub fn kinematic(mut self) -> Self {
-        self.drive = Drive::Kinematic;
-        self
-    }
-
-    /// How long it lasts \[s\].
-    pub fn duration(&self) -> f64 {
-        match (self.percepts.first(), self.percepts.last()) {
-            (Some(first), Some(last)) => last.time - first.time,
-            _ => 0.0,
-        }
-    }
-}
-
 impl<'a> Run<'a> {
     /// A run from the beginning.
     ///
@@ -228,14 +91,10 @@ impl<'a> Run<'a> {
         let controller =
             Controller::new(scenario.model.clone(), scenario.comfort, settings, start)?;
         let safety = &scenario.settings.safety;
-        let mut separation = SeparationMonitor::new(&scenario.model, safety, period)?;
-        separation.carry(controller.robot().tool(), &[scenario.object.capsule()?]);
+        let separation = SeparationMonitor::new(&scenario.model, safety, period)?;
         let torques = scenario.torques.clone();
-        let mut plant = Plant::with_torques(scenario.drive, controller, torques, SEED)?;
-        if let Delivery::Held = scenario.delivery {
-            plant.hold(&scenario.object)?;
-        }
-        Ok(Self {
+        let plant = Plant::with_torques(scenario.drive, controller, torques, SEED)?;
+        let mut run = Self {
             on_board: OnBoardEye::new(SEED),
             scorer: Scorer::new(&scenario.map, middle),
             assessor: Assessor::default(),
@@ -253,7 +112,11 @@ impl<'a> Run<'a> {
             interrupt: Interrupt::default(),
             recorder: None,
             scenario,
-        })
+        };
+        if let Delivery::Held = scenario.delivery {
+            run.hold(&scenario.object)?;
+        }
+        Ok(run)
     }
 
     /// The same, but it ends early when an interrupt comes.
@@ -339,10 +202,17 @@ impl<'a> Run<'a> {
     fn grasp(&mut self) -> anyhow::Result<()> {
         match &self.scenario.delivery {
             Delivery::HandedOver { believed } if self.plant.command().phase == Phase::Grasping => {
-                self.plant.hold(believed)
+                self.hold(believed)
             }
             _ => Ok(()),
         }
+    }
+
+    /// The robot holds the object, and takes it for this.
+    fn hold(&mut self, believed: &HeldObject) -> anyhow::Result<()> {
+        let tool = self.plant.controller().robot().tool();
+        self.separation.carry(tool, &[self.scenario.object.capsule()?]);
+        self.plant.hold(believed)
     }
 
     /// Has the controller minimise the ergonomics of somebody of the stature that was measured.
