@@ -28,8 +28,8 @@ pub struct Common {
     /// A robot that follows velocities exactly and at once, in place of one that moves under torques.
     #[arg(long)]
     kinematic: bool,
-    /// See the person in rendered frames with depth, by what `perceive` does, in place of a model of the camera: some
-    /// seconds more a case.
+    /// Find the person's joints in rendered frames with depth, as `perceive` does, in place of a model of the camera.
+    /// A case takes some seconds more.
     #[arg(long)]
     pixels: bool,
     /// The folder of the figures, made if it is not there.

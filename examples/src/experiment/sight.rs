@@ -31,15 +31,15 @@ pub(super) struct FilmedPerson {
 impl FilmedPerson {
     /// A person before the first frame, seen from the front.
     pub(super) fn new(settings: &WalkerSettings) -> Result<Self> {
-        let settings_of_perceiver = PerceiverSettings::default();
-        let pixel_sigma = settings_of_perceiver.lifting.pixel_sigma;
+        let perception = PerceiverSettings::default();
+        let pixel_sigma = perception.lifting.pixel_sigma;
         let film = Film::new(settings.clone(), Viewpoint::Facing, SIZE, pixel_sigma)?;
-        let perceiver = Perceiver::new(*film.camera(), settings_of_perceiver)?;
+        let perceiver = Perceiver::new(*film.camera(), perception)?;
         Ok(Self { film, perceiver })
     }
 
-    /// Films the next frame. The same percept, with the joints that are found in it; `None` stands for a
-    /// frame that the camera lost.
+    /// Films the next frame, and returns `percept` with the joints that are found in that frame as its body. `None`
+    /// stands for a frame that the camera lost.
     pub(super) fn see(&mut self, percept: Option<Percept>) -> Result<Option<Percept>> {
         let shot = self.film.next().context("the film is shorter than the walk")??;
         let Some(percept) = percept else { return Ok(None) };

@@ -34,7 +34,7 @@ pub struct Walk {
 }
 
 impl Walk {
-    /// The walk of these settings, seen so. Frames arrive 20 to 90 ms late.
+    /// The walk of these settings, with percepts from this source. Frames arrive 20 to 90 ms late.
     ///
     /// # Errors
     /// Settings that make no walk.
