@@ -8,6 +8,7 @@ mod cases;
 mod chart;
 mod distance;
 pub mod following;
+mod job;
 mod options;
 pub mod reorientation;
 mod sight;
@@ -18,7 +19,8 @@ mod walk;
 
 pub use cases::generator;
 pub use distance::{DistanceError, DistanceMonitor};
-pub use options::{Common, Conditions};
+pub use job::{Experiment, Job, merge};
+pub use options::{Common, Conditions, make_folder};
 pub use sight::Sight;
 pub use spread::{Duel, Spread};
 pub use versus::{Versus, VersusLine};

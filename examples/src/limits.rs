@@ -11,6 +11,7 @@ use moca_model::{
     TorqueLoopSettings,
 };
 use nalgebra::{Vector3, Vector6};
+use serde::{Deserialize, Serialize};
 
 /// What rounding may add: relative to a limit of speed, on a position \[m, rad\], and over the
 /// period relative to a limit of acceleration.
@@ -52,7 +53,7 @@ pub enum Return {
 }
 
 /// How much of each limit was left at the worst tick, as a fraction of the limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Margins {
     /// Distance from the nearer position limit over half the range.
     pub position: f64,

@@ -29,13 +29,14 @@ use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
+use serde::{Deserialize, Serialize};
 use vision_models::Percept;
 
 use crate::limits::TorqueMonitor;
 use crate::random;
 
 /// What the robot does with a command.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Drive {
     /// Its arm moves as rigid bodies do under torques, with friction and noise; its base follows
     /// velocities with a lag.

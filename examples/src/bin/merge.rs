@@ -5,6 +5,9 @@ use std::{io::Write, path::PathBuf, process::ExitCode};
 use anyhow::{Result, bail};
 use clap::Parser;
 use examples::actions::evaluated::{self, Evaluated};
+use examples::experiment::{
+    self, Experiment, following::Following, reorientation::Reorientation, subjects::Subjects,
+};
 use examples::program::{self, Ending, Json, Program, Quiet, Session, check_folder};
 use examples::shards::{Merged, ShardError, program_of};
 use examples::soak;
@@ -13,14 +16,14 @@ use examples::soak;
 /// what the program prints of all cases on one machine.
 ///
 /// The result is the same for any N, but for times. The exit status is that of the program. Programs
-/// that can be split: soak, actions evaluate.
+/// that can be split: soak, actions evaluate, experiment.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
     /// The files of all shards.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Write what `actions evaluate --output` writes into this folder.
+    /// Write what `actions evaluate --output` or `experiment --output` writes into this folder.
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -39,8 +42,11 @@ impl Program for Options {
         match program_of(first)?.as_str() {
             soak::PROGRAM => self.soak(session),
             evaluated::PROGRAM => self.evaluation(session),
+            Reorientation::PROGRAM => self.experiment::<Reorientation>(session),
+            Following::PROGRAM => self.experiment::<Following>(session),
+            Subjects::PROGRAM => self.experiment::<Subjects>(session),
             other => bail!(
-                "{}: shards of \"{other}\" are not known; known are {} and {}",
+                "{}: shards of \"{other}\" are not known; known are {}, {} and experiment",
                 first.display(),
                 soak::PROGRAM,
                 evaluated::PROGRAM
@@ -74,6 +80,11 @@ impl Options {
             report.write_folder(folder, &job, &results)?;
         }
         session.conclude(self.json, &report, Ending::Complete)
+    }
+
+    fn experiment<E: Experiment>(self, session: &mut Session) -> Result<Ending> {
+        self.output.as_deref().map(experiment::make_folder).transpose()?;
+        experiment::merge::<E>(&self.files, self.output.as_deref(), self.json, session)
     }
 }
 

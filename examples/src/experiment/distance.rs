@@ -1,6 +1,7 @@
 //! How well the robot keeps its place beside a walking person.
 
 use nalgebra::{Rotation2, Vector2};
+use serde::{Deserialize, Serialize};
 
 use crate::report::TickRow;
 use crate::simulation::Truth;
@@ -13,7 +14,7 @@ const CHANGE: f64 = 0.03;
 const STANDING: f64 = 0.02;
 
 /// How far the hand is from where it is when the person stands, in the person's own frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DistanceError {
     /// Length of the mean displacement while the person walks evenly \[m\]; none if they never did.
     pub steady: Option<f64>,

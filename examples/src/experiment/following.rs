@@ -3,27 +3,26 @@
 mod speeds;
 
 use std::fmt;
-use std::io::Write;
 
 use anyhow::Result;
 use clap::Args;
-use ergo_map::{ErgonomicsMap, MapOptions, Person};
+use ergo_map::ErgonomicsMap;
 use moca_model::Goal;
 use rand::Rng;
 use rand::seq::IndexedRandom;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use vision_models::Tool;
 
-use super::cases::{generator, play_all};
+use super::cases::generator;
 use super::chart::{Panel, Series, Style, chart};
+use super::job::{Experiment, Job, run};
 use super::options::{Common, Conditions};
-use super::versus::{Versus, VersusLine};
+use super::versus::Versus;
 use super::walk::Walk;
-use crate::ergonomics::build_map;
 use crate::follow::{Run, Summary};
 use crate::program::{Ending, Interrupt, Quiet, Session};
 use crate::simulation::{WalkerSettings, WalkingPath};
-pub use speeds::{SpeedResult, Speeds};
+pub use speeds::{SpeedResult, Speeds, Stroll, StrollTrial};
 
 /// Experiment 4: random people lead the robot along random paths.
 ///
@@ -108,27 +107,80 @@ impl Case {
 }
 
 /// What the experiment came to.
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 pub struct FollowingResult {
     /// On random paths.
+    #[serde(flatten)]
     pub paths: Versus,
     /// Straight on.
     pub speeds: Speeds,
 }
 
-/// The line of `--json`.
-#[derive(Serialize)]
-struct Line<'a> {
-    experiment: &'static str,
-    seed: u64,
-    #[serde(flatten)]
-    paths: VersusLine,
-    speeds: &'a [SpeedResult],
-}
-
 impl fmt::Display for FollowingResult {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n\n{}", self.paths, self.speeds)
+    }
+}
+
+/// Somebody who leads the robot along a random path, or walks straight on.
+#[derive(Clone, Debug)]
+pub enum Walking {
+    /// Along a path.
+    Path(Case),
+    /// Straight on.
+    Straight(Stroll),
+}
+
+/// What that came to.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum WalkingTrial {
+    /// With ergonomics and without.
+    Path(Box<[Summary; 2]>),
+    /// At a speed.
+    Straight(Box<StrollTrial>),
+}
+
+impl Experiment for Following {
+    const PROGRAM: &'static str = "experiment following";
+    const NAME: &'static str = "following";
+    type Case = Walking;
+    type Trial = WalkingTrial;
+    type Outcome = FollowingResult;
+
+    fn cases(job: &Job) -> Vec<Walking> {
+        let paths = cases(job.seed, job.cases, job.duration).into_iter().map(Walking::Path);
+        paths.chain(speeds::cases(job).map(Walking::Straight)).collect()
+    }
+
+    fn play(
+        case: &Walking,
+        average: &ErgonomicsMap,
+        conditions: Conditions,
+        interrupt: &Interrupt,
+    ) -> Result<WalkingTrial> {
+        Ok(match case {
+            Walking::Path(case) => {
+                WalkingTrial::Path(Box::new(case.play(average, conditions, interrupt)?))
+            }
+            Walking::Straight(case) => {
+                WalkingTrial::Straight(Box::new(case.play(average, conditions, interrupt)?))
+            }
+        })
+    }
+
+    fn outcome(trials: Vec<WalkingTrial>) -> FollowingResult {
+        let (mut paths, mut straight) = (Vec::new(), Vec::new());
+        for trial in trials {
+            match trial {
+                WalkingTrial::Path(trial) => paths.push(*trial),
+                WalkingTrial::Straight(trial) => straight.push(*trial),
+            }
+        }
+        FollowingResult { paths: Versus::new(paths), speeds: Speeds::new(&straight) }
+    }
+
+    fn figure(outcome: &FollowingResult) -> Result<String> {
+        outcome.figure()
     }
 }
 
@@ -138,34 +190,12 @@ impl Following {
         self.common.quiet
     }
 
-    /// Plays the cases, prints the table and draws the figures.
+    /// Plays the cases, prints the table and draws the figure.
     ///
     /// # Errors
     /// A folder that cannot be written; a case that cannot be played.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
-        let common = &self.common;
-        common.prepare()?;
-        let average = build_map(session, &Person::average(), &MapOptions::default(), None)?;
-        let seed = common.seed.seed;
-        let cases = cases(seed, common.cases, self.duration);
-        let (pairs, ending) =
-            play_all(session, "following", common.threads, &cases, |case, stop| {
-                case.play(&average, common.conditions(), stop)
-            })?;
-        let (speeds, ending) = match ending {
-            Ending::Complete => speeds::measure(session, common, &average)?,
-            ending => (Speeds::default(), ending),
-        };
-        let result = FollowingResult { paths: Versus::new(pairs), speeds };
-        common.write(&[("following.svg", result.figure()?)], ending)?;
-        write!(session.output(), "{result}")?;
-        let line = Line {
-            experiment: "following",
-            seed,
-            paths: result.paths.line(),
-            speeds: &result.speeds.rows,
-        };
-        session.conclude(common.json, &line, ending)
+        run::<Self>(&self.common, self.duration, session)
     }
 }
 

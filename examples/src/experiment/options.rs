@@ -1,17 +1,20 @@
 //! Options of every experiment.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::Args;
+use serde::{Deserialize, Serialize};
 
+use super::job::Job;
 use super::sight::Sight;
 use crate::plant::Drive;
 use crate::program::{Ending, Json, OutputFile, Quiet, Seed, Threads, check_folder};
+use crate::shards::ShardOptions;
 
 /// What is the same in all cases of an experiment.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Conditions {
     /// What the robot does with commands.
     pub drive: Drive,
@@ -24,7 +27,7 @@ pub struct Conditions {
 pub struct Common {
     /// How many random cases to play.
     #[arg(long, value_name = "COUNT", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=100_000))]
-    pub cases: u64,
+    cases: u64,
     /// A robot that follows velocities exactly and at once, in place of one that moves under torques.
     #[arg(long)]
     kinematic: bool,
@@ -38,70 +41,64 @@ pub struct Common {
     /// Write no figures.
     #[arg(long)]
     no_report: bool,
+    #[command(flatten)]
+    pub(super) shards: ShardOptions,
     /// Random numbers and threads.
     #[command(flatten)]
-    pub seed: Seed,
-    #[allow(missing_docs)]
+    seed: Seed,
     #[command(flatten)]
-    pub threads: Threads,
-    #[allow(missing_docs)]
+    pub(super) threads: Threads,
     #[command(flatten)]
-    pub json: Json,
-    #[allow(missing_docs)]
+    pub(super) json: Json,
     #[command(flatten)]
-    pub quiet: Quiet,
+    pub(super) quiet: Quiet,
 }
 
 impl Common {
-    /// What is the same in all cases.
-    pub fn conditions(&self) -> Conditions {
-        Conditions {
+    /// What is played, in cases of so many seconds.
+    pub(super) fn job(&self, duration: f64) -> Job {
+        let conditions = Conditions {
             drive: if self.kinematic { Drive::Kinematic } else { Drive::Torque },
             sight: if self.pixels { Sight::Pixels } else { Sight::Modelled },
-        }
+        };
+        Job { seed: self.seed.seed, cases: self.cases, duration, conditions }
+    }
+
+    /// The folder of the figures, if they are wanted.
+    pub(super) fn figures(&self) -> Option<&Path> {
+        (!self.no_report).then_some(&self.output)
     }
 
     /// Makes the folder of the figures; before the work, so that a wrong place is known early.
     ///
     /// # Errors
     /// A folder that cannot be made.
-    pub fn prepare(&self) -> Result<()> {
-        if self.no_report {
-            return Ok(());
-        }
-        let folder = &self.output;
-        check_folder(folder)?;
-        fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make the folder {}", folder.display()))
+    pub(super) fn prepare(&self) -> Result<()> {
+        self.figures().map_or(Ok(()), make_folder)
     }
+}
 
-    /// Writes files into it, named `*.partial.*` where the cases were not played to their end.
-    ///
-    /// # Errors
-    /// Files that cannot be written.
-    pub fn write(&self, files: &[(&str, String)], ending: Ending) -> Result<()> {
-        if self.no_report {
-            return Ok(());
-        }
-        for (name, text) in files {
-            let mut file = OutputFile::create(self.output.join(name))?;
-            file.push(text.as_bytes())?;
-            if ending == Ending::Partial {
-                file.keep_partial()?;
-            } else {
-                file.keep()?;
-            }
-        }
-        Ok(())
-    }
+/// Makes a folder, if it is not there.
+///
+/// # Errors
+/// A folder that cannot be made.
+pub fn make_folder(folder: &Path) -> Result<()> {
+    check_folder(folder)?;
+    fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))
+}
 
-    /// Returns true if figures are wanted.
-    pub fn reports(&self) -> bool {
-        !self.no_report
+/// Writes a figure, named `*.partial.*` where the cases were not played to their end.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(super) fn write_figure(path: &Path, text: &str, ending: Ending) -> Result<()> {
+    let mut file = OutputFile::create(path)?;
+    file.push(text.as_bytes())?;
+    if ending == Ending::Partial {
+        file.keep_partial()?;
+    } else {
+        file.keep()?;
     }
-
-    /// The folder of the figures.
-    pub fn folder(&self) -> &std::path::Path {
-        &self.output
-    }
+    Ok(())
 }

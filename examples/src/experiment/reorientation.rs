@@ -3,24 +3,23 @@
 mod judge;
 
 use std::fmt;
-use std::io::Write;
 
 use anyhow::Result;
 use clap::Args;
-use ergo_map::{ErgonomicsMap, MapOptions, Person};
+use ergo_map::ErgonomicsMap;
 use moca_model::{BoxSide, Goal, HeldObject, WorkFace};
 use nalgebra::Point2;
 use rand::Rng;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use vision_models::Surface;
 
-use super::cases::{generator, play_all};
+use super::cases::generator;
 use super::chart::{Panel, Series, Style, chart};
+use super::job::{Experiment, Job, run};
 use super::options::{Common, Conditions};
 use super::spread::Spread;
-use super::versus::{Versus, VersusLine};
+use super::versus::Versus;
 use super::walk::Walk;
-use crate::ergonomics::build_map;
 use crate::follow::{Delivery, Run, Summary};
 use crate::program::{Ending, Interrupt, Quiet, Session};
 use crate::simulation::{WalkerSettings, WalkingPath};
@@ -83,7 +82,7 @@ fn other(surface: Surface) -> Surface {
 }
 
 /// What a case came to, with ergonomics and without.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Trial {
     summaries: [Summary; 2],
     turns: [Turn; 2],
@@ -156,14 +155,20 @@ pub struct TurnsLine {
 }
 
 /// What the experiment came to.
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 pub struct ReorientationResult {
-    /// With ergonomics and without.
-    pub turns: [TurnsLine; 2],
-    ratios: Vec<(f64, f64)>,
+    /// With ergonomics.
+    pub turns_on: TurnsLine,
+    /// Without.
+    pub turns_off: TurnsLine,
+    #[serde(flatten)]
     versus: Versus,
+    #[serde(skip)]
+    ratios: Vec<(f64, f64)>,
+    #[serde(skip)]
     first: Vec<String>,
     /// The cases that do not end right with ergonomics, and what happened in them.
+    #[serde(skip)]
     wrong: Vec<String>,
 }
 
@@ -196,13 +201,14 @@ impl ReorientationResult {
             .iter()
             .filter_map(|trial| Some((trial.turns[0].least_time?, trial.turns[0].time?)));
         let wrong = trials.iter().filter(|trial| !trial.turns[0].right).map(|trial| {
-            let [x, y, z]: [f64; 3] = trial.turns[0].off.into();
+            let [x, y, z] = trial.turns[0].off;
             let lines = trial.transitions.join("\n");
             format!("case {} ends turned by ({x:.2}, {y:.2}, {z:.2}) rad\n{lines}", trial.number)
         });
         Self {
             wrong: wrong.collect(),
-            turns: [line(0), line(1)],
+            turns_on: line(0),
+            turns_off: line(1),
             ratios: ratios.collect(),
             first: trials.first().map(|trial| trial.transitions.clone()).unwrap_or_default(),
             versus: Versus::new(trials.into_iter().map(|trial| trial.summaries)),
@@ -243,7 +249,7 @@ impl fmt::Display for ReorientationResult {
             writeln!(f, "{case}")?;
         }
         writeln!(f, "\n{:<58}{:>10}{:>10}", "ergonomics", "on", "off")?;
-        let [on, off] = &self.turns;
+        let (on, off) = (&self.turns_on, &self.turns_off);
         for (name, of) in [
             ("cases", (|line| line.cases) as fn(&TurnsLine) -> usize),
             ("object handed over", |line| line.grasped),
@@ -265,15 +271,33 @@ impl fmt::Display for ReorientationResult {
     }
 }
 
-/// The line of `--json`.
-#[derive(Serialize)]
-struct Line<'a> {
-    experiment: &'static str,
-    seed: u64,
-    turns_on: &'a TurnsLine,
-    turns_off: &'a TurnsLine,
-    #[serde(flatten)]
-    versus: VersusLine,
+impl Experiment for Reorientation {
+    const PROGRAM: &'static str = "experiment reorientation";
+    const NAME: &'static str = "reorientation";
+    type Case = Case;
+    type Trial = Trial;
+    type Outcome = ReorientationResult;
+
+    fn cases(job: &Job) -> Vec<Case> {
+        cases(job.seed, job.cases)
+    }
+
+    fn play(
+        case: &Case,
+        average: &ErgonomicsMap,
+        conditions: Conditions,
+        interrupt: &Interrupt,
+    ) -> Result<Trial> {
+        case.play(average, conditions, interrupt)
+    }
+
+    fn outcome(trials: Vec<Trial>) -> ReorientationResult {
+        ReorientationResult::new(trials)
+    }
+
+    fn figure(outcome: &ReorientationResult) -> Result<String> {
+        outcome.figure()
+    }
 }
 
 impl Reorientation {
@@ -282,26 +306,11 @@ impl Reorientation {
         self.common.quiet
     }
 
-    /// Plays the cases, prints the table and draws the figures.
+    /// Plays the cases, prints the table and draws the figure.
     ///
     /// # Errors
     /// A folder that cannot be written; a case that cannot be played.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
-        let common = &self.common;
-        common.prepare()?;
-        let average = build_map(session, &Person::average(), &MapOptions::default(), None)?;
-        let seed = common.seed.seed;
-        let cases = cases(seed, common.cases);
-        let (trials, ending) =
-            play_all(session, "reorientation", common.threads, &cases, |case, stop| {
-                case.play(&average, common.conditions(), stop)
-            })?;
-        let result = ReorientationResult::new(trials);
-        common.write(&[("reorientation.svg", result.figure()?)], ending)?;
-        write!(session.output(), "{result}")?;
-        let [turns_on, turns_off] = &result.turns;
-        let versus = result.versus.line();
-        let line = Line { experiment: "reorientation", seed, turns_on, turns_off, versus };
-        session.conclude(common.json, &line, ending)
+        run::<Self>(&self.common, DURATION, session)
     }
 }

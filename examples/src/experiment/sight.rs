@@ -1,6 +1,7 @@
 //! How the robot sees a simulated person.
 
 use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
 use vision_models::Percept;
 
 use crate::perception::{Perceiver, PerceiverSettings};
@@ -11,7 +12,7 @@ use crate::simulation::WalkerSettings;
 const SIZE: [usize; 2] = [640, 480];
 
 /// How the robot comes to know where a simulated person's joints are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Sight {
     /// A model of camera and pose network reports them.
     #[default]

@@ -2,22 +2,21 @@
 //! with none.
 
 use std::fmt;
-use std::io::Write;
 
 use anyhow::Result;
 use clap::Args;
-use ergo_map::{ErgonomicsMap, MapOptions, Person};
+use ergo_map::{ErgonomicsMap, Person};
 use moca_model::{Goal, SpaceSettings};
 use rand::Rng;
 use serde::Serialize;
 use vision_models::Tool;
 
-use super::cases::{generator, play_all};
+use super::cases::generator;
 use super::chart::{Panel, Series, Style, chart};
+use super::job::{Experiment, Job, run};
 use super::options::{Common, Conditions};
 use super::spread::{Duel, Spread};
 use super::walk::{FIT, Walk};
-use crate::ergonomics::build_map;
 use crate::follow::{Run, Summary};
 use crate::program::{Ending, Interrupt, Quiet, Session};
 use crate::simulation::{WalkerSettings, WalkingPath};
@@ -108,11 +107,7 @@ fn stature(subject: u64) -> f64 {
 }
 
 impl Case {
-    /// Plays it with each kind of knowledge.
-    ///
-    /// # Errors
-    /// Settings that the controller refuses.
-    pub fn play(
+    fn play(
         &self,
         average: &ErgonomicsMap,
         conditions: Conditions,
@@ -187,8 +182,7 @@ pub struct SubjectsResult {
 }
 
 impl SubjectsResult {
-    /// Of trials of these people.
-    pub fn new(trials: &[(u64, [Summary; 4])]) -> Self {
+    fn new(trials: &[(u64, [Summary; 4])]) -> Self {
         let met = |trial: &&(u64, [Summary; 4])| trial.1.iter().all(|run| run.together > 0.0);
         let together: Vec<_> = trials.iter().filter(met).collect();
         let duel = |first: usize, second: usize| {
@@ -292,13 +286,34 @@ impl fmt::Display for SubjectsResult {
     }
 }
 
-/// The line of `--json`.
-#[derive(Serialize)]
-struct Line<'a> {
-    experiment: &'static str,
-    seed: u64,
-    #[serde(flatten)]
-    result: &'a SubjectsResult,
+impl Experiment for Subjects {
+    const PROGRAM: &'static str = "experiment subjects";
+    const NAME: &'static str = "subjects";
+    type Case = Case;
+    /// Who, and the runs with each kind of knowledge.
+    type Trial = (u64, [Summary; 4]);
+    type Outcome = SubjectsResult;
+
+    fn cases(job: &Job) -> Vec<Case> {
+        cases(job.seed, job.cases)
+    }
+
+    fn play(
+        case: &Case,
+        average: &ErgonomicsMap,
+        conditions: Conditions,
+        interrupt: &Interrupt,
+    ) -> Result<Self::Trial> {
+        Ok((case.subject, case.play(average, conditions, interrupt)?))
+    }
+
+    fn outcome(trials: Vec<Self::Trial>) -> SubjectsResult {
+        SubjectsResult::new(&trials)
+    }
+
+    fn figure(outcome: &SubjectsResult) -> Result<String> {
+        outcome.figure()
+    }
 }
 
 impl Subjects {
@@ -307,27 +322,11 @@ impl Subjects {
         self.common.quiet
     }
 
-    /// Plays the cases, prints the table and draws the figures.
+    /// Plays the cases, prints the table and draws the figure.
     ///
     /// # Errors
     /// A folder that cannot be written; a case that cannot be played.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
-        let common = &self.common;
-        common.prepare()?;
-        let average = build_map(session, &Person::average(), &MapOptions::default(), None)?;
-        let seed = common.seed.seed;
-        let cases = cases(seed, common.cases);
-        let (trials, ending) =
-            play_all(session, "subjects", common.threads, &cases, |case, stop| {
-                Ok((case.subject, case.play(&average, common.conditions(), stop)?))
-            })?;
-        let result = SubjectsResult::new(&trials);
-        common.write(&[("subjects.svg", result.figure()?)], ending)?;
-        write!(session.output(), "{result}")?;
-        session.conclude(
-            common.json,
-            &Line { experiment: "subjects", seed, result: &result },
-            ending,
-        )
+        run::<Self>(&self.common, DURATION, session)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::spread::{Duel, Spread};
 use crate::follow::Summary;
@@ -116,6 +116,12 @@ impl Versus {
             retreats: self.sum(|run| run.retreats),
             solver_failures: self.sum(|run| run.solver_failures),
         }
+    }
+}
+
+impl Serialize for Versus {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.line().serialize(serializer)
     }
 }
 

@@ -1,10 +1,12 @@
 //! A run in a few numbers.
 
+use serde::{Deserialize, Serialize};
+
 use crate::limits::Margins;
 use crate::program::Ending;
 
 /// What a run came to.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Whether the scenario was played to its end.
     pub ending: Ending,
@@ -54,7 +56,7 @@ pub struct Summary {
 }
 
 /// REBA of a posture that was measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredReba {
     /// Over the time.
     pub mean: f64,

@@ -1,7 +1,9 @@
 //! How a program ends, and the exit status that says so.
 
+use serde::{Deserialize, Serialize};
+
 /// What becomes of a run that did not fail with an error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ending {
     /// All that was asked for is done.
     Complete,

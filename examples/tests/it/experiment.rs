@@ -1,12 +1,16 @@
 //! The paper's experiments, in a few small cases.
 
-use examples::experiment::reorientation::ReorientationResult;
+use std::fs;
+
+use examples::experiment::reorientation::{Reorientation, ReorientationResult, Trial};
 use examples::experiment::{
-    Conditions, DistanceMonitor, Sight, Spread, Versus, Walk, following, reorientation, subjects,
+    Conditions, DistanceMonitor, Experiment, Job, Sight, Spread, Versus, Walk, following,
+    reorientation, subjects,
 };
 use examples::plant::Drive;
 use examples::program::Interrupt;
 use examples::report::TickRow;
+use examples::shards::Part;
 use examples::simulation::{Truth, WalkerSettings};
 use nalgebra::{Point2, Vector2};
 use vision_models::{Action, Body25};
@@ -39,8 +43,8 @@ fn the_right_surface_comes_before_the_person() {
     let other = cases.iter().find(|case| case.front != cases[0].front).unwrap();
     let trials = [&cases[0], other]
         .map(|case| case.play(average_map(), KINEMATIC, &Interrupt::default()).unwrap());
-    let result = ReorientationResult::new(trials.into());
-    let [on, off] = &result.turns;
+    let result = ReorientationResult::new(trials.clone().into());
+    let (on, off) = (&result.turns_on, &result.turns_off);
     assert_eq!(
         (on.cases, on.grasped, on.recognised, on.right, on.safe),
         (2, 2, 2, 2, 2),
@@ -54,6 +58,36 @@ fn the_right_surface_comes_before_the_person() {
     assert!(text.contains("Handover -> Grasping: Arrived"), "{text}");
     assert!(text.contains("Turning { to: Back }: WrongSurface"), "{text}");
     assert!(text.contains("-> Working: RightSurface"), "{text}");
+    merged_is_the_whole(&trials, &result);
+}
+
+/// Two machines have played a trial each: the program `merge` prints and draws what one machine does.
+fn merged_is_the_whole(trials: &[Trial], whole: &ReorientationResult) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let job = Job { seed: 1, cases: 2, duration: 22.0, conditions: KINEMATIC };
+    let files = ["1/2", "2/2"].map(|shard| (shard, path(&shard.replace('/', "-"))));
+    for ((shard, file), (number, trial)) in files.iter().zip((0..).zip(trials)) {
+        let part = Part {
+            program: Reorientation::PROGRAM.to_owned(),
+            job: job.clone(),
+            shard: shard.parse().unwrap(),
+            cases: 2,
+            results: [(number, trial.clone())].into(),
+            times: (),
+        };
+        fs::write(file, part.to_json().unwrap()).unwrap();
+    }
+    let [(_, first), (_, second)] = &files;
+    let options = [second, first, "--output", &path("figures"), "--json"];
+    let run = Runs::new("merge").with(&options).run().done();
+    let (table, line) = run.output.trim_end().rsplit_once('\n').unwrap();
+    assert_eq!(format!("{table}\n"), whole.to_string());
+    let line: serde_json::Value = serde_json::from_str(line).unwrap();
+    assert_eq!((&line["experiment"], &line["seed"]), (&"reorientation".into(), &1.into()));
+    assert_eq!(line["turns_on"], serde_json::to_value(&whole.turns_on).unwrap());
+    let drawn = fs::read_to_string(path("figures/reorientation.svg")).unwrap();
+    assert_eq!(drawn, Reorientation::figure(whole).unwrap());
 }
 
 #[test]
@@ -142,7 +176,7 @@ fn help_and_wrong_folders_of_each_experiment() {
     ] {
         let help = Runs::new("experiment").with(&[name, "--help"]).run().done().output;
         assert!(help.starts_with(does), "{help}");
-        for part in ["--json", "--quiet", "--seed", "--threads", "--cases", "--pixels"] {
+        for part in ["--json", "--quiet", "--seed", "--threads", "--cases", "--pixels", "--shard"] {
             assert!(help.contains(part), "{name}: {part}");
         }
         let program = |folder| Runs::new("experiment").with(&[name, "--output", folder]).run();

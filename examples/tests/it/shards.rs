@@ -117,7 +117,10 @@ fn merge_says_what_is_wrong_with_a_file() {
     fs::write(&other, &text[..text.len() / 2]).unwrap();
     Runs::new("merge").with(&[&file, &other]).run().failed(1, "other.json is not the whole file");
     fs::write(&other, text.replace("\"soak\"", "\"nobody\"")).unwrap();
-    Runs::new("merge").with(&[&other]).run().failed(1, "known are soak and actions evaluate");
+    Runs::new("merge")
+        .with(&[&other])
+        .run()
+        .failed(1, "known are soak, actions evaluate and experiment");
     Runs::new("merge").with(&[path("none")]).run().failed(1, "cannot read");
     Runs::new("soak").with(&["--shard=1/2"]).run().failed(2, "--shard-file");
     Runs::new("soak").with(&["--shard=3/2", "--shard-file", &file]).run().failed(2, "I/N");

@@ -7,15 +7,16 @@ use ergo_map::ErgonomicsMap;
 use moca_model::{DesiredMotion, Goal, MOCA_AXIS_SPEED};
 use nalgebra::{Point2, Rotation2, Vector2};
 use rand::Rng;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::experiment::cases::{generator, play_all};
+use crate::experiment::cases::generator;
 use crate::experiment::distance::{DistanceError, DistanceMonitor};
-use crate::experiment::options::{Common, Conditions};
+use crate::experiment::job::Job;
+use crate::experiment::options::Conditions;
 use crate::experiment::spread::Spread;
 use crate::experiment::walk::Walk;
 use crate::follow::{Run, Scenario, Summary};
-use crate::program::{Ending, Session};
+use crate::program::Interrupt;
 use crate::simulation::{WalkerSettings, WalkingPath};
 
 /// How fast people walk \[m/s\]; the last is the robot's own speed.
@@ -35,7 +36,8 @@ const APPROACH: f64 = 1.8;
 const FIRST: u64 = 1 << 32;
 
 /// What it came to at each speed.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
+#[serde(transparent)]
 pub struct Speeds {
     pub(super) rows: Vec<SpeedResult>,
 }
@@ -59,52 +61,77 @@ pub struct SpeedResult {
     protective_stops: u64,
 }
 
-struct Case {
+/// Somebody who walks straight on.
+#[derive(Clone, Debug)]
+pub struct Stroll {
+    seed: u64,
     number: u64,
     speed: f64,
     separation: bool,
 }
 
-/// Speed and whether there is separation, and what they came to.
-type Trial = ((f64, bool), Summary, DistanceError);
+/// What a stroll came to.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct StrollTrial {
+    speed: f64,
+    separation: bool,
+    summary: Summary,
+    error: DistanceError,
+}
 
-/// Plays people at each speed, a tenth of the experiment's cases each, at least one.
-pub(super) fn measure(
-    session: &Session,
-    common: &Common,
-    average: &ErgonomicsMap,
-) -> Result<(Speeds, Ending)> {
-    let each = common.cases.div_ceil(10);
-    let runs = || SPEEDS.into_iter().flat_map(|speed| [(speed, true), (speed, false)]);
-    let case = |(speed, separation)| {
+/// Every speed, with separation and without.
+fn runs() -> impl Iterator<Item = (f64, bool)> {
+    SPEEDS.into_iter().flat_map(|speed| [(speed, true), (speed, false)])
+}
+
+/// At each speed a tenth of the experiment's cases, at least one.
+pub(super) fn cases(job: &Job) -> impl Iterator<Item = Stroll> {
+    let (seed, each) = (job.seed, job.cases.div_ceil(10));
+    runs().flat_map(move |(speed, separation)| {
         // The same people with separation and without.
-        (FIRST..FIRST + each).map(move |number| Case { number, speed, separation })
-    };
-    let cases: Vec<Case> = runs().flat_map(case).collect();
-    let seed = common.seed.seed;
-    let (trials, ending) =
-        play_all(session, "walking straight", common.threads, &cases, |case, interrupt| {
-            let mut draw = generator(seed, case.number);
-            let Conditions { drive, sight } = common.conditions();
-            let walk = Walk::new(walker(case.speed, &mut draw), sight)?;
-            let stature = draw.random_range(1.58..=1.94);
-            let map = average.for_stature(stature)?;
-            let scenario = quick(walk.scenario(&map, drive, &mut draw)?);
-            let scenario = if case.separation { scenario } else { scenario.without_separation() };
-            let mut monitor = DistanceMonitor::new(&walk.truth);
-            let run = Run::new(&scenario, Goal::Ergonomics)?.until(interrupt.clone());
-            let summary = run.play(|row| {
-                monitor.push(row);
-                Ok(())
-            })?;
-            Ok(((case.speed, case.separation), summary, monitor.error()))
+        (FIRST..FIRST + each).map(move |number| Stroll { seed, number, speed, separation })
+    })
+}
+
+impl Stroll {
+    /// Plays it with ergonomics.
+    ///
+    /// # Errors
+    /// Settings that the controller refuses.
+    pub fn play(
+        &self,
+        average: &ErgonomicsMap,
+        conditions: Conditions,
+        interrupt: &Interrupt,
+    ) -> Result<StrollTrial> {
+        let Self { seed, number, speed, separation } = *self;
+        let mut draw = generator(seed, number);
+        let walk = Walk::new(walker(speed, &mut draw), conditions.sight)?;
+        let stature = draw.random_range(1.58..=1.94);
+        let map = average.for_stature(stature)?;
+        let scenario = quick(walk.scenario(&map, conditions.drive, &mut draw)?);
+        let scenario = if separation { scenario } else { scenario.without_separation() };
+        let mut monitor = DistanceMonitor::new(&walk.truth);
+        let run = Run::new(&scenario, Goal::Ergonomics)?.until(interrupt.clone());
+        let summary = run.play(|row| {
+            monitor.push(row);
+            Ok(())
         })?;
-    let rows = runs().filter_map(|(speed, separation)| {
-        let same = |trial: &&Trial| trial.0 == (speed, separation);
-        let trials: Vec<_> = trials.iter().filter(same).collect();
-        (!trials.is_empty()).then(|| row(speed, separation, &trials))
-    });
-    Ok((Speeds { rows: rows.collect() }, ending))
+        Ok(StrollTrial { speed, separation, summary, error: monitor.error() })
+    }
+}
+
+impl Speeds {
+    /// Of these trials.
+    pub(super) fn new(trials: &[StrollTrial]) -> Self {
+        let rows = runs().filter_map(|(speed, separation)| {
+            let same =
+                |trial: &&StrollTrial| (trial.speed, trial.separation) == (speed, separation);
+            let trials: Vec<_> = trials.iter().filter(same).collect();
+            (!trials.is_empty()).then(|| row(speed, separation, &trials))
+        });
+        Self { rows: rows.collect() }
+    }
 }
 
 /// Somebody who works, then walks backwards, straight but for a few degrees.
@@ -130,15 +157,15 @@ fn quick(mut scenario: Scenario) -> Scenario {
     scenario
 }
 
-fn row(speed: f64, separation: bool, trials: &[&Trial]) -> SpeedResult {
-    let sum = |of: fn(&Summary) -> u64| trials.iter().map(|(_, summary, _)| of(summary)).sum();
+fn row(speed: f64, separation: bool, trials: &[&StrollTrial]) -> SpeedResult {
+    let sum = |of: fn(&Summary) -> u64| trials.iter().map(|trial| of(&trial.summary)).sum();
     SpeedResult {
         speed,
         separation,
         cases: trials.len(),
-        steady_m: Spread::of(trials.iter().filter_map(|(.., error)| error.steady)),
-        largest_m: Spread::of(trials.iter().map(|(.., error)| error.largest)),
-        outside_s: Spread::of(trials.iter().map(|(_, summary, _)| summary.outside)),
+        steady_m: Spread::of(trials.iter().filter_map(|trial| trial.error.steady)),
+        largest_m: Spread::of(trials.iter().map(|trial| trial.error.largest)),
+        outside_s: Spread::of(trials.iter().map(|trial| trial.summary.outside)),
         limit_violations: sum(|summary| summary.limit_violations),
         separation_violations: sum(|summary| summary.separation_violations),
         protective_stops: sum(|summary| summary.protective_stops),

@@ -3,6 +3,7 @@
 use anyhow::Result;
 use moca_model::{DesiredMotion, Phase};
 use nalgebra::{Unit, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 use vision_models::Surface;
 
 use crate::follow::Scenario;
@@ -14,7 +15,7 @@ use crate::simulation::Truth;
 const TOLERANCE: f64 = 0.05;
 
 /// A turn of the object.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Turn {
     /// Whether the robot has the object.
     pub grasped: bool,
@@ -24,7 +25,7 @@ pub struct Turn {
     pub right: bool,
     /// By how much the tool is turned from the middle of the room for orientations then, as a rotation
     /// vector \[rad\].
-    pub off: Vector3<f64>,
+    pub off: [f64; 3],
     /// From the beginning of the turn to the work pose, in which it then stays \[s\].
     pub time: Option<f64>,
     /// The least that the limits of the desired pose allow \[s\].
@@ -96,7 +97,7 @@ impl<'a> Judge<'a> {
         if self.began.is_some() {
             self.arrived = if within { self.arrived.or(Some(time)) } else { None };
             self.turn.right = within;
-            self.turn.off = off;
+            self.turn.off = off.into();
         }
         Ok(())
     }
