@@ -2,7 +2,7 @@
 //! minimise.
 //!
 //! ```text
-//! Person ─▶ PosturePredictor ─▶ posture ─▶ REBA, e_s ─▶ ErgonomicsMap ─▶ ErgonomicsQuadratic ─▶ Placement
+//! Person ─▶ PosturePredictor ─▶ posture ─▶ REBA, e_s ─▶ ErgonomicsMap ─▶ ErgonomicsQuadratic
 //! ```
 //!
 //! - [`Worksheet`], [`Reba`]: the integer REBA score, whole, with every sub-score; [`RulaWorksheet`]
@@ -13,8 +13,8 @@
 //!   somewhere.
 //! - [`ErgonomicsMap`]: postures and scores over the reachable volume, from predictions or from
 //!   recordings.
-//! - [`ErgonomicsQuadratic`]: the convex fit with its [`FitReport`]; [`Placement`]: its terms in the
-//!   world, with bounded rates of change.
+//! - [`ErgonomicsQuadratic`]: the convex fit with its [`FitReport`], placed where the person stands, and its
+//!   terms for a controller, [`TaskTerms`].
 //!
 //! Units are SI, angles radians. The person's frame H has its origin on the floor below the pelvis
 //! of the person standing upright, x forward, y left, z up.
@@ -25,7 +25,7 @@
 //!
 //! ```
 //! use ergo_map::nalgebra::Vector3;
-//! use ergo_map::{ErgonomicsMap, FitOptions, MapOptions, Person, PersonFrame, Placement, PlacementLimits};
+//! use ergo_map::{ErgonomicsMap, FitOptions, MapOptions, Person, PersonFrame};
 //!
 //! // Once per person.
 //! let person = Person::new(1.68)?;
@@ -36,9 +36,8 @@
 //!
 //! // A thousand times a second.
 //! let standing = PersonFrame::new(Vector3::new(1.2, 0.4, 0.0), 3.0)?;
-//! let mut placement = Placement::new(quadratic, standing, PlacementLimits::default())?;
 //! let hand = standing.to_world(&Vector3::new(0.5, -0.2, 1.3));
-//! let terms = placement.advance(0.001)?.task_terms(&hand, 0.2)?;
+//! let terms = quadratic.placed(&standing).task_terms(&hand, 0.2)?;
 //! assert!(terms.gradient.norm() > 0.0);
 //! # Ok::<(), ergo_map::Error>(())
 //! ```
@@ -51,7 +50,6 @@ mod map;
 mod measured_posture;
 mod person;
 mod person_frame;
-mod placement;
 mod posture;
 mod predict;
 mod quadratic;
@@ -73,7 +71,6 @@ pub use measured_posture::{JointPositions, MeasuredPosture, PostureFilter};
 pub use nalgebra;
 pub use person::{Person, Segments};
 pub use person_frame::PersonFrame;
-pub use placement::{Placement, PlacementLimits};
 pub use posture::Posture;
 pub use predict::{EffortWeights, HandTarget, PosturePredictor, Prediction};
 pub use quadratic::{ErgonomicsQuadratic, FitOptions, FitReport, Regret, ScoredPoint, TaskTerms};

@@ -14,7 +14,7 @@ use crate::distance_bounds::DistanceBounds;
 use crate::error::{Error, check_all, check_size, not_negative};
 use crate::separation::SeparationSettings;
 use crate::shape::Capsule;
-pub use bodies::{MeasuredVelocity, PersonBody, RobotBody};
+pub use bodies::{PersonBody, RobotBody};
 use body_motion::BodyMotion;
 use candidate::Candidate;
 use reach::Reach;

@@ -3,8 +3,8 @@
 
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
 
-use crate::approach::MeasuredVelocity;
 use crate::error::{Error, not_negative, positive};
+use crate::measured_velocity::MeasuredVelocity;
 
 /// What a contact with a part of a body may do.
 ///

@@ -2,8 +2,6 @@
 
 mod bounds;
 mod capsule;
-#[cfg(feature = "serde")]
-mod capsule_table;
 mod cone;
 mod half_space;
 mod mesh;

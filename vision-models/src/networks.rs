@@ -2,22 +2,19 @@
 // Views are small, and given by value as everywhere with ndarray.
 #![allow(clippy::needless_pass_by_value)]
 
-mod backbone;
+mod architecture;
 mod clips;
 mod kind;
-mod naming;
-mod open_pose;
 mod resnet;
-mod simple_baseline;
 mod slow_fast;
 mod slow_only;
 mod stream;
 
-pub use backbone::ResNetDepth;
+pub use architecture::{
+    OpenPoseForm, ResNetDepth, ResNetForm, SimpleBaselineForm, SlowFastForm, SlowOnlyForm,
+};
 pub use kind::NetworkKind;
-pub use open_pose::OpenPoseForm;
-pub use resnet::{ResNet, ResNetForm};
-pub use simple_baseline::SimpleBaselineForm;
-pub use slow_fast::{SlowFast, SlowFastForm};
-pub use slow_only::{SlowOnly, SlowOnlyForm};
+pub use resnet::ResNet;
+pub use slow_fast::SlowFast;
+pub use slow_only::SlowOnly;
 pub use stream::SlowOnlyStream;

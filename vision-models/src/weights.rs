@@ -2,6 +2,7 @@
 
 mod budget;
 mod checkpoint;
+mod contents;
 mod element;
 mod error;
 mod input;
@@ -15,7 +16,8 @@ mod tensors;
 mod torch;
 mod zip;
 
-pub use checkpoint::{Checkpoint, Format};
+pub use checkpoint::Checkpoint;
+pub use contents::Format;
 pub use element::ElementType;
 pub use error::{CheckpointError, PickleProblem};
 pub use source::TensorSource;

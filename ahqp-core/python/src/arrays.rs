@@ -1,7 +1,7 @@
 //! Arrays of numbers, from Python and to it.
 
 use ahqp_core::CoefficientMatrix;
-use nalgebra::{Isometry3, Rotation3, UnitQuaternion};
+use nalgebra::{Isometry3, Rotation3, Unit, UnitQuaternion, Vector3};
 use numpy::ndarray::{ArrayView2, Axis, Ix1, Ix2};
 use numpy::{Element, PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray};
 use numpy::{PyUntypedArray, PyUntypedArrayMethods};
@@ -240,4 +240,11 @@ fn doubles<'py>(name: &str, value: &Bound<'py, PyAny>) -> Result<Bound<'py, PyAn
         )));
     }
     Ok(array.call_method1("astype", ("float64",))?)
+}
+
+/// A vector that is not zero.
+pub(crate) fn direction(name: &str, value: &Bound<'_, PyAny>) -> Result<Unit<Vector3<f64>>> {
+    let vector = Vector3::from(numbers::<3>(name, value)?);
+    let unit = Unit::try_new(vector, 1e-9).filter(|unit| unit.iter().all(|x| x.is_finite()));
+    unit.ok_or_else(|| Failure::value(format!("{name} must be finite and not zero")))
 }

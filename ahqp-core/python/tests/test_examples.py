@@ -29,6 +29,12 @@ def test_a_population_is_the_same_in_shards():
     assert sorted(row for shard in shards for row in shard.splitlines()[1:]) == rows
 
 
+def test_a_population_is_the_same_on_dask():
+    pytest.importorskip("distributed")
+    here = run_example("population", "--people", "2", "--workers", "2")
+    assert run_example("population", "--people", "2", "--workers", "2", "--on", "dask") == here
+
+
 @pytest.mark.parametrize("module", [ahqp, ergo, whole_body])
 def test_everything_has_a_docstring_and_their_examples_run(module):
     runner = doctest.DocTestRunner()

@@ -13,7 +13,6 @@ mod continuous;
 mod map;
 mod measured;
 mod measured_posture;
-mod placement;
 mod predict;
 mod quadratic;
 mod ranking;

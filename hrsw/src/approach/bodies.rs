@@ -1,8 +1,7 @@
 //! Bodies of robot and person, placed in the world.
 
-use nalgebra::Vector3;
-
 use crate::contact::Contact;
+use crate::measured_velocity::MeasuredVelocity;
 #[cfg(doc)]
 use crate::separation::SeparationSettings;
 use crate::shape::Capsule;
@@ -14,22 +13,6 @@ pub struct RobotBody {
     pub capsule: Capsule,
     /// How many of the joints, from the first, move it.
     pub joints: usize,
-}
-
-/// How a part of the person's body moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeasuredVelocity {
-    /// As measured, in the world \[m/s\].
-    pub mean: Vector3<f64>,
-    /// How much faster than that the part may move, because the measurement is late and noisy \[m/s\].
-    pub uncertainty: f64,
-}
-
-impl MeasuredVelocity {
-    /// A velocity that is known exactly \[m/s\].
-    pub fn exact(mean: Vector3<f64>) -> Self {
-        Self { mean, uncertainty: 0.0 }
-    }
 }
 
 /// A part of the person's body, placed in the world.

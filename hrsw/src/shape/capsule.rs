@@ -1,11 +1,14 @@
 //! Capsules and spheres: the points near a segment.
 
+#[cfg(feature = "serde")]
+mod capsule_table;
+
 use nalgebra::{Isometry3, Point3, Vector3};
 
-#[cfg(feature = "serde")]
-use super::capsule_table::CapsuleTable;
 use super::half_space::HalfSpace;
 use crate::error::{Error, check_all, not_negative};
+#[cfg(feature = "serde")]
+use capsule_table::CapsuleTable;
 
 /// The points within `radius` of a segment; with equal ends a sphere.
 ///

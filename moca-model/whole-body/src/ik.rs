@@ -1,10 +1,8 @@
 //! Velocities that do what the tasks ask, in their order and within the limits.
 
-pub(crate) mod builder;
 mod changes;
 pub(crate) mod commanded;
 pub(crate) mod differential;
 pub(crate) mod leash;
 pub(crate) mod settings;
 mod singularity;
-pub(crate) mod step;

@@ -4,8 +4,7 @@ use crate::kernels::{Buffer, Finish, InstructionSet, Operands, Panels, Phase, Wi
 use crate::{Error, TensorSource};
 
 use super::layer::{Activation, Convolution};
-use super::parameters::{take, take_where};
-use super::program::{Layer, slopes};
+use super::program::{Layer, slopes, take, take_where};
 use super::shapes::Algorithm;
 
 /// The narrowest panel: groups with fewer outputs are computed together.

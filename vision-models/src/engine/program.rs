@@ -1,5 +1,7 @@
 //! A network as steps from one piece of memory to another.
 
+mod parameters;
+
 use crate::TensorSource;
 use crate::kernels::Window;
 use crate::layout::Extent;
@@ -7,7 +9,9 @@ use crate::layout::Extent;
 use super::graph::Frames;
 use super::head::Pooling;
 use super::layer::{Activation, Convolution};
-use super::parameters::{Expected, Misfit};
+use parameters::Expected;
+pub(crate) use parameters::Misfit;
+pub(super) use parameters::{take, take_where};
 
 /// Some channels of an activation: where a step reads or writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

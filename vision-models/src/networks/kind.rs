@@ -5,12 +5,10 @@ use std::fmt;
 use crate::engine::{Graph, Misfit, Network, Options, Program, lower};
 use crate::{Error, TensorSource};
 
-use super::backbone::ResNetDepth;
-use super::open_pose::{self, OpenPoseForm};
-use super::resnet::{self, ResNetForm};
-use super::simple_baseline::{self, SimpleBaselineForm};
-use super::slow_fast::{self, SlowFastForm};
-use super::slow_only::{self, SlowOnlyForm};
+use super::architecture::{
+    OpenPoseForm, ResNetDepth, ResNetForm, SimpleBaselineForm, SlowFastForm, SlowOnlyForm,
+    open_pose, resnet, simple_baseline, slow_fast, slow_only,
+};
 
 /// A network by its architecture and the names of its checkpoint.
 ///

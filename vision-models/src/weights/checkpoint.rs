@@ -1,47 +1,16 @@
 //! A checkpoint file, opened: what is in it, and its tensors one by one.
 
 use std::{
-    collections::BTreeMap,
-    fmt,
     fs::File,
     io::{Read, Seek, SeekFrom, Write},
     path::Path,
 };
 
 use super::{
-    CheckpointError, TensorInfo, TensorSource, budget::Budget, input::reading, safetensors, torch,
+    CheckpointError, Format, TensorInfo, TensorSource, budget::Budget, contents::Contents,
+    input::reading, safetensors, torch,
 };
 use crate::{Error, Tensor, Tensors};
-
-/// The format of a checkpoint file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// `torch.save` since PyTorch 1.6.
-    TorchZip,
-    /// `torch.save` before PyTorch 1.6.
-    TorchStream,
-    /// <https://github.com/huggingface/safetensors>
-    Safetensors,
-}
-
-impl fmt::Display for Format {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.pad(match self {
-            Self::TorchZip => "PyTorch (zip)",
-            Self::TorchStream => "PyTorch (stream, before 1.6)",
-            Self::Safetensors => "safetensors",
-        })
-    }
-}
-
-/// What the reader of a format finds.
-#[derive(Debug)]
-pub(super) struct Contents {
-    pub(super) format: Format,
-    pub(super) tensors: BTreeMap<String, TensorInfo>,
-    pub(super) wrappers: Vec<&'static str>,
-    pub(super) others: Vec<String>,
-}
 
 /// A checkpoint whose tensors are read from the file as they are asked for.
 ///

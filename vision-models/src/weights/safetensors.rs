@@ -16,7 +16,7 @@ use serde::{
 use super::{
     CheckpointError, ElementType, Format, TensorInfo,
     budget::Budget,
-    checkpoint::Contents,
+    contents::Contents,
     input::{Input, reading},
     shape::{MAX_AXES, elements},
 };

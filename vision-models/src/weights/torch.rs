@@ -8,7 +8,7 @@ use std::{
 use super::{
     CheckpointError, Format, TensorInfo,
     budget::Budget,
-    checkpoint::Contents,
+    contents::Contents,
     input::{Input, reading},
     pickle::{self, Pickle, Storage, Value, View},
     state_dict::StateDict,

@@ -7,8 +7,7 @@ use whole_body::{
     PositionTask, PostureTask, RelativeFrameTask, Step, TaskId,
 };
 
-use super::tasks::direction;
-use crate::arrays::{numbers, orientation, pose, vector_of, with_slice};
+use crate::arrays::{direction, numbers, orientation, pose, vector_of, with_slice};
 use crate::failure::{Failure, Result};
 
 /// A task of an `Ik`, to set its target.

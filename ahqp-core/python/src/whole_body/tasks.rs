@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use whole_body::{Axis, Feedback, Model, TaskLevel};
 
 use super::targets::Target;
-use crate::arrays::numbers;
+use crate::arrays::{direction, numbers};
 use crate::failure::{Failure, Result};
 
 /// A task of Python's, to be made for a robot.
@@ -232,13 +232,6 @@ impl AxisTask {
         let axis = direction("axis", axis)?;
         Ok(Self { frame, axis, gains: Gains { gain, deceleration }, weight })
     }
-}
-
-/// A vector that is not zero.
-pub(super) fn direction(name: &str, value: &Bound<'_, PyAny>) -> Result<Unit<Vector3<f64>>> {
-    let vector = Vector3::from(numbers::<3>(name, value)?);
-    let unit = Unit::try_new(vector, 1e-9).filter(|unit| unit.iter().all(|x| x.is_finite()));
-    unit.ok_or_else(|| Failure::value(format!("{name} must be finite and not zero")))
 }
 
 impl PythonTask for AxisTask {

@@ -2,8 +2,7 @@
 
 use ahqp_core::{LevelId, Place};
 
-use super::builder::expect_other_name;
-use super::differential::Ik;
+use super::differential::{Ik, expect_other_name};
 use crate::error::Error;
 use crate::stack::task_level::TaskLevel;
 

@@ -1,15 +1,16 @@
 //! Differential inverse kinematics with strict priorities.
 
+mod builder;
+mod step;
+
 use std::any::Any;
 use std::ops::Range;
 
 use ahqp_core::{Budget, Level, LevelId, Objective, Rows, VelocityInterval};
 use nalgebra::Isometry3;
 
-use super::builder::IkBuilder;
 use super::settings::IkSettings;
 use super::singularity::SingularityDamping;
-use super::step::Step;
 use crate::error::{Error, check_size};
 use crate::limits::anticipation::Anticipation;
 use crate::limits::common_point::widen;
@@ -20,6 +21,9 @@ use crate::stack::task_level::TaskId;
 use crate::stack::task_stack::TaskStack;
 use crate::state::data::Data;
 use crate::tasks::variables::Variables;
+pub use builder::IkBuilder;
+pub(super) use builder::expect_other_name;
+pub use step::{ActiveLimit, ActiveRow, LevelReport, Step};
 
 /// Differential inverse kinematics of one robot: velocities that do what levels of tasks ask, each
 /// level as well as those above it allow, within the limits of all joints.

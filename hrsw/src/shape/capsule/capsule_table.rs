@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::capsule::Capsule;
+use super::Capsule;
 use crate::error::Error;
 
 /// A capsule as a table.

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::differential::Ik;
-use super::settings::IkSettings;
+use super::Ik;
 use crate::error::Error;
+use crate::ik::settings::IkSettings;
 use crate::robot::model::Model;
 use crate::stack::task_level::{TaskId, TaskLevel};
 use crate::stack::task_stack::TaskStack;
@@ -116,7 +116,7 @@ impl IkBuilder {
 }
 
 /// An error for a level with the name of the limits.
-pub(super) fn expect_other_name(level: &TaskLevel) -> Result<(), Error> {
+pub(in crate::ik) fn expect_other_name(level: &TaskLevel) -> Result<(), Error> {
     if level.name() == LIMITS {
         return Err(Error::NameTaken { element: "level", name: LIMITS.to_owned() });
     }

@@ -2,7 +2,7 @@
 
 use crate::{Error, TensorSource};
 
-use super::program::{Layer, slopes};
+use super::{Layer, slopes};
 
 /// The tensors that a network takes from a checkpoint.
 #[derive(Clone, Debug, Default)]
@@ -79,12 +79,15 @@ impl Expected {
 }
 
 /// The elements of a tensor that [`Expected::check`] has seen, all of them finite.
-pub(super) fn take(tensors: &mut dyn TensorSource, name: &str) -> Result<Vec<f32>, Error> {
+pub(in crate::engine) fn take(
+    tensors: &mut dyn TensorSource,
+    name: &str,
+) -> Result<Vec<f32>, Error> {
     take_where(tensors, name, f32::is_finite, "a finite number")
 }
 
 /// The elements of a tensor, if `is_right` says so of each.
-pub(super) fn take_where(
+pub(in crate::engine) fn take_where(
     tensors: &mut dyn TensorSource,
     name: &str,
     is_right: impl Fn(f32) -> bool,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use ahqp_core::{LevelId, Rows, Status};
 
-use super::differential::Ik;
+use super::Ik;
 use crate::error::Error;
 use crate::limits::joint_intervals::{End, Last, LimitKind};
 use crate::stack::task_level::TaskId;

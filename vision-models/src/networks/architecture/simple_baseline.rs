@@ -18,7 +18,7 @@ pub enum SimpleBaselineForm {
 }
 
 impl SimpleBaselineForm {
-    pub(super) const ALL: [Self; 3] = [Self::Microsoft, Self::MmPose0, Self::MmPose1];
+    pub(in crate::networks) const ALL: [Self; 3] = [Self::Microsoft, Self::MmPose0, Self::MmPose1];
 
     /// What stands before the names of backbone and head.
     fn prefixes(self) -> (&'static str, &'static str) {
@@ -44,7 +44,7 @@ impl SimpleBaselineForm {
 
 /// A ResNet-50, three transposed convolutions and a map for each of COCO's seventeen joints. B. Xiao, H. Wu and
 /// Y. Wei, "Simple baselines for human pose estimation and tracking", ECCV 2018, Sec. 2.
-pub(super) fn graph(form: SimpleBaselineForm) -> Graph {
+pub(in crate::networks) fn graph(form: SimpleBaselineForm) -> Graph {
     let (backbone, head) = form.prefixes();
     let mut graph = Graph::new();
     let image = graph.input(3);

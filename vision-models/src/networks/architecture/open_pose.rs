@@ -12,7 +12,7 @@ pub enum OpenPoseForm {
 }
 
 impl OpenPoseForm {
-    pub(super) const ALL: [Self; 2] = [Self::Caffe, Self::Modules];
+    pub(in crate::networks) const ALL: [Self; 2] = [Self::Caffe, Self::Modules];
 
     /// The form of the one checkpoint whose names these could be.
     pub(crate) fn guess(names: &[&str]) -> Self {
@@ -38,7 +38,7 @@ const BRANCHES: [usize; 2] = [38, 19];
 /// Ten layers of VGG-19 and two more, then six stages of two branches. Z. Cao, T. Simon, S.-E. Wei and Y. Sheikh,
 /// "Realtime multi-person 2D pose estimation using part affinity fields", CVPR 2017, Fig. 3, with the COCO
 /// model's eighteen joints. Its outputs are the fields and the joints' maps, an eighth of the image's size.
-pub(super) fn graph(form: OpenPoseForm) -> Graph {
+pub(in crate::networks) fn graph(form: OpenPoseForm) -> Graph {
     let mut graph = Graph::new();
     let image = graph.input(3);
     let features = front(&mut graph, form, image);

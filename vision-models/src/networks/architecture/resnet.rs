@@ -1,0 +1,98 @@
+//! Residual networks of torchvision.
+
+use crate::Error;
+use crate::engine::{Graph, Pooling};
+
+use super::backbone::{Backbone, ResNetDepth};
+use super::naming::Naming;
+
+/// The parameters of a residual network of torchvision: its depth, and the groups of its bottlenecks with
+/// their width.
+///
+/// ```
+/// use vision_models::{NetworkKind, ResNetDepth, ResNetForm};
+///
+/// assert_eq!(ResNetForm::from(ResNetDepth::Fifty).groups(), 1);
+/// assert_eq!(NetworkKind::ResNet(ResNetForm::RESNEXT_50_32X4D).to_string(), "ResNeXt-50 32x4d");
+/// let form = ResNetForm::new(ResNetDepth::OneHundredFiftyTwo, 16, 8)?;
+/// assert_eq!(NetworkKind::ResNet(form).to_string(), "ResNeXt-152 16x8d");
+/// # Ok::<(), vision_models::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ResNetForm {
+    depth: ResNetDepth,
+    groups: u16,
+    group_width: u16,
+}
+
+impl ResNetForm {
+    /// `resnext50_32x4d`.
+    pub const RESNEXT_50_32X4D: Self = Self::grouped(ResNetDepth::Fifty, 32, 4);
+    /// `resnext101_32x8d`.
+    pub const RESNEXT_101_32X8D: Self = Self::grouped(ResNetDepth::OneHundredOne, 32, 8);
+    /// `resnext101_64x4d`.
+    pub const RESNEXT_101_64X4D: Self = Self::grouped(ResNetDepth::OneHundredOne, 64, 4);
+    /// `wide_resnet50_2`.
+    pub const WIDE_50_2: Self = Self::grouped(ResNetDepth::Fifty, 1, 128);
+    /// `wide_resnet101_2`.
+    pub const WIDE_101_2: Self = Self::grouped(ResNetDepth::OneHundredOne, 1, 128);
+
+    /// A network whose bottlenecks have so many groups (the cardinality) of this width in the first stage:
+    /// torchvision's `groups` and `width_per_group`. 1 and 64 are the plain network.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for groups or widths that are zero or above 4096, and for basic blocks, which have
+    /// neither.
+    pub fn new(depth: ResNetDepth, groups: usize, group_width: usize) -> Result<Self, Error> {
+        const MOST: u16 = 4096;
+        let refuse =
+            |name, value: usize, expected| Error::Setting { name, value: value as f64, expected };
+        let narrow = |name, value: usize| {
+            let narrow = u16::try_from(value).ok().filter(|value| (1..=MOST).contains(value));
+            narrow.ok_or_else(|| refuse(name, value, "a number from 1 to 4096"))
+        };
+        let (groups, group_width) =
+            (narrow("groups", groups)?, narrow("group_width", group_width)?);
+        if !depth.has_bottlenecks() && (groups, group_width) != (1, 64) {
+            let expected = "1 group of width 64: basic blocks have no others";
+            return Err(refuse("groups", groups.into(), expected));
+        }
+        Ok(Self::grouped(depth, groups, group_width))
+    }
+
+    const fn grouped(depth: ResNetDepth, groups: u16, group_width: u16) -> Self {
+        Self { depth, groups, group_width }
+    }
+
+    /// How many layers there are.
+    pub fn depth(self) -> ResNetDepth {
+        self.depth
+    }
+
+    /// Groups of the 3×3 convolution of each bottleneck.
+    pub fn groups(self) -> usize {
+        self.groups.into()
+    }
+
+    /// Channels of such a group in the first stage; they double from stage to stage.
+    pub fn group_width(self) -> usize {
+        self.group_width.into()
+    }
+}
+
+impl From<ResNetDepth> for ResNetForm {
+    /// The plain network.
+    fn from(depth: ResNetDepth) -> Self {
+        Self::grouped(depth, 1, 64)
+    }
+}
+
+pub(in crate::networks) fn graph(form: ResNetForm) -> Graph {
+    let plain = Backbone::of_images(form.depth, Naming::Torchvision(""));
+    let backbone = Backbone { groups: form.groups(), group_width: form.group_width(), ..plain };
+    let mut graph = Graph::new();
+    let image = graph.input(3);
+    let x = backbone.whole(&mut graph, image);
+    graph.classify(&[(x, Pooling::Mean)], "fc");
+    graph
+}
