@@ -138,16 +138,6 @@ impl ErgonomicsQuadratic {
         Ok(Self { hessian, gradient, constant: self.constant })
     }
 
-    /// (1 - share) of this quadratic plus share of another; convex for a share from 0 to 1.
-    pub(crate) fn blended(&self, other: &Self, share: f64) -> Self {
-        let keep = 1.0 - share;
-        Self {
-            hessian: self.hessian * keep + other.hessian * share,
-            gradient: self.gradient * keep + other.gradient * share,
-            constant: self.constant * keep + other.constant * share,
-        }
-    }
-
     /// The quadratic at `x_previous` + τ v as a function of the velocity v: hessian τ² H, gradient
     /// τ (H `x_previous` + g). The frame of the quadratic is the frame of `x_previous`.
     ///
