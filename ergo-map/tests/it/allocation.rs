@@ -3,8 +3,8 @@
 use std::hint::black_box;
 
 use ergo_map::{
-    Conditions, FitOptions, Mode, PersonFrame, Placement, PlacementLimits, Posture, Region, Side,
-    Worksheet, ergonomics_score, ergonomics_score_gradient,
+    Conditions, FitOptions, Mode, PersonFrame, Posture, Region, Side, Worksheet, ergonomics_score,
+    ergonomics_score_gradient,
 };
 use nalgebra::Vector3;
 
@@ -14,17 +14,15 @@ use crate::support::MAP;
 fn a_tick_allocates_nothing() {
     let map = &*MAP;
     let (quadratic, _) = map.fit(&FitOptions::default()).unwrap();
-    let pose = PersonFrame::new(Vector3::new(1.0, 2.0, 0.0), 0.3).unwrap();
-    let mut placement = Placement::new(quadratic, pose, PlacementLimits::default()).unwrap();
     let conditions = Conditions::default();
     let workspace = Region::work_zone(1.75, Side::Right);
     let hand = Vector3::new(0.4, -0.2, 1.1);
 
     let tick = |tick: u32| {
         let there = Vector3::new(1.0 + f64::from(tick) * 1e-3, 2.0, 0.0);
-        placement.observe(PersonFrame::new(there, 0.3).unwrap());
-        let world = *placement.advance(0.001).unwrap();
-        black_box(world.task_terms(&placement.frame().to_world(&hand), 0.2).unwrap());
+        let person = PersonFrame::new(there, 0.3).unwrap();
+        let world = quadratic.placed(&person);
+        black_box(world.task_terms(&person.to_world(&hand), 0.2).unwrap());
         black_box(world.value(&hand));
         black_box(quadratic.minimiser());
         black_box(quadratic.minimiser_in(&workspace));
