@@ -96,6 +96,8 @@ pub(crate) struct Factorisation {
     /// Coordinates that are decided for good: rows of later groups have no entries along them.
     closed: usize,
     has_faint_rows: bool,
+    /// Whether the rank leaves out parts of rows that are more than rounding: an update would lose them.
+    leaves_parts_out: bool,
     /// The coordinates: those decided, then those of free directions.
     y: Vec<f64>,
     turned: Vec<f64>,
@@ -141,6 +143,7 @@ impl Factorisation {
             moving: 0,
             closed: 0,
             has_faint_rows: false,
+            leaves_parts_out: false,
             y: vec![0.0; stride],
             turned: vec![0.0; stride],
             gathered: vec![0.0; stride],
@@ -186,6 +189,7 @@ impl Factorisation {
         self.expect_change(0);
         self.closed = 0;
         self.has_faint_rows = false;
+        self.leaves_parts_out = false;
         self.orthogonal.begin(self.free.len());
     }
 
@@ -286,6 +290,7 @@ impl Factorisation {
         self.bounded.sort_unstable();
         self.order_variables(data, activity);
         self.pivots.clear();
+        self.leaves_parts_out = false;
         self.expect_change(0);
         self.closed = 0;
         self.orthogonal.begin(self.free.len());
@@ -312,7 +317,8 @@ impl Factorisation {
                 break;
             }
             let Some(pivot) = self.heaviest_row(at..end, step, tolerance) else {
-                self.has_faint_rows |= self.exceeds(at..end, self.tolerances.nothing);
+                self.leaves_parts_out |= self.exceeds(at..end, self.tolerances.nothing);
+                self.has_faint_rows |= self.leaves_parts_out;
                 break;
             };
             self.swap(at, pivot);

@@ -87,6 +87,7 @@ impl Factorisation {
         id: usize,
         group: usize,
     ) -> Result<(), RankInDoubt> {
+        self.expect_whole_rows()?;
         let (n, k) = (self.stride, self.free.len());
         self.rotations.clear();
         self.expect_change(group);
@@ -109,6 +110,11 @@ impl Factorisation {
             Some(at) => self.unstack(data, at),
             None => self.free_variable(data, id),
         }
+    }
+
+    /// An error if the rank leaves out parts of rows that may count once other rows are active.
+    fn expect_whole_rows(&self) -> Result<(), RankInDoubt> {
+        if self.leaves_parts_out { Err(RankInDoubt) } else { Ok(()) }
     }
 
     /// Turns the coordinates so that a row, given in them, is triangular behind the pivots of
