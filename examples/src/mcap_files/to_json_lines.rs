@@ -2,15 +2,51 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use mcap::MessageStream;
+use mcap::Message;
 use mcap::read::LinearReader;
 use mcap::records::Record;
+use mcap::sans_io::{LinearReaderOptions, MessageReadEvent, MessageReader};
 
 use super::error::McapFileError;
 use super::{PERCEPT, PERCEPTS, RECORDING};
 
-/// The most that a chunk may hold \[bytes\]; writers begin a new one after one or a few million.
-const LARGEST_CHUNK: u64 = 256 << 20;
+/// The most that a chunk, or a record in it, may hold \[bytes\]; writers begin a new chunk after one or a few million.
+const LARGEST: u32 = 256 << 20;
+
+/// The messages of a file, in their order.
+struct Messages<'a> {
+    reader: MessageReader,
+    rest: &'a [u8],
+}
+
+impl<'a> Messages<'a> {
+    fn new(file: &'a [u8]) -> Self {
+        // Without a limit the library takes as much memory as a record claims.
+        let options = LinearReaderOptions::default()
+            .with_record_length_limit(LARGEST as usize)
+            .with_validate_chunk_crcs(true);
+        Self { reader: MessageReader::new_with_options(options), rest: file }
+    }
+}
+
+impl Iterator for Messages<'_> {
+    type Item = Result<Message<'static>, mcap::McapError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            match self.reader.next_event()? {
+                Ok(MessageReadEvent::Message(message)) => return Some(Ok(message)),
+                Ok(MessageReadEvent::ReadRequest(wanted)) => {
+                    let (now, later) = self.rest.split_at(wanted.min(self.rest.len()));
+                    self.reader.insert(now.len()).copy_from_slice(now);
+                    self.reader.notify_read(now.len());
+                    self.rest = later;
+                }
+                Err(error) => return Some(Err(error)),
+            }
+        }
+    }
+}
 
 /// The recording in JSON Lines that a file holds, to the byte as it was.
 ///
@@ -22,14 +58,14 @@ pub fn to_json_lines(file: &[u8]) -> Result<Vec<u8>, McapFileError> {
         match record? {
             Record::Metadata(found) if found.name == RECORDING => metadata = Some(found.metadata),
             // The library takes as much memory as a chunk claims.
-            Record::Chunk { header, .. } if header.uncompressed_size > LARGEST_CHUNK => {
+            Record::Chunk { header, .. } if header.uncompressed_size > LARGEST.into() => {
                 return Err(McapFileError::Chunk { claimed: header.uncompressed_size });
             }
             _ => {}
         }
     }
     let (mut topics, mut lines, mut frames) = (BTreeSet::new(), Vec::new(), 0_u64);
-    for message in MessageStream::new(file)? {
+    for message in Messages::new(file) {
         let message = message?;
         topics.insert(message.channel.topic.clone());
         if message.channel.topic != PERCEPTS {

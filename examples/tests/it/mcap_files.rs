@@ -123,6 +123,19 @@ proptest! {
     }
 }
 
+/// Whatever a byte claims: a length of 10¹⁹ made the library ask for as much memory, and abort.
+#[test]
+fn no_byte_of_a_file_breaks_its_reader() {
+    let file = from_json_lines(&beginning(1)).unwrap();
+    for place in 0..file.len() {
+        for damage in [0, 0x72, 0xff] {
+            let mut file = file.clone();
+            file[place] = damage;
+            let _ = to_json_lines(&file);
+        }
+    }
+}
+
 #[test]
 fn the_programs_write_and_convert_them() {
     let folder = tempfile::tempdir().unwrap();
