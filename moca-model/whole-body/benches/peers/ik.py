@@ -122,7 +122,8 @@ def print_peers():
         try:
             print(f"{name:12} {1e6 * statistics.median(times()[500:]):8.1f} µs", flush=True)
         except ImportError as error:
-            print(f"{name:12} is not in {sys.prefix}: {error}", flush=True)
+            # Another interpreter may have it.
+            print(f"{name:12} is not in {sys.prefix}: {error}", file=sys.stderr, flush=True)
 
 
 def own_median():
