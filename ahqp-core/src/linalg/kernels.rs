@@ -7,6 +7,7 @@
 mod lanes;
 mod loops;
 
+use crate::linalg::vector::dot;
 use lanes::Portable;
 use loops as with;
 
@@ -24,6 +25,45 @@ pub(crate) struct Rotation {
     pub(crate) second: usize,
     pub(crate) cosine: f64,
     pub(crate) sine: f64,
+}
+
+/// Four reflections as one, I − V T Vᵀ (compact WY form: Schreiber, Van Loan, SIAM Journal on Scientific and
+/// Statistical Computing 10, 1989).
+#[derive(Debug)]
+pub(crate) struct FourReflections<'a> {
+    /// The columns of V, of one length.
+    v: [&'a [f64]; 4],
+    t: BlockFactor,
+}
+
+/// The triangular T of four reflections.
+pub(crate) type BlockFactor = [[f64; 4]; 4];
+
+impl<'a> FourReflections<'a> {
+    /// T of H₀ H₁ H₂ H₃, Hᵢ = I − τᵢvᵢvᵢᵀ.
+    pub(crate) fn factor(v: [&[f64]; 4], tau: &[f64]) -> BlockFactor {
+        let mut t = [[0.0; 4]; 4];
+        for (j, &tau) in tau.iter().enumerate().take(4) {
+            let along: [f64; 4] =
+                std::array::from_fn(|i| if i < j { dot(v[i], v[j]) } else { 0.0 });
+            for (i, row) in t.iter_mut().enumerate().take(j) {
+                let sum: f64 = (i..j).map(|l| row[l] * along[l]).sum();
+                row[j] = -tau * sum;
+            }
+            t[j][j] = tau;
+        }
+        t
+    }
+
+    /// H₀ H₁ H₂ H₃: a row meets H₀ first.
+    pub(crate) fn forward(v: [&'a [f64]; 4], factor: &BlockFactor) -> Self {
+        Self { v, t: *factor }
+    }
+
+    /// H₃ H₂ H₁ H₀.
+    pub(crate) fn backward(v: [&'a [f64]; 4], factor: &BlockFactor) -> Self {
+        Self { v, t: std::array::from_fn(|i| std::array::from_fn(|j| factor[j][i])) }
+    }
 }
 
 /// Compiles a loop of [`loops`] for both kinds of machine, and chooses at run time.
@@ -62,8 +102,14 @@ kernel! {
 }
 
 kernel! {
-    /// Combines rows: row j ← row j − τ vⱼ Σᵢ vᵢ row i, for as many rows as `v` has entries.
-    mix_rows(rows: &mut RowsMut<'_>, v: &[f64], tau: f64)
+    /// row ← row (I − V T Vᵀ) for every row, on the entries from `start` on; V has those entries.
+    reflect_rows_four(rows: &mut RowsMut<'_>, start: usize, four: &FourReflections<'_>)
+}
+
+kernel! {
+    /// Combines rows: row j ← row j − τ vⱼ Σᵢ vᵢ row i, for as many rows as `v` has entries, in the first
+    /// `width` entries of each.
+    mix_rows(rows: &mut RowsMut<'_>, width: usize, v: &[f64], tau: f64)
 }
 
 kernel! {
@@ -130,9 +176,9 @@ mod tests {
 
             let expected = reflected(matrix, columns, &v[..rows], tau, true);
             let mut plain = matrix.to_vec();
-            with::mix_rows::<Portable>(&mut rows_of(&mut plain, columns), &v[..rows], tau);
+            with::mix_rows::<Portable>(&mut rows_of(&mut plain, columns), columns, &v[..rows], tau);
             let mut fast = matrix.to_vec();
-            mix_rows(&mut rows_of(&mut fast, columns), &v[..rows], tau);
+            mix_rows(&mut rows_of(&mut fast, columns), columns, &v[..rows], tau);
             prop_assert!(close(&plain, &expected) && close(&fast, &expected));
 
             let x = &wide[..columns];
@@ -152,6 +198,37 @@ mod tests {
             with::add_rows::<Portable>(matrix, columns, &v[..rows], &mut plain);
             add_rows(matrix, columns, &v[..rows], &mut fast);
             prop_assert!(close(&plain, &expected) && close(&fast, &expected));
+        }
+
+        #[test]
+        fn four_reflections_are_one_after_the_other(
+            rows in 1_usize..9, columns in 1_usize..23, start in 0_usize..5,
+            taus in prop::array::uniform4(0.0..0.2_f64),
+            entries in prop::collection::vec(-1.0..1.0_f64, 9 * 23),
+            vectors in prop::array::uniform4(prop::collection::vec(-1.0..1.0_f64, 23)),
+        ) {
+            let start = start.min(columns - 1);
+            let matrix = &entries[..rows * columns];
+            let v = vectors.each_ref().map(|v| &v[start..columns]);
+            let factor = FourReflections::factor(v, &taus);
+            let orders = [
+                (FourReflections::forward(v, &factor), [0, 1, 2, 3]),
+                (FourReflections::backward(v, &factor), [3, 2, 1, 0]),
+            ];
+            for (four, order) in orders {
+                let expected = order.iter().fold(matrix.to_vec(), |matrix, &i| {
+                    let mut wide = vec![0.0; columns];
+                    wide[start..].copy_from_slice(v[i]);
+                    reflected(&matrix, columns, &wide, taus[i], false)
+                });
+                let mut plain = matrix.to_vec();
+                with::reflect_rows_four::<Portable>(&mut rows_of(&mut plain, columns), start, &four);
+                let mut fast = matrix.to_vec();
+                reflect_rows_four(&mut rows_of(&mut fast, columns), start, &four);
+                let size = expected.iter().fold(1.0_f64, |size, entry| size.max(entry.abs()));
+                let close = |a: &[f64]| a.iter().zip(&expected).all(|(x, y)| (x - y).abs() < 1e-12 * size);
+                prop_assert!(close(&plain) && close(&fast));
+            }
         }
 
         #[test]

@@ -204,7 +204,7 @@ impl ActiveSet {
         let linear_of = (is_objective && self.data.levels[level].has_linear).then_some(level);
         self.factorisation.push_group(level, Purpose::Minimised, linear_of);
         self.factorisation.push_active(&self.data, &self.activity, rows);
-        self.factorisation.eliminate_from(self.factorisation.groups.len() - 1);
+        self.factorisation.eliminate_last();
     }
 
     /// Sees which rows of an objective are violated, where no direction is left to change that.
@@ -274,9 +274,8 @@ impl ActiveSet {
         self.in_play.push(rows.clone());
         self.open_held(level);
         self.factorisation.push_active(&self.data, &self.activity, rows);
-        let last = self.factorisation.groups.len() - 1;
-        self.factorisation.eliminate_from(last);
-        let group = self.factorisation.groups[last].clone();
+        self.factorisation.eliminate_last();
+        let Some(group) = self.factorisation.groups.last().cloned() else { return };
         for at in (group.start + group.rank..group.end).rev() {
             let id = self.factorisation.stacked[at];
             if self.activity[id] != Activity::Equal {

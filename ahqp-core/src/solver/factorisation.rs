@@ -6,6 +6,7 @@
 //! group decides are those that no group before it has used. Coordinates that no group decides are
 //! free.
 
+mod least_squares;
 mod orthogonal;
 mod point;
 mod rank_tolerances;
@@ -21,6 +22,7 @@ use super::tolerances::SHRUNK;
 use crate::linalg::kernels::Rotation;
 use crate::linalg::list::List;
 use crate::linalg::vector::{dot, norm};
+use least_squares::LeastSquares;
 use orthogonal::Orthogonal;
 
 pub(crate) use point::FreeCoordinates;
@@ -104,11 +106,7 @@ pub(crate) struct Factorisation {
     gathered: Vec<f64>,
     /// What pivots leave of a row.
     left: Vec<f64>,
-    /// Dependent rows of a group and one pivot, and the factor of all.
-    dependent: Vec<f64>,
-    triangular: Vec<f64>,
-    own: Vec<f64>,
-    column: Vec<f64>,
+    least_squares: LeastSquares,
     /// Linear terms in the coordinates y, a level in `n` entries.
     linear: Vec<f64>,
     pub(crate) tolerances: RankTolerances,
@@ -148,10 +146,7 @@ impl Factorisation {
             turned: vec![0.0; stride],
             gathered: vec![0.0; stride],
             left: vec![0.0; n],
-            dependent: vec![0.0; (count + 1) * (stride + LANES)],
-            triangular: vec![0.0; n * (stride + LANES)],
-            own: vec![0.0; count],
-            column: vec![0.0; count + 1],
+            least_squares: LeastSquares::new(n, count),
             linear: vec![0.0; levels * n],
             tolerances,
             x: vec![0.0; n],
@@ -251,6 +246,7 @@ impl Factorisation {
         if let Some(group) = self.groups.pop() {
             self.stacked.truncate(group.start);
             self.pivots.truncate(group.first_pivot);
+            self.orthogonal.forget_from(group.first_pivot);
             self.expect_change(self.groups.len());
         }
     }
@@ -278,8 +274,17 @@ impl Factorisation {
         self.square[at] = data.norm(id).powi(2);
     }
 
+    /// Factors the last group, with pivoting, for a search that changes it.
+    pub(crate) fn eliminate_last(&mut self) {
+        self.eliminate_from(self.groups.len().saturating_sub(1));
+        self.orthogonal.multiply_out();
+    }
+
     /// Factors the groups from this one on, with pivoting.
-    pub(crate) fn eliminate_from(&mut self, group: usize) {
+    fn eliminate_from(&mut self, group: usize) {
+        let first = self.groups.get(group).map_or(self.stacked.len(), |group| group.start);
+        let rows = first * self.stride..self.stacked.len() * self.stride;
+        self.orthogonal.turn_rows(&mut self.rows[rows], self.closed);
         for group in group..self.groups.len() {
             self.eliminate(group);
         }
@@ -300,7 +305,7 @@ impl Factorisation {
         self.eliminate_from(0);
     }
 
-    /// Turns the group's rows onto coordinates of their own by reflections.
+    /// Turns the group's rows onto coordinates of their own by reflections, and the rows behind it with them.
     fn eliminate(&mut self, group: usize) {
         let (n, k) = (self.stride, self.free.len());
         let Group { start, end, purpose, .. } = self.groups[group];
@@ -309,7 +314,6 @@ impl Factorisation {
             Purpose::Minimised => self.tolerances.dependent,
         };
         let first_pivot = self.pivots.len();
-        self.orthogonal.turn_rows(&mut self.rows[start * n..end * n], self.closed);
         self.measure(start..end, first_pivot);
         for at in start..end {
             let step = self.pivots.len();
@@ -331,7 +335,8 @@ impl Factorisation {
             }
             self.pivots.push(at);
         }
-        self.orthogonal.absorb(first_pivot..self.pivots.len());
+        let behind = &mut self.rows[end * n..self.stacked.len() * n];
+        self.orthogonal.apply(first_pivot..self.pivots.len(), behind);
         self.expect_change(group);
         let group = &mut self.groups[group];
         (group.first_pivot, group.rank) = (first_pivot, self.pivots.len() - first_pivot);

@@ -106,7 +106,9 @@ impl Multipliers {
         }
         self.has_spread = data.have_spread(&factorisation.stacked[start..end], x_norm);
         if residuals == Residuals::Balanced {
-            factorisation.balance_group(data, group, self.has_spread, residual, rounding);
+            let room = (&mut self.of_pivots[..], &mut self.rounding_of_pivots[..]);
+            let residuals = (&mut *residual, &mut *rounding);
+            factorisation.balance_group(data, group, self.has_spread, residuals, room);
         }
         let rows = factorisation.stacked[start..end].iter().zip(residual.iter());
         self.size = rows.map(|(&id, residual)| data.norm(id) * residual.abs()).sum();

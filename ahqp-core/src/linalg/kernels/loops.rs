@@ -3,7 +3,7 @@
 #![expect(clippy::inline_always, reason = "takes the features of the function around it")]
 
 use super::lanes::Lanes;
-use super::{Rotation, RowsMut};
+use super::{FourReflections, Rotation, RowsMut};
 
 #[inline(always)]
 pub(super) fn rotate_rows<L: Lanes>(rows: &mut RowsMut<'_>, rotations: &[Rotation]) {
@@ -45,18 +45,49 @@ pub(super) fn reflect_rows<L: Lanes>(rows: &mut RowsMut<'_>, start: usize, v: &[
 }
 
 #[inline(always)]
-pub(super) fn mix_rows<L: Lanes>(rows: &mut RowsMut<'_>, v: &[f64], tau: f64) {
-    let (stride, whole) = (rows.stride, rows.stride - rows.stride % 4);
+pub(super) fn reflect_rows_four<L: Lanes>(
+    rows: &mut RowsMut<'_>,
+    start: usize,
+    four: &FourReflections<'_>,
+) {
+    let end = start + four.v[0].len();
+    let [(a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)] = four.v.map(|v| v.as_chunks::<4>());
+    for row in rows.data.chunks_exact_mut(rows.stride) {
+        let Some(part) = row.get_mut(start..end) else { continue };
+        let mut weights = [0.0; 4];
+        for (along, t) in dots::<L>(four.v, part).into_iter().zip(&four.t) {
+            for (weight, t) in weights.iter_mut().zip(t) {
+                *weight -= along * t;
+            }
+        }
+        let [p, q, r, s] = weights.map(L::splat);
+        let (chunks, rest) = part.as_chunks_mut::<4>();
+        for ((((x, a), b), c), d) in chunks.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            let two = q.multiply_add(L::load(b), p.multiply_add(L::load(a), L::load(x)));
+            s.multiply_add(L::load(d), r.multiply_add(L::load(c), two)).store(x);
+        }
+        let ends = a_rest.iter().zip(b_rest).zip(c_rest).zip(d_rest);
+        for (x, (((a, b), c), d)) in rest.iter_mut().zip(ends) {
+            *x += weights[0] * a + weights[1] * b + weights[2] * c + weights[3] * d;
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn mix_rows<L: Lanes>(rows: &mut RowsMut<'_>, width: usize, v: &[f64], tau: f64) {
+    let (stride, whole) = (rows.stride, width - width % 4);
     let mut start = 0;
-    while start + 16 <= whole {
-        mix_columns::<L, 4>(rows, start, v, tau);
+    while start < whole {
+        // As many columns at once as are left, up to what the registers hold.
+        match (whole - start) / 4 {
+            1 => mix_columns::<L, 1>(rows, start, v, tau),
+            2 => mix_columns::<L, 2>(rows, start, v, tau),
+            3 => mix_columns::<L, 3>(rows, start, v, tau),
+            _ => mix_columns::<L, 4>(rows, start, v, tau),
+        }
         start += 16;
     }
-    while start < whole {
-        mix_columns::<L, 1>(rows, start, v, tau);
-        start += 4;
-    }
-    for start in whole..stride {
+    for start in whole..width {
         let column = |data: &[f64], row: usize| data.get(row * stride + start).copied();
         let image: f64 =
             v.iter().enumerate().filter_map(|(i, v)| Some(v * column(rows.data, i)?)).sum();

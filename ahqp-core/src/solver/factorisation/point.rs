@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::{Factorisation, Group, LANES, Purpose};
-use crate::linalg::kernels::{RowsMut, add_rows, mix_rows, multiply_rows};
-use crate::linalg::vector::{add_scaled, dot, norm, reflector};
+use super::{Factorisation, Group, Purpose};
+use crate::linalg::kernels::add_rows;
+use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::solver::activity::Activity;
 use crate::solver::data::{ProblemData, active_bound};
 use crate::solver::tolerances::ROUNDING;
@@ -172,75 +172,6 @@ impl Factorisation {
         norm(source)
     }
 
-    /// min ½‖[L; D] t − c‖² + dᵀt over the group's own coordinates t: pivots L, dependent rows D.
-    ///
-    /// From the last column to the first, a reflection of a pivot row and all dependent ones leaves
-    /// nothing in these: [L; D] = Q' [L'; 0], with L' lower triangular. The pivots are the heavier rows.
-    /// Coordinates before `from` are taken as zero.
-    fn decide_least_squares(&mut self, data: &ProblemData, group: usize, from: usize) {
-        let n = self.stride;
-        let Group { start, end, rank, first_pivot: first, linear_of, .. } = self.groups[group];
-        if rank == 0 {
-            return;
-        }
-        // The target stands behind the entries of its row.
-        let stride = (rank + 1).next_multiple_of(LANES);
-        let count = end - start - rank;
-        let own = &mut self.own[..end - start];
-        multiply_rows(&self.rows[start * n + from..], n, &self.y[from..first], own);
-        let (rows, target) = (&self.rows, &self.target);
-        let load = |index: usize, width: usize, to: &mut [f64]| {
-            to.fill(0.0);
-            let from = (start + index) * n + first;
-            to[..width].copy_from_slice(&rows[from..from + width]);
-            to[rank] = target[start + index] - own[index];
-        };
-        let stack = &mut self.dependent[..(count + 1) * stride];
-        for (index, row) in (rank..).zip(stack[stride..].chunks_exact_mut(stride)) {
-            load(index, rank, row);
-            // What rotations leave of a heavy row would pull at light ones.
-            let nothing = ROUNDING * data.norm(self.stacked[start + index]);
-            row[..rank].iter_mut().filter(|a| a.abs() <= nothing).for_each(|a| *a = 0.0);
-        }
-        let data = stack;
-        let column = &mut self.column[..=count];
-        for j in (0..rank).rev() {
-            load(j, j + 1, &mut data[..stride]);
-            if count > 0 {
-                for (entry, row) in column.iter_mut().zip(data.chunks_exact(stride)) {
-                    *entry = row[j];
-                }
-                let targets = data.iter().skip(rank).step_by(stride);
-                let pull = column.iter().zip(targets).map(|(entry, target)| (entry * target).abs());
-                let pull = pull.sum::<f64>();
-                let (tau, radius) = reflector(column);
-                mix_rows(&mut RowsMut { data, stride }, column, tau);
-                // Pulls that balance each other move nothing.
-                if (data[rank] * radius).abs() <= ROUNDING * pull {
-                    data[rank] = 0.0;
-                }
-            }
-            self.triangular[j * stride..(j + 1) * stride].copy_from_slice(&data[..stride]);
-        }
-        let factor = &mut self.triangular[..rank * stride];
-        if let Some(level) = linear_of {
-            // L'ᵀ (L' t − c') = −d.
-            let linear = &mut self.turned[..rank];
-            let from = level * self.n + first;
-            linear.copy_from_slice(&self.linear[from..from + rank]);
-            for j in (0..rank).rev() {
-                let row = &mut factor[j * stride..(j + 1) * stride];
-                let part = linear[j] / row[j];
-                row[rank] -= part;
-                add_scaled(&mut linear[..j], -part, &row[..j]);
-            }
-        }
-        let y = &mut self.y[first..first + rank];
-        for (j, row) in factor.chunks_exact(stride).enumerate() {
-            y[j] = (row[rank] - dot(&row[..j], &y[..j])) / row[j];
-        }
-    }
-
     /// Multipliers μ of the first pivots that balance a gradient whose coordinates stand in
     /// `coordinates`: Σ μᵢ Lᵢ = −coordinates, but for pivots
     /// that are decided for good. Overwrites it with μ.
@@ -316,35 +247,51 @@ impl Factorisation {
 
     /// Replaces the residuals of a group's pivots by those that balance the others, and the linear
     /// term, along the coordinates that the group decides, as they do at its minimum, where these are
-    /// known better. A heavy row's residual may be far below the rounding of its own terms. `rounding` is that in the residuals;
-    /// both are in the order of the stack.
+    /// known better. A heavy row's residual may be far below the rounding of its own terms. `rounding` is that
+    /// in the residuals; both are in the order of the stack. `sums` and `sums_rounding` have room for a number
+    /// a coordinate.
     pub(crate) fn balance_group(
         &self,
         data: &ProblemData,
         group: usize,
         has_spread: bool,
-        residual: &mut [f64],
-        rounding: &mut [f64],
+        (residual, rounding): (&mut [f64], &mut [f64]),
+        (sums, sums_rounding): (&mut [f64], &mut [f64]),
     ) {
         let Group { start, rank, first_pivot, linear_of, .. } = self.groups[group];
-        for pivot in (0..rank).rev() {
-            let coordinate = first_pivot + pivot;
-            let linear = linear_of.map_or(0.0, |level| self.linear[level * self.n + coordinate]);
-            let (mut sum, mut sum_rounding) = (linear, ROUNDING * linear.abs());
-            let entries = self.rows[start * self.stride + coordinate..].iter().step_by(self.stride);
-            let terms = residual.iter().zip(rounding.iter()).zip(&self.stacked[start..]);
-            for (entry, ((residual, rounding), &id)) in entries.zip(terms).skip(pivot + 1) {
-                sum += entry * residual;
-                // Each entry has the rounding of its whole row.
-                let of_entry =
-                    data.relative_rounding(id) * self.norm_of_entries(data, id, has_spread);
-                sum_rounding += entry.abs() * rounding + of_entry * residual.abs();
+        let (sums, sums_rounding) = (&mut sums[..rank], &mut sums_rounding[..rank]);
+        match linear_of {
+            None => sums.fill(0.0),
+            Some(level) => {
+                let first = level * self.n + first_pivot;
+                sums.copy_from_slice(&self.linear[first..first + rank]);
             }
-            let own = self.rows[(start + pivot) * self.stride + coordinate];
-            // Where rows nearly depend on each other, a residual at x is known better.
-            if sum_rounding < rounding[pivot] * own.abs() {
-                (residual[pivot], rounding[pivot]) = (-sum / own, sum_rounding / own.abs());
+        }
+        for (rounding, sum) in sums_rounding.iter_mut().zip(sums.iter()) {
+            *rounding = ROUNDING * sum.abs();
+        }
+        // Each entry has the rounding of its whole row.
+        let mut of_entries = 0.0;
+        // From the last row to the first: sums along a pivot's coordinate are those of the rows behind it.
+        for index in (0..residual.len()).rev() {
+            let at = start + index;
+            let place = at * self.stride + first_pivot;
+            let row = &self.rows[place..place + rank.min(index + 1)];
+            if let Some(own) = row.get(index) {
+                let (sum, sum_rounding) = (sums[index], sums_rounding[index] + of_entries);
+                // Where rows nearly depend on each other, a residual at x is known better.
+                if sum_rounding < rounding[index] * own.abs() {
+                    residual[index] = -sum / own;
+                    rounding[index] = sum_rounding / own.abs();
+                }
             }
+            let (residual, rounding, id) = (residual[index], rounding[index], self.stacked[at]);
+            for ((sum, of_sum), entry) in sums.iter_mut().zip(sums_rounding.iter_mut()).zip(row) {
+                *sum += entry * residual;
+                *of_sum += entry.abs() * rounding;
+            }
+            let norm = self.norm_of_entries(data, id, has_spread);
+            of_entries += data.relative_rounding(id) * norm * residual.abs();
         }
     }
 

@@ -88,6 +88,7 @@ impl Factorisation {
         group: usize,
     ) -> Result<(), RankInDoubt> {
         self.expect_whole_rows()?;
+        self.orthogonal.multiply_out();
         let (n, k) = (self.stride, self.free.len());
         self.rotations.clear();
         self.expect_change(group);
@@ -105,6 +106,7 @@ impl Factorisation {
 
     /// Takes a row out of the stack, or lets a variable go that left as a column.
     fn remove(&mut self, data: &ProblemData, id: usize) -> Result<(), RankInDoubt> {
+        self.orthogonal.multiply_out();
         self.rotations.clear();
         match self.stacked.iter().position(|&row| row == id) {
             Some(at) => self.unstack(data, at),

@@ -1,0 +1,126 @@
+//! The least squares of one group: its pivots and the rows that depend on them.
+
+use super::{Factorisation, Group, LANES};
+use crate::linalg::kernels::{RowsMut, mix_rows, multiply_rows};
+use crate::linalg::vector::{add_scaled, dot, norm, reflector};
+use crate::solver::data::ProblemData;
+use crate::solver::tolerances::ROUNDING;
+
+/// Numbers of one least-squares problem; sized once.
+#[derive(Debug, Clone)]
+pub(super) struct LeastSquares {
+    /// One pivot row and all dependent ones, `stride` entries each.
+    stack: Vec<f64>,
+    /// What remains to be met of each of these.
+    target: Vec<f64>,
+    /// The factor L' and its targets.
+    triangular: Vec<f64>,
+    triangular_target: Vec<f64>,
+    /// What coordinates of groups before add to each row of the group.
+    known: Vec<f64>,
+    column: Vec<f64>,
+}
+
+impl LeastSquares {
+    pub(super) fn new(variables: usize, rows: usize) -> Self {
+        let stride = variables.next_multiple_of(LANES);
+        Self {
+            stack: vec![0.0; (rows + 1) * stride],
+            target: vec![0.0; rows + 1],
+            triangular: vec![0.0; variables * stride],
+            triangular_target: vec![0.0; variables],
+            known: vec![0.0; rows],
+            column: vec![0.0; rows + 1],
+        }
+    }
+
+    /// Reflects column `j` of the stack, of which `width` entries are in use, into the pivot row, which
+    /// stands first. `least` is a target below which the pulls of rows may balance each other.
+    fn reflect(&mut self, j: usize, count: usize, stride: usize, least: f64) {
+        let (column, target) = (&mut self.column[..=count], &mut self.target[..=count]);
+        for (entry, row) in column.iter_mut().zip(self.stack.chunks_exact(stride)) {
+            *entry = row[j];
+        }
+        let sum = dot(column, target);
+        // Only below this can the sum be the rounding of its terms.
+        let may_balance = sum.powi(2) <= least.powi(2) * dot(column, column);
+        let balances = may_balance && {
+            let terms = column.iter().zip(target.iter()).map(|(entry, target)| entry * target);
+            sum.abs() <= ROUNDING * terms.map(f64::abs).sum::<f64>()
+        };
+        let (tau, _) = reflector(column);
+        let data = &mut self.stack[..(count + 1) * stride];
+        mix_rows(&mut RowsMut { data, stride }, (j + 1).next_multiple_of(LANES), column, tau);
+        add_scaled(target, -tau * dot(column, target), column);
+        // Pulls that balance each other move nothing.
+        if balances {
+            target[0] = 0.0;
+        }
+    }
+}
+
+impl Factorisation {
+    /// min ½‖[L; D] t − c‖² + dᵀt over the group's own coordinates t: pivots L, dependent rows D.
+    ///
+    /// From the last column to the first, a reflection of a pivot row and all dependent ones leaves
+    /// nothing in these: [L; D] = Q' [L'; 0], with L' lower triangular. The pivots are the heavier rows.
+    /// Coordinates before `from` are taken as zero.
+    pub(super) fn decide_least_squares(&mut self, data: &ProblemData, group: usize, from: usize) {
+        let n = self.stride;
+        let Group { start, end, rank, first_pivot: first, linear_of, .. } = self.groups[group];
+        if rank == 0 {
+            return;
+        }
+        let stride = rank.next_multiple_of(LANES);
+        let count = end - start - rank;
+        let squares = &mut self.least_squares;
+        let known = &mut squares.known[..end - start];
+        multiply_rows(&self.rows[start * n + from..], n, &self.y[from..first], known);
+        for (known, target) in known.iter_mut().zip(&self.target[start..end]) {
+            *known = target - *known;
+        }
+        let least = ROUNDING * norm(known);
+        let entries = |index: usize, width: usize| {
+            let place = (start + index) * n + first;
+            &self.rows[place..place + width]
+        };
+        squares.target[1..=count].copy_from_slice(&squares.known[rank..end - start]);
+        for (index, row) in (rank..).zip(squares.stack.chunks_exact_mut(stride).skip(1)).take(count)
+        {
+            // What rotations leave of a heavy row would pull at light ones.
+            let nothing = ROUNDING * data.norm(self.stacked[start + index]);
+            for (to, &entry) in row.iter_mut().zip(entries(index, rank)) {
+                *to = if entry.abs() <= nothing { 0.0 } else { entry };
+            }
+            row[rank..].fill(0.0);
+        }
+        for j in (0..rank).rev() {
+            squares.stack[..=j].copy_from_slice(entries(j, j + 1));
+            squares.stack[j + 1..stride].fill(0.0);
+            squares.target[0] = squares.known[j];
+            if count > 0 {
+                squares.reflect(j, count, stride, least);
+            }
+            let row = j * stride;
+            squares.triangular[row..=row + j].copy_from_slice(&squares.stack[..=j]);
+            squares.triangular_target[j] = squares.target[0];
+        }
+        let LeastSquares { triangular, triangular_target: target, .. } = squares;
+        let row = |j: usize| &triangular[j * stride..=j * stride + j];
+        if let Some(level) = linear_of {
+            // L'ᵀ (L' t − c') = −d.
+            let linear = &mut self.turned[..rank];
+            let from = level * self.n + first;
+            linear.copy_from_slice(&self.linear[from..from + rank]);
+            for j in (0..rank).rev() {
+                let part = linear[j] / row(j)[j];
+                target[j] -= part;
+                add_scaled(&mut linear[..j], -part, row(j));
+            }
+        }
+        let y = &mut self.y[first..first + rank];
+        for j in 0..rank {
+            y[j] = (target[j] - dot(&row(j)[..j], &y[..j])) / row(j)[j];
+        }
+    }
+}
