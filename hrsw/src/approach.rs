@@ -265,15 +265,31 @@ impl ApproachRows {
     }
 
     /// Returns true if with `velocity`, n, no pair of the rows written last that may not touch comes nearer
-    /// faster than it may, and none that may touch does so faster than with `braking`, n, too. Otherwise
-    /// rows contradict each other, as between two people, or the robot cannot brake in time: it should
-    /// then brake all that it can, and not weigh one distance against another.
-    pub fn is_kept_by(&self, rows: &Rows, velocity: &[f64], braking: &[f64]) -> bool {
+    /// faster than it may, and none that may touch does so faster than with `braking`, n, too. A person who
+    /// is nearer than their protective distance may be a little beside where they are taken to be: the
+    /// robot then has to leave in a direction that is surely away. Otherwise rows contradict each other, as
+    /// between two people, or the robot cannot brake in time: it should then brake all that it can, and not
+    /// weigh one distance against another.
+    pub fn is_kept_by(
+        &self,
+        motion: &JointMotion<'_>,
+        rows: &Rows,
+        velocity: &[f64],
+        braking: &[f64],
+    ) -> bool {
+        let error = self.settings.human_uncertainty + SINCE_THE_FRAME;
         self.candidates.iter().zip(rows.iter()).all(|(candidate, (row, _, upper))| {
             let along =
                 |velocity: &[f64]| -> f64 { row.iter().zip(velocity).map(|(a, b)| a * b).sum() };
             let approach = along(velocity) - ROUNDING;
-            approach <= upper || (candidate.contact && approach <= along(braking))
+            if candidate.contact {
+                return approach <= upper || approach <= along(braking);
+            }
+            let comes_no_nearer = || {
+                candidate.worst_approach(motion, velocity, error) <= ROUNDING
+                    || velocity.iter().zip(braking).all(|(v, braking)| v == braking)
+            };
+            approach <= upper && (!candidate.is_undercut() || comes_no_nearer())
         })
     }
 

@@ -387,7 +387,8 @@ impl Controller {
         self.command.desired_twist.copy_from_slice(desired);
         self.command.slack.copy_from_slice(slack);
         // Where not all can be kept at their distances none is weighed against another.
-        if !self.safety.is_kept_by(&self.command.joint_velocity, &self.braking) {
+        let velocity = &self.command.joint_velocity;
+        if !self.safety.is_kept_by(&self.robot, velocity, &self.braking) {
             self.go_towards_rest();
         }
         Ok(status)

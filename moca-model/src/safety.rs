@@ -207,9 +207,11 @@ impl Safety {
     }
 
     /// Returns true if with these velocities, n, no pair that may not touch comes nearer faster than it may,
-    /// and none that may touch does that faster than with `braking`, n, too.
-    pub fn is_kept_by(&self, velocity: &[f64], braking: &[f64]) -> bool {
-        self.separation.is_kept_by(&self.separation_rows, velocity, braking)
+    /// surely no nearer where it is nearer than it should be, and none that may touch comes nearer faster
+    /// than with `braking`, n, too.
+    pub fn is_kept_by(&self, robot: &Kinematics, velocity: &[f64], braking: &[f64]) -> bool {
+        let motion = motion(robot, velocity, None);
+        self.separation.is_kept_by(&motion, &self.separation_rows, velocity, braking)
     }
 
     /// The share of their speeds that the joints may use: at once zero in a stop for a fault, while the

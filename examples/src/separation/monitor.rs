@@ -106,10 +106,11 @@ impl SeparationMonitor {
         Ok(judge(&self.settings, &self.robot, &now, known.as_ref(), moment.contact, self.period))
     }
 
-    /// Returns true if bodies of the robot that are to keep apart overlap.
-    pub fn collides(&self) -> bool {
+    /// By how much bodies of the robot overlap that are to keep apart \[m\]: the most of all pairs.
+    pub fn overlap(&self) -> f64 {
         let now = &self.robot.now;
-        self.own_pairs.iter().any(|&(i, j)| now[i].distance(&now[j]) < 0.0)
+        let overlaps = self.own_pairs.iter().map(|&(i, j)| -now[i].distance(&now[j]));
+        overlaps.fold(0.0, f64::max)
     }
 
     /// The robot's bodies now, and as they move: commanded, and in an emergency stop.

@@ -102,6 +102,8 @@ pub struct Monitor {
     was_blind: bool,
     /// Ticks left in which joints may be outside their ranges by ticks that came late, or a push.
     settling: u64,
+    /// By how much the robot's own bodies overlap that a push has brought together, at most from now on \[m\].
+    pushed_overlap: f64,
     /// The first tick with something wrong, and what is known of it.
     pub first_wrong: Option<String>,
 }
@@ -123,6 +125,7 @@ impl Monitor {
             counts: Counts::default(),
             ended: Endings::default(),
             settling: 0,
+            pushed_overlap: 0.0,
             was_blind: false,
             first_wrong: None,
         })
@@ -160,11 +163,12 @@ impl Monitor {
 
         let velocity = &command.joint_velocity;
         let verdict = self.separation.check(velocity, tick.configuration, Some(&tick.moment))?;
+        let collides = self.collides(is_settling);
         let counts = &mut self.counts;
         counts.separation_violations += u64::from(verdict.violation.is_some());
         counts.person_caused += u64::from(verdict.person_caused);
         counts.contact += u64::from(verdict.contact);
-        counts.self_collisions += u64::from(self.separation.collides() && !is_settling);
+        counts.self_collisions += u64::from(collides);
         if self.first_wrong.is_none() && self.counts.wrong() > 0 {
             let blame = verdict.violation;
             let Command { outcome, fault, .. } = command;
@@ -174,6 +178,20 @@ impl Monitor {
             ));
         }
         Ok(())
+    }
+
+    /// Returns true if the robot has moved its own bodies into each other. Those that a push has brought
+    /// together may stay where it left them, as long as the robot does not press them together.
+    fn collides(&mut self, is_settling: bool) -> bool {
+        let overlap = self.separation.overlap();
+        if is_settling {
+            self.pushed_overlap = overlap;
+        } else if self.pushed_overlap > 0.0 && overlap <= self.pushed_overlap + SAGGING {
+            self.pushed_overlap = self.pushed_overlap.min(overlap);
+        } else {
+            return overlap > 0.0;
+        }
+        false
     }
 
     /// A joint goes on for as long as the next command is late, or somebody pushes it, which may take it out of
@@ -190,6 +208,9 @@ impl Monitor {
         is_settling
     }
 }
+
+/// A robot that gives a little under its own weight comes no nearer to itself than this \[m\].
+const SAGGING: f64 = 1e-3;
 
 /// Ticks after a late one, or a push, in which joints may still brake that it took out of their ranges.
 const SETTLING: u64 = 500;

@@ -1,5 +1,7 @@
 //! A pair that may get a row.
 
+use nalgebra::Vector6;
+
 use super::{JointMotion, Nearest};
 use crate::distance::Proximity;
 use crate::separation::SeparationSettings;
@@ -35,6 +37,34 @@ impl Candidate {
                 *out -= column.dot(&away);
             }
         }
+    }
+
+    /// Returns true if the pair is nearer than a robot at rest should be.
+    pub(super) fn is_undercut(&self) -> bool {
+        self.near.distance < self.settings.protective_distance(self.human_speed, 0.0)
+    }
+
+    /// How fast the robot may come nearer at `velocity` \[m/s\] to a person who lies up to `error` \[m\] beside
+    /// where they are taken to be.
+    pub(super) fn worst_approach(
+        &self,
+        motion: &JointMotion<'_>,
+        velocity: &[f64],
+        error: f64,
+    ) -> f64 {
+        let mut twist = Vector6::zeros();
+        let joints = motion.jacobian.column_iter().zip(velocity);
+        for (column, &velocity) in joints.take(self.robot_joints) {
+            twist += column * velocity;
+        }
+        let Proximity { normal, on_first, on_second, .. } = self.near;
+        let (linear, angular) = (twist.fixed_rows::<3>(0), twist.fixed_rows::<3>(3));
+        let of_point = linear + angular.cross(&(on_first - motion.origin));
+        let approach = -of_point.dot(&normal);
+        let across = (of_point + normal * approach).norm();
+        // The direction to the person is off by the angle under which the error is seen.
+        let sine = error / (on_first - on_second).norm().max(error);
+        approach + across * sine + angular.norm() * error
     }
 
     pub(super) fn seen(&self) -> Nearest {

@@ -162,8 +162,9 @@ impl TorqueController {
     /// the arm are [`torque`](Self::torque). Allocates nothing.
     ///
     /// A measurement of which any number cannot be used is a [`Fault::BadMeasurement`], and the command
-    /// brakes. Without a position the arm has no spring, and carries itself as where it was measured last;
-    /// without a velocity it has no damper.
+    /// brakes. Joints without a position count as moved by their velocities since they had one. Without
+    /// these too the arm has no spring, and carries itself as where it was measured last; without a velocity
+    /// it has no damper.
     ///
     /// # Errors
     /// [`Error::WrongSize`] for a configuration of the wrong size, as [`Controller::step`].
@@ -172,6 +173,7 @@ impl TorqueController {
         if !(usable.all() && self.feel().is_ok()) {
             self.controller.report(Fault::BadMeasurement);
             self.observer.reset();
+            self.carry()?;
         }
         let outcome = self.controller.step(now, measured.position).map(|_| ());
         self.write_law(usable);
@@ -197,11 +199,13 @@ impl TorqueController {
                 && velocity.iter().all(|velocity| is_sensible(*velocity)),
             torque: driven.into_iter().all(is_known),
         };
-        if usable.position {
-            self.position.copy_from_slice(position);
-        }
         if usable.velocity {
             self.velocity.copy_from_slice(velocity);
+        }
+        if usable.position {
+            self.position.copy_from_slice(position);
+        } else if usable.velocity {
+            self.move_on(position);
         }
         if usable.torque {
             for (sensed, joint) in self.law.sensed.iter_mut().zip(&self.joints) {
@@ -209,6 +213,21 @@ impl TorqueController {
             }
         }
         usable
+    }
+
+    /// Joints without a measured position move on at their velocities.
+    fn move_on(&mut self, measured: &[f64]) {
+        let period = self.controller.settings().period;
+        let measured = measured.iter().copied().map(Some).chain(std::iter::repeat(None));
+        for ((position, velocity), measured) in
+            self.position.iter_mut().zip(&self.velocity).zip(measured)
+        {
+            let known = measured.filter(|measured| is_sensible(*measured));
+            let next = known.unwrap_or(*position + velocity * period);
+            if is_sensible(next) {
+                *position = next;
+            }
+        }
     }
 
     /// Finds the force from outside, and tells the supervisor.
@@ -239,7 +258,7 @@ impl TorqueController {
         }
     }
 
-    /// What the law is to see. Where there is no position it has no spring, and where there is no
+    /// What the law is to see. Where the position is not known it has no spring, and where there is no
     /// velocity no damper.
     fn write_law(&mut self, usable: Usable) {
         let command = self.controller.command();
@@ -254,7 +273,7 @@ impl TorqueController {
                 *own = all.get(*joint).copied().unwrap_or_default();
             }
         }
-        if !usable.position {
+        if !(usable.position || usable.velocity) {
             self.law.desired.copy_from_slice(&self.law.measured);
         }
         if !usable.velocity {

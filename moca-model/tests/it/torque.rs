@@ -236,6 +236,36 @@ fn a_bad_measurement_leaves_an_arm_that_carries_itself() {
 }
 
 #[test]
+fn an_arm_whose_positions_are_not_measured_stops_and_stays() {
+    let nan = [f64::NAN; 10];
+    for lost in [0..10, 4..5, 0..3] {
+        let mut robot = Loop::new(ControllerSettings::default());
+        robot.assign(robot.tool() + Vector3::new(1.0, 0.0, 0.0));
+        robot.run(1.5);
+        for _ in 0..3000 {
+            robot.robot.measure(&mut robot.noise).unwrap();
+            let truth = robot.robot.measured();
+            let mut position = truth.position.to_vec();
+            position[lost.clone()].copy_from_slice(&nan[lost.clone()]);
+            let measured = Measured { position: &position, ..truth };
+            let now = f64::from(robot.tick) * PERIOD;
+            robot.controller.step(now, &measured).unwrap();
+            robot.obey();
+        }
+        let command = robot.controller.controller().command();
+        assert_eq!(command.fault, Some(Fault::BadMeasurement));
+        assert!(command.joint_velocity.iter().all(|velocity| *velocity == 0.0));
+        let position = robot.robot.simulation().position();
+        for (joint, (q, at)) in position.iter().zip(&command.joint_position).enumerate().skip(3) {
+            assert!(
+                (q - at).abs() < 0.02,
+                "{lost:?}, joint {joint}: {at} commanded, {q} after 3 s"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_tick_down_to_torque_allocates_nothing() {
     let mut robot = Loop::new(ControllerSettings::default());
     robot.assign(robot.tool() + Vector3::new(1.0, 0.0, 0.0));
