@@ -1,5 +1,6 @@
 //! What keeps the robot away from people and from itself: rows for the stack, and a supervisor.
 
+mod body_parts;
 mod person_bodies;
 mod settings;
 

@@ -65,7 +65,8 @@ const STALE: [f64; 2] = [0.3, 0.8];
 /// How long, and how hard, the tool is pushed \[s, N\].
 const PUSH: f64 = 0.1;
 const FORCE: f64 = 150.0;
-/// Of the person's place in an absurd frame \[m\].
+/// How far away the person is in an absurd frame, at least, and at most along each axis \[m\].
+const TOO_FAR: f64 = 4.0;
 const ANYWHERE: f64 = 30.0;
 
 impl Disturbance {
@@ -253,9 +254,11 @@ impl Disturbances {
         if self.now == Some(Disturbance::FramesLate) { 0.6 } else { 0.0 }
     }
 
-    /// The same person, somewhere.
+    /// The same person, where nobody can have gone.
     fn absurd(&mut self, percept: Percept) -> Percept {
-        let away = Vector3::from_fn(|_, _| self.draw.random_range(-ANYWHERE..ANYWHERE));
+        let draw = || Vector3::from_fn(|_, _| self.draw.random_range(-ANYWHERE..ANYWHERE));
+        let mut drawn = std::iter::repeat_with(draw);
+        let away = drawn.find(|away| away.norm() > TOO_FAR).unwrap_or_default();
         let motion = Isometry3::from(away);
         Percept { body: percept.body.map(|body| body.transformed(&motion)), ..percept }
     }

@@ -1,71 +1,14 @@
 //! The person's capsules, from the keypoints that the camera sees.
 
 use hrsw::{
-    Age, BodyRegion, Capsule, Contact, ContactLimit, ContactLimits, MeasuredVelocity, PersonBody,
+    Age, Capsule, Contact, ContactLimit, ContactLimits, MeasuredVelocity, PersonBody,
     SeparationSettings,
 };
 use nalgebra::{Vector2, Vector3};
 use vision_models::{Body, Body25, Percept, TrackStatus, TrackedPerson};
 
+use super::body_parts::{Limb, PARTS, Part};
 use super::settings::PersonBodySettings;
-
-/// How a part of the body moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Limb {
-    /// With the pelvis.
-    Body,
-    /// On its own.
-    Arm,
-}
-
-/// A capsule between two joints, continued past the second by a length \[m\].
-#[derive(Clone, Copy)]
-struct Part {
-    from: Body25,
-    to: Body25,
-    beyond: f64,
-    radius: f64,
-    limb: Limb,
-    /// The region of the body of which the limits count.
-    region: BodyRegion,
-}
-
-const fn part(ends: [Body25; 2], beyond: f64, radius: f64, limb: Limb, region: BodyRegion) -> Part {
-    let [from, to] = ends;
-    Part { from, to, beyond, radius, limb, region }
-}
-
-impl Part {
-    /// Between two joints, wider by `growth` \[m\].
-    fn capsule(&self, from: &Vector3<f64>, to: &Vector3<f64>, growth: f64) -> Option<Capsule> {
-        let beyond = (to - from).try_normalize(1e-9).unwrap_or_default() * self.beyond;
-        Capsule::new(*from, to + beyond, self.radius + growth).ok()
-    }
-}
-
-/// Radii are those of a large adult. Hands and feet are the continuation of forearm and shank, and a forearm
-/// bears less than its hand.
-const PARTS: [Part; 12] = {
-    use Body25::{
-        LeftAnkle, LeftElbow, LeftHip, LeftKnee, LeftShoulder, LeftWrist, MidHip, Neck, Nose,
-        RightAnkle, RightElbow, RightHip, RightKnee, RightShoulder, RightWrist,
-    };
-    use hrsw::BodyRegion::{Back, Chest, Face, Forearm, LowerLeg, Pelvis, Thigh, UpperArm};
-    [
-        part([Neck, Nose], 0.0, 0.13, Limb::Body, Face),
-        part([Neck, MidHip], 0.0, 0.15, Limb::Body, Chest),
-        part([LeftShoulder, RightShoulder], 0.0, 0.08, Limb::Body, Back),
-        part([LeftHip, RightHip], 0.0, 0.12, Limb::Body, Pelvis),
-        part([LeftShoulder, LeftElbow], 0.0, 0.06, Limb::Arm, UpperArm),
-        part([RightShoulder, RightElbow], 0.0, 0.06, Limb::Arm, UpperArm),
-        part([LeftElbow, LeftWrist], 0.15, 0.06, Limb::Arm, Forearm),
-        part([RightElbow, RightWrist], 0.15, 0.06, Limb::Arm, Forearm),
-        part([LeftHip, LeftKnee], 0.0, 0.09, Limb::Body, Thigh),
-        part([RightHip, RightKnee], 0.0, 0.09, Limb::Body, Thigh),
-        part([LeftKnee, LeftAnkle], 0.05, 0.08, Limb::Body, LowerLeg),
-        part([RightKnee, RightAnkle], 0.05, 0.08, Limb::Body, LowerLeg),
-    ]
-};
 
 /// How far a standing trunk may seem to move from frame to frame \[m\].
 const NOISE: f64 = 0.03;
@@ -237,8 +180,12 @@ impl PersonBodies {
             let velocity = carried.filter(|_| part.limb == Limb::Body);
             let fastest =
                 velocity.map_or(separation.human_speed, |v| v.mean.norm() + v.uncertainty);
-            let age = beyond_reaction(now - from.time.min(to.time), separation);
-            if let Some(capsule) = part.capsule(&from.place, &to.place, fastest * age) {
+            let growth = |seen: &Seen| fastest * beyond_reaction(now - seen.time, separation);
+            let grown = part.capsule(&from.place, &to.place, growth(&from).max(growth(&to)));
+            let within = self.within_reach(part, growth);
+            let smaller = within
+                .filter(|sphere| grown.is_none_or(|capsule| sphere.radius() < capsule.radius()));
+            if let Some(capsule) = smaller.or(grown) {
                 let contact = limit.filter(|_| contact_speed > 0.0).map(|limit| Contact {
                     limit,
                     fastest: contact_speed,
@@ -247,6 +194,16 @@ impl PersonBodies {
                 self.bodies.push(PersonBody { capsule, velocity, contact });
             }
         }
+    }
+
+    /// The smallest sphere about a joint within which a part is that hangs on it.
+    fn within_reach(&self, part: &Part, growth: impl Fn(&Seen) -> f64) -> Option<Capsule> {
+        let spheres = part.reaches.iter().filter_map(|&(joint, reach)| {
+            let seen = self.joints[joint as usize]?;
+            Some((seen.place, part.radius + reach + growth(&seen)))
+        });
+        let smallest = spheres.min_by(|a, b| a.1.total_cmp(&b.1));
+        smallest.and_then(|(place, radius)| Capsule::sphere(place, radius).ok())
     }
 
     /// The capsules of who was seen where nobody can have gone: nobody may touch them.

@@ -2,9 +2,10 @@
 
 use hrsw::{Cause, SafetyState};
 use moca_model::SafetySettings;
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
+use vision_models::{Body25, Confidence, Keypoint};
 
-use crate::drive::{Drive, FRAME};
+use crate::drive::{Drive, FRAME, percept};
 
 /// State, when it is left.
 fn table() -> Vec<[String; 2]> {
@@ -146,4 +147,44 @@ fn one_frame_moves_nobody_away_and_keeps_the_robot_off() {
     // The next frame decides.
     drive.run(0.06);
     assert!(counts_at(&drive, here + 9.0) && !counts_at(&drive, here));
+}
+
+/// A wrist that nobody sees for long is somewhere within reach of the shoulder: all those places count, and no others.
+#[test]
+fn what_is_not_seen_for_long_stays_within_reach_of_what_is() {
+    let mut drive = Drive::fast();
+    let x = drive.controller.actual().translation.x + 5.0;
+    let shoulder = Point3::new(x, 0.2, 1.43);
+    for tick in 0..5000_u32 {
+        if tick.is_multiple_of(FRAME) {
+            let mut percept = percept(drive.time(), Some(x));
+            let body = percept.body.as_mut().unwrap();
+            if tick < 500 {
+                for (joint, z) in [(Body25::RightElbow, 1.13), (Body25::RightWrist, 0.88)] {
+                    let position = Point3::new(x, 0.2, z);
+                    body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
+                }
+            }
+            drive.controller.observe(&percept).unwrap();
+        }
+        let position = drive.robot.position().to_vec();
+        drive.controller.step(drive.time(), &position).unwrap();
+        drive.tick += 1;
+        if tick < 500 {
+            continue;
+        }
+        let bodies = drive.controller.safety().person_bodies();
+        let nearest = |point: &Vector3<f64>| {
+            bodies.iter().map(|body| body.capsule.signed_distance(point)).fold(f64::MAX, f64::min)
+        };
+        for toward in [Vector3::x(), -Vector3::x(), Vector3::y(), Vector3::z()] {
+            // The arm hung down when it was seen last, and is raised at no more than 1.6 m/s.
+            for along in [0.2, 0.4, 0.6] {
+                let place = shoulder.coords + toward * along;
+                assert!(tick < 1500 || nearest(&place) < 0.0, "tick {tick}: {toward:?} {along}");
+            }
+            let beyond = shoulder.coords + toward * 1.45;
+            assert!(nearest(&beyond) > 0.0, "tick {tick}: {toward:?}");
+        }
+    }
 }

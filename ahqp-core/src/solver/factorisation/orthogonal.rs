@@ -69,7 +69,7 @@ impl Orthogonal {
         let (tau, image) = reflector(v);
         self.tau[step] = tau;
         self.reflect_rows(step, below);
-        if (step + 1) % LANES == 0 && self.pending.start + LANES <= step + 1 {
+        if (step + 1).is_multiple_of(LANES) && self.pending.start + LANES <= step + 1 {
             let block = step / LANES;
             let factor = FourReflections::factor(self.block(block), &self.tau[block * LANES..]);
             self.blocks[block] = factor;
@@ -99,7 +99,7 @@ impl Orthogonal {
     pub(super) fn apply(&self, steps: Range<usize>, data: &mut [f64]) {
         let mut step = steps.start;
         while step < steps.end && !data.is_empty() {
-            if step % LANES == 0 && step + LANES <= steps.end {
+            if step.is_multiple_of(LANES) && step + LANES <= steps.end {
                 let block = step / LANES;
                 let four = FourReflections::forward(self.block(block), &self.blocks[block]);
                 reflect_rows_four(&mut RowsMut { data, stride: self.stride }, step, &four);
@@ -116,7 +116,7 @@ impl Orthogonal {
     fn apply_back(&self, data: &mut [f64], changed: impl Fn(usize) -> usize) {
         let Range { start, mut end } = self.pending;
         while end > start {
-            if end % LANES == 0 && start + LANES <= end {
+            if end.is_multiple_of(LANES) && start + LANES <= end {
                 end -= LANES;
                 let block = end / LANES;
                 let four = FourReflections::backward(self.block(block), &self.blocks[block]);
