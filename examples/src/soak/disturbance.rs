@@ -169,12 +169,14 @@ pub(super) struct Disturbances {
     until: f64,
     /// The frame that arrived last.
     last: Option<Percept>,
+    /// When the last one was taken that showed the person where they were \[s\].
+    shown: f64,
 }
 
 impl Disturbances {
     pub(super) fn new(mut draw: ChaCha8Rng, drive: Drive) -> Self {
         let until = draw.random_range(PAUSE);
-        Self { draw, drive, now: None, since: 0.0, until, last: None }
+        Self { draw, drive, now: None, since: 0.0, until, last: None, shown: f64::NEG_INFINITY }
     }
 
     /// Goes on to `time` \[s\]; what has ended there.
@@ -214,9 +216,10 @@ impl Disturbances {
             }
             Some(Disturbance::FramesRepeated) => vec![percept.clone(), percept],
             Some(Disturbance::FramesOutOfOrder) => std::iter::once(percept).chain(before).collect(),
-            // Where nobody is in view there is nobody to misplace: no frame comes.
+            // Where the robot knows of nobody there is nobody to misplace: no frame comes.
             Some(Disturbance::FramesAbsurd) => {
-                percept.body.is_some().then(|| self.absurd(percept)).into_iter().collect()
+                let is_known = percept.time - self.shown < PAUSE.start && percept.body.is_some();
+                is_known.then(|| self.absurd(percept)).into_iter().collect()
             }
             Some(Disturbance::CameraAhead) => vec![stamped(&percept, percept.time + 20.0)],
             Some(Disturbance::CameraBehind) => vec![stamped(&percept, percept.time - 20.0)],
@@ -226,7 +229,12 @@ impl Disturbances {
                 self.last = Some(stamped(&percept, stands));
                 vec![stamped(&percept, stands)]
             }
-            _ => vec![percept],
+            _ => {
+                if percept.body.is_some() {
+                    self.shown = percept.time;
+                }
+                vec![percept]
+            }
         }
     }
 

@@ -65,7 +65,7 @@ pub(super) struct Episode {
     history: Vec<(Joints, bool)>,
     /// The tick at which the newest frame was taken that shows the person and has arrived.
     known: Option<usize>,
-    /// Whether a frame has shown all of the person.
+    /// Whether a frame has shown all of the person since the robot last forgot who it had seen.
     seen_whole: bool,
 }
 
@@ -174,7 +174,9 @@ impl Episode {
         if let Some(ended) = self.disturbances.advance(now) {
             self.monitor.ended.count(ended, state);
             // The robot forgets what was seen at wrong times; who acknowledges looks for people.
-            self.known = self.known.filter(|_| !ended.is_of_time());
+            if ended.is_of_time() {
+                (self.known, self.seen_whole) = (None, false);
+            }
             self.ended = now;
         }
         let supervisor = self.plant.controller_mut().safety_mut().supervisor_mut();
@@ -206,6 +208,12 @@ impl Episode {
     fn look(&mut self, now: f64) {
         if !self.tick.is_multiple_of(self.frame) {
             return;
+        }
+        let forget_after = self.plant.controller().settings().safety.person.forget_after;
+        let unseen_for = self.known.map(|tick| self.history.len() - tick);
+        if unseen_for.is_some_and(|unseen| unseen as u64 >= ticks(forget_after, self.period)) {
+            // Who comes back may be somebody else.
+            self.seen_whole = false;
         }
         let person = &self.person;
         let mut percept = self.perception.look(now, person.person(), person.is_in_view());

@@ -96,11 +96,12 @@ impl PersonBodies {
     /// with the trunk.
     pub(super) fn observe(&mut self, percept: &Percept, tracked: Option<&TrackedPerson>) {
         let time = percept.time;
-        let doubtful = self.doubtful.take();
+        // A frame without anybody says nothing of who was seen before.
         let Some(body) = &percept.body else {
             self.plausible = time;
             return;
         };
+        let doubtful = self.doubtful.take();
         let least = self.settings.least_confidence;
         let reach = |elapsed: f64| self.settings.jump_speed * elapsed + NOISE;
         let (moved, elapsed) = (displacement(body, &self.places(), least), time - self.newest);
@@ -147,9 +148,11 @@ impl PersonBodies {
         contact_speed: f64,
     ) -> &[PersonBody] {
         self.bodies.clear();
-        if now - self.newest > self.settings.forget_after {
+        let is_old = |time: f64| now - time > self.settings.forget_after;
+        if is_old(self.newest) {
             self.joints = [None; Body25::COUNT];
         }
+        self.doubtful = self.doubtful.take().filter(|seen| !is_old(seen.time));
         self.place_believed(now, tracked, separation, contact_speed);
         self.place_doubtful(now, separation);
         &self.bodies

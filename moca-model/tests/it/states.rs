@@ -144,7 +144,12 @@ fn one_frame_moves_nobody_away_and_keeps_the_robot_off() {
         drive.step();
     }
     assert!(counts_at(&drive, here));
-    // The next frame decides.
+    // Frames without anybody decide nothing.
+    let mut left = drive.clone();
+    left.person = None;
+    left.run(0.3);
+    assert!(counts_at(&left, here + 9.0) && counts_at(&left, here));
+    // The next sighting decides.
     drive.run(0.06);
     assert!(counts_at(&drive, here + 9.0) && !counts_at(&drive, here));
 }
