@@ -21,7 +21,7 @@ use super::data::{Coefficients, ProblemData, active_bound};
 use super::tolerances::SHRUNK;
 use crate::linalg::kernels::Rotation;
 use crate::linalg::list::List;
-use crate::linalg::vector::{dot, norm};
+use crate::linalg::vector::dot;
 use least_squares::LeastSquares;
 use orthogonal::Orthogonal;
 
@@ -95,6 +95,8 @@ pub(crate) struct Factorisation {
     attained: usize,
     /// The first group that the last step of a search moves.
     moving: usize,
+    /// How far that step would take the coordinates of an objective before the last group.
+    objectives_step: f64,
     /// Coordinates that are decided for good: rows of later groups have no entries along them.
     closed: usize,
     has_faint_rows: bool,
@@ -139,6 +141,7 @@ impl Factorisation {
             decided: 0,
             attained: 0,
             moving: 0,
+            objectives_step: 0.0,
             closed: 0,
             has_faint_rows: false,
             leaves_parts_out: false,
@@ -451,12 +454,9 @@ impl Factorisation {
         self.objectives_above().map(|group| group.rank).sum()
     }
 
-    /// Returns true if the last step moves their coordinates by more than `length`.
+    /// Returns true if the last step would move their coordinates by more than `length`.
     pub(crate) fn moves_objectives_above(&self, length: f64) -> bool {
-        let moving = self.groups.get(self.moving).map_or(self.pivots.len(), |g| g.first_pivot);
-        self.objectives_above()
-            .filter(|group| group.first_pivot >= moving)
-            .any(|group| norm(&self.y[group.first_pivot..group.first_pivot + group.rank]) > length)
+        self.objectives_step > length
     }
 
     /// A bound on the norm of what row `id` has at free variables; the norm itself where rows pull by very

@@ -138,3 +138,38 @@ fn parts_of_rows_that_a_rank_leaves_out_count_once_bounds_are_active() {
         assert!((x - expected).abs() < 1e-13 * (1.0 + expected.abs()), "{x}, expected {expected}");
     }
 }
+
+/// What the level above leaves of the last row is 1e-10 of it, as much as the rank tolerance: with other bounds active
+/// it counts as dependent or not by its last digits, and must not make x go 10¹⁰ far.
+#[test]
+fn a_row_on_the_edge_of_the_rank_tolerance_does_not_move_what_is_decided() {
+    let arm = [
+        [-0.237, -0.2366, 0.237441, -0.319163, 0.0, -0.18192, 0.07464, 0.0],
+        [0.1431, 0.143143, 0.5009, 0.18183184854452014, 0.0, 0.11567036649151387, 0.136483, 0.0],
+        [0.0, 0.0, -0.275085, 0.00481578, 0.0, -0.0132381, 0.166771, 0.0],
+        [0.0, 0.0, -0.903617, -0.0736386, 0.0, 0.172443, 0.842278, 0.2688411886582134],
+        [0.0, 0.0, 0.428342, -0.15534549491440777, 0.0, 0.375432, -0.535547, 0.318797],
+        [1.0, 1.0, 0.0, 0.9851, 0.0, 0.910667, 0.061, -0.9089],
+    ];
+    let mut first = [[0.0; 13]; 6];
+    for (row, joints) in first.iter_mut().zip(arm) {
+        row[..8].copy_from_slice(&joints);
+    }
+    (first[2][8], first[5][9]) = (-1.03, -1.03);
+    let free = f64::NEG_INFINITY;
+    let mut hard = [[0.0; 13]; 2];
+    (hard[0][8], hard[0][11]) = (0.4, free);
+    (hard[1][8], hard[1][10], hard[1][11], hard[1][12]) = (-1.92512e-8, -1.0, free, -0.3);
+    let mut last = [[0.0; 13]];
+    last[0][10] = 1.0;
+    let mut problem = Hierarchy::new(11).unwrap();
+    for (variable, value) in [(0, 0.0), (4, 0.0), (7, -0.2)] {
+        let (lower, upper) = problem.bounds_mut();
+        (lower[variable], upper[variable]) = (value, value);
+    }
+    problem.push(Level::least_squares(rows(&first))).unwrap();
+    problem.push(Level::constraints_only(rows(&hard))).unwrap();
+    problem.push(Level::least_squares(rows(&last))).unwrap();
+    let violations = violations(&problem);
+    assert!(violations[1] < 1e-12, "{violations:?}");
+}

@@ -7,7 +7,7 @@ use crate::linalg::kernels::add_rows;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::solver::activity::Activity;
 use crate::solver::data::{ProblemData, active_bound};
-use crate::solver::tolerances::ROUNDING;
+use crate::solver::tolerances::{ROUNDING, SETTLED};
 
 /// What a step does with coordinates that no group decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,8 +64,14 @@ impl Factorisation {
         let (rank, k) = (self.pivots.len(), self.free.len());
         self.moving = self.first_to_move(gap);
         let first = self.groups.get(self.moving).map_or(rank, |group| group.first_pivot);
+        self.objectives_step = 0.0;
+        let most = SETTLED * (1.0 + norm(x));
         let mut groups = self.moving..self.groups.len();
-        let has_minimum = groups.all(|group| self.decide(data, group, first));
+        let has_minimum = groups.all(|group| {
+            let has_minimum = self.decide(data, group, first);
+            self.keep_objective(group, most);
+            has_minimum
+        });
         let mut z = std::mem::take(&mut self.turned);
         if has_minimum {
             z[first..rank].copy_from_slice(&self.y[first..rank]);
@@ -96,6 +102,20 @@ impl Factorisation {
             }
         }
         has_minimum
+    }
+
+    /// Objectives before the last group are at their optimum. A row that counts as dependent or not by the
+    /// last digits of what the others leave of it must not make them take a step of more than `most`.
+    fn keep_objective(&mut self, group: usize, most: f64) {
+        let Group { purpose, first_pivot, rank, .. } = self.groups[group];
+        if purpose == Purpose::Minimised && group + 1 < self.groups.len() {
+            let step = &mut self.y[first_pivot..first_pivot + rank];
+            let length = norm(step);
+            self.objectives_step = self.objectives_step.max(length);
+            if length > most {
+                step.fill(0.0);
+            }
+        }
     }
 
     /// The first group that has a step to make, with the targets of its rows and of those behind. Hard rows
