@@ -77,10 +77,13 @@ impl DepthSensor {
         }
         // One draw a pixel decides.
         let luck = self.luck();
-        let beside = [(column + 2, row), (column.saturating_sub(2), row), (column, row + 2)]
-            .map(|(column, row)| image.depth_at(column, row))
-            .into_iter()
-            .find(|other| other.is_finite() && (other - depth).abs() > EDGE);
+        let edge = |column, row| {
+            let other = image.depth_at(column, row);
+            (other.is_finite() && (other - depth).abs() > EDGE).then_some(other)
+        };
+        let beside = edge(column + 2, row)
+            .or_else(|| edge(column.saturating_sub(2), row))
+            .or_else(|| edge(column, row + 2));
         if let Some(other) = beside {
             if luck < HOLES_AT_EDGES {
                 return 0.0;
@@ -111,9 +114,8 @@ impl DepthSensor {
             self.errors.get(y * self.cells[0] + x).copied().unwrap_or_default()
         };
         let (x, y) = (column / CELL, row / CELL);
-        let weights = self.weights[row % CELL][column % CELL];
-        let corners = [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)];
-        weights.iter().zip(corners).map(|(weight, error)| weight * error).sum()
+        let [a, b, c, d] = self.weights[row % CELL][column % CELL];
+        a * at(x, y) + b * at(x + 1, y) + c * at(x, y + 1) + d * at(x + 1, y + 1)
     }
 }
 

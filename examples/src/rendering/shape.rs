@@ -33,21 +33,26 @@ pub(super) struct TexturedBox {
 
 impl Capsule {
     pub(super) fn hit(&self, ray: &Vector3<f64>) -> Option<Hit> {
-        let [from, to] = self.ends.map(|end| end.coords);
+        let [from, to] = &self.ends;
+        let (from, to) = (from.coords, to.coords);
         let axis = to - from;
-        let (length, along) = (axis.norm_squared(), axis.dot(ray));
-        let a = length * ray.norm_squared() - along * along;
+        let (length, along, square) = (axis.norm_squared(), axis.dot(ray), ray.norm_squared());
+        let a = length * square - along * along;
         let (start, across) = (axis.dot(&from), from.dot(ray));
-        let b = length * across - start * along;
-        let c = length * (from.norm_squared() - self.radius.powi(2)) - start * start;
-        let of_side = (a > 1e-12).then(|| entry(a, b, c)).flatten().filter(|depth| {
-            let place = axis.dot(&(ray * *depth - from));
-            (0.0..=length).contains(&place)
-        });
-        let of_ends = [from, to].map(|end| {
-            entry(ray.norm_squared(), end.dot(ray), end.norm_squared() - self.radius.powi(2))
-        });
-        let depth = of_side.into_iter().chain(of_ends.into_iter().flatten()).reduce(f64::min)?;
+        let reach = self.radius * self.radius;
+        let of_from = entry(square, across, from.norm_squared() - reach);
+        let mut depth = of_from.min(entry(square, to.dot(ray), to.norm_squared() - reach));
+        if a > 1e-12 {
+            let b = length * across - start * along;
+            let of_side = entry(a, b, length * (from.norm_squared() - reach) - start * start);
+            let place = along * of_side - start;
+            if (0.0..=length).contains(&place) {
+                depth = depth.min(of_side);
+            }
+        }
+        if depth == f64::INFINITY {
+            return None;
+        }
         let point = ray * depth;
         let share = if length > 0.0 { axis.dot(&(point - from)) / length } else { 0.0 };
         let normal = (point - from - axis * share.clamp(0.0, 1.0)) / self.radius;
@@ -55,11 +60,14 @@ impl Capsule {
     }
 }
 
-/// The smaller root of a t² - 2 b t + c, if it is ahead.
-fn entry(a: f64, b: f64, c: f64) -> Option<f64> {
+/// The smaller root of a t² - 2 b t + c, if it is ahead; else infinity.
+fn entry(a: f64, b: f64, c: f64) -> f64 {
     let discriminant = b * b - a * c;
-    let depth = (b - discriminant.max(0.0).sqrt()) / a;
-    (discriminant >= 0.0 && depth > 0.0).then_some(depth)
+    if discriminant < 0.0 {
+        return f64::INFINITY;
+    }
+    let depth = (b - discriminant.sqrt()) / a;
+    if depth > 0.0 { depth } else { f64::INFINITY }
 }
 
 impl TexturedBox {
@@ -94,8 +102,9 @@ impl TexturedBox {
 
     /// Dark holes of 12 mm every 40 mm.
     fn texture(&self, at: [f64; 2]) -> [f64; 3] {
-        let [u, v] = at.map(|x| (x / 0.04).fract().abs() - 0.5);
-        let hole = self.perforated && u.hypot(v) < 0.3;
+        let from_middle = |x: f64| (x / 0.04).fract().abs() - 0.5;
+        let (u, v) = (from_middle(at[0]), from_middle(at[1]));
+        let hole = self.perforated && u * u + v * v < 0.3 * 0.3;
         if hole { [0.08, 0.08, 0.09] } else { self.colour }
     }
 }

@@ -140,7 +140,8 @@ impl View {
                 *depth = nearer;
                 let shade = 0.35 + 0.65 * hit.normal.dot(&self.light).abs();
                 let pixel = self.image.colour.get_mut(3 * index..3 * index + 3);
-                for (byte, colour) in pixel.into_iter().flatten().zip(hit.colour) {
+                let Some(pixel) = pixel else { continue };
+                for (byte, colour) in pixel.iter_mut().zip(&hit.colour) {
                     #[expect(
                         clippy::cast_possible_truncation,
                         clippy::cast_sign_loss,

@@ -24,7 +24,7 @@ use hrsw::SeparationSettings;
 use moca_model::whole_body::JointLimits;
 
 use super::body::{self, PART_COUNT};
-use super::rod::Rod;
+use super::rod::{Ball, Rod};
 
 /// The robot moves towards a person from this speed on (m/s): rounding alone.
 const TOWARDS: f64 = 1e-6;
@@ -74,6 +74,15 @@ pub(super) struct Body {
 }
 
 impl Body {
+    /// Balls around the parts, and how fast these move at most \[m/s\].
+    fn bounds(&self, period: f64) -> [(Ball, f64); PART_COUNT] {
+        std::array::from_fn(|part| {
+            let now = &self.now[part];
+            let moved = self.before.map_or(0.0, |before| before[part].farthest_move(now));
+            (now.ball(), moved / period)
+        })
+    }
+
     /// The distance of a part from a capsule of the robot \[m\], and how fast the part comes nearer to it
     /// \[m/s\].
     fn closing(&self, link: &Rod, part: usize, period: f64) -> (f64, f64) {
@@ -108,14 +117,20 @@ pub struct Blame {
     known: Option<(f64, f64)>,
 }
 
+/// T_r + T_s.
+fn time_to_stop(settings: &SeparationSettings, [base, arm]: [f64; 2]) -> f64 {
+    let SeparationSettings { reaction_time, deceleration, .. } = *settings;
+    let of_base = settings.base.map_or(deceleration, |base| base.deceleration);
+    reaction_time + (base / of_base).max(arm / deceleration)
+}
+
 /// The formula above.
 fn protective_distance(settings: &SeparationSettings, person: f64, [base, arm]: [f64; 2]) -> f64 {
     let SeparationSettings { reaction_time, deceleration, intrusion, robot_uncertainty, .. } =
         *settings;
     let of_base = settings.base.map_or(deceleration, |base| base.deceleration);
-    let stopping_time = (base / of_base).max(arm / deceleration);
     let stopping = 0.5 * (base * base / of_base + arm * arm / deceleration);
-    person * (reaction_time + stopping_time)
+    person * time_to_stop(settings, [base, arm])
         + (base + arm) * reaction_time
         + stopping
         + intrusion
@@ -131,13 +146,6 @@ fn in_breach(
     period: f64,
 ) -> bool {
     let person = &body.now[part];
-    // Most pairs are too far apart even if both came nearer as fast as they move.
-    let swiftest = body.before.map_or(0.0, |before| before[part].farthest_move(person) / period);
-    let fastest = [robot.base.fastest(link), robot.commanded.fastest(link)];
-    let reach = protective_distance(settings, swiftest, fastest);
-    if robot.now[link].is_surely_beyond(person, reach + ROUNDING) {
-        return false;
-    }
     let towards = robot.commanded.towards(link, person);
     if towards <= TOWARDS {
         return false;
@@ -158,9 +166,18 @@ pub(super) fn judge(
     period: f64,
 ) -> Verdict {
     let mut verdict = Verdict::default();
+    let parts = now.bounds(period);
     for link in 0..robot.now.len() {
-        for part in 0..PART_COUNT {
+        // Most pairs are too far apart even if both came nearer as fast as they move.
+        let ball = robot.now[link].ball();
+        let fastest = [robot.base.fastest(link), robot.commanded.fastest(link)];
+        let standing = protective_distance(settings, 0.0, fastest) + ROUNDING;
+        let time = time_to_stop(settings, fastest);
+        for (part, (around, swiftest)) in parts.iter().enumerate() {
             let pair = (link, part);
+            if ball.is_beyond(around, standing + swiftest * time) {
+                continue;
+            }
             if !in_breach(settings, robot, now, pair, period) {
                 continue;
             }

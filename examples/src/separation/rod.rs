@@ -21,14 +21,25 @@ impl Rod {
         ends.map(|(end, other)| (other - end).norm_squared()).fold(0.0, f64::max).sqrt()
     }
 
-    /// Returns true if the balls around the two are farther apart than this \[m\]; the capsules then
-    /// are, too.
-    pub(super) fn is_surely_beyond(&self, other: &Self, distance: f64) -> bool {
-        let [(at, size), (other, other_size)] = [self, other].map(|rod| {
-            let [a, b] = rod.ends;
-            ((a + b) * 0.5, (b - a).norm() * 0.5 + rod.radius)
-        });
-        (other - at).norm() - size - other_size > distance
+    /// The ball around it.
+    pub(super) fn ball(&self) -> Ball {
+        let [a, b] = self.ends;
+        Ball { middle: (a + b) * 0.5, radius: (b - a).norm() * 0.5 + self.radius }
+    }
+}
+
+/// A ball that holds a capsule \[m\].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ball {
+    middle: Vector3<f64>,
+    radius: f64,
+}
+
+impl Ball {
+    /// Returns true if two balls are farther apart than this \[m\]; what they hold then is, too.
+    pub(super) fn is_beyond(&self, other: &Self, distance: f64) -> bool {
+        let apart = distance + self.radius + other.radius;
+        apart < 0.0 || (other.middle - self.middle).norm_squared() > apart * apart
     }
 }
 
@@ -83,7 +94,7 @@ mod tests {
             radius in 0.0..0.3_f64, by in -1.0..2.0_f64,
         ) {
             let (one, other) = (Rod { ends: [a, b], radius }, Rod { ends: [c, d], radius: 0.1 });
-            if one.is_surely_beyond(&other, by) {
+            if one.ball().is_beyond(&other.ball(), by) {
                 prop_assert!(one.distance(&other) > by - 1e-12);
             }
         }
