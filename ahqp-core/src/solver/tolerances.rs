@@ -55,7 +55,7 @@ pub(crate) const NEAR_ONE: Range<f64> = 0.0625..32.0;
 // Effort: what saves time and decides nothing.
 
 /// Rounds of repairing a predicted active set after which the levels are searched.
-pub(crate) const ROUNDS: usize = 14;
+pub(crate) const ROUNDS: usize = 20;
 /// A prediction that is wrong in more than one row in so many variables is not repaired: it is where a
 /// search begins.
 pub(crate) const FAR: usize = 6;
