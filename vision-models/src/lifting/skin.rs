@@ -21,7 +21,7 @@ use crate::{Body25, Error};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinDepths {
-    /// The trunk at the neck, between the shoulders. Default 0.12 and 0.065.
+    /// The trunk at the neck, between the shoulders. Default 0.24 and 0.065.
     pub neck: CrossSection,
     /// The trunk at the hips. Default 0.19 and 0.10.
     pub hips: CrossSection,
@@ -38,16 +38,18 @@ pub struct SkinDepths {
     pub elbows: f64,
     /// Wrists. Default 0.03.
     pub wrists: f64,
-    /// Knees. Default 0.07.
+    /// Knees. Default 0.065.
     pub knees: f64,
-    /// Ankles, heels and toes. Default 0.04.
+    /// Ankles. Default 0.05.
+    pub ankles: f64,
+    /// Heels and toes. Default 0.025.
     pub feet: f64,
 }
 
 impl Default for SkinDepths {
     fn default() -> Self {
         Self {
-            neck: CrossSection { half_width: 0.12, half_depth: 0.065 },
+            neck: CrossSection { half_width: 0.24, half_depth: 0.065 },
             hips: CrossSection { half_width: 0.19, half_depth: 0.10 },
             hip: 0.09,
             head: CrossSection { half_width: 0.08, half_depth: 0.09 },
@@ -55,8 +57,9 @@ impl Default for SkinDepths {
             shoulders: CrossSection { half_width: 0.12, half_depth: 0.08 },
             elbows: 0.045,
             wrists: 0.03,
-            knees: 0.07,
-            feet: 0.04,
+            knees: 0.065,
+            ankles: 0.05,
+            feet: 0.025,
         }
     }
 }
@@ -84,8 +87,10 @@ impl SkinDepths {
             LeftHip => self.hip_depth(self.hip, bearing),
             RightHip => self.hip_depth(-self.hip, bearing),
             LeftKnee | RightKnee => self.knees,
-            LeftAnkle | RightAnkle | LeftBigToe | RightBigToe | LeftSmallToe | RightSmallToe
-            | LeftHeel | RightHeel => self.feet,
+            LeftAnkle | RightAnkle => self.ankles,
+            LeftBigToe | RightBigToe | LeftSmallToe | RightSmallToe | LeftHeel | RightHeel => {
+                self.feet
+            }
         }
     }
 
@@ -111,6 +116,7 @@ impl SkinDepths {
             ("skin.elbows", self.elbows),
             ("skin.wrists", self.wrists),
             ("skin.knees", self.knees),
+            ("skin.ankles", self.ankles),
             ("skin.feet", self.feet),
         ] {
             if !(0.0..=0.3).contains(&value) {
