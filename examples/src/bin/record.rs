@@ -56,6 +56,9 @@ struct Options {
     /// The person only walks along the path, with empty hands.
     #[arg(long)]
     walk: bool,
+    /// How long the person offers the object (s).
+    #[arg(long, value_name = "SECONDS", default_value_t = WalkerSettings::default().offer, allow_negative_numbers = true)]
+    offer: f64,
     /// How fast the person walks (m/s), in place of 0.8 to come and go and 0.3 to lead the robot.
     #[arg(long, value_name = "M/S", allow_negative_numbers = true)]
     speed: Option<f64>,
@@ -129,6 +132,7 @@ impl Program for Options {
             path: self.path,
             tool: self.tool,
             occupation: if self.walk { Occupation::Walking } else { Occupation::Working },
+            offer: self.offer,
             speed: self.speed,
             duration: self.duration,
             seed: self.seed.seed,

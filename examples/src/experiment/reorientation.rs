@@ -29,7 +29,10 @@ pub use judge::{Judge, Turn};
 const CAMERA: [f64; 3] = [0.35, 0.0, 1.15];
 
 /// Of each case \[s\].
-const DURATION: f64 = 22.0;
+const DURATION: f64 = 30.0;
+
+/// How long the person holds the object out \[s\]: until the robot has come for it.
+const OFFER: f64 = 10.0;
 
 /// Experiment 3: random people hand the object over and take the tool for the surface that they do not
 /// see.
@@ -65,6 +68,7 @@ pub fn cases(seed: u64, count: u64) -> Vec<Case> {
                 stature: draw.random_range(1.58..=1.94),
                 path: WalkingPath::Points(vec![Point2::new(1.4, 0.0)]),
                 tool: other(front).tool(),
+                offer: OFFER,
                 duration: DURATION,
                 seed: draw.random(),
                 ..WalkerSettings::default()

@@ -70,7 +70,7 @@ impl Script {
         let (first, to_come, leading) = match settings.occupation {
             Occupation::Working => {
                 let steps = VecDeque::from([
-                    at_workplace(Activity::DeliverObject, 3.0),
+                    at_workplace(Activity::DeliverObject, settings.offer),
                     at_workplace(Activity::PickUp(tool), 2.5),
                     at_workplace(Activity::HoldTool(tool), 1.5),
                     at_workplace(Activity::Use(tool), 5.0),

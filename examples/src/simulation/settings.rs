@@ -33,6 +33,8 @@ pub struct WalkerSettings {
     pub tool: Tool,
     /// What the person has come for. Default [`Occupation::Working`].
     pub occupation: Occupation,
+    /// How long the person offers the object, before the random pace of each person (s). Default 3.
+    pub offer: f64,
     /// How fast the person walks (m/s). By default 0.8 to come and go and 0.3 to lead the robot.
     pub speed: Option<f64>,
     /// Of the recording (s). The person goes along the path again and again until it is time to
@@ -51,6 +53,7 @@ impl Default for WalkerSettings {
             path: WalkingPath::Stations,
             tool: Tool::Drill,
             occupation: Occupation::Working,
+            offer: 3.0,
             speed: None,
             duration: 56.0,
             seed: 1,
@@ -76,6 +79,7 @@ impl WalkerSettings {
         if let Some(speed) = self.speed {
             in_range("speed", speed, 0.1, 2.0, "0.1 to 2 m/s")?;
         }
+        in_range("offer", self.offer, 0.0, 3600.0, "0 to 3600 s")?;
         in_range("duration", self.duration, 0.0, 3600.0, "0 to 3600 s")?;
         in_range("noise", self.camera.noise, 0.0, 10.0, "a factor of 0 to 10")?;
         let largest = self.camera.largest_error;

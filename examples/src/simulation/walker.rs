@@ -62,6 +62,7 @@ impl Walker {
             path: WalkingPath::Random,
             tool: if draw.random_bool(0.5) { Tool::Drill } else { Tool::Polisher },
             occupation: Occupation::Working,
+            offer: 3.0,
             speed: None,
             duration: 15.0,
             seed,

@@ -65,7 +65,7 @@ fn the_right_surface_comes_before_the_person() {
 fn merged_is_the_whole(trials: &[Trial], whole: &ReorientationResult) {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let job = Job { seed: 1, cases: 2, duration: 22.0, conditions: KINEMATIC };
+    let job = Job { seed: 1, cases: 2, duration: 30.0, conditions: KINEMATIC };
     let files = ["1/2", "2/2"].map(|shard| (shard, path(&shard.replace('/', "-"))));
     for ((shard, file), (number, trial)) in files.iter().zip((0..).zip(trials)) {
         let part = Part {
