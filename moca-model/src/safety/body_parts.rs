@@ -13,8 +13,18 @@ pub(super) enum Limb {
     Arm,
 }
 
-/// A joint that a part hangs on, and how far no point of its axis is from that \[m\].
-pub(super) type Reach = (Body25, f64);
+/// Where a part is that is not seen, by a joint that is \[m\].
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Reach {
+    /// No point of its axis is farther from the joint.
+    About(Body25, f64),
+    /// The joint is a hip, or between them, of somebody who stands, walks or sits: below the height of the knee,
+    /// and no farther aside.
+    Below(Body25, f64),
+}
+
+/// The height of the knee over that of the hip (Drillis and Contini, 1966).
+const KNEE_HEIGHT: f64 = 0.285 / 0.530;
 
 /// A capsule between two joints, continued past the second by a length \[m\].
 #[derive(Clone, Copy)]
@@ -41,6 +51,26 @@ const fn part(
     Part { from, to, beyond, radius, limb, region, reaches }
 }
 
+impl Reach {
+    pub(super) fn joint(self) -> Body25 {
+        match self {
+            Self::About(joint, _) | Self::Below(joint, _) => joint,
+        }
+    }
+
+    /// What holds the part, of this radius, if the joint is at `place` in the world \[m\].
+    pub(super) fn capsule(self, place: &Vector3<f64>, radius: f64) -> Option<Capsule> {
+        match self {
+            Self::About(_, reach) => Capsule::sphere(*place, radius + reach).ok(),
+            Self::Below(_, aside) => {
+                let [knee, floor] = [KNEE_HEIGHT * place.z, 0.0]
+                    .map(|height| Vector3::new(place.x, place.y, height));
+                Capsule::new(knee, floor, radius + aside).ok()
+            }
+        }
+    }
+}
+
 impl Part {
     /// Between two joints, wider by `growth` \[m\].
     pub(super) fn capsule(
@@ -63,11 +93,12 @@ pub(super) const PARTS: [Part; 12] = {
         RightAnkle, RightElbow, RightHip, RightKnee, RightShoulder, RightWrist,
     };
     use Limb::{Arm, Body};
+    use Reach::{About, Below};
     use hrsw::BodyRegion::{Back, Chest, Face, Forearm, LowerLeg, Pelvis, Thigh, UpperArm};
-    const HEAD: &[Reach] = &[(Neck, 0.33), (MidHip, 0.96)];
-    const TRUNK: &[Reach] = &[(MidHip, 0.66), (Neck, 0.66)];
-    const SHOULDERS: &[Reach] = &[(Neck, 0.3), (MidHip, 0.75)];
-    const HIPS: &[Reach] = &[(MidHip, 0.25), (Neck, 0.75)];
+    const HEAD: &[Reach] = &[About(Neck, 0.33), About(MidHip, 0.96)];
+    const TRUNK: &[Reach] = &[About(MidHip, 0.66), About(Neck, 0.66)];
+    const SHOULDERS: &[Reach] = &[About(Neck, 0.3), About(MidHip, 0.75)];
+    const HIPS: &[Reach] = &[About(MidHip, 0.25), About(Neck, 0.75)];
     [
         part([Neck, Nose], (0.0, 0.13), Body, Face, HEAD),
         part([Neck, MidHip], (0.0, 0.15), Body, Chest, TRUNK),
@@ -78,44 +109,56 @@ pub(super) const PARTS: [Part; 12] = {
             (0.0, 0.06),
             Arm,
             UpperArm,
-            &[(LeftShoulder, 0.41), (Neck, 0.71)],
+            &[About(LeftShoulder, 0.41), About(Neck, 0.71)],
         ),
         part(
             [RightShoulder, RightElbow],
             (0.0, 0.06),
             Arm,
             UpperArm,
-            &[(RightShoulder, 0.41), (Neck, 0.71)],
+            &[About(RightShoulder, 0.41), About(Neck, 0.71)],
         ),
         part(
             [LeftElbow, LeftWrist],
             (0.15, 0.06),
             Arm,
             Forearm,
-            &[(LeftElbow, 0.49), (LeftShoulder, 0.9), (Neck, 1.2)],
+            &[About(LeftElbow, 0.49), About(LeftShoulder, 0.9), About(Neck, 1.2)],
         ),
         part(
             [RightElbow, RightWrist],
             (0.15, 0.06),
             Arm,
             Forearm,
-            &[(RightElbow, 0.49), (RightShoulder, 0.9), (Neck, 1.2)],
+            &[About(RightElbow, 0.49), About(RightShoulder, 0.9), About(Neck, 1.2)],
         ),
-        part([LeftHip, LeftKnee], (0.0, 0.09), Body, Thigh, &[(LeftHip, 0.52), (MidHip, 0.77)]),
-        part([RightHip, RightKnee], (0.0, 0.09), Body, Thigh, &[(RightHip, 0.52), (MidHip, 0.77)]),
+        part(
+            [LeftHip, LeftKnee],
+            (0.0, 0.09),
+            Body,
+            Thigh,
+            &[About(LeftHip, 0.52), About(MidHip, 0.77)],
+        ),
+        part(
+            [RightHip, RightKnee],
+            (0.0, 0.09),
+            Body,
+            Thigh,
+            &[About(RightHip, 0.52), About(MidHip, 0.77)],
+        ),
         part(
             [LeftKnee, LeftAnkle],
             (0.05, 0.08),
             Body,
             LowerLeg,
-            &[(LeftKnee, 0.57), (LeftHip, 1.09), (MidHip, 1.34)],
+            &[About(LeftKnee, 0.57), Below(LeftHip, 0.5), Below(MidHip, 0.6)],
         ),
         part(
             [RightKnee, RightAnkle],
             (0.05, 0.08),
             Body,
             LowerLeg,
-            &[(RightKnee, 0.57), (RightHip, 1.09), (MidHip, 1.34)],
+            &[About(RightKnee, 0.57), Below(RightHip, 0.5), Below(MidHip, 0.6)],
         ),
     ]
 };

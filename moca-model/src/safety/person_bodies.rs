@@ -187,7 +187,7 @@ impl PersonBodies {
             let grown = part.capsule(&from.place, &to.place, growth(&from).max(growth(&to)));
             let within = self.within_reach(part, growth);
             let smaller = within
-                .filter(|sphere| grown.is_none_or(|capsule| sphere.radius() < capsule.radius()));
+                .filter(|reach| grown.is_none_or(|capsule| reach.radius() < capsule.radius()));
             if let Some(capsule) = smaller.or(grown) {
                 let contact = limit.filter(|_| contact_speed > 0.0).map(|limit| Contact {
                     limit,
@@ -199,14 +199,13 @@ impl PersonBodies {
         }
     }
 
-    /// The smallest sphere about a joint within which a part is that hangs on it.
+    /// The thinnest capsule about a joint within which a part is that hangs on it.
     fn within_reach(&self, part: &Part, growth: impl Fn(&Seen) -> f64) -> Option<Capsule> {
-        let spheres = part.reaches.iter().filter_map(|&(joint, reach)| {
-            let seen = self.joints[joint as usize]?;
-            Some((seen.place, part.radius + reach + growth(&seen)))
+        let capsules = part.reaches.iter().filter_map(|&reach| {
+            let seen = self.joints[reach.joint() as usize]?;
+            reach.capsule(&seen.place, part.radius + growth(&seen))
         });
-        let smallest = spheres.min_by(|a, b| a.1.total_cmp(&b.1));
-        smallest.and_then(|(place, radius)| Capsule::sphere(place, radius).ok())
+        capsules.min_by(|a, b| a.radius().total_cmp(&b.radius()))
     }
 
     /// The capsules of who was seen where nobody can have gone: nobody may touch them.
