@@ -56,6 +56,8 @@ pub(crate) const NEAR_ONE: Range<f64> = 0.0625..32.0;
 
 /// Rounds of repairing a predicted active set after which the levels are searched.
 pub(crate) const ROUNDS: usize = 20;
+/// Iterations for each variable after which a search takes rows by least index.
+pub(crate) const LONG: usize = 10;
 /// A prediction that is wrong in more than one row in so many variables is not repaired: it is where a
 /// search begins.
 pub(crate) const FAR: usize = 6;

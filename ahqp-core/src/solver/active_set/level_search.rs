@@ -15,7 +15,7 @@ use crate::linalg::vector::{add_scaled, norm};
 use crate::solver::activity::Activity;
 use crate::solver::data::active_bound;
 use crate::solver::factorisation::{FreeCoordinates, Purpose};
-use crate::solver::tolerances::{SETTLED, SHORTEST_STEP};
+use crate::solver::tolerances::{LONG, SETTLED, SHORTEST_STEP};
 
 /// What a search minimises.
 #[derive(Debug, Clone)]
@@ -60,14 +60,17 @@ impl ActiveSet {
         self.kept.clear();
         self.kept_for_objectives.clear();
         let mut dropped: Option<Dropped> = None;
-        let mut stalled = 0;
+        let (mut stalled, begun) = (0, self.iterations);
         loop {
             if self.allowance.is_spent(self.iterations) {
                 return End::OutOfBudget;
             }
             self.iterations += 1;
-            // Least index first cannot cycle, but is slow: only after a stall.
-            let choice = if stalled > self.data.n { Choice::First } else { Choice::Steepest };
+            // Least index first cannot cycle, but is slow: only after a stall, or where steps so short that they
+            // may be rounding have gone on for long.
+            let is_long = self.iterations - begun > LONG * self.data.n;
+            let is_slow = stalled > self.data.n || is_long;
+            let choice = if is_slow { Choice::First } else { Choice::Steepest };
             let has_minimum = self.set_direction(goal);
             if let Some(row) = dropped.filter(|row| row.frees_objectives_above)
                 && self.factorisation.moves_objectives_above(SETTLED * (1.0 + norm(&self.x)))
