@@ -154,17 +154,16 @@ fn one_frame_moves_nobody_away_and_keeps_the_robot_off() {
     assert!(counts_at(&drive, here + 9.0) && !counts_at(&drive, here));
 }
 
-/// Somebody of whom `joints` are seen for half a second, and hips and shoulders for five; `check` sees where the
-/// bodies are, from then on.
-fn hide(
-    joints: &[(Body25, Point3<f64>)],
-    x: f64,
-    check: impl Fn(u32, &dyn Fn(&Vector3<f64>) -> f64),
-) {
+/// Where somebody stands, about five metres before the robot \[m\].
+const AHEAD: f64 = 5.5;
+
+/// Somebody of whom `joints` are seen for half a second, and hips and shoulders for five; from half a second on
+/// `check` gets the tick and the distance of a point from the bodies.
+fn hide(joints: &[(Body25, Point3<f64>)], check: impl Fn(u32, &dyn Fn(&Vector3<f64>) -> f64)) {
     let mut drive = Drive::fast();
     for tick in 0..5000_u32 {
         if tick.is_multiple_of(FRAME) {
-            let mut percept = percept(drive.time(), Some(x));
+            let mut percept = percept(drive.time(), Some(AHEAD));
             let body = percept.body.as_mut().unwrap();
             for &(joint, position) in joints.iter().filter(|_| tick < 500) {
                 body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
@@ -185,16 +184,13 @@ fn hide(
     }
 }
 
-/// Five metres ahead of the robot's place.
-const AHEAD: f64 = 5.5;
-
 /// A wrist that nobody sees for long is somewhere within reach of the shoulder: all those places count, and no others.
 #[test]
 fn what_is_not_seen_for_long_stays_within_reach_of_what_is() {
     let shoulder = Point3::new(AHEAD, 0.2, 1.43);
     let at = |z: f64| Point3::new(AHEAD, 0.2, z);
     let arm = [(Body25::RightElbow, at(1.13)), (Body25::RightWrist, at(0.88))];
-    hide(&arm, AHEAD, |tick, nearest| {
+    hide(&arm, |tick, nearest| {
         for toward in [Vector3::x(), -Vector3::x(), Vector3::y(), Vector3::z()] {
             // The arm hung down when it was seen last, and is raised at no more than 1.6 m/s.
             for along in [0.2, 0.4, 0.6] {
@@ -213,7 +209,7 @@ fn what_is_not_seen_for_long_stays_within_reach_of_what_is() {
 fn legs_that_are_not_seen_stay_below() {
     let at = |z: f64| Point3::new(AHEAD, 0.12, z);
     let leg = [(Body25::RightKnee, at(0.5)), (Body25::RightAnkle, at(0.1))];
-    hide(&leg, AHEAD, |tick, nearest| {
+    hide(&leg, |tick, nearest| {
         for toward in [Vector3::x(), -Vector3::x(), Vector3::y()] {
             for (aside, height) in [(0.25, 0.1), (0.45, 0.1), (0.45, 0.4)] {
                 let foot = at(height).coords + toward * aside;

@@ -66,11 +66,11 @@ impl ActiveSet {
                 return End::OutOfBudget;
             }
             self.iterations += 1;
-            // Least index first cannot cycle, but is slow: only after a stall, or where steps so short that they
-            // may be rounding have gone on for long.
+            // Least index first cannot cycle, but is slow: only after a stall, or in a search that has gone on for
+            // long: a cycle of short steps is no stall.
             let is_long = self.iterations - begun > LONG * self.data.n;
-            let is_slow = stalled > self.data.n || is_long;
-            let choice = if is_slow { Choice::First } else { Choice::Steepest };
+            let may_cycle = stalled > self.data.n || is_long;
+            let choice = if may_cycle { Choice::First } else { Choice::Steepest };
             let has_minimum = self.set_direction(goal);
             if let Some(row) = dropped.filter(|row| row.frees_objectives_above)
                 && self.factorisation.moves_objectives_above(SETTLED * (1.0 + norm(&self.x)))
