@@ -237,6 +237,9 @@ fn who_walks_into_the_robot_is_touched_as_gently_as_the_region_bears() {
     let mut count = Count::default();
     for seed in 0..cases.unwrap_or(12) {
         walk_in(seed, &mut count);
+        if (seed + 1).is_multiple_of(500) {
+            println!("{}: {count:?}", seed + 1);
+        }
     }
     assert_eq!(count.heads, 0, "{count:?}");
     assert!(count.worst <= 1.0 + 1e-6, "{count:?}");
