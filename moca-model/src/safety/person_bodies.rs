@@ -92,15 +92,31 @@ impl PersonBodies {
         Age::new((now - self.plausible).max(0.0)).unwrap_or(Age::NEVER)
     }
 
-    /// Takes a camera frame, and the tracked person at its time. Joints that it misses move along
-    /// with the trunk.
+    /// Takes a camera frame, and the tracked person at its time.
     pub(super) fn observe(&mut self, percept: &Percept, tracked: Option<&TrackedPerson>) {
-        let time = percept.time;
-        // A frame without anybody says nothing of who was seen before.
-        let Some(body) = &percept.body else {
-            self.plausible = time;
-            return;
-        };
+        match &percept.body {
+            Some(body) => self.see(percept.time, body, tracked),
+            // A frame without anybody says nothing of who was seen before.
+            None => self.plausible = percept.time,
+        }
+    }
+
+    /// Whether nobody is known here.
+    pub(super) fn is_empty(&self) -> bool {
+        self.joints.iter().all(Option::is_none)
+    }
+
+    /// How far a body of a frame of this time is from where the person was seen last, if they can have gone
+    /// there \[m\].
+    pub(super) fn way_to(&self, time: f64, body: &Body) -> Option<f64> {
+        let least = self.settings.least_confidence;
+        let way = displacement(body, &self.places(), least).norm();
+        let reach = self.settings.jump_speed * (time - self.newest) + NOISE;
+        (!self.is_empty() && way <= reach).then_some(way)
+    }
+
+    /// Takes the body of a frame. Joints that it misses move along with the trunk.
+    pub(super) fn see(&mut self, time: f64, body: &Body, tracked: Option<&TrackedPerson>) {
         let doubtful = self.doubtful.take();
         let least = self.settings.least_confidence;
         let reach = |elapsed: f64| self.settings.jump_speed * elapsed + NOISE;
