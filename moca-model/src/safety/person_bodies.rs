@@ -109,10 +109,11 @@ impl PersonBodies {
     /// How far a body of a frame of this time is from where the person was seen last, if they can have gone
     /// there \[m\].
     pub(super) fn way_to(&self, time: f64, body: &Body) -> Option<f64> {
-        let least = self.settings.least_confidence;
-        let way = displacement(body, &self.places(), least).norm();
-        let reach = self.settings.jump_speed * (time - self.newest) + NOISE;
-        (!self.is_empty() && way <= reach).then_some(way)
+        let (places, least) = (self.places(), self.settings.least_confidence);
+        // By the trunk, or by what else is seen.
+        let by = |joints: &[Body25]| displacement_of(joints, body, &places, least);
+        let way = by(&ROOT).or_else(|| by(&Body25::ALL))?.norm();
+        (way <= self.settings.jump_speed * (time - self.newest) + NOISE).then_some(way)
     }
 
     /// Takes the body of a frame. Joints that it misses move along with the trunk.
@@ -301,16 +302,26 @@ fn beyond_reaction(age: f64, separation: &SeparationSettings) -> f64 {
     (age - separation.reaction_time).max(0.0)
 }
 
-/// How far the trunk of `body` is from where it was `before`: the median of its joints, by axis, so that one that
-/// is misplaced does not count.
+/// How far the trunk of `body` is from where it was `before`; zero where it is not seen.
 fn displacement(
     body: &Body,
     before: &[Option<Vector3<f64>>; Body25::COUNT],
     least_confidence: f64,
 ) -> Vector3<f64> {
-    let mut moved = [Vector3::zeros(); ROOT.len()];
+    displacement_of(&ROOT, body, before, least_confidence).unwrap_or_default()
+}
+
+/// How far `joints` of a body are from where they were `before`: the median of those seen both times, by axis, so
+/// that one that is misplaced does not count.
+fn displacement_of(
+    joints: &[Body25],
+    body: &Body,
+    before: &[Option<Vector3<f64>>; Body25::COUNT],
+    least_confidence: f64,
+) -> Option<Vector3<f64>> {
+    let mut moved = [Vector3::zeros(); Body25::COUNT];
     let mut count = 0;
-    for joint in ROOT {
+    for &joint in joints {
         let now = place(body, joint, least_confidence);
         if let (Some(now), Some(before)) = (now, before[joint as usize])
             && let Some(slot) = moved.get_mut(count)
@@ -319,11 +330,9 @@ fn displacement(
             count += 1;
         }
     }
-    let Some(moved) = moved.get_mut(..count).filter(|moved| !moved.is_empty()) else {
-        return Vector3::zeros();
-    };
-    Vector3::from_fn(|axis, _| {
+    let moved = moved.get_mut(..count).filter(|moved| !moved.is_empty())?;
+    Some(Vector3::from_fn(|axis, _| {
         moved.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
         moved[moved.len() / 2][axis]
-    })
+    }))
 }

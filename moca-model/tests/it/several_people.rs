@@ -2,7 +2,8 @@
 
 use hrsw::SafetyState;
 use moca_model::Error;
-use vision_models::{Action, Body, Tool};
+use nalgebra::Point3;
+use vision_models::{Action, Body, Body25, Confidence, Keypoint, Tool};
 
 use crate::drive::{Drive, FRAME, body, doing, percept};
 
@@ -69,6 +70,17 @@ fn people_are_told_apart_by_where_they_are() {
     for frame in 0..40 {
         bodies.rotate_left(frame % 3);
         look(&bodies[..1 + frame % 4]).unwrap();
+    }
+    // Of one of them the legs come into sight, and then nothing else is seen.
+    let knee =
+        |x| Some(Keypoint { position: Point3::new(x, 0.1, 0.5), confidence: Confidence::ONE });
+    let mut whole = body(10.0);
+    whole.set(Body25::LeftKnee, knee(10.0));
+    look(&[whole]).unwrap();
+    let mut legs = Body::default();
+    legs.set(Body25::LeftKnee, knee(10.02));
+    for _ in 0..4 {
+        look(&[legs.clone()]).unwrap();
     }
     let error = look(&[body(20.0)]).unwrap_err();
     assert!(matches!(error, Error::TooManyPeople { got: 1, left_out: 1, most: 4 }), "{error}");
