@@ -25,7 +25,7 @@ pub(super) const STRETCHED: f64 = 0.99;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arm {
-    upper_arm: f64,
+    upper: f64,
     forearm: f64,
     grip: f64,
 }
@@ -33,12 +33,12 @@ pub struct Arm {
 impl Arm {
     /// Of an average person of this stature \[m\].
     pub fn of_stature(stature: f64) -> Self {
-        Self { upper_arm: UPPER_ARM * stature, forearm: FOREARM * stature, grip: GRIP * stature }
+        Self { upper: UPPER_ARM * stature, forearm: FOREARM * stature, grip: GRIP * stature }
     }
 
     /// How far from the shoulder the grip can be \[m\].
     pub fn reach(&self) -> f64 {
-        STRETCHED * (self.upper_arm + self.forearm + self.grip)
+        STRETCHED * (self.upper + self.forearm + self.grip)
     }
 
     /// Elbow and wrist with the grip at a point, or as far towards it as the arm reaches; the elbow hangs
@@ -52,7 +52,7 @@ impl Arm {
         let hand = self.forearm + self.grip;
         let grip = shoulder + (grip - shoulder).cap_magnitude(self.reach());
         let aside = outwards.try_normalize(1e-9).unwrap_or_default() * 0.4 - Vector3::z();
-        let elbow = bend(*shoulder, grip, self.upper_arm, hand, aside);
+        let elbow = bend(*shoulder, grip, self.upper, hand, aside);
         [elbow, elbow + (grip - elbow) * (self.forearm / hand)]
     }
 
@@ -98,7 +98,7 @@ mod tests {
             // Nobody works with the hand at the shoulder.
             prop_assume!(away.norm() > 0.15);
             let [elbow, wrist] = arm.leading_to(&object, &shoulder, &Vector3::y());
-            prop_assert!(((elbow - shoulder).norm() - arm.upper_arm).abs() < 1e-9);
+            prop_assert!(((elbow - shoulder).norm() - arm.upper).abs() < 1e-9);
             prop_assert!(((wrist - elbow).norm() - arm.forearm).abs() < 1e-9);
             let left = (object - arm.grip(&elbow, &wrist)).norm();
             prop_assert!((left - (away.norm() - arm.reach()).max(0.0)).abs() < 1e-9, "{left}");

@@ -156,9 +156,10 @@ impl Disturbance {
 
     fn state_at_once(self) -> SafetyState {
         match self {
-            Self::FramesLost | Self::FramesAbsurd => SafetyState::Normal,
-            // The one cannot be noticed, the other is bridged.
-            Self::CameraMoved | Self::CommandsThinned => SafetyState::Normal,
+            // The last two for good: the one cannot be noticed, the other is bridged.
+            Self::FramesLost | Self::FramesAbsurd | Self::CameraMoved | Self::CommandsThinned => {
+                SafetyState::Normal
+            }
             Self::FramesLate
             | Self::FramesFrozen
             | Self::FramesRepeated

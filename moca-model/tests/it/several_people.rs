@@ -69,7 +69,7 @@ fn people_are_told_apart_by_where_they_are() {
     let mut bodies = [10.0, 12.0, 14.0, 16.0].map(body);
     for frame in 0..40 {
         bodies.rotate_left(frame % 3);
-        look(&bodies[..1 + frame % 4]).unwrap();
+        look(&bodies[..=frame % 4]).unwrap();
     }
     // Of one of them the legs come into sight, and then nothing else is seen.
     let knee =
