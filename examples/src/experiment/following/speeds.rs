@@ -13,10 +13,10 @@ use crate::experiment::cases::generator;
 use crate::experiment::distance::{DistanceError, DistanceMonitor};
 use crate::experiment::job::Job;
 use crate::experiment::options::Conditions;
+use crate::experiment::player::Player;
 use crate::experiment::spread::Spread;
 use crate::experiment::walk::Walk;
-use crate::follow::{Run, Scenario, Summary};
-use crate::program::Interrupt;
+use crate::follow::{Scenario, Summary};
 use crate::simulation::{WalkerSettings, WalkingPath};
 
 /// How fast people walk \[m/s\]; the last is the robot's own speed.
@@ -102,7 +102,7 @@ impl Stroll {
         &self,
         average: &ErgonomicsMap,
         conditions: Conditions,
-        interrupt: &Interrupt,
+        player: &mut Player,
     ) -> Result<StrollTrial> {
         let Self { seed, number, speed, separation } = *self;
         let mut draw = generator(seed, number);
@@ -112,8 +112,8 @@ impl Stroll {
         let scenario = quick(walk.scenario(&map, conditions.drive, &mut draw)?);
         let scenario = if separation { scenario } else { scenario.without_separation() };
         let mut monitor = DistanceMonitor::new(&walk.truth);
-        let run = Run::new(&scenario, Goal::Ergonomics)?.until(interrupt.clone());
-        let summary = run.play(|row| {
+        let title = format!("{speed} m/s{}", if separation { "" } else { ", NO SEPARATION" });
+        let summary = player.play(&title, &scenario, Goal::Ergonomics, |row, _| {
             monitor.push(row);
             Ok(())
         })?;
