@@ -114,7 +114,7 @@ pub(super) fn run<E: Experiment>(
         ShardOptions::write(file, &part)?;
     }
     let trials = part.results.into_values().collect();
-    conclude::<E>(&part.job, trials, shown, common.figures(), common.json, ending, session)
+    conclude::<E>(&part.job, trials, shown.as_ref(), common.figures(), common.json, ending, session)
 }
 
 /// Makes of the files of all shards what one machine prints and draws; the figure into a folder, if there is one.
@@ -148,7 +148,7 @@ struct Line<'a, T> {
 fn conclude<E: Experiment>(
     job: &Job,
     trials: Vec<E::Trial>,
-    shown: Option<Shown>,
+    shown: Option<&Shown>,
     figures: Option<&Path>,
     json: Json,
     ending: Ending,
@@ -159,12 +159,11 @@ fn conclude<E: Experiment>(
     if let Some(folder) = figures {
         let file = |kind: &str| folder.join(format!("{}.{kind}", E::NAME));
         write_figure(&file("svg"), &E::figure(&outcome)?, ending)?;
-        if let Some(shown) = &shown {
+        if let Some(shown) = shown {
             write_figure(&file("html"), &shown.page(E::PROGRAM, &table)?, ending)?;
         }
     }
     write!(session.output(), "{table}")?;
-    let line =
-        Line { experiment: E::NAME, seed: job.seed, outcome: &outcome, shown: shown.as_ref() };
+    let line = Line { experiment: E::NAME, seed: job.seed, outcome: &outcome, shown };
     session.conclude(json, &line, ending)
 }

@@ -157,7 +157,9 @@ pub struct TurnsLine {
     pub safe: usize,
     /// From the recognised mismatch to the work pose \[s\].
     pub time_s: Spread,
-    /// That over the least time that the limits of the desired pose allow.
+    /// Of that, how long the robot is slowed, stands or retreats because of the person \[s\].
+    pub hindered_s: Spread,
+    /// The time over the least time that the limits of the desired pose allow.
     pub ratio: Spread,
 }
 
@@ -201,6 +203,9 @@ impl ReorientationResult {
                     .filter(|trial| trial.turns[run].right && clean(&trial.summaries[run]))
                     .count(),
                 time_s: Spread::of(turns().filter_map(|turn| turn.time)),
+                hindered_s: Spread::of(
+                    turns().filter(|turn| turn.time.is_some()).map(|turn| turn.hindered),
+                ),
                 ratio: Spread::of(turns().filter_map(Turn::ratio)),
             }
         };
@@ -269,6 +274,8 @@ impl fmt::Display for ReorientationResult {
         for (name, of) in [
             ("time of a turn, mean [s]", (|line| line.time_s.mean) as fn(&TurnsLine) -> f64),
             ("time of a turn, worst [s]", |line| line.time_s.worst),
+            ("  of it hindered by the person's nearness, mean [s]", |line| line.hindered_s.mean),
+            ("  of it hindered by the person's nearness, worst [s]", |line| line.hindered_s.worst),
             ("over the time that the limits allow, mean", |line| line.ratio.mean),
             ("over the time that the limits allow, worst", |line| line.ratio.worst),
         ] {
