@@ -185,6 +185,7 @@ impl Controller {
         self.space.observe(percept)?;
         self.safety.observe(percept, self.space.person_at(percept.time).as_ref());
         self.look(percept);
+        self.turn_to_camera()?;
         Ok(())
     }
 

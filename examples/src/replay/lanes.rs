@@ -120,6 +120,7 @@ fn walks(direction: WalkingDirection) -> &'static str {
 pub(super) fn phase(phase: Phase, reason: Option<Reason>) -> (Cow<'static, str>, Tone) {
     let (name, tone) = match phase {
         Phase::Apart => ("apart", Tone::Quiet),
+        Phase::Looking => ("looking", Tone::Work),
         Phase::Handover => ("handover", Tone::Work),
         Phase::Grasping => ("grasping", Tone::Work),
         Phase::Turning { to: BoxSide::Front } => ("turning to the front", Tone::Walk),
@@ -134,6 +135,8 @@ pub(super) fn phase(phase: Phase, reason: Option<Reason>) -> (Cow<'static, str>,
     let why: Cow<'static, str> = match reason {
         None => return (name.into(), tone),
         Some(Reason::Engages) => "the person engages".into(),
+        Some(Reason::Hidden) => "the camera has seen no side".into(),
+        Some(Reason::Seen) => "the camera has seen one".into(),
         Some(Reason::Leaves) => "the person leaves".into(),
         Some(Reason::Arrived) => "the tool is there".into(),
         Some(Reason::Grasped) => "the gripper has closed".into(),
