@@ -31,6 +31,7 @@ impl Controller {
         self.space.observe(percept)?;
         self.safety.observe(percept, self.space.person_at(percept.time).as_ref());
         self.look(percept);
+        self.turn_to_camera()?;
         let kept = self.safety.observe_others(percept.time, others);
         if kept.is_err() {
             self.report(Fault::TooManyPeople);
