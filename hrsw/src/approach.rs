@@ -3,61 +3,28 @@
 mod bodies;
 mod body_motion;
 mod candidate;
+mod joint_motion;
+mod nearest;
+mod places;
 mod reach;
+mod undercut;
 
 use ahqp_core::{AugmentedState, Rows};
-use nalgebra::{DMatrix, Matrix6xX, Vector3};
 
-use crate::contact::{Contact, Mobility};
-use crate::distance::proximity;
+use crate::contact::Mobility;
+use crate::distance::{Proximity, proximity};
 use crate::distance_bounds::DistanceBounds;
-use crate::error::{Error, check_all, check_size, not_negative};
+use crate::error::{Error, check_size};
 use crate::separation::SeparationSettings;
 use crate::shape::Capsule;
 pub use bodies::{PersonBody, RobotBody};
 use body_motion::BodyMotion;
-use candidate::Candidate;
+use candidate::{Candidate, PairId};
+pub use joint_motion::JointMotion;
+pub use nearest::Nearest;
+use places::Places;
 use reach::Reach;
-
-/// How the robot moves with its joints now.
-#[derive(Debug, Clone, Copy)]
-pub struct JointMotion<'a> {
-    /// The geometric Jacobian, 6 × n, linear then angular, in world axes, of a point fixed to
-    /// the last link. That of a point p on a link moved by the first k joints follows from its
-    /// first k columns, v + ω × (p − o).
-    pub jacobian: &'a Matrix6xX<f64>,
-    /// o, the point that the Jacobian is of \[m\].
-    pub origin: Vector3<f64>,
-    /// q̇ commanded last, n.
-    pub velocity: &'a [f64],
-    /// A q̇ that all other constraints admit, n: usually the one nearest to rest within the
-    /// limits. Every row is relaxed to admit it, so that hard rows never make the problem
-    /// infeasible. None for rows that are minimised in a level of their own.
-    pub braking: Option<&'a [f64]>,
-    /// By how much each joint's velocity may change in this tick at most, n: pairs that cannot use up their
-    /// headroom by that get no row, and most of their distances need not be computed. None where it is
-    /// not known.
-    pub change: Option<&'a [f64]>,
-    /// M⁻¹, the inverse of the joint-space inertia, n × n, with which the robot gives way in a contact.
-    /// None for a robot that does not give way at all, the worst case.
-    pub inverse_inertia: Option<&'a DMatrix<f64>>,
-}
-
-/// The pair that is nearest to its protective distance, or deepest within, of those that may not
-/// touch.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Nearest {
-    /// Index of the robot's body.
-    pub robot: usize,
-    /// Index of the person's body, or of the robot's other.
-    pub other: usize,
-    /// Between the surfaces \[m\].
-    pub distance: f64,
-    /// S_p at the last commanded velocity and the person's as measured \[m\].
-    pub required: f64,
-    /// How fast the robot comes nearer at the last commanded velocity \[m/s\].
-    pub approach: f64,
-}
+use undercut::Undercut;
 
 /// Bodies of a robot whose motion is computed once for all pairs of its own that they are in.
 const REMEMBERED: usize = 32;
@@ -96,7 +63,7 @@ const REMEMBERED: usize = 32;
 /// let robot = [RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.1)?, joints: 1 }];
 /// let head = Capsule::sphere(Vector3::new(1.5, 0.0, 0.0), 0.1)?;
 /// let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
-/// let person = [PersonBody { capsule: head, velocity, contact: None }];
+/// let person = [PersonBody { capsule: head, velocity, age: 0.0, contact: None }];
 /// let nearest = separation.write(&motion, &robot, &person, &mut rows)?;
 /// assert!((nearest.map_or(0.0, |pair| pair.distance) - 1.3).abs() < 1e-12);
 /// let limit = SeparationSettings::default().approach_limit(1.3, 0.0);
@@ -109,6 +76,7 @@ pub struct ApproachRows {
     settings: SeparationSettings,
     capacity: usize,
     candidates: Vec<Candidate>,
+    places: Places,
     nearest: Option<Nearest>,
     mobility: Mobility,
     /// Pairs with less room than this are looked for \[m\].
@@ -119,15 +87,19 @@ pub struct ApproachRows {
     least_distance: f64,
     /// Whether a pair got no row that needs one.
     crowded: bool,
-    /// Of the pairs that may not touch \[m\].
-    least_apart: f64,
+    undercut: Undercut,
+}
+
+/// A body of the robot and a part of the person, by their indices.
+#[derive(Debug, Clone, Copy)]
+struct Pair<'a> {
+    robot: (usize, &'a RobotBody),
+    other: (usize, &'a PersonBody),
+    near: Proximity,
 }
 
 /// What rounding may make of a speed of approach \[m/s\].
 const ROUNDING: f64 = 1e-7;
-
-/// How far a part of a person may have moved otherwise than predicted since the frame that shows it \[m\].
-const SINCE_THE_FRAME: f64 = 0.03;
 
 /// Bodies of robot and person of which the distances are remembered.
 const BODIES: usize = 32;
@@ -151,6 +123,7 @@ impl ApproachRows {
             settings,
             capacity,
             candidates,
+            places: Places::new(capacity),
             nearest: None,
             mobility,
             watched_room: 0.0,
@@ -158,7 +131,7 @@ impl ApproachRows {
             closest: None,
             least_distance: f64::INFINITY,
             crowded: false,
-            least_apart: f64::INFINITY,
+            undercut: Undercut::new(),
         })
     }
 
@@ -196,15 +169,7 @@ impl ApproachRows {
         rows: &mut Rows,
     ) -> Result<Option<Nearest>, Error> {
         self.check(motion, robot, rows)?;
-        person.iter().try_for_each(|part| part.capsule.check("a capsule of the person"))?;
-        for part in person {
-            let of_contact = part.contact.and_then(|contact| contact.velocity);
-            for velocity in part.velocity.iter().chain(&of_contact) {
-                check_all("the velocity of a person's body", velocity.mean.iter())?;
-                not_negative("the uncertainty of a person's velocity", velocity.uncertainty)?;
-            }
-            part.contact.as_ref().map_or(Ok(()), Contact::validate)?;
-        }
+        person.iter().try_for_each(PersonBody::check)?;
         self.clear();
         self.mobility.clear();
         self.bounds.advance(capsules(robot), person.iter().map(|part| &part.capsule));
@@ -229,47 +194,71 @@ impl ApproachRows {
                 if near.distance > sight {
                     continue;
                 }
-                let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
-                let uncertainty = part.velocity.map_or(0.0, |v| v.uncertainty);
-                let worst = measured.map(|speed| speed + uncertainty);
-                let assumed = self.settings.speed_towards_robot(worst);
-                let gradient = near.gradient_first(&motion.origin);
-                let (approach, of_base) = (-gradient.dot(&moves.twist), -gradient.dot(&moves.base));
-                let settings = self.settings.braking_by_parts(of_base, approach - of_base);
-                let mut limit = settings.approach_limit(near.distance, assumed);
-                if let Some(contact) = part.contact {
-                    let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
-                    let mass = self.mobility.mass(jacobian, inverse, body.joints, &gradient);
-                    let known = contact.velocity.map(|v| (v.mean.dot(&near.normal), v.uncertainty));
-                    let known = known.map(|(speed, uncertainty)| (speed, speed + uncertainty));
-                    let (measured, worst) =
-                        known.or(measured.zip(worst)).unwrap_or((assumed, assumed));
-                    limit = limit.max(contact.approach_limit(mass, measured, worst));
-                }
-                let candidate = Candidate {
-                    settings,
-                    robot: i,
-                    other: j,
-                    robot_joints: body.joints,
-                    other_joints: 0,
-                    near,
-                    human_speed: measured.map_or(assumed, |speed| speed.max(0.0)),
-                    limit,
-                    headroom: limit - approach,
-                    contact: part.contact.is_some(),
-                };
-                self.consider(candidate, moves.change);
+                self.weigh(motion, &moves, &Pair { robot: (i, body), other: (j, part), near });
             }
         }
         self.write_candidates(motion, rows)
     }
 
+    /// Takes a pair in sight: what the supervisor has to know of it, and what a row does.
+    fn weigh(&mut self, motion: &JointMotion<'_>, moves: &BodyMotion, pair: &Pair<'_>) {
+        let Pair { robot: (robot, body), other: (other, part), near } = *pair;
+        let arm = near.on_first - motion.origin;
+        let (approach, of_base) = moves.approach(&near.normal, &arm);
+        let settings = self.settings.braking_by_parts(of_base, approach - of_base);
+        let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
+        let worst = part.velocity.zip(measured).map(|(v, speed)| speed + v.uncertainty);
+        let assumed = self.settings.speed_towards_robot(worst);
+        let standing = self.settings.protective_distance(assumed, 0.0);
+        if part.contact.is_none() {
+            let human_speed = self.settings.speed_towards_robot(measured);
+            let required = settings.protective_distance(human_speed, approach);
+            self.see(Nearest { robot, other, distance: near.distance, required, approach });
+            if near.distance < standing {
+                let may_approach =
+                    near.distance >= self.settings.protective_distance(human_speed, 0.0);
+                self.undercut.take((robot, body), part, may_approach, &self.settings);
+            }
+        }
+        let mut limit = settings.approach_limit(near.distance, assumed);
+        // Where the distance alone permits all that may come in this tick, what a contact permits does not
+        // matter.
+        if let Some(contact) = part.contact.filter(|_| limit - approach <= moves.change) {
+            let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
+            let wrench = near.gradient_first(&motion.origin);
+            let mass = self.mobility.mass(jacobian, inverse, body.joints, &wrench);
+            let known = contact.velocity.map(|v| (v.mean.dot(&near.normal), v.uncertainty));
+            let known = known.map(|(speed, uncertainty)| (speed, speed + uncertainty));
+            let (measured, worst) = known.or(measured.zip(worst)).unwrap_or((assumed, assumed));
+            limit = limit.max(contact.approach_limit(mass, measured, worst));
+        }
+        let candidate = Candidate {
+            id: PairId { robot, other },
+            normal: near.normal,
+            point: near.on_first,
+            joints: body.joints,
+            opposite: None,
+            room: near.distance - standing,
+            limit,
+            headroom: limit - approach,
+            contact: part.contact.is_some(),
+        };
+        self.consider(candidate, moves.change);
+    }
+
+    /// Keeps, of the pairs that may not touch, the one with the least room.
+    fn see(&mut self, pair: Nearest) {
+        if self.nearest.is_none_or(|other| pair.room() < other.room()) {
+            self.nearest = Some(pair);
+        }
+    }
+
     /// Returns true if with `velocity`, n, no pair of the rows written last that may not touch comes nearer
-    /// faster than it may, and none that may touch does so faster than with `braking`, n, too. A person who
-    /// is nearer than their protective distance may be a little beside where they are taken to be: the
-    /// robot then has to leave in a direction that is surely away. Otherwise rows contradict each other, as
-    /// between two people, or the robot cannot brake in time: it should then brake all that it can, and not
-    /// weigh one distance against another.
+    /// faster than it may, and none that may touch does so faster than with `braking`, n, too. Of a person
+    /// who is nearer than a robot at rest should be it must surely come no nearer, wherever they are: they
+    /// have moved since they were seen, and may have done so otherwise than measured. Otherwise rows
+    /// contradict each other, as between two people, or the robot cannot brake in time: it should then brake
+    /// all that it can, and not weigh one distance against another.
     pub fn is_kept_by(
         &self,
         motion: &JointMotion<'_>,
@@ -277,32 +266,31 @@ impl ApproachRows {
         velocity: &[f64],
         braking: &[f64],
     ) -> bool {
-        let error = self.settings.human_uncertainty + SINCE_THE_FRAME;
-        self.candidates.iter().zip(rows.iter()).all(|(candidate, (row, _, upper))| {
+        let keeps_rows = self.places.candidates().zip(rows.iter()).all(|(candidate, row)| {
+            let Some(candidate) = candidate.and_then(|candidate| self.candidates.get(candidate))
+            else {
+                return true;
+            };
+            let (row, _, upper) = row;
             let along =
                 |velocity: &[f64]| -> f64 { row.iter().zip(velocity).map(|(a, b)| a * b).sum() };
             let approach = along(velocity) - ROUNDING;
-            if candidate.contact {
-                return approach <= upper || approach <= along(braking);
-            }
-            let comes_no_nearer = || {
-                candidate.worst_approach(motion, velocity, error) <= ROUNDING
-                    || velocity.iter().zip(braking).all(|(v, braking)| v == braking)
-            };
-            approach <= upper && (!candidate.is_undercut() || comes_no_nearer())
-        })
+            approach <= upper || candidate.contact && approach <= along(braking)
+        });
+        let brakes = || velocity.iter().zip(braking).all(|(v, braking)| v == braking);
+        keeps_rows && (self.undercut.is_left_by(motion, velocity, ROUNDING) || brakes())
     }
 
     /// Returns true if a pair that may not touch is nearer than what is not known of both places: no
     /// direction is surely away then, and the robot must stand.
     pub fn is_too_near_to_tell(&self) -> bool {
-        self.least_apart < self.settings.protective_distance(0.0, 0.0) + SINCE_THE_FRAME
+        self.undercut.is_too_near()
     }
 
     /// Returns true if more pairs are at their limits than there are rows: the robot must then brake, which
     /// keeps them all.
     pub fn is_crowded(&self) -> bool {
-        self.crowded
+        self.crowded || self.undercut.overflows()
     }
 
     /// The least distance of the pairs written last \[m\]; infinite for none.
@@ -345,17 +333,22 @@ impl ApproachRows {
             let near = proximity(&first.capsule, &second.capsule);
             self.bounds.set(i, j, near.distance);
             self.least_distance = self.least_distance.min(near.distance);
-            let approach = -near.gradient_first(&motion.origin).dot(&moves[0].twist)
-                - near.gradient_second(&motion.origin).dot(&moves[1].twist);
-            let limit = self.settings.approach_limit(near.distance, 0.0);
+            let [first_moves, second_moves] = &moves;
+            let (of_first, _) =
+                first_moves.approach(&near.normal, &(near.on_first - motion.origin));
+            let (of_second, _) =
+                second_moves.approach(&-near.normal, &(near.on_second - motion.origin));
+            let (approach, distance) = (of_first + of_second, near.distance);
+            let limit = self.settings.approach_limit(distance, 0.0);
+            let required = self.settings.protective_distance(0.0, approach);
+            self.see(Nearest { robot: i, other: j, distance, required, approach });
             let candidate = Candidate {
-                settings: self.settings,
-                robot: i,
-                other: j,
-                robot_joints: first.joints,
-                other_joints: second.joints,
-                near,
-                human_speed: 0.0,
+                id: PairId { robot: i, other: j },
+                normal: near.normal,
+                point: near.on_first,
+                joints: first.joints,
+                opposite: Some((near.on_second, second.joints)),
+                room: distance - self.settings.protective_distance(0.0, 0.0),
                 limit,
                 headroom: limit - approach,
                 contact: false,
@@ -370,7 +363,7 @@ impl ApproachRows {
         self.nearest = None;
         self.least_distance = f64::INFINITY;
         self.crowded = false;
-        self.least_apart = f64::INFINITY;
+        self.undercut.clear();
     }
 
     /// Measures the pair that was nearest last, which bounds the least distance from above.
@@ -395,21 +388,9 @@ impl ApproachRows {
         rows: &Rows,
     ) -> Result<(), Error> {
         robot.iter().try_for_each(|body| body.capsule.check("a capsule of the robot"))?;
-        let joints = self.state.joints;
         check_size("the block of rows", rows.len(), self.capacity)?;
         check_size("a row of the block", rows.columns(), self.state.len())?;
-        check_size("the columns of the Jacobian", motion.jacobian.ncols(), joints)?;
-        check_size("the joint velocity", motion.velocity.len(), joints)?;
-        let braking = motion.braking.unwrap_or(motion.velocity);
-        check_size("the braking velocity", braking.len(), joints)?;
-        check_all("the Jacobian", motion.jacobian.iter())?;
-        check_all("the origin of the Jacobian", motion.origin.iter())?;
-        if let Some(inverse) = motion.inverse_inertia {
-            check_size("the rows of the inverse inertia", inverse.nrows(), joints)?;
-            check_size("the columns of the inverse inertia", inverse.ncols(), joints)?;
-            check_all("the inverse inertia", inverse.iter())?;
-        }
-        check_all("a joint velocity", motion.velocity.iter().chain(braking))
+        motion.check(self.state.joints)
     }
 
     /// How far a body that approaches by no more than `speed`, and in this tick by no more than `change`
@@ -428,23 +409,12 @@ impl ApproachRows {
         Reach { standing, time: settings.reaction_time + speed / settings.deceleration }
     }
 
-    /// Keeps the pairs with the least headroom, by insertion, and of all that may not touch the one with
-    /// the least room.
+    /// Keeps the pairs with the least headroom, by insertion.
     fn consider(&mut self, candidate: Candidate, change: f64) {
-        if !candidate.contact {
-            self.least_apart = self.least_apart.min(candidate.near.distance);
-            let pair = candidate.seen();
-            if self.nearest.is_none_or(|other| pair.room() < other.room()) {
-                self.nearest = Some(pair);
-            }
-        }
         if candidate.headroom > change {
             return;
         }
-        let key = |candidate: &Candidate| {
-            let standing = self.settings.protective_distance(candidate.human_speed, 0.0);
-            (candidate.headroom, candidate.near.distance - standing)
-        };
+        let key = |candidate: &Candidate| (candidate.headroom, candidate.room);
         let own = key(&candidate);
         let place = self.candidates.partition_point(|other| key(other) <= own);
         if place < self.capacity {
@@ -465,12 +435,13 @@ impl ApproachRows {
     }
 
     fn write_candidates(
-        &self,
+        &mut self,
         motion: &JointMotion<'_>,
         rows: &mut Rows,
     ) -> Result<Option<Nearest>, Error> {
-        for index in 0..self.capacity {
-            let candidate = self.candidates.get(index);
+        self.places.assign(&self.candidates);
+        for (index, candidate) in self.places.candidates().enumerate() {
+            let candidate = candidate.and_then(|candidate| self.candidates.get(candidate));
             let row = rows.row_mut(index)?;
             row.fill(0.0);
             let mut upper = f64::INFINITY;
@@ -489,11 +460,4 @@ impl ApproachRows {
 
 fn capsules(robot: &[RobotBody]) -> impl Iterator<Item = &Capsule> {
     robot.iter().map(|body| &body.capsule)
-}
-
-impl Nearest {
-    /// The distance above the protective one \[m\]; negative where it is undercut.
-    pub fn room(&self) -> f64 {
-        self.distance - self.required
-    }
 }

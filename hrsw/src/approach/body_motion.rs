@@ -1,6 +1,6 @@
 //! How a body of the robot moves.
 
-use nalgebra::{Const, MatrixView, Vector6};
+use nalgebra::{Const, MatrixView, Vector3, Vector6};
 
 use super::{JointMotion, RobotBody};
 
@@ -42,5 +42,15 @@ impl BodyMotion {
         });
         let lever = arm.norm() + body.capsule.reach();
         Self { fastest: linear.norm() + angular.norm() * lever, change, twist, base }
+    }
+
+    /// How fast a point of the body, `arm` from o, moves against the `normal`, and the part of it that is the
+    /// base's \[m/s\].
+    pub(super) fn approach(&self, normal: &Vector3<f64>, arm: &Vector3<f64>) -> (f64, f64) {
+        let moment = arm.cross(normal);
+        let along = |twist: &Vector6<f64>| {
+            -twist.fixed_rows::<3>(0).dot(normal) - twist.fixed_rows::<3>(3).dot(&moment)
+        };
+        (along(&self.twist), along(&self.base))
     }
 }

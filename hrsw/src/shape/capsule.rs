@@ -72,6 +72,11 @@ impl Capsule {
         Self { start: place(&self.start), end: place(&self.end), ..*self }
     }
 
+    /// The same capsule elsewhere.
+    pub(crate) fn moved(&self, by: &Vector3<f64>) -> Self {
+        Self { start: self.start + by, end: self.end + by, ..*self }
+    }
+
     /// The nearest point of the segment.
     pub fn nearest_on_segment(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let along = self.end - self.start;

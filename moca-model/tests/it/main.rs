@@ -12,6 +12,7 @@ mod properties;
 mod safety;
 mod shared;
 mod simulation;
+mod stack_changes;
 mod states;
 mod torque;
 mod walk_in;
