@@ -10,6 +10,7 @@ mod reach;
 mod undercut;
 
 use ahqp_core::{AugmentedState, Rows};
+use nalgebra::Vector6;
 
 use crate::contact::Mobility;
 use crate::distance::{Proximity, proximity};
@@ -25,9 +26,6 @@ pub use nearest::Nearest;
 use places::Places;
 use reach::Reach;
 use undercut::Undercut;
-
-/// Bodies of a robot whose motion is computed once for all pairs of its own that they are in.
-const REMEMBERED: usize = 32;
 
 /// Writes a block of rows, −∂d/∂q q̇ ≤ v_max(d), for the pairs of bodies that come nearest to
 /// their largest speed of approach, or exceed it most, at the last commanded velocity.
@@ -77,6 +75,8 @@ pub struct ApproachRows {
     capacity: usize,
     candidates: Vec<Candidate>,
     places: Places,
+    /// Of the robot's bodies in a tick.
+    moves: Vec<BodyMotion>,
     nearest: Option<Nearest>,
     mobility: Mobility,
     /// Pairs with less room than this are looked for \[m\].
@@ -124,6 +124,7 @@ impl ApproachRows {
             capacity,
             candidates,
             places: Places::new(capacity),
+            moves: Vec::with_capacity(BODIES),
             nearest: None,
             mobility,
             watched_room: 0.0,
@@ -175,17 +176,24 @@ impl ApproachRows {
         self.bounds.advance(capsules(robot), person.iter().map(|part| &part.capsule));
         self.find_closest(robot, person);
         let base_joints = self.settings.base.map_or(0, |base| base.joints);
+        let towards = |part: &PersonBody| self.settings.speed_towards_robot(part.fastest());
+        let fastest = person.iter().map(towards).fold(0.0, f64::max);
+        let mut before: Option<BodyMotion> = None;
         for (i, body) in robot.iter().enumerate() {
-            let moves = BodyMotion::new(motion, body, base_joints);
+            let moves = BodyMotion::new(motion, body, base_joints, before.as_ref());
+            before = Some(moves);
             let mut reach = self.reach(moves.fastest, moves.change);
+            let farthest = reach.sight(fastest);
             for (j, part) in person.iter().enumerate() {
-                // The sum of the parts is no less than the norm.
-                let fastest = part.velocity.map(|v| v.mean.abs().sum() + v.uncertainty);
+                let bound = self.bounds.get(i, j);
+                if bound > farthest.max(self.least_distance) {
+                    continue;
+                }
                 if moves.change == f64::INFINITY {
                     reach = self.reach(moves.fastest, moves.change);
                 }
-                let sight = reach.sight(self.settings.speed_towards_robot(fastest));
-                if self.bounds.get(i, j) > sight.max(self.least_distance) {
+                let sight = reach.sight(self.settings.speed_towards_robot(part.fastest()));
+                if bound > sight.max(self.least_distance) {
                     continue;
                 }
                 let near = proximity(&body.capsule, &part.capsule);
@@ -203,12 +211,16 @@ impl ApproachRows {
     /// Takes a pair in sight: what the supervisor has to know of it, and what a row does.
     fn weigh(&mut self, motion: &JointMotion<'_>, moves: &BodyMotion, pair: &Pair<'_>) {
         let Pair { robot: (robot, body), other: (other, part), near } = *pair;
-        let arm = near.on_first - motion.origin;
-        let (approach, of_base) = moves.approach(&near.normal, &arm);
-        let settings = self.settings.braking_by_parts(of_base, approach - of_base);
+        let wrench = near.gradient_first(&motion.origin);
+        let approach = -moves.along(&wrench);
         let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
         let worst = part.velocity.zip(measured).map(|(v, speed)| speed + v.uncertainty);
         let assumed = self.settings.speed_towards_robot(worst);
+        // The same as in sight, but for how fast the two truly come nearer to each other.
+        if near.distance > self.reach(approach.max(0.0), moves.change).sight(assumed) {
+            return;
+        }
+        let settings = self.braking(moves, approach, &wrench);
         let standing = self.settings.protective_distance(assumed, 0.0);
         if part.contact.is_none() {
             let human_speed = self.settings.speed_towards_robot(measured);
@@ -225,7 +237,6 @@ impl ApproachRows {
         // matter.
         if let Some(contact) = part.contact.filter(|_| limit - approach <= moves.change) {
             let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
-            let wrench = near.gradient_first(&motion.origin);
             let mass = self.mobility.mass(jacobian, inverse, body.joints, &wrench);
             let known = contact.velocity.map(|v| (v.mean.dot(&near.normal), v.uncertainty));
             let known = known.map(|(speed, uncertainty)| (speed, speed + uncertainty));
@@ -244,6 +255,17 @@ impl ApproachRows {
             contact: part.contact.is_some(),
         };
         self.consider(candidate, moves.change);
+    }
+
+    /// The settings with the deceleration of those joints that bring a pair nearer.
+    fn braking(
+        &self,
+        moves: &BodyMotion,
+        approach: f64,
+        wrench: &Vector6<f64>,
+    ) -> SeparationSettings {
+        let of_base = -moves.base_along(wrench);
+        self.settings.braking_by_parts(of_base, approach - of_base)
     }
 
     /// Keeps, of the pairs that may not touch, the one with the least room.
@@ -313,32 +335,38 @@ impl ApproachRows {
         self.check(motion, robot, rows)?;
         self.clear();
         self.bounds.advance(capsules(robot), capsules(robot));
-        let mut remembered = [None; REMEMBERED];
-        let mut moves_of = |index: usize, body: &RobotBody| match remembered.get_mut(index) {
-            Some(slot) => *slot.get_or_insert_with(|| BodyMotion::new(motion, body, 0)),
-            None => BodyMotion::new(motion, body, 0),
-        };
+        self.moves.clear();
+        for body in robot.iter().take(BODIES) {
+            let moves = BodyMotion::new(motion, body, 0, self.moves.last());
+            self.moves.push(moves);
+        }
+        let most = |of: fn(&BodyMotion) -> f64| self.moves.iter().map(of).fold(0.0, f64::max);
+        let (fastest, change) = (most(|moves| moves.fastest), most(|moves| moves.change));
+        let farthest = self.reach(2.0 * fastest, 2.0 * change).sight(0.0);
         for &(i, j) in pairs {
             let (Some(first), Some(second)) = (robot.get(i), robot.get(j)) else {
                 let (found, expected) = (i.max(j), robot.len());
                 return Err(Error::Size { what: "an index of a body", found, expected });
             };
+            let bound = self.bounds.get(i, j);
+            if bound > farthest {
+                continue;
+            }
+            let moves_of = |index: usize, body: &RobotBody| {
+                let known = self.moves.get(index).copied();
+                known.unwrap_or_else(|| BodyMotion::new(motion, body, 0, None))
+            };
             let moves = [moves_of(i, first), moves_of(j, second)];
-            let fastest = moves[0].fastest + moves[1].fastest;
             let change = moves[0].change + moves[1].change;
-            let sight = self.reach(fastest, change).sight(0.0);
-            if self.bounds.get(i, j) > sight {
+            if bound > self.reach(moves[0].fastest + moves[1].fastest, change).sight(0.0) {
                 continue;
             }
             let near = proximity(&first.capsule, &second.capsule);
             self.bounds.set(i, j, near.distance);
             self.least_distance = self.least_distance.min(near.distance);
-            let [first_moves, second_moves] = &moves;
-            let (of_first, _) =
-                first_moves.approach(&near.normal, &(near.on_first - motion.origin));
-            let (of_second, _) =
-                second_moves.approach(&-near.normal, &(near.on_second - motion.origin));
-            let (approach, distance) = (of_first + of_second, near.distance);
+            let approach = -moves[0].along(&near.gradient_first(&motion.origin))
+                - moves[1].along(&near.gradient_second(&motion.origin));
+            let distance = near.distance;
             let limit = self.settings.approach_limit(distance, 0.0);
             let required = self.settings.protective_distance(0.0, approach);
             self.see(Nearest { robot: i, other: j, distance, required, approach });

@@ -42,6 +42,11 @@ impl PersonBody {
         }
     }
 
+    /// How fast the part moves at most, where that is known \[m/s\]: the sum of the parts is no less than the norm.
+    pub(super) fn fastest(&self) -> Option<f64> {
+        self.velocity.map(|velocity| velocity.mean.abs().sum() + velocity.uncertainty)
+    }
+
     pub(super) fn check(&self) -> Result<(), Error> {
         self.capsule.check("a capsule of the person")?;
         not_negative("the age of a person's body", self.age)?;
