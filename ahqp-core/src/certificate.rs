@@ -8,6 +8,7 @@
 mod multipliers;
 mod of_solver;
 mod refinement;
+mod tolerances;
 
 use std::collections::BTreeSet;
 
@@ -21,11 +22,7 @@ use crate::problem::level::Objective;
 use crate::problem::rows::Rows;
 use crate::problem::source::ConstraintSource;
 use crate::solver::data::ProblemData;
-
-/// Below this, relative to the numbers around it, a violation counts as zero.
-const ZERO: f64 = 1e-9;
-/// Below this, relative to its level's gradient, a multiplier is rounding.
-const ROUNDING: f64 = 1e-13;
+use tolerances::{MULTIPLIER, PRODUCT, VIOLATION};
 
 /// Multipliers of every level, and of the choice of least norm behind the last.
 ///
@@ -116,7 +113,7 @@ impl Certificate {
             check.level(level, multipliers, &mut settled)?;
         }
         let residuals = &mut check.residuals;
-        if residuals.of_multipliers() > ZERO || refinement::is_needed(hierarchy, x) {
+        if residuals.of_multipliers() > VIOLATION || refinement::is_needed(hierarchy, x) {
             residuals.distance = Some(refinement::distance(hierarchy, x));
         }
         Ok(check.residuals)
@@ -148,7 +145,7 @@ impl RowAt {
     /// A gap to a bound, relative to the row's terms at x, but for what rounding explains in a
     /// vector as long as x.
     fn relative(&self, gap: f64, x_norm: f64) -> f64 {
-        let rest = (gap.abs() - crate::solver::tolerances::ROUNDING * self.norm * x_norm).max(0.0);
+        let rest = (gap.abs() - PRODUCT * self.norm * x_norm).max(0.0);
         rest / self.size.max(f64::MIN_POSITIVE)
     }
 }
@@ -190,7 +187,7 @@ impl Check<'_> {
             let row = self.source(source, level)?;
             let share = multiplier.abs() * row.norm / size;
             let is_free = row.lower == row.upper || settled.contains(&source);
-            if share <= ROUNDING || is_free {
+            if share <= MULTIPLIER || is_free {
                 continue;
             }
             let bound = if multiplier > 0.0 { row.upper } else { row.lower };
@@ -230,7 +227,7 @@ impl Check<'_> {
                     let weight = rows.weight(index);
                     add_scaled(&mut gradient, weight * row.violation, &row.coefficients);
                     size += weight * row.norm * (row.violation.abs() + row.magnitude);
-                    if row.relative(row.violation, norm(self.x)) > ZERO {
+                    if row.relative(row.violation, norm(self.x)) > VIOLATION {
                         let level = LevelId::new(level);
                         settled.insert(ConstraintSource::Objective { level, row: index });
                     }

@@ -1,17 +1,22 @@
 // Opens the page of a run in headless Chromium, from disk and without a network: it plays, seeks, says nothing
 // on the console, and its numbers are those of the program's table. Prints what it measured as JSON.
 //
-// Usage: node check.mjs REPORT_FOLDER OUTPUT_OF_FOLLOW_JSON [least pictures a second]
+// Usage: node check.mjs PAGE OUTPUT [least pictures a second]; OUTPUT is what `follow --json` or
+// `experiment … --json` printed when it wrote the page.
 
 import assert from "node:assert/strict";
-import { readFileSync, statSync } from "node:fs";
-import { resolve } from "node:path";
+import { readFileSync, readdirSync, statSync } from "node:fs";
+import { dirname, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
-const [folder, output, least = "0"] = process.argv.slice(2);
-const summary = JSON.parse(readFileSync(output, "utf8").trimEnd().split("\n").at(-1));
-const file = resolve(folder, "follow.html");
+const [path, output, least = "0"] = process.argv.slice(2);
+const printed = readFileSync(output, "utf8").trimEnd().split("\n");
+const line = JSON.parse(printed.at(-1));
+// An experiment has many cases, of which the page shows one.
+const summary = line.shown ?? line;
+const file = resolve(path);
+const folder = dirname(file);
 const address = pathToFileURL(file).href;
 
 const browser = await chromium.launch({
@@ -49,8 +54,24 @@ try {
   for (const [key, value] of Object.entries(held)) assert.deepEqual(value, summary[key], key);
   const cell = (row, column) =>
     page.locator("#results tbody tr").nth(row).locator("td").nth(column).textContent();
+  const both = summary.score_mean_off !== null;
   assert.equal(await cell(0, 0), summary.score_mean_on.toFixed(2));
-  assert.equal(await cell(0, 1), summary.score_mean_off.toFixed(2));
+  if (both) assert.equal(await cell(0, 1), summary.score_mean_off.toFixed(2));
+  if (line.shown) {
+    const table = printed.slice(0, -1).join("\n").trimEnd();
+    assert.equal(await page.locator("#cases").textContent(), table, "the table of all cases");
+  }
+  // The states of each run, and the changes of phase that the program prints of the first case.
+  const lanes = await page.evaluate(() => viewer.page.runs.map((run) => run.lanes));
+  for (const lane of lanes)
+    for (const name of ["phase", "intention", "safety"])
+      assert.ok(lane.find((one) => one.name === name)?.spans.length > 0, `the states of ${name}`);
+  const times = (lines) => lines.map((one) => one.match(/^ *(\d+\.\d{3}) s  \w+.* -> /)?.[1]);
+  const end = printed.findIndex((one, index) => index > 0 && !times([one])[0]);
+  const changes = summary.case === 0 ? times(printed.slice(1, end)) : [];
+  const phases = lanes[0].find((one) => one.name === "phase").spans.slice(1);
+  if (changes.length)
+    assert.deepEqual(phases.map((span) => span.begin.toFixed(3)), changes, "changes of phase");
   // The mean of what the curves show, sample by sample.
   const means = await page.evaluate(() =>
     viewer.page.runs.map((run) => {
@@ -59,7 +80,7 @@ try {
       return known.length ? known.reduce((sum, score) => sum + score, 0) / known.length : 0;
     }),
   );
-  for (const [index, key] of ["score_mean_on", "score_mean_off"].entries()) {
+  for (const [index, key] of ["score_mean_on", "score_mean_off"].slice(0, both ? 2 : 1).entries()) {
     assert.ok(
       Math.abs(means[index] - summary[key]) < 0.02,
       `${key}: ${means[index]} of the curve, ${summary[key]}`,
@@ -68,19 +89,20 @@ try {
 
   // It seeks: by the slider's keys, by a click on the plots, by the address.
   const time = () => page.evaluate(() => viewer.player.time);
-  const [begin, end] = await page.evaluate(() => [viewer.page.begin, viewer.page.end]);
+  const [begin, last] = await page.evaluate(() => [viewer.page.begin, viewer.page.end]);
   await page.keyboard.press("End");
-  assert.equal(await time(), end);
+  assert.equal(await time(), last);
   await page.keyboard.press("Home");
   assert.equal(await time(), begin);
   await page.keyboard.press("ArrowRight");
   assert.ok(Math.abs((await time()) - begin - 1) < 1e-9);
   const plot = await page.locator(".track .picture").nth(6).boundingBox();
   await page.mouse.click(plot.x + plot.width / 2, plot.y + plot.height / 2);
-  assert.ok(Math.abs((await time()) - (begin + end) / 2) < 0.2, `a click in the middle: ${await time()}`);
-  await page.evaluate((middle) => (location.hash = `time=${middle}&run=2`), 0.25 * (begin + 3 * end));
-  await page.waitForFunction(() => viewer.current === viewer.page.runs[1]);
-  assert.ok(Math.abs((await time()) - 0.25 * (begin + 3 * end)) < 1e-6);
+  assert.ok(Math.abs((await time()) - (begin + last) / 2) < 0.2, `a click in the middle: ${await time()}`);
+  const late = 0.25 * (begin + 3 * last);
+  await page.evaluate((hash) => (location.hash = hash), `time=${late}&run=${lanes.length}`);
+  await page.waitForFunction(() => viewer.current === viewer.page.runs.at(-1));
+  await page.waitForFunction((late) => Math.abs(viewer.player.time - late) < 1e-6, late);
   assert.equal(await page.locator("#now").textContent(), `${(await time()).toFixed(2)} s`);
 
   // What is under the cursor is the sample's.
@@ -91,7 +113,7 @@ try {
   await page.waitForTimeout(250);
   const shown = await page.locator(".values .value.run-0, .values .value.run-1").allTextContents();
   const text = (value) => (Number.isNaN(value) ? "–" : value.toFixed(2));
-  assert.deepEqual(shown.slice(0, 2), row.map(text));
+  assert.deepEqual(shown.slice(0, row.length), row.map(text));
 
   // Views, layers and themes draw without a word on the console.
   for (const key of ["m", "m", "p", "v", "v", "v", "n", "n", "1", "[", "]", "?", "Escape"]) {
@@ -149,7 +171,7 @@ try {
   assert.ok(paper.length > 20000, "it prints");
 
   // The pictures are well formed, and move.
-  for (const name of ["scene.svg", "scene-moving.svg", "follow.svg"]) {
+  for (const name of readdirSync(folder).filter((name) => name.endsWith(".svg"))) {
     const picture = readFileSync(resolve(folder, name), "utf8");
     const broken = await page.evaluate((source) => {
       const parsed = new DOMParser().parseFromString(source, "image/svg+xml");
@@ -164,7 +186,7 @@ try {
   console.log(
     JSON.stringify({
       bytes,
-      bytes_a_minute: Math.round((60 * bytes) / (end - begin)),
+      bytes_a_minute: Math.round((60 * bytes) / (last - begin)),
       first_picture_ms: Math.round(firstPicture),
       processor_ms_a_picture: Math.round(picture),
       pictures_a_second: Math.round(10 * rate) / 10,

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Checks the page of a run in headless Chromium: run.sh REPORT_FOLDER OUTPUT_OF_FOLLOW_JSON.
+# Checks the page of a run in headless Chromium: run.sh PAGE OUTPUT, what the program printed with --json.
 # Without Chromium or npm there is nothing to check it with, which is said and is no failure.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)

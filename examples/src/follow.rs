@@ -9,6 +9,7 @@ mod scoring;
 mod seen;
 mod summary;
 mod work;
+mod working_hand;
 
 pub use comparison::Comparison;
 pub use run::Run;

@@ -48,6 +48,8 @@ pub struct Results {
     pub rows: Vec<ResultRow>,
     /// The object that `--json` prints.
     pub summary: serde_json::Value,
+    /// What the program prints of more runs than the page shows; may be empty.
+    pub text: String,
 }
 
 /// A row of the table.

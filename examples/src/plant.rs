@@ -30,7 +30,7 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
-use vision_models::Percept;
+use vision_models::{Body, Percept};
 
 use crate::limits::TorqueMonitor;
 use crate::random;
@@ -180,6 +180,14 @@ impl Plant {
         Ok(self.controller_mut().observe(percept)?)
     }
 
+    /// The same where others are in view.
+    ///
+    /// # Errors
+    /// Those of [`Controller::observe_people`].
+    pub fn observe_people(&mut self, percept: &Percept, others: &[Body]) -> Result<()> {
+        Ok(self.controller_mut().observe_people(percept, others)?)
+    }
+
     /// Measures the robot and makes a step of the controller; how long that took (µs).
     ///
     /// # Errors
@@ -198,6 +206,9 @@ impl Plant {
             Robot::Torque(both) => {
                 let (controller, robot) = &mut **both;
                 robot.measure(&mut self.random)?;
+                if robot.is_stopped() {
+                    controller.controller_mut().robot_stopped();
+                }
                 let measured = robot.measured();
                 position.copy_from_slice(measured.position);
                 spoil(position);
@@ -262,6 +273,24 @@ impl Plant {
             }
         }
         Ok(())
+    }
+
+    /// From now on this share of the commands is lost on the way to a robot under torques.
+    ///
+    /// # Errors
+    /// A share that is not from 0 to 1.
+    pub fn lose_commands(&mut self, share: f64) -> Result<()> {
+        match &mut self.robot {
+            Robot::Torque(both) => Ok(both.1.lose(share)?),
+            Robot::Kinematic(_) => Ok(()),
+        }
+    }
+
+    /// A robot that has stopped by itself takes commands again.
+    pub fn recover(&mut self) {
+        if let Robot::Torque(both) = &mut self.robot {
+            both.1.recover();
+        }
     }
 
     /// The last command.

@@ -32,7 +32,7 @@ pub use error::RecordingError;
 pub use format::{Frame, Header};
 pub use reader::Reader;
 pub use segments::MeasuredSegments;
-pub use timing::{Stamp, Timing};
+pub use timing::{Stamp, Timing, arrivals};
 pub use whole::{Completeness, IfPartial, Recording};
 pub use writer::Writer;
 

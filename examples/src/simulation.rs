@@ -18,6 +18,7 @@
 //! ```
 
 mod activity;
+mod arm;
 mod camera;
 mod error;
 mod motion;
@@ -32,6 +33,7 @@ mod transport;
 mod walker;
 mod wanderer;
 
+pub use arm::Arm;
 pub use camera::CameraSettings;
 pub use error::WalkerError;
 pub use motion::Gait;

@@ -25,6 +25,7 @@ mod run;
 mod summary;
 mod task;
 mod tick_times;
+mod witnessed;
 
 pub use disturbance::{Disturbance, Endings, StateCounts};
 pub use monitor::{Counts, Monitor, Tick};

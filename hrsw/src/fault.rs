@@ -67,6 +67,9 @@ pub enum Fault {
     /// A camera frame was refused.
     #[error(transparent)]
     Frame(#[from] FrameFault),
+    /// More people are in view than the robot can keep its distance from.
+    #[error("too many people")]
+    TooManyPeople,
     /// The measured state is not finite, or of the wrong size.
     #[error("bad measurement")]
     BadMeasurement,
@@ -74,6 +77,9 @@ pub enum Fault {
     /// because it is held or pushed, or its measurement is frozen.
     #[error("following error")]
     FollowingError,
+    /// The robot says that it takes no commands: it stopped by itself, for packets that were lost, say.
+    #[error("robot stopped")]
+    RobotStopped,
     /// Something pushes the robot harder than anything should: a collision, or somebody is clamped.
     #[error("contact force")]
     ContactForce,
@@ -96,7 +102,7 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 21] = [
         Self::Clock(ClockFault::NotFinite),
         Self::Clock(ClockFault::StandsStill),
         Self::Clock(ClockFault::SetBack),
@@ -108,8 +114,10 @@ impl Fault {
         Self::Frame(FrameFault::ForeignEpoch),
         Self::Frame(FrameFault::Repeated),
         Self::Frame(FrameFault::OutOfOrder),
+        Self::TooManyPeople,
         Self::BadMeasurement,
         Self::FollowingError,
+        Self::RobotStopped,
         Self::ContactForce,
         Self::NoSolution,
         Self::IterationLimit,
@@ -137,10 +145,15 @@ impl Fault {
     /// again for the dwell time: what the loop itself sees to be over needs nobody to look.
     pub fn waits(self) -> bool {
         match self {
-            Self::EarlyTick | Self::LateTick | Self::IterationLimit | Self::Frame(_) => false,
+            Self::EarlyTick
+            | Self::LateTick
+            | Self::IterationLimit
+            | Self::Frame(_)
+            | Self::TooManyPeople => false,
             Self::Clock(_)
             | Self::BadMeasurement
             | Self::FollowingError
+            | Self::RobotStopped
             | Self::ContactForce
             | Self::NoSolution
             | Self::BadData

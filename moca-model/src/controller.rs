@@ -3,6 +3,7 @@
 mod coming_to_rest;
 mod holding;
 mod looking;
+mod observing;
 mod reporting;
 mod turning;
 
@@ -10,7 +11,6 @@ use ahqp_core::{JerkLimits, Limits, Status, VelocityInterval, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Fault, LoopClock, Softening};
 use nalgebra::{Isometry3, Vector3};
-use vision_models::Percept;
 use whole_body::{Following, Model};
 
 use crate::command::{Command, Outcome};
@@ -169,23 +169,6 @@ impl Controller {
             safety,
             stack,
         })
-    }
-
-    /// Takes a camera frame, stamped when it was taken, on the clock of the ticks.
-    ///
-    /// # Errors
-    /// [`Error::Frame`] for one that counts as no data because of its time; it leaves no trace but
-    /// the fault that the supervisor is told.
-    pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
-        if let Err(fault) = self.clock.frame(percept.time) {
-            self.report(fault.into());
-            let (now, newest) = (self.clock.now(), self.clock.newest());
-            return Err(Error::Frame { fault, stamp: percept.time, now, newest });
-        }
-        self.space.observe(percept)?;
-        self.safety.observe(percept, self.space.person_at(percept.time).as_ref());
-        self.look(percept);
-        Ok(())
     }
 
     /// Replaces the person's ergonomics, for another person.

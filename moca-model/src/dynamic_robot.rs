@@ -1,8 +1,8 @@
 //! A robot whose arm takes torques, for want of a real one.
 
 use whole_body::{
-    ExternalWrench, FrameId, JointDrive, Model, PayloadId, RandomSource, RigidBodySimulation,
-    SensorSettings, Sensors, Transmission,
+    CommandLine, ExternalWrench, FrameId, JointDrive, Model, PayloadId, RandomSource,
+    RigidBodySimulation, SensorSettings, Sensors,
 };
 
 use crate::command::Command;
@@ -31,7 +31,12 @@ pub struct DynamicRobotSettings {
     pub delay: usize,
     /// The share of packets that are lost, in each direction. Default 0.001.
     pub loss: f64,
+    /// After how many commands lost in a row the robot stops by itself. Default 20, as a Panda does.
+    pub stops_after: u32,
 }
+
+/// How an arm brakes that has stopped by itself, against its velocity \[Nm s/rad\].
+const BRAKE: f64 = 50.0;
 
 impl Default for DynamicRobotSettings {
     fn default() -> Self {
@@ -44,6 +49,7 @@ impl Default for DynamicRobotSettings {
             torque_noise: 0.05,
             delay: 1,
             loss: 1e-3,
+            stops_after: 20,
         }
     }
 }
@@ -77,8 +83,9 @@ impl DynamicRobotSettings {
 }
 
 /// MOCA as rigid bodies: the arm under torques, with friction and rotors, on a base that follows
-/// velocities with a lag; measured with noise, late, over a line that loses packets. A command that is
-/// lost is repeated.
+/// velocities with a lag; measured with noise, late, over a line that loses packets. Where a command is
+/// lost the base goes on at constant acceleration and torques hold; after too many in a row the robot
+/// brakes by itself, and stands until it is recovered.
 ///
 /// ```
 /// use moca_model::{DynamicRobot, DynamicRobotSettings, MOCA_HOME, moca};
@@ -99,9 +106,15 @@ pub struct DynamicRobot {
     simulation: RigidBodySimulation,
     base_joints: usize,
     sensors: Sensors,
-    line: Transmission,
+    line: CommandLine,
     command: Vec<f64>,
     loss: f64,
+    /// Velocities of the base and torques of the arm in this period.
+    obeyed: Vec<f64>,
+    model: Model,
+    /// Where a robot is that brakes by itself, and its gravity.
+    position: Vec<f64>,
+    gravity: Vec<f64>,
 }
 
 impl DynamicRobot {
@@ -125,10 +138,14 @@ impl DynamicRobot {
         command.iter_mut().take(settings.base_joints).for_each(|velocity| *velocity = 0.0);
         Ok(Self {
             sensors: Sensors::new(settings.sensors(n), position)?,
-            line: Transmission::new(0, settings.loss, &command)?,
+            line: CommandLine::new(&command, settings.base_joints, settings.stops_after)?,
             base_joints: settings.base_joints,
             loss: settings.loss,
             simulation,
+            model: model.clone(),
+            position: position.to_vec(),
+            gravity: vec![0.0; n],
+            obeyed: command.clone(),
             command,
         })
     }
@@ -182,9 +199,51 @@ impl DynamicRobot {
         for (own, value) in self.command.iter_mut().zip(all) {
             *own = *value;
         }
-        let draw = if self.loss > 0.0 { random.uniform() } else { 1.0 };
-        let received = self.line.pass(&self.command, draw)?;
-        Ok(self.simulation.step(received, external, period)?)
+        let arrives = self.loss <= 0.0 || random.uniform() >= self.loss;
+        match self.line.pass(&self.command, arrives)? {
+            Some(obeyed) => self.obeyed.copy_from_slice(obeyed),
+            None => self.brake(period)?,
+        }
+        Ok(self.simulation.step(&self.obeyed, external, period)?)
+    }
+
+    /// The base slows down at its limit, the arm carries itself against its velocity.
+    fn brake(&mut self, period: f64) -> Result<(), Error> {
+        let Self { model, simulation, position, gravity, obeyed, .. } = self;
+        position.copy_from_slice(simulation.position());
+        simulation.data_mut().pose(model, position)?.gravity_into(gravity)?;
+        let joints = obeyed.iter_mut().zip(simulation.velocity()).zip(gravity).zip(model.limits());
+        for (index, (((obeyed, velocity), gravity), limits)) in joints.enumerate() {
+            if index < self.base_joints {
+                let slower = obeyed.abs() - limits.acceleration * period;
+                *obeyed = slower.max(0.0).copysign(*obeyed);
+            } else {
+                *obeyed = *gravity - BRAKE * velocity;
+            }
+        }
+        Ok(())
+    }
+
+    /// From now on this share of the commands is lost.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for a share that is not from 0 to 1.
+    pub fn lose(&mut self, share: f64) -> Result<(), Error> {
+        if !(0.0..=1.0).contains(&share) {
+            return Err(Error::Setting { name: "loss", value: share, expected: "from 0 to 1" });
+        }
+        self.loss = share;
+        Ok(())
+    }
+
+    /// Whether the robot has stopped by itself: it then takes no commands, and says so.
+    pub fn is_stopped(&self) -> bool {
+        self.line.is_stopped()
+    }
+
+    /// A robot that has stopped by itself takes commands again, once somebody has seen to it.
+    pub fn recover(&mut self) {
+        self.line.recover();
     }
 
     /// The robot's frame `tool` holds an object from now on.

@@ -68,6 +68,20 @@ pub enum Error {
         tool: String,
     },
 
+    /// More people are in view than are kept apart.
+    #[error(
+        "{got} people are in view beside the one who may work with the robot, {left_out} more than are kept \
+         apart with those of the frames before: there is room for {most}"
+    )]
+    TooManyPeople {
+        /// How many were given.
+        got: usize,
+        /// How many of them there was no room for.
+        left_out: usize,
+        /// How many there is room for.
+        most: usize,
+    },
+
     /// The object has no side to work on.
     #[error("the object has no face to work on; give it at least one")]
     NoFace,

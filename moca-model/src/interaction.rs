@@ -11,6 +11,9 @@ pub enum Phase {
     /// Nobody works with the robot.
     #[default]
     Apart,
+    /// Nobody uses a tool, and the robot turns what it holds to its camera, which has not seen yet which
+    /// surface is where.
+    Looking,
     /// Somebody has straightened the arm towards a robot that holds nothing: it comes.
     Handover,
     /// The tool is where the person offers the object: the gripper may close, and whoever closes it calls
@@ -35,6 +38,10 @@ pub enum Phase {
 pub enum Reason {
     /// The person straightens the arm: takes part in the work.
     Engages,
+    /// No side of what the robot holds has been seen, nor faces the camera.
+    Hidden,
+    /// The camera has seen one.
+    Seen,
     /// The person does something else.
     Leaves,
     /// The tool has come into the shared workspace.
@@ -71,6 +78,17 @@ pub struct Transition {
     pub reason: Reason,
 }
 
+/// What the on-board camera knows of the object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sight {
+    /// Which surface is where; or there is no camera, or no object.
+    Known,
+    /// Not yet, but a side faces it.
+    Facing,
+    /// Not yet, and no side faces it.
+    Hidden,
+}
+
 /// What the guards look at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Situation {
@@ -85,6 +103,8 @@ pub(crate) struct Situation {
     pub(crate) mismatch: Option<(Surface, Surface, BoxSide)>,
     /// Whether the desired pose lies within the shared workspace, turned to where it is to be.
     pub(crate) arrived: bool,
+    /// What the on-board camera knows.
+    pub(crate) sight: Sight,
 }
 
 /// The phase, and how it changed last.
@@ -109,7 +129,15 @@ impl Interaction {
 
 /// The phase after this one, if a guard holds, and why.
 fn next(phase: Phase, situation: &Situation) -> Option<(Phase, Reason)> {
-    let &Situation { intention, holds, mismatch, arrived, .. } = situation;
+    let &Situation { intention, holds, mismatch, arrived, sight, .. } = situation;
+    let idle = intention.tool().is_none() && intention.walking().is_none();
+    if phase == Phase::Looking && idle {
+        let back = if intention.is_together() { Phase::Working } else { Phase::Apart };
+        return (sight == Sight::Known).then_some((back, Reason::Seen));
+    }
+    if matches!(phase, Phase::Apart | Phase::Working) && idle && sight == Sight::Hidden {
+        return Some((Phase::Looking, Reason::Hidden));
+    }
     if !intention.is_together() {
         return (phase != Phase::Apart).then_some((Phase::Apart, Reason::Leaves));
     }
@@ -121,8 +149,8 @@ fn next(phase: Phase, situation: &Situation) -> Option<(Phase, Reason)> {
         None => Phase::Working,
     };
     match phase {
-        Phase::Apart if !holds => Some((Phase::Handover, Reason::Engages)),
-        Phase::Apart => Some((work, Reason::Engages)),
+        Phase::Apart | Phase::Looking if !holds => Some((Phase::Handover, Reason::Engages)),
+        Phase::Apart | Phase::Looking => Some((work, Reason::Engages)),
         Phase::Handover | Phase::Grasping if holds => Some((Phase::Working, Reason::Grasped)),
         Phase::Handover => {
             let offered = intention.tool().is_none() && intention.walking().is_none();
@@ -151,7 +179,8 @@ mod tests {
 
     fn working() -> Situation {
         let intention = Intention::Together { walking: None, tool: Some(Tool::Polisher) };
-        Situation { time: 1.0, intention, holds: true, mismatch: None, arrived: true }
+        let sight = Sight::Known;
+        Situation { time: 1.0, intention, holds: true, mismatch: None, arrived: true, sight }
     }
 
     fn situations() -> impl Strategy<Value = Situation> {
@@ -160,9 +189,11 @@ mod tests {
         let together =
             (walking, tool).prop_map(|(walking, tool)| Intention::Together { walking, tool });
         let intention = prop_oneof![Just(Intention::Apart), together];
-        (intention, any::<[bool; 3]>()).prop_map(|(intention, [holds, wrong, arrived])| {
+        let sight = prop_oneof![Just(Sight::Known), Just(Sight::Facing), Just(Sight::Hidden)];
+        (intention, any::<[bool; 3]>(), sight).prop_map(|(intention, flags, sight)| {
+            let [holds, wrong, arrived] = flags;
             let mismatch = (wrong && holds && intention.tool().is_some()).then_some(MISMATCH);
-            Situation { time: 0.0, intention, holds, mismatch, arrived }
+            Situation { time: 0.0, intention, holds, mismatch, arrived, sight }
         })
     }
 
@@ -179,8 +210,10 @@ mod tests {
                 prop_assert_eq!(transition.is_some(), before != after
                     || matches!(transition.map(|t| t.reason), Some(Reason::WrongSurface { .. })));
                 if !situation.intention.is_together() {
-                    prop_assert_eq!(after, Phase::Apart);
+                    prop_assert!(matches!(after, Phase::Apart | Phase::Looking));
                 }
+                let in_use = situation.intention.tool().is_some();
+                prop_assert!(after != Phase::Looking || !in_use);
                 if let Some(Reason::WrongSurface { .. }) = transition.map(|t| t.reason) {
                     prop_assert!(situation.mismatch.is_some() && situation.holds);
                 }
@@ -208,6 +241,8 @@ mod tests {
         let offered = Intention::Together { walking: None, tool: None };
         let empty = Situation { intention: offered, holds: false, arrived: false, ..working() };
         let apart = Situation { intention: Intention::Apart, ..working() };
+        let empty_handed = Situation { intention: offered, ..working() };
+        let hidden = Situation { sight: Sight::Hidden, ..apart };
         let wrong = Situation { mismatch: Some(MISMATCH), arrived: false, ..working() };
         let direction = WalkingDirection::Left;
         let walking = Intention::Together { walking: Some(direction), tool: Some(Tool::Drill) };
@@ -217,6 +252,11 @@ mod tests {
             (Situation { arrived: true, ..empty }, Phase::Grasping, Reason::Arrived),
             (Situation { holds: true, ..empty }, Phase::Working, Reason::Grasped),
             (apart, Phase::Apart, Reason::Leaves),
+            (hidden, Phase::Looking, Reason::Hidden),
+            (apart, Phase::Apart, Reason::Seen),
+            (hidden, Phase::Looking, Reason::Hidden),
+            (empty_handed, Phase::Working, Reason::Seen),
+            (Situation { sight: Sight::Hidden, ..empty_handed }, Phase::Looking, Reason::Hidden),
             (wrong, Phase::Working, Reason::Engages),
             (
                 wrong,

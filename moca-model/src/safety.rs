@@ -1,6 +1,7 @@
 //! What keeps the robot away from people and from itself: rows for the stack, and a supervisor.
 
 mod body_parts;
+mod bystanders;
 mod person_bodies;
 mod settings;
 
@@ -10,11 +11,13 @@ use hrsw::{
     SeparationSettings, SpeedCap, Supervisor, SupervisorSettings,
 };
 use nalgebra::Vector3;
-use vision_models::{Percept, TrackedPerson};
+use vision_models::{Body, Percept, TrackedPerson};
 use whole_body::JointLimits;
 
 use crate::error::Error;
 use crate::robot::kinematics::Kinematics;
+use body_parts::PARTS;
+use bystanders::Bystanders;
 use person_bodies::PersonBodies;
 pub use settings::{PersonBodySettings, SafetySettings};
 
@@ -58,6 +61,9 @@ pub struct SafetyInput<'a> {
 pub struct Safety {
     settings: SafetySettings,
     person: PersonBodies,
+    others: Bystanders,
+    /// The bodies of all of them in this tick.
+    people: Vec<PersonBody>,
     /// By how much the joints' velocities may change in a tick.
     velocity_change: Vec<f64>,
     contact_speed: f64,
@@ -100,8 +106,11 @@ impl Safety {
                 );
             }
         }
+        let person = PersonBodies::new(settings.person, &settings.contact);
         Ok(Self {
-            person: PersonBodies::new(settings.person, &settings.contact),
+            others: Bystanders::new(&person),
+            people: Vec::with_capacity(2 * PARTS.len() + Bystanders::room()),
+            person,
             velocity_change: limits.iter().map(|limits| limits.acceleration * period).collect(),
             contact_speed: 0.0,
             person_velocity: Vector3::zeros(),
@@ -145,9 +154,24 @@ impl Safety {
         self.person.observe(percept, tracked);
     }
 
+    /// Takes the bodies of the other people in a frame of this time \[s\]: the robot keeps its distance from each.
+    ///
+    /// # Errors
+    /// [`Error::TooManyPeople`] for more than it has room for; those it does not know of.
+    pub fn observe_others(&mut self, time: f64, bodies: &[Body]) -> Result<(), Error> {
+        match self.others.observe(time, bodies) {
+            0 => Ok(()),
+            left_out => {
+                let most = bystanders::MOST;
+                Err(Error::TooManyPeople { got: bodies.len(), left_out, most })
+            }
+        }
+    }
+
     /// Forgets what was seen of people, for frames whose times turned out to be wrong.
     pub fn forget(&mut self) {
         self.person.forget();
+        self.others.forget();
         self.nearest = None;
     }
 
@@ -171,12 +195,15 @@ impl Safety {
         self.person_velocity = self.person.velocity(input.now, input.person);
         let separation = *self.separation.settings();
         let person = self.person.place(input.now, input.person, &separation, self.contact_speed);
+        self.people.clear();
+        self.people.extend_from_slice(person);
+        self.others.place(input.now, &separation, &mut self.people);
         let motion = JointMotion {
             change: Some(&self.velocity_change),
             ..motion(robot, input.velocity, None)
         };
         let (bodies, rows) = (robot.bodies(), &mut self.separation_rows);
-        self.nearest = self.separation.write(&motion, bodies, person, rows)?;
+        self.nearest = self.separation.write(&motion, bodies, &self.people, rows)?;
         self.own.write_own(&motion, bodies, &self.own_pairs, &mut self.own_rows)?;
         let age = self.person.age(input.now);
         self.wait(if age > input.age { age } else { input.age }, input.elapsed);
@@ -246,9 +273,14 @@ impl Safety {
         self.contact_speed
     }
 
-    /// The person's bodies as they are taken to be, in the world.
+    /// The bodies of the person who may work with the robot as they are taken to be, in the world.
     pub fn person_bodies(&self) -> &[PersonBody] {
         self.person.placed()
+    }
+
+    /// Those of everybody.
+    pub fn all_bodies(&self) -> &[PersonBody] {
+        &self.people
     }
 }
 

@@ -3,6 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::tolerances::{AT_BOUND, DEPENDENT_ROWS, IMBALANCE, LARGE, NO_MULTIPLIER, TELLING};
 use crate::error::Error;
 use crate::linalg::vector::{add_scaled, norm};
 use crate::problem::hierarchy::Hierarchy;
@@ -12,19 +13,6 @@ use crate::solver::Solver;
 use crate::solver::active_set::ActiveSet;
 use crate::solver::activity::Activity;
 use crate::solver::settings::Settings;
-
-/// Rows nearer to a bound than this, relative to their size, may push.
-const AT_BOUND: f64 = 1e-9;
-/// Multipliers that leave more of a gradient, relative to its size, miss a row.
-const IMBALANCE: f64 = 1e-10;
-/// Below this, relative to the size of its level, a multiplier says nothing; above what the check
-/// of a certificate calls rounding.
-const ROUNDING: f64 = 2e-13;
-/// Multipliers this much larger than a gradient may drown others in rounding.
-const LARGE: f64 = 1e6;
-/// Rows that depend on each other but for this part may balance a gradient together, with large multipliers:
-/// what is tried, one after the other.
-const DEPENDENT: [f64; 2] = [1e-10, 1e-12];
 
 /// Multipliers of a level: rows of the table, and what they push with.
 type Multipliers = Vec<(usize, f64)>;
@@ -68,7 +56,7 @@ impl<'a> Proof<'a> {
         let mut multipliers = self.set.multipliers_of(level, self.x);
         let mut size = self.balance(level, &multipliers).size;
         if !self.is_sound(level, &multipliers, LARGE) {
-            for tolerance in DEPENDENT {
+            for tolerance in DEPENDENT_ROWS {
                 let other = self.signed(level, tolerance)?;
                 let other_size = self.balance(level, &other).size;
                 let [is_sound, other_is_sound] =
@@ -82,7 +70,7 @@ impl<'a> Proof<'a> {
             }
         }
         for &(id, multiplier) in &multipliers {
-            let counts = (multiplier * self.set.data.norm(id)).abs() > ROUNDING * size;
+            let counts = (multiplier * self.set.data.norm(id)).abs() > TELLING * size;
             self.settled[id] |= counts && self.may_push(id, multiplier);
         }
         Ok(multipliers)
@@ -162,7 +150,8 @@ impl<'a> Proof<'a> {
         let settings = Settings { rank_tolerance, ..Settings::default() };
         let mut solver = Solver::new(&problem, settings)?;
         let found = solver.solve(&problem)?.best();
-        let multipliers = candidates.iter().zip(found).filter(|(_, value)| value.abs() > 1e-12);
+        let multipliers =
+            candidates.iter().zip(found).filter(|(_, value)| value.abs() > NO_MULTIPLIER);
         Ok(multipliers
             .map(|(&(id, _), value)| (id, value * scale / self.set.data.norm(id)))
             .collect())

@@ -13,28 +13,15 @@ mod span;
 
 use std::iter::once;
 
+use super::tolerances::{DEPENDENT, FEASIBLE, INDEPENDENT, NEAR, NOTHING, PRODUCT, SPREAD};
 use crate::linalg::vector::{norm, norm_max};
 use crate::problem::hierarchy::Hierarchy;
 use crate::problem::level::Objective;
 use crate::problem::rows::Rows;
-use crate::solver::tolerances;
 use double_double::DoubleDouble;
-use level::{NOTHING, Search, Side};
+use level::{Search, Side};
 use row::{Row, nearer};
 use span::{Span, add_scaled, dot, length};
-
-/// Forces of a level that differ by more are beyond multipliers in doubles: what the largest leaves as
-/// rounding is then more than 1e-10 of the smallest.
-const SPREAD: f64 = 1e6;
-/// Of the terms of a row, how far from its bound it may be at x to be tried there.
-const NEAR: f64 = 1e-11;
-/// Of a row, how much must be independent of others to be brought to its bound with them.
-const INDEPENDENT: f64 = 1e-6;
-/// A row depends on others when they leave less than this part of it. Its entries are known to 1e-16 of the
-/// row, and so the direction of what is left to six digits.
-const DEPENDENT: f64 = 1e-10;
-/// Of the terms of a hard row, what may be missing where hard rows agree but for their rounding.
-const FEASIBLE: f64 = 1e-9;
 
 /// Returns true if rows of one level may pull by so different forces at x that doubles do not show all.
 pub(super) fn is_needed(hierarchy: &Hierarchy, x: &[f64]) -> bool {
@@ -58,7 +45,7 @@ pub(super) fn is_needed(hierarchy: &Hierarchy, x: &[f64]) -> bool {
 /// found.
 pub(super) fn distance(hierarchy: &Hierarchy, x: &[f64]) -> f64 {
     let refinement = Refinement::new(hierarchy, x);
-    let rounding = tolerances::ROUNDING * refinement.reach;
+    let rounding = PRODUCT * refinement.reach;
     let Some(step) = refinement.step(hierarchy) else { return f64::INFINITY };
     let step: Vec<f64> = step.iter().map(|p| p.rounded()).collect();
     let optimum: Vec<f64> = x.iter().zip(&step).map(|(x, p)| x + p).collect();

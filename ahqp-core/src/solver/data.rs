@@ -275,7 +275,7 @@ impl ProblemData {
         self.check_ranges(ids.clone())?;
         for id in ids {
             let square = self.norms[id];
-            if !(square > 0.0 && square < 1e200) {
+            if !(square > 0.0 && square < MODERATE * MODERATE) {
                 self.check_row(id)?;
             }
             self.norms[id] = square.sqrt();

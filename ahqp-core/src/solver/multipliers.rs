@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::activity::Activity;
 use super::data::{ProblemData, active_bound};
 use super::factorisation::{Factorisation, Group};
-use super::tolerances::{CLEARLY_THERE, ROUNDING};
+use super::tolerances::{CLEARLY_THERE, NEGLIGIBLE, ROUNDING};
 use crate::linalg::vector::{add_scaled, norm};
 
 /// Which residuals a level's gradient is made of.
@@ -289,6 +289,6 @@ impl Multipliers {
 
     /// Multipliers below this, times the norms of their rows, say nothing: for certificates.
     pub(crate) fn negligible(&self, data: &ProblemData, factorisation: &Factorisation) -> f64 {
-        1e-3 * self.rounding_of_coordinates(data, factorisation)
+        NEGLIGIBLE * self.rounding_of_coordinates(data, factorisation)
     }
 }

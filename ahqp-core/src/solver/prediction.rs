@@ -6,12 +6,8 @@
 //! wrong in fewer rows of late.
 
 use super::activity::Activity;
-use super::tolerances::JUMP;
+use super::tolerances::{JUMP, NEWEST, NEWEST_SCORE};
 
-/// The part that the newest solve has in a row's mean, once there have been enough of them.
-const NEWEST: f32 = 0.15;
-/// The same of how often the guesses are wrong.
-const NEWEST_SCORE: f64 = 0.1;
 /// What the rows of a problem did in the last solves.
 #[derive(Debug, Clone)]
 pub(crate) struct Prediction {

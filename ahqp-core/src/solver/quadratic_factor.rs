@@ -7,18 +7,10 @@ use crate::linalg::list::List;
 use crate::linalg::vector::dot;
 use crate::problem::ids::LevelId;
 use crate::problem::source::{ConstraintSource, Names};
-use crate::solver::tolerances::ROUNDING;
+use crate::solver::tolerances::{LINEAR, MODERATE, NO_CURVATURE, ROUNDING, SHAPE};
 
-/// Pivots below this fraction of their diagonal entry count as zero.
-const RANK_TOLERANCE: f64 = 1e-12;
-/// Above this, products of the solver's numbers overflow.
-const MODERATE: f64 = 1e100;
-/// Asymmetry and negative curvature in entry (i, j) up to this fraction of √(Hᵢᵢ Hⱼⱼ) are rounding: the
-/// largest that the entry can be in a semidefinite matrix, whatever the units of the variables. Room for
-/// matrices that are products of others, or were written with ten digits.
-const SHAPE_TOLERANCE: f64 = 1e-9;
-/// Of the terms it is made of, less of a linear part is rounding.
-const LINEAR_TOLERANCE: f64 = 1e-9;
+/// What stands in the diagonal for a variable that is factored.
+const IS_PIVOT: f64 = f64::NEG_INFINITY;
 
 /// ½xᵀHx + gᵀx = ½‖Rx − b‖² + linearᵀx + constant.
 ///
@@ -35,7 +27,9 @@ pub(crate) struct QuadraticFactor {
     target_rounding: Vec<f64>,
     amplification: Vec<f64>,
     pivots: List<usize>,
-    /// What of the diagonal is not factored yet.
+    /// The variables with curvature: most Hessians of a stack of tasks see few.
+    curved: List<usize>,
+    /// What of the diagonal is not factored yet; nothing of pivots.
     diagonal: Vec<f64>,
     linear: Vec<f64>,
 }
@@ -50,6 +44,7 @@ impl QuadraticFactor {
             target_rounding: vec![0.0; n],
             amplification: vec![1.0; n],
             pivots: List::with_capacity(n),
+            curved: List::with_capacity(n),
             diagonal: vec![0.0; n],
             linear: vec![0.0; n],
         }
@@ -115,6 +110,8 @@ impl QuadraticFactor {
         for i in 0..n {
             self.diagonal[i] = hessian[(i, i)];
         }
+        self.curved.clear();
+        self.curved.extend((0..n).filter(|&i| hessian[(i, i)] > 0.0));
         while self.rank < n {
             let Some(pivot) = self.best_pivot(hessian) else { break };
             self.eliminate(hessian, pivot);
@@ -127,9 +124,8 @@ impl QuadraticFactor {
     /// The variable with the largest share of its curvature left, whatever its unit.
     fn best_pivot(&self, hessian: &DMatrix<f64>) -> Option<usize> {
         let share = |i: usize| self.diagonal[i] / hessian[(i, i)];
-        (0..self.n)
-            .filter(|&i| hessian[(i, i)] > 0.0 && share(i) > RANK_TOLERANCE)
-            .max_by(|&i, &j| share(i).total_cmp(&share(j)))
+        let curved = self.curved.iter().copied();
+        curved.filter(|&i| share(i) > NO_CURVATURE).max_by(|&i, &j| share(i).total_cmp(&share(j)))
     }
 
     fn eliminate(&mut self, hessian: &DMatrix<f64>, pivot: usize) {
@@ -137,21 +133,22 @@ impl QuadraticFactor {
         let root = self.diagonal[pivot].sqrt();
         let (done, rest) = self.factor.split_at_mut(rank * n);
         let row = &mut rest[..n];
-        for (j, entry) in row.iter_mut().enumerate() {
-            *entry = hessian[(pivot, j)];
+        row.fill(0.0);
+        for &j in &self.curved {
+            row[j] = hessian[(pivot, j)];
         }
         for above in done.chunks_exact(n) {
             crate::linalg::vector::add_scaled(row, -above[pivot], above);
         }
-        for (j, entry) in row.iter_mut().enumerate() {
-            *entry = if self.pivots.contains(&j) { 0.0 } else { *entry / root };
+        for &j in &self.curved {
+            row[j] = if self.diagonal[j] == IS_PIVOT { 0.0 } else { row[j] / root };
         }
         row[pivot] = root;
         self.amplification[rank] = hessian[(pivot, pivot)].sqrt() / root;
         for (left, entry) in self.diagonal.iter_mut().zip(row.iter()) {
             *left -= entry * entry;
         }
-        self.diagonal[pivot] = f64::NEG_INFINITY;
+        self.diagonal[pivot] = IS_PIVOT;
         self.pivots.push(pivot);
         self.rank += 1;
     }
@@ -159,18 +156,25 @@ impl QuadraticFactor {
     /// What is left of a PSD matrix after its last positive pivot is zero.
     fn check_remainder(&self, level: usize, hessian: &DMatrix<f64>) -> Result<(), Error> {
         let n = self.n;
-        for i in (0..n).filter(|i| !self.pivots.contains(i)) {
-            for j in (0..=i).filter(|j| !self.pivots.contains(j)) {
+        let indefinite = |variable: usize, pivot: f64| {
+            let (level, names) = (LevelId::new(level), Names::default());
+            Err(Error::IndefiniteHessian { level, variable, pivot, names })
+        };
+        // Where there is no curvature, all is zero.
+        for i in (0..n).filter(|i| !self.curved.contains(i)) {
+            let mut entries = std::iter::once(i).chain(0..n).map(|row| hessian[(row, i)]);
+            if let Some(entry) = entries.find(|&entry| entry != 0.0) {
+                return indefinite(i, entry);
+            }
+        }
+        let rest = || self.curved.iter().copied().filter(|&i| self.diagonal[i] != IS_PIVOT);
+        for i in rest() {
+            for j in rest().take_while(|&j| j <= i) {
                 let product: f64 =
                     self.factor[..self.rank * n].chunks_exact(n).map(|row| row[i] * row[j]).sum();
                 let remainder = hessian[(i, j)] - product;
-                if remainder.abs() > SHAPE_TOLERANCE * largest_entry(hessian, i, j) {
-                    return Err(Error::IndefiniteHessian {
-                        level: LevelId::new(level),
-                        variable: i,
-                        pivot: remainder,
-                        names: Names::default(),
-                    });
+                if remainder.abs() > SHAPE * largest_entry(hessian, i, j) {
+                    return indefinite(i, remainder);
                 }
             }
         }
@@ -195,7 +199,7 @@ impl QuadraticFactor {
                 (range + term, size + term.abs())
             });
             let rest: f64 = gradient[j] + range;
-            let is_linear = !self.pivots.contains(&j) && rest.abs() > LINEAR_TOLERANCE * size;
+            let is_linear = self.diagonal[j] != IS_PIVOT && rest.abs() > LINEAR * size;
             self.linear[j] = if is_linear { rest } else { 0.0 };
         }
     }
@@ -244,7 +248,7 @@ fn check_symmetric(level: usize, hessian: &DMatrix<f64>) -> Result<(), Error> {
     for row in 0..hessian.nrows() {
         for column in 0..row {
             let difference = (hessian[(row, column)] - hessian[(column, row)]).abs();
-            if difference > SHAPE_TOLERANCE * largest_entry(hessian, row, column) {
+            if difference > 0.0 && difference > SHAPE * largest_entry(hessian, row, column) {
                 let (level, names) = (LevelId::new(level), Names::default());
                 return Err(Error::AsymmetricHessian { level, row, column, difference, names });
             }

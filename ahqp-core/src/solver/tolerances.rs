@@ -27,6 +27,20 @@ pub(crate) const SHRUNK: f64 = 1e-4;
 /// Forces of one level that differ by more than this are not left to rotated bounds: half of the digits.
 pub(crate) const SPREAD: f64 = 1e8;
 
+/// Of the rounding in a gradient, forces below this part are not looked at by a certificate.
+pub(crate) const NEGLIGIBLE: f64 = 1e-3;
+
+// Quadratics.
+
+/// Of their diagonal entry of a Hessian, pivots below this count as zero.
+pub(crate) const NO_CURVATURE: f64 = 1e-12;
+/// Asymmetry and negative curvature in entry (i, j) up to this fraction of √(Hᵢᵢ Hⱼⱼ) are rounding: the
+/// largest that the entry can be in a semidefinite matrix, whatever the units of the variables. Room for
+/// matrices that are products of others, or were written with ten digits.
+pub(crate) const SHAPE: f64 = 1e-9;
+/// Of the terms it is made of, less of a linear part is rounding.
+pub(crate) const LINEAR: f64 = 1e-9;
+
 // Rank.
 
 /// Less of a row, relative to it, is rounding, even where it stands in the way.
@@ -58,6 +72,10 @@ pub(crate) const NEAR_ONE: Range<f64> = 0.0625..32.0;
 pub(crate) const ROUNDS: usize = 20;
 /// Iterations for each variable after which a search takes rows by least index.
 pub(crate) const LONG: usize = 10;
+/// The part that the newest solve has in a row's mean, once there have been enough of them.
+pub(crate) const NEWEST: f32 = 0.15;
+/// The same of how often the predictions are wrong.
+pub(crate) const NEWEST_SCORE: f64 = 0.1;
 /// A prediction that is wrong in more than one row in so many variables is not repaired: it is where a
 /// search begins.
 pub(crate) const FAR: usize = 6;

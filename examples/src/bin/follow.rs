@@ -301,7 +301,8 @@ fn results(comparison: &Comparison) -> Result<Results> {
         digits,
         values,
     });
-    Ok(Results { rows: rows.collect(), summary: serde_json::to_value(comparison)? })
+    let summary = serde_json::to_value(comparison)?;
+    Ok(Results { rows: rows.collect(), summary, text: String::new() })
 }
 
 /// Keeps a file as partial unless all that it is of is complete.

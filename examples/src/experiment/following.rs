@@ -3,6 +3,7 @@
 mod speeds;
 
 use std::fmt;
+use std::sync::Arc;
 
 use anyhow::Result;
 use clap::Args;
@@ -17,10 +18,12 @@ use super::cases::generator;
 use super::chart::{Panel, Series, Style, chart};
 use super::job::{Experiment, Job, run};
 use super::options::{Common, Conditions};
+use super::player::Player;
+use super::recorded::{Needs, Recorded};
+use super::source::Source;
 use super::versus::Versus;
-use super::walk::Walk;
-use crate::follow::{Run, Summary};
-use crate::program::{Ending, Interrupt, Quiet, Session};
+use crate::follow::Summary;
+use crate::program::{Ending, Quiet, Session};
 use crate::simulation::{WalkerSettings, WalkingPath};
 pub use speeds::{SpeedResult, Speeds, Stroll, StrollTrial};
 
@@ -34,7 +37,7 @@ pub struct Following {
     #[command(flatten)]
     common: Common,
     /// Of each case (s).
-    #[arg(long, value_name = "SECONDS", default_value_t = 35.0, value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 35.0, value_parser = seconds, conflicts_with = "recording")]
     duration: f64,
 }
 
@@ -46,12 +49,10 @@ fn seconds(text: &str) -> Result<f64, &'static str> {
 /// A person who leads the robot along a path.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Of everything random, with the number of the case.
-    pub seed: u64,
     /// Its number, from 0.
     pub number: u64,
     /// Who walks where.
-    pub walker: WalkerSettings,
+    pub person: Source,
 }
 
 /// The cases of a seed.
@@ -77,7 +78,7 @@ pub fn cases(seed: u64, count: u64, duration: f64) -> Vec<Case> {
                 seed: draw.random(),
                 ..WalkerSettings::default()
             };
-            Case { seed, number, walker }
+            Case { number, person: Source::Simulated(walker) }
         })
         .collect()
 }
@@ -91,18 +92,15 @@ impl Case {
         &self,
         average: &ErgonomicsMap,
         conditions: Conditions,
-        interrupt: &Interrupt,
+        player: &mut Player,
     ) -> Result<[Summary; 2]> {
         // Apart from the walk's, from which the same generator drew before.
-        let mut draw = generator(self.walker.seed, self.number);
-        let map = average.for_stature(self.walker.stature)?;
-        let scenario = Walk::new(self.walker.clone(), conditions.sight)?.scenario(
-            &map,
-            conditions.drive,
-            &mut draw,
-        )?;
-        let play = |goal| Run::new(&scenario, goal)?.until(interrupt.clone()).play(|_| Ok(()));
-        Ok([play(Goal::Ergonomics)?, play(Goal::LeastMotion)?])
+        let mut draw = generator(self.person.seed(), self.number);
+        let map = average.for_stature(self.person.stature())?;
+        let walk = self.person.walk(conditions.sight)?;
+        let scenario = walk.scenario(&map, conditions.drive, &mut draw)?;
+        let mut play = |title, goal| player.play(title, &scenario, goal, |_, _| Ok(()));
+        Ok([play("Ergonomics on", Goal::Ergonomics)?, play("Ergonomics off", Goal::LeastMotion)?])
     }
 }
 
@@ -118,7 +116,8 @@ pub struct FollowingResult {
 
 impl fmt::Display for FollowingResult {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}\n\n{}", self.paths, self.speeds)
+        writeln!(f, "{}", self.paths)?;
+        if self.speeds.rows.is_empty() { Ok(()) } else { writeln!(f, "\n{}", self.speeds) }
     }
 }
 
@@ -143,11 +142,16 @@ pub enum WalkingTrial {
 impl Experiment for Following {
     const PROGRAM: &'static str = "experiment following";
     const NAME: &'static str = "following";
+    const NEEDS: Needs = Needs::Tools;
     type Case = Walking;
     type Trial = WalkingTrial;
     type Outcome = FollowingResult;
 
-    fn cases(job: &Job) -> Vec<Walking> {
+    fn cases(job: &Job, recordings: &[Arc<Recorded>]) -> Vec<Walking> {
+        if !recordings.is_empty() {
+            let people = Source::of_recordings(recordings, job.seed).into_iter();
+            return people.map(|(number, person)| Walking::Path(Case { number, person })).collect();
+        }
         let paths = cases(job.seed, job.cases, job.duration).into_iter().map(Walking::Path);
         paths.chain(speeds::cases(job).map(Walking::Straight)).collect()
     }
@@ -156,14 +160,14 @@ impl Experiment for Following {
         case: &Walking,
         average: &ErgonomicsMap,
         conditions: Conditions,
-        interrupt: &Interrupt,
+        player: &mut Player,
     ) -> Result<WalkingTrial> {
         Ok(match case {
             Walking::Path(case) => {
-                WalkingTrial::Path(Box::new(case.play(average, conditions, interrupt)?))
+                WalkingTrial::Path(Box::new(case.play(average, conditions, player)?))
             }
             Walking::Straight(case) => {
-                WalkingTrial::Straight(Box::new(case.play(average, conditions, interrupt)?))
+                WalkingTrial::Straight(Box::new(case.play(average, conditions, player)?))
             }
         })
     }

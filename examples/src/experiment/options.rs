@@ -2,12 +2,14 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use super::job::Job;
+use super::recorded::Recorded;
 use super::sight::Sight;
 use crate::plant::Drive;
 use crate::program::{Ending, Json, OutputFile, Quiet, Seed, Threads, check_folder};
@@ -35,10 +37,17 @@ pub struct Common {
     /// A case takes some seconds more.
     #[arg(long)]
     pixels: bool,
-    /// The folder of the figures, made if it is not there.
+    /// Play these recordings (JSON Lines, as `record` and `perceive` make them), a case each, in place of random
+    /// people.
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["cases", "pixels"])]
+    pub(super) recording: Vec<PathBuf>,
+    /// The case that the page shows, from 0.
+    #[arg(long, value_name = "CASE", default_value_t = 0)]
+    pub(super) show: u64,
+    /// The folder of figure and page, made if it is not there.
     #[arg(long, short, value_name = "FOLDER", default_value = "report")]
     output: PathBuf,
-    /// Write no figures.
+    /// Write no figure and no page.
     #[arg(long)]
     no_report: bool,
     #[command(flatten)]
@@ -55,21 +64,22 @@ pub struct Common {
 }
 
 impl Common {
-    /// What is played, in cases of so many seconds.
-    pub(super) fn job(&self, duration: f64) -> Job {
+    /// What is played: recordings, or random cases of so many seconds.
+    pub(super) fn job(&self, duration: f64, recordings: &[Arc<Recorded>]) -> Job {
         let conditions = Conditions {
             drive: if self.kinematic { Drive::Kinematic } else { Drive::Torque },
             sight: if self.pixels { Sight::Pixels } else { Sight::Modelled },
         };
-        Job { seed: self.seed.seed, cases: self.cases, duration, conditions }
+        let recordings = recordings.iter().map(|recording| recording.digest.clone()).collect();
+        Job { seed: self.seed.seed, cases: self.cases, duration, conditions, recordings }
     }
 
-    /// The folder of the figures, if they are wanted.
+    /// The folder of figure and page, if they are wanted.
     pub(super) fn figures(&self) -> Option<&Path> {
         (!self.no_report).then_some(&self.output)
     }
 
-    /// Makes the folder of the figures; before the work, so that a wrong place is known early.
+    /// Makes the folder of figure and page; before the work, so that a wrong place is known early.
     ///
     /// # Errors
     /// A folder that cannot be made.
@@ -88,7 +98,7 @@ pub fn make_folder(folder: &Path) -> Result<()> {
         .with_context(|| format!("cannot make the folder {}", folder.display()))
 }
 
-/// Writes a figure, named `*.partial.*` where the cases were not played to their end.
+/// Writes a figure or a page, named `*.partial.*` where the cases were not played to their end.
 ///
 /// # Errors
 /// A file that cannot be written.

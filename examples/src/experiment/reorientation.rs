@@ -3,6 +3,7 @@
 mod judge;
 
 use std::fmt;
+use std::sync::Arc;
 
 use anyhow::Result;
 use clap::Args;
@@ -17,11 +18,13 @@ use super::cases::generator;
 use super::chart::{Panel, Series, Style, chart};
 use super::job::{Experiment, Job, run};
 use super::options::{Common, Conditions};
+use super::player::Player;
+use super::recorded::{Needs, Recorded};
+use super::source::Source;
 use super::spread::Spread;
 use super::versus::Versus;
-use super::walk::Walk;
-use crate::follow::{Delivery, Run, Summary};
-use crate::program::{Ending, Interrupt, Quiet, Session};
+use crate::follow::{Delivery, Summary};
+use crate::program::{Ending, Quiet, Session};
 use crate::simulation::{WalkerSettings, WalkingPath};
 pub use judge::{Judge, Turn};
 
@@ -53,7 +56,7 @@ pub struct Case {
     /// Its number, from 0.
     pub number: u64,
     /// Who, and with which tool.
-    pub walker: WalkerSettings,
+    pub person: Source,
     /// The surface in front, once the robot has it.
     pub front: Surface,
 }
@@ -73,7 +76,7 @@ pub fn cases(seed: u64, count: u64) -> Vec<Case> {
                 seed: draw.random(),
                 ..WalkerSettings::default()
             };
-            Case { number, walker, front }
+            Case { number, person: Source::Simulated(walker), front }
         })
         .collect()
 }
@@ -104,11 +107,11 @@ impl Case {
         &self,
         average: &ErgonomicsMap,
         conditions: Conditions,
-        interrupt: &Interrupt,
+        player: &mut Player,
     ) -> Result<Trial> {
-        let mut draw = generator(self.walker.seed, self.number);
-        let map = average.for_stature(self.walker.stature)?;
-        let walk = Walk::new(self.walker.clone(), conditions.sight)?;
+        let mut draw = generator(self.person.seed(), self.number);
+        let map = average.for_stature(self.person.stature())?;
+        let walk = self.person.walk(conditions.sight)?;
         let mut scenario = walk.scenario(&map, conditions.drive, &mut draw)?;
         scenario.settings.on_board_camera = Some(CAMERA);
         scenario.object.faces = vec![
@@ -117,11 +120,11 @@ impl Case {
         ];
         // In half of the cases the robot is wrong until it has looked.
         scenario.delivery = Delivery::HandedOver { believed: HeldObject::default() };
-        let play = |goal| {
-            let mut judge = Judge::new(&scenario, &walk.truth, other(self.front));
+        let needed = self.person.tool().surface();
+        let mut play = |title, goal| {
+            let mut judge = Judge::new(&scenario, &walk.truth, needed);
             let mut transitions = Vec::new();
-            let run = Run::new(&scenario, goal)?.until(interrupt.clone());
-            let summary = run.play_watched(|row, plant| {
+            let summary = player.play(title, &scenario, goal, |row, plant| {
                 if let Some(transition) = plant.command().transition {
                     transitions.push(format!(
                         "{:>7.3} s  {:?} -> {:?}: {:?}",
@@ -132,8 +135,8 @@ impl Case {
             })?;
             Ok::<_, anyhow::Error>((summary, judge.turn(), transitions))
         };
-        let (on, turn_on, transitions) = play(Goal::Ergonomics)?;
-        let (off, turn_off, _) = play(Goal::LeastMotion)?;
+        let (on, turn_on, transitions) = play("Ergonomics on", Goal::Ergonomics)?;
+        let (off, turn_off, _) = play("Ergonomics off", Goal::LeastMotion)?;
         let number = self.number;
         Ok(Trial { summaries: [on, off], turns: [turn_on, turn_off], transitions, number })
     }
@@ -154,7 +157,9 @@ pub struct TurnsLine {
     pub safe: usize,
     /// From the recognised mismatch to the work pose \[s\].
     pub time_s: Spread,
-    /// That over the least time that the limits of the desired pose allow.
+    /// Of that, how long the robot is slowed, stands or retreats because of the person \[s\].
+    pub hindered_s: Spread,
+    /// The time over the least time that the limits of the desired pose allow.
     pub ratio: Spread,
 }
 
@@ -198,6 +203,9 @@ impl ReorientationResult {
                     .filter(|trial| trial.turns[run].right && clean(&trial.summaries[run]))
                     .count(),
                 time_s: Spread::of(turns().filter_map(|turn| turn.time)),
+                hindered_s: Spread::of(
+                    turns().filter(|turn| turn.time.is_some()).map(|turn| turn.hindered),
+                ),
                 ratio: Spread::of(turns().filter_map(Turn::ratio)),
             }
         };
@@ -266,6 +274,8 @@ impl fmt::Display for ReorientationResult {
         for (name, of) in [
             ("time of a turn, mean [s]", (|line| line.time_s.mean) as fn(&TurnsLine) -> f64),
             ("time of a turn, worst [s]", |line| line.time_s.worst),
+            ("  of it hindered by the person's nearness, mean [s]", |line| line.hindered_s.mean),
+            ("  of it hindered by the person's nearness, worst [s]", |line| line.hindered_s.worst),
             ("over the time that the limits allow, mean", |line| line.ratio.mean),
             ("over the time that the limits allow, worst", |line| line.ratio.worst),
         ] {
@@ -278,21 +288,27 @@ impl fmt::Display for ReorientationResult {
 impl Experiment for Reorientation {
     const PROGRAM: &'static str = "experiment reorientation";
     const NAME: &'static str = "reorientation";
+    const NEEDS: Needs = Needs::Surfaces;
     type Case = Case;
     type Trial = Trial;
     type Outcome = ReorientationResult;
 
-    fn cases(job: &Job) -> Vec<Case> {
-        cases(job.seed, job.cases)
+    fn cases(job: &Job, recordings: &[Arc<Recorded>]) -> Vec<Case> {
+        if recordings.is_empty() {
+            return cases(job.seed, job.cases);
+        }
+        let people = Source::of_recordings(recordings, job.seed).into_iter();
+        let fronts = recordings.iter().filter_map(|recording| recording.facing_camera).map(other);
+        people.zip(fronts).map(|((number, person), front)| Case { number, person, front }).collect()
     }
 
     fn play(
         case: &Case,
         average: &ErgonomicsMap,
         conditions: Conditions,
-        interrupt: &Interrupt,
+        player: &mut Player,
     ) -> Result<Trial> {
-        case.play(average, conditions, interrupt)
+        case.play(average, conditions, player)
     }
 
     fn outcome(trials: Vec<Trial>) -> ReorientationResult {

@@ -2,23 +2,27 @@
 //! with none.
 
 use std::fmt;
+use std::sync::Arc;
 
 use anyhow::Result;
 use clap::Args;
 use ergo_map::{ErgonomicsMap, Person};
 use moca_model::{Goal, SpaceSettings};
 use rand::Rng;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use vision_models::Tool;
 
 use super::cases::generator;
 use super::chart::{Panel, Series, Style, chart};
 use super::job::{Experiment, Job, run};
 use super::options::{Common, Conditions};
+use super::player::Player;
+use super::recorded::{Needs, Recorded};
+use super::source::Source;
 use super::spread::{Duel, Spread};
-use super::walk::{FIT, Walk};
-use crate::follow::{Run, Summary};
-use crate::program::{Ending, Interrupt, Quiet, Session};
+use super::walk::FIT;
+use crate::follow::Summary;
+use crate::program::{Ending, Quiet, Session};
 use crate::simulation::{WalkerSettings, WalkingPath};
 
 /// How many people.
@@ -71,10 +75,10 @@ impl Knowledge {
 /// A person who leads the robot from station to station, or in random directions.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Who: from 0 to 9.
+    /// Who: from 0 to 9, or the number of the recording.
     pub subject: u64,
     /// Who walks where.
-    pub walker: WalkerSettings,
+    pub person: Source,
 }
 
 /// The cases of a seed: each person as many times, at least once.
@@ -96,7 +100,7 @@ pub fn cases(seed: u64, count: u64) -> Vec<Case> {
                 seed: draw.random(),
                 ..WalkerSettings::default()
             };
-            Case { subject, walker }
+            Case { subject, person: Source::Simulated(walker) }
         })
         .collect()
 }
@@ -111,15 +115,12 @@ impl Case {
         &self,
         average: &ErgonomicsMap,
         conditions: Conditions,
-        interrupt: &Interrupt,
+        player: &mut Player,
     ) -> Result<[Summary; 4]> {
-        let own = average.for_stature(self.walker.stature)?;
-        let mut draw = generator(self.walker.seed, self.subject);
-        let mut scenario = Walk::new(self.walker.clone(), conditions.sight)?.scenario(
-            &own,
-            conditions.drive,
-            &mut draw,
-        )?;
+        let own = average.for_stature(self.person.stature())?;
+        let mut draw = generator(self.person.seed(), self.subject);
+        let walk = self.person.walk(conditions.sight)?;
+        let mut scenario = walk.scenario(&own, conditions.drive, &mut draw)?;
         let everybody = average.for_stature(AVERAGE)?;
         let space = scenario.settings.space;
         scenario.settings.space =
@@ -133,15 +134,29 @@ impl Case {
                 Knowledge::Average => (usual, None),
             };
             (scenario.comfort, scenario.adapts_from) = (comfort, adapts_from);
-            let goal = match knowledge {
-                Knowledge::Nothing => Goal::LeastMotion,
-                _ => Goal::Ergonomics,
-            };
-            Run::new(&scenario, goal)?.until(interrupt.clone()).play(|_| Ok(()))
+            // The page shows the best and the least that is known, as those of the other experiments do.
+            match knowledge {
+                Knowledge::Own => {
+                    player.play("Own map", &scenario, Goal::Ergonomics, |_, _| Ok(()))
+                }
+                Knowledge::Nothing => {
+                    player.play("No map", &scenario, Goal::LeastMotion, |_, _| Ok(()))
+                }
+                _ => player.play_unseen(&scenario, Goal::Ergonomics, |_, _| Ok(())),
+            }
         };
         let [own, measured, average, nothing] = Knowledge::ALL;
         Ok([play(own)?, play(measured)?, play(average)?, play(nothing)?])
     }
+}
+
+/// What a case came to.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SubjectTrial {
+    /// Of the person \[m\].
+    stature: f64,
+    /// With each kind of knowledge, in the order of [`Knowledge::ALL`].
+    runs: [Summary; 4],
 }
 
 /// One person in all their cases.
@@ -182,32 +197,36 @@ pub struct SubjectsResult {
 }
 
 impl SubjectsResult {
-    fn new(trials: &[(u64, [Summary; 4])]) -> Self {
-        let met = |trial: &&(u64, [Summary; 4])| trial.1.iter().all(|run| run.together > 0.0);
+    fn new(trials: &[SubjectTrial]) -> Self {
+        let met = |trial: &&SubjectTrial| trial.runs.iter().all(|run| run.together > 0.0);
         let together: Vec<_> = trials.iter().filter(met).collect();
         let duel = |first: usize, second: usize| {
             Duel::of(
-                together.iter().map(|(_, runs)| (runs[first].score_mean, runs[second].score_mean)),
+                together
+                    .iter()
+                    .map(|trial| (trial.runs[first].score_mean, trial.runs[second].score_mean)),
             )
         };
-        let sum = |of: fn(&Summary) -> u64| trials.iter().flat_map(|(_, runs)| runs).map(of).sum();
-        let subjects = (0..SUBJECTS).filter_map(|subject| {
-            let own: Vec<_> = together.iter().filter(|trial| trial.0 == subject).collect();
-            (!own.is_empty()).then(|| {
-                let spread = |knowledge: usize| {
-                    Spread::of(own.iter().map(|(_, runs)| runs[knowledge].score_mean))
-                };
-                let (best, usual) = (spread(0), spread(2));
-                Subject {
-                    stature: stature(subject),
-                    cases: own.len(),
-                    own: best,
-                    measured: spread(1),
-                    average: usual,
-                    nothing: spread(3),
-                    better_than_average_percent: 100.0 * (1.0 - best.mean / usual.mean),
-                }
-            })
+        let sum =
+            |of: fn(&Summary) -> u64| trials.iter().flat_map(|trial| &trial.runs).map(of).sum();
+        let mut statures: Vec<f64> = together.iter().map(|trial| trial.stature).collect();
+        statures.sort_by(f64::total_cmp);
+        statures.dedup();
+        let subjects = statures.into_iter().map(|stature| {
+            let own: Vec<_> = together.iter().filter(|trial| trial.stature == stature).collect();
+            let spread = |knowledge: usize| {
+                Spread::of(own.iter().map(|trial| trial.runs[knowledge].score_mean))
+            };
+            let (best, usual) = (spread(0), spread(2));
+            Subject {
+                stature,
+                cases: own.len(),
+                own: best,
+                measured: spread(1),
+                average: usual,
+                nothing: spread(3),
+                better_than_average_percent: 100.0 * (1.0 - best.mean / usual.mean),
+            }
         });
         Self {
             subjects: subjects.collect(),
@@ -289,25 +308,30 @@ impl fmt::Display for SubjectsResult {
 impl Experiment for Subjects {
     const PROGRAM: &'static str = "experiment subjects";
     const NAME: &'static str = "subjects";
+    const NEEDS: Needs = Needs::Tools;
     type Case = Case;
-    /// Who, and the runs with each kind of knowledge.
-    type Trial = (u64, [Summary; 4]);
+    type Trial = SubjectTrial;
     type Outcome = SubjectsResult;
 
-    fn cases(job: &Job) -> Vec<Case> {
-        cases(job.seed, job.cases)
+    fn cases(job: &Job, recordings: &[Arc<Recorded>]) -> Vec<Case> {
+        if recordings.is_empty() {
+            return cases(job.seed, job.cases);
+        }
+        let people = Source::of_recordings(recordings, job.seed).into_iter();
+        people.map(|(subject, person)| Case { subject, person }).collect()
     }
 
     fn play(
         case: &Case,
         average: &ErgonomicsMap,
         conditions: Conditions,
-        interrupt: &Interrupt,
-    ) -> Result<Self::Trial> {
-        Ok((case.subject, case.play(average, conditions, interrupt)?))
+        player: &mut Player,
+    ) -> Result<SubjectTrial> {
+        let runs = case.play(average, conditions, player)?;
+        Ok(SubjectTrial { stature: case.person.stature(), runs })
     }
 
-    fn outcome(trials: Vec<Self::Trial>) -> SubjectsResult {
+    fn outcome(trials: Vec<SubjectTrial>) -> SubjectsResult {
         SubjectsResult::new(&trials)
     }
 

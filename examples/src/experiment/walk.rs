@@ -23,7 +23,7 @@ pub(super) const FIT: FitOptions =
 const TRANSPORT: u64 = 200;
 
 /// The walk of a person: camera frames, and the truth beside them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Walk {
     /// Camera frames in the order of their times.
     pub percepts: Vec<Percept>,

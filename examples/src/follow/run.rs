@@ -14,6 +14,7 @@ use super::scoring::Scorer;
 use super::seen::SeenPerson;
 use super::summary::{MeasuredReba, Summary};
 use super::work::WorkForce;
+use super::working_hand::WorkingHand;
 use crate::limits::{LimitMonitor, Return};
 use crate::perception::{Assessor, MeasuredAssessment};
 use crate::plant::Plant;
@@ -39,6 +40,7 @@ pub struct Run<'a> {
     plant: Plant,
     on_board: OnBoardEye,
     work: WorkForce,
+    hand: WorkingHand,
     monitor: LimitMonitor,
     person: SeenPerson,
     separation: SeparationMonitor,
@@ -101,6 +103,7 @@ impl<'a> Run<'a> {
             measured: None,
             plant,
             work: WorkForce::default(),
+            hand: WorkingHand::new(scenario.map.stature(), scenario.map.side()),
             monitor: LimitMonitor::new(&scenario.model, desired, period, start),
             person: SeenPerson::default(),
             separation,
@@ -164,9 +167,10 @@ impl<'a> Run<'a> {
                 break;
             }
             while let Some((percept, _)) = percepts.next_if(|(_, at)| **at <= begin + elapsed) {
-                self.observe(percept)?;
+                let shown = self.hand.show(percept);
+                self.observe(&shown)?;
                 self.adapt()?;
-                if let Some(body) = &percept.body {
+                if let Some(body) = &shown.body {
                     let person = self.scenario.settings.safety.person;
                     self.person.update(percept.time, body, person.least_confidence);
                 }
@@ -175,7 +179,7 @@ impl<'a> Run<'a> {
                     None => None,
                 };
                 if let Some(recorder) = &mut self.recorder {
-                    recorder.observe(percept, self.measured.as_ref());
+                    recorder.observe(&shown, self.measured.as_ref());
                 }
             }
             let row = self.tick(begin + elapsed)?;
@@ -272,7 +276,7 @@ impl<'a> Run<'a> {
             let contact = self.plant.controller().safety().contact_speed() > 0.0;
             let moment = Moment { person, known: Some(person), contact };
             let (velocity, start) = (&command.joint_velocity, self.plant.reference());
-            let verdict = self.separation.check(velocity, start, Some(&moment))?;
+            let verdict = self.separation.check(velocity, start, &[moment])?;
             tally.separation_violations += u64::from(verdict.violation.is_some());
         }
         if let Some(breaks) = self.plant.breaks_torque_limits() {
@@ -300,6 +304,7 @@ impl<'a> Run<'a> {
                 Vector3::new(actual.x - person.floor.x, actual.y - person.floor.y, 0.0)
             });
         let force = self.work.advance(towards.filter(|_| self.engaged), self.period);
+        self.hand.advance(now, self.period, Some(actual).filter(|_| self.engaged));
         self.plant.act(&force)?;
         self.grasp()?;
         Ok(row)

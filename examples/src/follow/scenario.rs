@@ -10,7 +10,7 @@ use moca_model::{
 use vision_models::Percept;
 
 use crate::plant::Drive;
-use crate::recording::Timing;
+use crate::recording::{Timing, arrivals};
 use crate::settings::{RobotSettings, SettingsError, SettingsFile};
 
 /// What both runs share.
@@ -95,13 +95,7 @@ impl Scenario {
     /// The same, with percepts that come as late as their recording says.
     #[must_use]
     pub fn arriving(mut self, timings: &[Timing]) -> Self {
-        let mut latest = f64::NEG_INFINITY;
-        for ((arrival, percept), timing) in
-            self.arrivals.iter_mut().zip(&self.percepts).zip(timings)
-        {
-            latest = timing.available(percept.time).max(latest);
-            *arrival = latest;
-        }
+        self.arrivals = arrivals(&self.percepts, timings);
         self
     }
 

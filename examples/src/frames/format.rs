@@ -132,3 +132,32 @@ impl CameraFile {
         Ok(camera)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point3;
+    use serde_json::Value;
+
+    use super::*;
+
+    #[test]
+    fn a_camera_without_a_calibration_is_refused_with_its_reason() {
+        let intrinsics = Intrinsics::new([640, 480], [615.0, 615.0], [319.5, 239.5]).unwrap();
+        let (eye, target) = (Point3::new(0.3, 1.8, 2.3), Point3::new(3.0, 0.0, 1.0));
+        let camera = Camera::looking_at(intrinsics, eye, target, DepthNoise::D435I).unwrap();
+        let whole = serde_json::to_value(CameraFile::new(&camera, 1e-3)).unwrap();
+        let read = |file: &Value| serde_json::from_value::<CameraFile>(file.clone());
+        assert!(read(&whole).unwrap().camera().is_ok());
+        for field in ["width", "height", "fx", "fy", "cx", "cy", "position", "quaternion"] {
+            let mut file = whole.clone();
+            file.as_object_mut().unwrap().remove(field);
+            let error = read(&file).err().unwrap().to_string();
+            assert!(error.contains(&format!("missing field `{field}`")), "{error}");
+        }
+        for (field, none) in [("fx", 0.0.into()), ("quaternion", vec![0.0; 4].into())] {
+            let mut file = whole.clone();
+            file[field] = none;
+            assert!(read(&file).unwrap().camera().is_err(), "{field}");
+        }
+    }
+}

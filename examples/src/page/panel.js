@@ -73,6 +73,10 @@ function addResults(parent, page) {
       html("td", { text: written(row.values[index] ?? NaN, row.digits) }, line);
     });
   }
+  if (page.results.text) {
+    html("h2", { text: "All cases" }, parent);
+    html("pre", { id: "cases", tabindex: 0, text: page.results.text }, parent);
+  }
 }
 
 /** What colours and lines mean. */

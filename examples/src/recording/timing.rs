@@ -1,6 +1,7 @@
 //! When what a percept says was seen and known.
 
 use serde::{Deserialize, Serialize};
+use vision_models::Percept;
 
 /// When one part of a percept was seen and known, on the clock of the recording.
 ///
@@ -46,4 +47,15 @@ impl Timing {
         let arrivals = [self.arrived, self.action.arrived, self.surface.arrived];
         arrivals.into_iter().flatten().fold(time, f64::max)
     }
+}
+
+/// When all of each percept is there to be acted on \[s\]: none before one that was seen earlier.
+pub fn arrivals(percepts: &[Percept], timings: &[Timing]) -> Vec<f64> {
+    let mut latest = f64::NEG_INFINITY;
+    let both = percepts.iter().zip(timings);
+    both.map(|(percept, timing)| {
+        latest = timing.available(percept.time).max(latest);
+        latest
+    })
+    .collect()
 }

@@ -3,9 +3,9 @@
 use std::borrow::Cow;
 
 use hrsw::{Cause, SafetyState};
-use moca_model::{Intention, Outcome};
+use moca_model::{BoxSide, Intention, Outcome, Phase, Reason};
 use serde::Serialize;
-use vision_models::WalkingDirection;
+use vision_models::{Surface, WalkingDirection};
 
 /// No more spans than this are kept of a lane; what comes later has no label of its own.
 const MOST: usize = 2000;
@@ -83,17 +83,28 @@ impl Lane {
         }
         self.spans.push(Span { begin: time, end: time, label, tone });
     }
+
+    /// Says that the state is still the same at a time \[s\].
+    pub fn lasts(&mut self, time: f64) {
+        if let Some(last) = self.spans.last_mut() {
+            last.end = time;
+        }
+    }
 }
 
 /// The label of an intention.
 pub(super) fn intention(intention: Intention) -> (&'static str, Tone) {
+    let Intention::Together { walking, .. } = intention else { return ("apart", Tone::Quiet) };
+    let Some(direction) = walking else { return ("together", Tone::Work) };
+    (walks(direction), Tone::Walk)
+}
+
+fn walks(direction: WalkingDirection) -> &'static str {
     use WalkingDirection::{
         Backwards, BackwardsLeft, BackwardsRight, Forwards, ForwardsLeft, ForwardsRight, Left,
         Right,
     };
-    let Intention::Together { walking, .. } = intention else { return ("apart", Tone::Quiet) };
-    let Some(direction) = walking else { return ("together", Tone::Work) };
-    let label = match direction {
+    match direction {
         Forwards => "walking forwards",
         ForwardsLeft => "walking forwards left",
         ForwardsRight => "walking forwards right",
@@ -102,8 +113,50 @@ pub(super) fn intention(intention: Intention) -> (&'static str, Tone) {
         Backwards => "walking backwards",
         BackwardsLeft => "walking backwards left",
         BackwardsRight => "walking backwards right",
+    }
+}
+
+/// The label of a phase, with why the one before ended.
+pub(super) fn phase(phase: Phase, reason: Option<Reason>) -> (Cow<'static, str>, Tone) {
+    let (name, tone) = match phase {
+        Phase::Apart => ("apart", Tone::Quiet),
+        Phase::Looking => ("looking", Tone::Work),
+        Phase::Handover => ("handover", Tone::Work),
+        Phase::Grasping => ("grasping", Tone::Work),
+        Phase::Turning { to: BoxSide::Front } => ("turning to the front", Tone::Walk),
+        Phase::Turning { to: BoxSide::Back } => ("turning to the back", Tone::Walk),
+        Phase::Turning { to: BoxSide::Left } => ("turning to the left", Tone::Walk),
+        Phase::Turning { to: BoxSide::Right } => ("turning to the right", Tone::Walk),
+        Phase::Turning { to: BoxSide::Top } => ("turning to the top", Tone::Walk),
+        Phase::Turning { to: BoxSide::Bottom } => ("turning to the bottom", Tone::Walk),
+        Phase::Working => ("working", Tone::Work),
+        Phase::Walking { direction } => (walks(direction), Tone::Walk),
     };
-    (label, Tone::Walk)
+    let why: Cow<'static, str> = match reason {
+        None => return (name.into(), tone),
+        Some(Reason::Engages) => "the person engages".into(),
+        Some(Reason::Hidden) => "the camera has seen no side".into(),
+        Some(Reason::Seen) => "the camera has seen one".into(),
+        Some(Reason::Leaves) => "the person leaves".into(),
+        Some(Reason::Arrived) => "the tool is there".into(),
+        Some(Reason::Grasped) => "the gripper has closed".into(),
+        Some(Reason::Released) => "the object is gone".into(),
+        Some(Reason::WrongSurface { shown, needed }) => {
+            format!("{} is shown, {} needed", surface(shown), surface(needed)).into()
+        }
+        Some(Reason::RightSurface) => "the right surface is shown".into(),
+        Some(Reason::Walks) => "the person walks".into(),
+        Some(Reason::Stands) => "the person stands".into(),
+    };
+    (format!("{name}: {why}").into(), tone)
+}
+
+/// The name of a surface.
+pub(super) fn surface(surface: Surface) -> &'static str {
+    match surface {
+        Surface::Smooth => "smooth",
+        Surface::Drilled => "drilled",
+    }
 }
 
 /// The label of a safety state.

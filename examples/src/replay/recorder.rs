@@ -113,6 +113,7 @@ pub struct Recorder {
     /// Ticks between two samples, and up to the next.
     stride: u32,
     left: u32,
+    phase: Lane,
     intention: Lane,
     safety: Lane,
     solver: Lane,
@@ -161,6 +162,7 @@ impl Recorder {
             person: PersonTrack::new(map.stature()),
             limits: LimitUse::new(model, settings.desired, settings.period),
             left: 0,
+            phase: Lane::new("phase"),
             intention: Lane::new("intention"),
             safety: Lane::new("safety"),
             solver: Lane::new("solver"),
@@ -234,11 +236,7 @@ impl Recorder {
         });
         self.action.set(percept.time, action, tone);
         if let Some(seen) = percept.surface {
-            self.surface.set(
-                percept.time,
-                format!("{:?}", seen.surface).to_lowercase(),
-                Tone::Work,
-            );
+            self.surface.set(percept.time, lanes::surface(seen.surface), Tone::Work);
         }
     }
 
@@ -254,6 +252,12 @@ impl Recorder {
         row: &TickRow,
     ) -> Result<(), ReplayError> {
         let command = controller.command();
+        if self.phase.spans.is_empty() || command.transition.is_some() {
+            let reason = command.transition.map(|transition| transition.reason);
+            let (phase, tone) = lanes::phase(command.phase, reason);
+            self.phase.set(row.time, phase, tone);
+        }
+        self.phase.lasts(row.time);
         let (intention, tone) = lanes::intention(command.intention);
         self.intention.set(row.time, intention, tone);
         let cause = controller.safety().supervisor().cause();
@@ -353,7 +357,8 @@ impl Recorder {
             values
         };
         samples.add_group(Group::new("nearest", &NEAREST, 1, Encoding::Exact), near);
-        let lanes = [self.intention, self.safety, self.action, self.surface, self.solver];
+        let lanes =
+            [self.phase, self.intention, self.safety, self.action, self.surface, self.solver];
         Replay {
             title,
             stage,

@@ -77,8 +77,8 @@ impl SeparationMonitor {
         self.shapes.extend(capsules.iter().map(|capsule| (frame, rod(capsule))));
     }
 
-    /// Judges the tick of a command, n \[m/s, rad/s\], that begins at `configuration`, n \[m, rad\]; without
-    /// a person there is nothing to keep away from.
+    /// Judges the tick of a command, n \[m/s, rad/s\], that begins at `configuration`, n \[m, rad\], for each
+    /// person.
     ///
     /// # Errors
     /// A configuration that is not one of the robot.
@@ -86,7 +86,7 @@ impl SeparationMonitor {
         &mut self,
         velocity: &[f64],
         configuration: &[f64],
-        moment: Option<&Moment<'_>>,
+        people: &[Moment<'_>],
     ) -> Result<Verdict> {
         emergency_stop(&self.limits, &self.acceleration, &mut self.velocity, self.period);
         self.place(velocity, configuration)?;
@@ -97,13 +97,20 @@ impl SeparationMonitor {
         }
         self.velocity.copy_from_slice(velocity);
         self.last.copy_from_slice(velocity);
-        let Some(moment) = moment else { return Ok(Verdict::default()) };
         let body = |(now, before): (&Joints, Option<&Joints>)| Body {
             now: body::capsules(now),
             before: before.map(body::capsules),
         };
-        let (now, known) = (body(moment.person), moment.known.map(body));
-        Ok(judge(&self.settings, &self.robot, &now, known.as_ref(), moment.contact, self.period))
+        let mut verdict = Verdict::default();
+        for Moment { person, known, contact } in people {
+            let (now, known) = (body(*person), known.map(body));
+            let of_one =
+                judge(&self.settings, &self.robot, &now, known.as_ref(), *contact, self.period);
+            verdict.violation = verdict.violation.or(of_one.violation);
+            verdict.person_caused |= of_one.person_caused;
+            verdict.contact |= of_one.contact;
+        }
+        Ok(verdict)
     }
 
     /// By how much bodies of the robot overlap that are to keep apart \[m\]: the most of all pairs.

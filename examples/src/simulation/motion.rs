@@ -98,6 +98,8 @@ pub(super) struct Motion {
     phase: f64,
     /// Left and right, in the person's frame and as a fraction of stature.
     hands: [Vector3<f64>; 2],
+    /// Where the right hand is to be instead of where its activity has it, likewise.
+    reached_for: Option<Vector3<f64>>,
     /// The trunk's flexion (rad).
     lean: f64,
 }
@@ -112,6 +114,7 @@ impl Motion {
             turning_rate: 0.0,
             phase: 0.0,
             hands: hands.places(0.0),
+            reached_for: None,
             lean: 0.0,
         }
     }
@@ -153,6 +156,12 @@ impl Motion {
         self.lean
     }
 
+    /// The right hand is to be at this place in the person's frame, as a fraction of stature, or where
+    /// its activity has it.
+    pub(super) fn reach_for(&mut self, place: Option<Vector3<f64>>) {
+        self.reached_for = place;
+    }
+
     /// Moves on by `dt` (s) in steps of a hundredth of a second.
     pub(super) fn advance(&mut self, goal: &Goal, hands: Hands, dt: f64) {
         let steps = (dt / 0.01).ceil().max(1.0);
@@ -183,7 +192,9 @@ impl Motion {
         self.phase = (self.phase + TAU * dt / STRIDE_TIME) % TAU;
         let follow = dt / HAND_TIME;
         let swing = stride * self.velocity_in_person().x * (self.phase - TAU / 8.0).sin();
-        for (hand, place) in self.hands.iter_mut().zip(hands.places(swing)) {
+        let [left, right] = hands.places(swing);
+        let places = [left, self.reached_for.unwrap_or(right)];
+        for (hand, place) in self.hands.iter_mut().zip(places) {
             *hand += ((place - *hand) * follow).cap_magnitude(hand_speed * dt);
         }
         self.lean += (hands.lean() - self.lean) * follow;

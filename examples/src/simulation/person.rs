@@ -1,9 +1,10 @@
 //! The body of a person.
 
-use nalgebra::{Point2, Point3, Vector2};
+use nalgebra::{Point2, Point3, Rotation3, Vector2, Vector3};
 use vision_models::{Action, Body25};
 
 use super::activity::Activity;
+use super::arm::Arm;
 use super::motion::{Gait, Goal, Motion};
 use super::skeleton;
 
@@ -35,6 +36,20 @@ impl Person {
     pub(super) fn advance(&mut self, goal: &Goal, activity: Activity, dt: f64) {
         self.motion.advance(goal, activity.hands(), dt);
         self.activity = activity;
+    }
+
+    /// The right hand is to be at an object (m, world) as long as the arm reaches it, or where the activity has it.
+    pub(super) fn reach_for(&mut self, object: Option<&Point3<f64>>) {
+        let (joints, arm) = (self.joints(), Arm::of_stature(self.stature));
+        let [shoulder, other] =
+            [Body25::RightShoulder, Body25::LeftShoulder].map(|joint| joints[joint.index()].coords);
+        let reached = object.filter(|object| (object.coords - shoulder).norm() <= arm.reach());
+        self.motion.reach_for(reached.map(|object| {
+            let [_, wrist] = arm.leading_to(&object.coords, &shoulder, &(shoulder - other));
+            let away = wrist - Vector3::new(self.motion.floor.x, self.motion.floor.y, 0.0);
+            Rotation3::from_axis_angle(&Vector3::z_axis(), -self.motion.heading) * away
+                / self.stature
+        }));
     }
 
     /// Is elsewhere at once (m).
@@ -74,5 +89,45 @@ impl Person {
     /// The joints in the world.
     pub fn joints(&self) -> Joints {
         skeleton::joints(self.stature, &self.motion)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vision_models::Tool;
+
+    use super::*;
+
+    /// Where the right grip is.
+    fn grip(person: &Person) -> Vector3<f64> {
+        let joints = person.joints();
+        let at = |joint: Body25| joints[joint.index()].coords;
+        let arm = Arm::of_stature(person.stature());
+        arm.grip(&at(Body25::RightElbow), &at(Body25::RightWrist))
+    }
+
+    #[test]
+    fn the_hand_of_who_works_goes_to_an_object_within_reach() {
+        let (floor, heading) = (Point2::new(1.0, 2.0), 2.5);
+        let works = Activity::Use(Tool::Drill);
+        let goal = Goal { floor, heading, speed: 0.5, stop: true };
+        for gait in [Gait::CAREFUL, Gait::NATURAL] {
+            let begin = Person::standing(1.75, floor, heading, gait, works);
+            let work = |object: Option<&Point3<f64>>| {
+                let mut person = begin.clone();
+                for _ in 0..8000 {
+                    person.reach_for(object);
+                    person.advance(&goal, works, 1e-3);
+                }
+                grip(&person)
+            };
+            let rest = work(None);
+            for away in [[0.1, 0.2, 0.2], [-0.2, 0.1, 0.1], [0.0, 0.0, -0.2]] {
+                let object = Point3::from(rest + Vector3::from(away));
+                assert!((work(Some(&object)) - object.coords).norm() < 1e-3, "{away:?}");
+            }
+            let far = Point3::from(rest + Vector3::new(0.0, 0.0, 2.0));
+            assert!((work(Some(&far)) - rest).norm() < 1e-9, "out of reach");
+        }
     }
 }

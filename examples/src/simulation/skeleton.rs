@@ -6,6 +6,7 @@
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use vision_models::Body25;
 
+use super::arm::{FOREARM, STRETCHED, UPPER_ARM, bend};
 use super::motion::Motion;
 use super::person::Joints;
 
@@ -13,8 +14,6 @@ const ANKLE_HEIGHT: f64 = 0.039;
 const SHANK: f64 = 0.285 - 0.039;
 const THIGH: f64 = 0.530 - 0.285;
 const TRUNK: f64 = 0.818 - 0.530;
-const UPPER_ARM: f64 = 0.186;
-const FOREARM: f64 = 0.146;
 const SHOULDER: f64 = 0.118;
 const HIP: f64 = 0.055;
 /// Feet stand a little wider than hips.
@@ -61,7 +60,7 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
 
         let shoulder = neck + lateral * SHOULDER;
         // No further than the arm reaches.
-        let hand = shoulder + (hand - shoulder).cap_magnitude(0.99 * (UPPER_ARM + FOREARM));
+        let hand = shoulder + (hand - shoulder).cap_magnitude(STRETCHED * (UPPER_ARM + FOREARM));
         let elbow_side = Vector3::new(-0.3, 0.4 * side, -1.0);
         set(joints.shoulder, shoulder);
         set(joints.elbow, bend(shoulder, hand, UPPER_ARM, FOREARM, elbow_side));
@@ -119,23 +118,6 @@ const RIGHT: Side = Side {
     eye: Body25::RightEye,
     ear: Body25::RightEar,
 };
-
-/// The middle joint of two segments between `root` and `tip`, on the side of `towards`.
-fn bend(
-    root: Vector3<f64>,
-    tip: Vector3<f64>,
-    first: f64,
-    second: f64,
-    towards: Vector3<f64>,
-) -> Vector3<f64> {
-    let span = tip - root;
-    let length = span.norm().clamp(1e-6, first + second);
-    let axis = span / span.norm().max(1e-6);
-    let along = (length * length + first * first - second * second) / (2.0 * length);
-    let out = (first * first - along * along).max(0.0).sqrt();
-    let normal = (towards - axis * axis.dot(&towards)).try_normalize(1e-9).unwrap_or_default();
-    root + axis * along + normal * out
-}
 
 #[cfg(test)]
 mod tests {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::{Point2, Rotation2, Vector2};
+use nalgebra::{Point2, Point3, Rotation2, Vector2};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::Tool;
@@ -57,10 +57,21 @@ impl Wanderer {
         }
     }
 
-    /// Moves on by `dt` to `time` (s), with the robot's tool above `tool` (m).
-    pub fn advance(&mut self, time: f64, dt: f64, tool: Vector2<f64>) {
+    /// The same, but they never work with the robot, stay in view and do not jump.
+    pub fn passing_by(draw: ChaCha8Rng, robot: Vector2<f64>) -> Self {
+        Self {
+            together: (false, f64::INFINITY),
+            in_view: (true, f64::INFINITY),
+            next_jump: f64::INFINITY,
+            ..Self::new(draw, robot)
+        }
+    }
+
+    /// Moves on by `dt` to `time` (s), with what the robot holds for them to work on at `object` (m): the hand is
+    /// there while they work with the robot and the arm reaches it.
+    pub fn advance(&mut self, time: f64, dt: f64, object: &Point3<f64>) {
         if time >= self.goal_ends {
-            self.goal = self.new_goal(tool.into());
+            self.goal = self.new_goal(object.xy());
             self.goal_ends = time + self.draw.random_range(1.0..6.0);
         }
         if time >= self.together.1 {
@@ -77,6 +88,7 @@ impl Wanderer {
             self.person.jump(direction * Vector2::x() * self.draw.random_range(0.1..JUMP));
         }
         let activity = if self.together.0 { Activity::Use(Tool::Drill) } else { Activity::Walk };
+        self.person.reach_for(Some(object).filter(|_| self.together.0));
         self.person.advance(&self.goal, activity, dt);
     }
 

@@ -1,9 +1,11 @@
 //! What goes wrong around the controller, one thing at a time, and the state that each must lead to.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use hrsw::SafetyState;
+use moca_model::DynamicRobotSettings;
 use nalgebra::{Isometry3, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -36,6 +38,8 @@ pub enum Disturbance {
     CameraEpoch,
     /// The camera's clock stands still.
     CameraStands,
+    /// The camera is not where its calibration has it: everybody is seen elsewhere.
+    CameraMoved,
     /// A joint's measured position is NaN.
     MeasurementNan,
     /// Every tenth tick comes some milliseconds late.
@@ -50,8 +54,15 @@ pub enum Disturbance {
     TimeAhead,
     /// The tool is pushed hard for a moment.
     ArmPushed,
+    /// A third of the commands does not arrive, at random.
+    CommandsThinned,
+    /// No command arrives.
+    CommandsLost,
 }
 
+/// By how much a camera is moved: along the floor \[m\], and at most turned about the world's origin \[rad\].
+const CAMERA_SHIFT: f64 = 0.3;
+const CAMERA_TURN: f64 = 0.1;
 /// How long each lasts \[s\].
 const LENGTH: Range<f64> = 0.3..1.6;
 /// From the end of one to the beginning of the next \[s\].
@@ -71,7 +82,7 @@ const ANYWHERE: f64 = 30.0;
 
 impl Disturbance {
     /// Every one.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 20] = [
         Self::FramesLost,
         Self::FramesFrozen,
         Self::FramesLate,
@@ -82,6 +93,7 @@ impl Disturbance {
         Self::CameraBehind,
         Self::CameraEpoch,
         Self::CameraStands,
+        Self::CameraMoved,
         Self::MeasurementNan,
         Self::TicksLate,
         Self::TimeNan,
@@ -89,6 +101,8 @@ impl Disturbance {
         Self::TimeBack,
         Self::TimeAhead,
         Self::ArmPushed,
+        Self::CommandsThinned,
+        Self::CommandsLost,
     ];
 
     /// The state that the book promises at least, `time` \[s\] after it began.
@@ -125,6 +139,11 @@ impl Disturbance {
         )
     }
 
+    /// Returns true if only a robot under torques has it: it has a mass, and a line to its controller.
+    fn is_of_torques(self) -> bool {
+        matches!(self, Self::ArmPushed | Self::CommandsThinned | Self::CommandsLost)
+    }
+
     /// Returns true if the controller has no time, or no measurement, for which it could solve anything.
     pub fn leaves_nothing_to_solve(self) -> bool {
         self == Self::MeasurementNan || self.is_of_time()
@@ -137,7 +156,10 @@ impl Disturbance {
 
     fn state_at_once(self) -> SafetyState {
         match self {
-            Self::FramesLost | Self::FramesAbsurd => SafetyState::Normal,
+            // The last two for good: the one cannot be noticed, the other is bridged.
+            Self::FramesLost | Self::FramesAbsurd | Self::CameraMoved | Self::CommandsThinned => {
+                SafetyState::Normal
+            }
             Self::FramesLate
             | Self::FramesFrozen
             | Self::FramesRepeated
@@ -152,7 +174,8 @@ impl Disturbance {
             | Self::TimeStands
             | Self::TimeBack
             | Self::TimeAhead
-            | Self::ArmPushed => SafetyState::ProtectiveStop,
+            | Self::ArmPushed
+            | Self::CommandsLost => SafetyState::ProtectiveStop,
         }
     }
 }
@@ -171,12 +194,23 @@ pub(super) struct Disturbances {
     last: Option<Percept>,
     /// When the last one was taken that showed the person where they were \[s\].
     shown: f64,
+    /// By how much a camera that was moved sees everybody elsewhere, in the world.
+    camera_error: Isometry3<f64>,
 }
 
 impl Disturbances {
     pub(super) fn new(mut draw: ChaCha8Rng, drive: Drive) -> Self {
         let until = draw.random_range(PAUSE);
-        Self { draw, drive, now: None, since: 0.0, until, last: None, shown: f64::NEG_INFINITY }
+        Self {
+            draw,
+            drive,
+            now: None,
+            since: 0.0,
+            until,
+            last: None,
+            shown: f64::NEG_INFINITY,
+            camera_error: Isometry3::identity(),
+        }
     }
 
     /// Goes on to `time` \[s\]; what has ended there.
@@ -191,9 +225,13 @@ impl Disturbances {
         }
         self.until = time + self.draw.random_range(LENGTH);
         let drawn = Disturbance::ALL[self.draw.random_range(0..Disturbance::ALL.len())];
-        // Nothing pushes a robot that has no mass.
-        let is_felt = self.drive == Drive::Torque || drawn != Disturbance::ArmPushed;
+        let is_felt = self.drive == Drive::Torque || !drawn.is_of_torques();
         self.now = is_felt.then_some(drawn);
+        let aside = self.draw.random_range(-PI..PI);
+        self.camera_error = Isometry3::new(
+            Vector3::new(aside.cos(), aside.sin(), 0.0) * CAMERA_SHIFT,
+            Vector3::z() * self.draw.random_range(-CAMERA_TURN..CAMERA_TURN),
+        );
         None
     }
 
@@ -221,6 +259,7 @@ impl Disturbances {
                 let is_known = percept.time - self.shown < PAUSE.start && percept.body.is_some();
                 is_known.then(|| self.absurd(percept)).into_iter().collect()
             }
+            Some(Disturbance::CameraMoved) => vec![moved(percept, &self.camera_error)],
             Some(Disturbance::CameraAhead) => vec![stamped(&percept, percept.time + 20.0)],
             Some(Disturbance::CameraBehind) => vec![stamped(&percept, percept.time - 20.0)],
             Some(Disturbance::CameraEpoch) => vec![stamped(&percept, percept.time + 1.7e9)],
@@ -257,6 +296,15 @@ impl Disturbances {
         }
     }
 
+    /// The share of the commands that do not arrive.
+    pub(super) fn loss(&self) -> f64 {
+        match self.now {
+            Some(Disturbance::CommandsThinned) => 1.0 / 3.0,
+            Some(Disturbance::CommandsLost) => 1.0,
+            _ => DynamicRobotSettings::default().loss,
+        }
+    }
+
     /// How much later than usual frames arrive \[s\].
     pub(super) fn delay(&self) -> f64 {
         if self.now == Some(Disturbance::FramesLate) { 0.6 } else { 0.0 }
@@ -267,9 +315,17 @@ impl Disturbances {
         let draw = || Vector3::from_fn(|_, _| self.draw.random_range(-ANYWHERE..ANYWHERE));
         let mut drawn = std::iter::repeat_with(draw);
         let away = drawn.find(|away| away.norm() > TOO_FAR).unwrap_or_default();
-        let motion = Isometry3::from(away);
-        Percept { body: percept.body.map(|body| body.transformed(&motion)), ..percept }
+        moved(percept, &away.into())
     }
+
+    /// How the camera sees everybody elsewhere at present.
+    pub(super) fn camera_error(&self) -> Option<&Isometry3<f64>> {
+        (self.now == Some(Disturbance::CameraMoved)).then_some(&self.camera_error)
+    }
+}
+
+fn moved(percept: Percept, motion: &Isometry3<f64>) -> Percept {
+    Percept { body: percept.body.map(|body| body.transformed(motion)), ..percept }
 }
 
 fn stamped(percept: &Percept, time: f64) -> Percept {

@@ -1,22 +1,24 @@
-//! One robot, one person, one controller, for some seconds.
+//! One robot, one controller, a person and those who walk by, for some seconds.
 
-use anyhow::ensure;
+use std::collections::VecDeque;
+
 use ergo_map::ErgonomicsQuadratic;
 use moca_model::whole_body::Model;
-use moca_model::{Controller, ControllerSettings, Goal, MOCA_HOME, SpaceSettings};
+use moca_model::{Controller, ControllerSettings, Goal, HeldObject, MOCA_HOME, SpaceSettings};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use vision_models::{Percept, Tool};
+use vision_models::{Body, Percept, Tool};
 
 use super::disturbance::{Disturbance, Disturbances};
 use super::monitor::{Monitor, Tick};
 use super::task::{POSITION_ROWS, Task};
+use super::witnessed::Witnessed;
 use crate::plant::{Drive, Plant};
 use crate::random;
-use crate::separation::{Moment, body};
+use crate::separation::body;
 use crate::settings::RobotSettings;
-use crate::simulation::{CameraSettings, FRAME_RATE, Joints, Perception, Transport, Wanderer};
+use crate::simulation::{CameraSettings, FRAME_RATE, Perception, Transport, Wanderer};
 
 /// What a generator is for.
 #[derive(Clone, Copy)]
@@ -28,6 +30,7 @@ enum Stream {
     Transport,
     Task,
     Disturbances,
+    PassersBy,
 }
 
 /// No joint is seen farther than this from where it is \[m\]: well within Z_d, the uncertainty
@@ -40,6 +43,13 @@ const ACKNOWLEDGED: f64 = 0.5;
 /// The greatest probability that a joint is missing in a frame.
 const DROP: f64 = 0.1;
 
+/// How many people walk by, at most; streams of random numbers of each.
+const PASSERS_BY: u64 = 2;
+const STREAMS: u64 = 3;
+
+/// For how long the frames of passers-by are kept \[s\]: none arrives later.
+const LATEST: f64 = 2.0;
+
 fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
     random::generator(seed, stream as u64)
 }
@@ -49,8 +59,13 @@ fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
 pub(super) struct Episode {
     plant: Plant,
     pub(super) monitor: Monitor,
-    person: Wanderer,
+    person: Witnessed,
     perception: Perception,
+    passers_by: Vec<Witnessed>,
+    /// The camera, for each of them.
+    cameras: Vec<Perception>,
+    /// What the camera saw of them, and at which tick.
+    frames_of_passers_by: VecDeque<(u64, Vec<Body>)>,
     transport: Transport,
     task: Task,
     disturbances: Disturbances,
@@ -61,10 +76,6 @@ pub(super) struct Episode {
     /// Ticks from a camera frame to the next.
     frame: u64,
     period: f64,
-    /// The person's joints at every tick; whether they jumped there.
-    history: Vec<(Joints, bool)>,
-    /// The tick at which the newest frame was taken that shows the person and has arrived.
-    known: Option<usize>,
     /// Whether a frame has shown all of the person since the robot last forgot who it had seen.
     seen_whole: bool,
 }
@@ -84,6 +95,7 @@ impl Episode {
         let RobotSettings { controller, torque } = robot.clone();
         let position_rows = controller.space.position_rows.max(POSITION_ROWS);
         let space = SpaceSettings { position_rows, ..controller.space };
+        let object = HeldObject::default();
         let settings = ControllerSettings { goal, space, ..controller };
         let robot = Vector2::new(start[0], start[1]);
         let camera = CameraSettings {
@@ -92,26 +104,40 @@ impl Episode {
             ..CameraSettings::default()
         };
         let eyes = draws([Stream::Camera, Stream::Recogniser]);
+        let mut draw = generator(seed, Stream::PassersBy);
+        let (mut passers_by, mut cameras) = (Vec::new(), Vec::new());
+        for number in 0..draw.random_range(0..=PASSERS_BY) {
+            let streams = |index| {
+                let stream = Stream::PassersBy as u64 + 1 + number * STREAMS + index;
+                random::generator(seed, stream)
+            };
+            passers_by.push(Witnessed::new(Wanderer::passing_by(streams(0), robot)));
+            let camera = CameraSettings { drop: 0.0, ..camera };
+            let eyes = [streams(1), streams(2)];
+            cameras.push(Perception::new(camera, 0.0, Tool::Drill, eyes));
+        }
+        let period = settings.period;
+        let mut monitor = Monitor::new(model, &settings, &start)?;
+        let controller = Controller::new(model.clone(), comfort()?, settings, &start)?;
+        monitor.carry(controller.robot().tool(), &object.capsule()?);
+        let mut plant = Plant::with_torques(drive, controller, torque, seed)?;
+        plant.hold(&object)?;
         Ok(Self {
-            monitor: Monitor::new(model, &settings, &start)?,
-            person: Wanderer::new(generator(seed, Stream::Person), robot),
+            monitor,
+            person: Witnessed::new(Wanderer::new(generator(seed, Stream::Person), robot)),
             perception: Perception::new(camera, 0.0, Tool::Drill, eyes),
+            passers_by,
+            cameras,
+            frames_of_passers_by: VecDeque::new(),
             transport: Transport::new(generator(seed, Stream::Transport)),
             task: Task::new(generator(seed, Stream::Task)),
             disturbances: Disturbances::new(generator(seed, Stream::Disturbances), drive),
             ended: 0.0,
             last: 0.0,
-            frame: ticks(1.0 / FRAME_RATE, settings.period),
-            period: settings.period,
-            plant: Plant::with_torques(
-                drive,
-                Controller::new(model.clone(), comfort()?, settings, &start)?,
-                torque,
-                seed,
-            )?,
+            frame: ticks(1.0 / FRAME_RATE, period),
+            period,
+            plant,
             tick: 0,
-            history: Vec::new(),
-            known: None,
             seen_whole: false,
         })
     }
@@ -120,16 +146,19 @@ impl Episode {
     pub(super) fn step(&mut self) -> anyhow::Result<Option<f64>> {
         #[expect(clippy::cast_precision_loss, reason = "an episode lasts seconds")]
         let now = self.tick as f64 * self.period;
-        let tool = self.plant.controller().actual();
-        self.person.advance(now, self.period, tool.translation.vector.xy());
-        self.history.push((self.person.person().joints(), self.person.jumped()));
-        self.check_person()?;
-        self.advance_disturbances(now);
+        // What a person works on, where their hand is then.
+        let hand = self.plant.hand()?;
+        let object = hand.translation.vector.into();
+        let largest = self.plant.controller().settings().safety.separation.human_speed;
+        for person in self.passers_by.iter_mut().chain([&mut self.person]) {
+            person.advance((now, self.period), &object, largest)?;
+        }
+        self.advance_disturbances(now)?;
         self.look(now);
         while let Some(percept) = self.transport.arrived(now) {
             self.receive(percept, now)?;
         }
-        self.task.advance(now, self.plant.controller_mut().space_mut(), &tool)?;
+        self.task.advance(now, self.plant.controller_mut().space_mut(), &hand)?;
         let disturbance = self.disturbances.present(now);
         let is_late = matches!(disturbance, Some((Disturbance::TicksLate, _)));
         let tick_us = if is_late && self.tick % 10 < 4 { None } else { Some(self.control(now)?) };
@@ -153,37 +182,40 @@ impl Episode {
         if !time.is_nan() {
             self.last = time;
         }
+        let contact = self.plant.controller().safety().contact_speed() > 0.0;
+        let passers_by = self.passers_by.iter().map(|person| person.moment(false));
+        let people: Vec<_> = passers_by.chain([self.person.moment(contact)]).collect();
         self.monitor.check(&Tick {
             command: self.plant.command(),
             configuration: self.plant.configuration(),
             reference: self.plant.reference(),
             breaks_torque: self.plant.breaks_torque_limits(),
-            moment: Moment {
-                person: body_at(&self.history, self.history.len() - 1),
-                known: self.known.map(|tick| body_at(&self.history, tick)),
-                contact: self.plant.controller().safety().contact_speed() > 0.0,
-            },
+            people: &people,
             disturbance,
         })?;
         Ok(tick_us)
     }
 
     /// Begins and ends disturbances; some time after one somebody acknowledges what it has left.
-    fn advance_disturbances(&mut self, now: f64) {
+    fn advance_disturbances(&mut self, now: f64) -> anyhow::Result<()> {
         let state = self.plant.command().safety;
         if let Some(ended) = self.disturbances.advance(now) {
             self.monitor.ended.count(ended, state);
             // The robot forgets what was seen at wrong times; who acknowledges looks for people.
             if ended.is_of_time() {
-                (self.known, self.seen_whole) = (None, false);
+                self.passers_by.iter_mut().chain([&mut self.person]).for_each(Witnessed::forget);
+                self.seen_whole = false;
             }
             self.ended = now;
         }
+        self.plant.lose_commands(self.disturbances.loss())?;
         let supervisor = self.plant.controller_mut().safety_mut().supervisor_mut();
         let is_over = self.disturbances.present(now).is_none() && now > self.ended + ACKNOWLEDGED;
         if is_over && supervisor.waits_for_acknowledgement() {
             supervisor.acknowledge();
+            self.plant.recover();
         }
+        Ok(())
     }
 
     /// Gives the controller a frame, or what has become of it.
@@ -191,11 +223,23 @@ impl Episode {
         let disturbance = self.disturbances.present(now);
         let is_seen = percept.body.is_some()
             && !disturbance.is_some_and(|(disturbance, _)| disturbance.hides_the_person());
+        let (time, tick) = (percept.time, ticks(percept.time, self.period));
+        let error = self.disturbances.camera_error().copied().unwrap_or_default();
         if is_seen {
-            self.known = Some(usize::try_from(ticks(percept.time, self.period))?);
+            self.person.show(usize::try_from(tick)?, &error);
         }
+        let passers_by = self.frames_of_passers_by.iter().find(|(taken, _)| *taken == tick);
+        let others: Vec<_> = passers_by
+            .into_iter()
+            .flat_map(|(_, bodies)| bodies.iter().map(|body| body.transformed(&error)))
+            .collect();
         for frame in self.disturbances.frames(percept) {
-            let taken = self.plant.observe(&frame);
+            let others = if frame.time == time { &others[..] } else { &[] };
+            let taken = self.plant.observe_people(&frame, others);
+            if taken.is_ok() && !others.is_empty() {
+                let tick = usize::try_from(tick)?;
+                self.passers_by.iter_mut().for_each(|person| person.show(tick, &error));
+            }
             // The loop goes on without the frames that the controller refuses.
             if disturbance.is_none() && now > self.ended + ACKNOWLEDGED {
                 taken?;
@@ -210,12 +254,24 @@ impl Episode {
             return;
         }
         let forget_after = self.plant.controller().settings().safety.person.forget_after;
-        let unseen_for = self.known.map(|tick| self.history.len() - tick);
-        if unseen_for.is_some_and(|unseen| unseen as u64 >= ticks(forget_after, self.period)) {
+        if self
+            .person
+            .unseen_for()
+            .is_some_and(|unseen| unseen as u64 >= ticks(forget_after, self.period))
+        {
             // Who comes back may be somebody else.
             self.seen_whole = false;
         }
-        let person = &self.person;
+        let others = self.passers_by.iter().zip(&mut self.cameras);
+        let seen = others.filter_map(|(other, camera)| {
+            camera.look(now, other.person.person(), true).and_then(|percept| percept.body)
+        });
+        self.frames_of_passers_by.push_back((self.tick, seen.collect()));
+        let oldest = self.tick.saturating_sub(ticks(LATEST, self.period));
+        while self.frames_of_passers_by.front().is_some_and(|(taken, _)| *taken < oldest) {
+            self.frames_of_passers_by.pop_front();
+        }
+        let person = &self.person.person;
         let mut percept = self.perception.look(now, person.person(), person.is_in_view());
         if let Some(percept) = &mut percept {
             // The robot cannot keep its distance from a part that it has never seen.
@@ -228,22 +284,6 @@ impl Episode {
             percept.body = percept.body.take().filter(|_| self.seen_whole);
         }
         self.transport.send(percept, self.disturbances.delay());
-    }
-
-    /// People keep to the speed that the robot assumes where it measures none; who does not
-    /// would make the soak mean nothing.
-    fn check_person(&self) -> anyhow::Result<()> {
-        let (now, before) = body_at(&self.history, self.history.len() - 1);
-        let Some(before) = before else { return Ok(()) };
-        let largest = self.plant.controller().settings().safety.separation.human_speed;
-        let ends = |joints| body::capsules(joints).into_iter().flat_map(|rod| rod.ends);
-        let speeds = ends(now).zip(ends(before)).map(|(to, from)| (to - from).norm() / self.period);
-        let fastest = speeds.fold(0.0, f64::max);
-        ensure!(
-            fastest <= largest,
-            "a simulated person's part moves at {fastest} m/s, above the {largest} m/s assumed"
-        );
-        Ok(())
     }
 
     /// The first tick with something wrong.
@@ -281,13 +321,6 @@ impl Episode {
 )]
 fn ticks(time: f64, period: f64) -> u64 {
     (time / period).round() as u64
-}
-
-/// The joints at a tick and at the one before, unless the person jumped between them.
-fn body_at(history: &[(Joints, bool)], tick: usize) -> (&Joints, Option<&Joints>) {
-    let (joints, jumped) = &history[tick];
-    let before = tick.checked_sub(1).filter(|_| !jumped).map(|tick| &history[tick].0);
-    (joints, before)
 }
 
 /// The home configuration, somewhere, and a little different; in some episodes outside the range

@@ -1,7 +1,7 @@
 //! The checks of every tick.
 
-use hrsw::SafetyState;
-use moca_model::whole_body::Model;
+use hrsw::{Capsule, SafetyState};
+use moca_model::whole_body::{FrameId, Model};
 use moca_model::{Command, ControllerSettings};
 use serde::{Deserialize, Serialize};
 
@@ -83,8 +83,8 @@ pub struct Tick<'a> {
     pub reference: &'a [f64],
     /// Whether torques broke a limit; none without torques.
     pub breaks_torque: Option<bool>,
-    /// The person.
-    pub moment: Moment<'a>,
+    /// Everybody.
+    pub people: &'a [Moment<'a>],
     /// What is wrong with the loop at present, and for how long already \[s\].
     pub disturbance: Option<(Disturbance, f64)>,
 }
@@ -131,6 +131,11 @@ impl Monitor {
         })
     }
 
+    /// The robot holds this, too, in the frame `tool`.
+    pub fn carry(&mut self, tool: FrameId, object: &Capsule) {
+        self.separation.carry(tool, std::slice::from_ref(object));
+    }
+
     /// Checks a tick.
     ///
     /// # Errors
@@ -152,7 +157,8 @@ impl Monitor {
             return Ok(());
         }
 
-        let free = command.safety == SafetyState::Normal && tick.moment.known.is_none();
+        let knows_nobody = tick.people.iter().all(|moment| moment.known.is_none());
+        let free = command.safety == SafetyState::Normal && knows_nobody;
         let returning = if free { Return::Free } else { Return::Hindered };
         let breaches = self.limits.check(command, tick.reference, returning);
         counts.limit_violations += u64::from(breaches.limit || breaches.range && !is_settling);
@@ -162,7 +168,7 @@ impl Monitor {
         counts.discontinuities += u64::from(breaches.desired_acceleration);
 
         let velocity = &command.joint_velocity;
-        let verdict = self.separation.check(velocity, tick.configuration, Some(&tick.moment))?;
+        let verdict = self.separation.check(velocity, tick.configuration, tick.people)?;
         let collides = self.collides(is_settling);
         let counts = &mut self.counts;
         counts.separation_violations += u64::from(verdict.violation.is_some());
@@ -194,10 +200,11 @@ impl Monitor {
         false
     }
 
-    /// A joint goes on for as long as the next command is late, or somebody pushes it, which may take it out of
-    /// its range. Returns true if that, and its braking, may be so.
+    /// A joint goes on for as long as the next command is late, somebody pushes it, or the robot brakes by itself,
+    /// which may take it out of its range. Returns true if that, and its braking, may be so.
     fn settle(&mut self, tick: &Tick<'_>) -> bool {
-        if matches!(tick.disturbance, Some((Disturbance::TicksLate | Disturbance::ArmPushed, _))) {
+        use Disturbance::{ArmPushed, CommandsLost, TicksLate};
+        if matches!(tick.disturbance, Some((TicksLate | ArmPushed | CommandsLost, _))) {
             self.settling = SETTLING;
         }
         let is_settling = self.settling > 0;

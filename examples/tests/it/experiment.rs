@@ -4,7 +4,7 @@ use std::fs;
 
 use examples::experiment::reorientation::{Reorientation, ReorientationResult, Trial};
 use examples::experiment::{
-    Conditions, DistanceMonitor, Experiment, Job, Sight, Spread, Versus, Walk, following,
+    Conditions, DistanceMonitor, Experiment, Job, Player, Sight, Spread, Versus, Walk, following,
     reorientation, subjects,
 };
 use examples::plant::Drive;
@@ -17,18 +17,22 @@ use vision_models::{Action, Body25};
 
 use crate::support::{Runs, average_map};
 
+fn player() -> Player {
+    Player::new(Interrupt::default())
+}
+
 const KINEMATIC: Conditions = Conditions { drive: Drive::Kinematic, sight: Sight::Modelled };
 
 #[test]
 fn cases_do_not_depend_on_how_many_there_are() {
     let walkers = |seed, count| -> Vec<_> {
-        following::cases(seed, count, 30.0).into_iter().map(|case| case.walker).collect()
+        following::cases(seed, count, 30.0).into_iter().map(|case| case.person).collect()
     };
     assert_eq!(walkers(3, 5)[..2], walkers(3, 2)[..]);
     assert_ne!(walkers(3, 2), walkers(4, 2));
     let (few, more) = (reorientation::cases(3, 2), reorientation::cases(3, 5));
     for (few, more) in few.iter().zip(&more) {
-        assert_eq!((few.number, few.front, &few.walker), (more.number, more.front, &more.walker));
+        assert_eq!((few.number, few.front, &few.person), (more.number, more.front, &more.person));
     }
     // Ten people, each as often.
     let of = |subject| subjects::cases(1, 21).iter().filter(|case| case.subject == subject).count();
@@ -41,8 +45,8 @@ fn cases_do_not_depend_on_how_many_there_are() {
 fn the_right_surface_comes_before_the_person() {
     let cases = reorientation::cases(1, 8);
     let other = cases.iter().find(|case| case.front != cases[0].front).unwrap();
-    let trials = [&cases[0], other]
-        .map(|case| case.play(average_map(), KINEMATIC, &Interrupt::default()).unwrap());
+    let trials =
+        [&cases[0], other].map(|case| case.play(average_map(), KINEMATIC, &mut player()).unwrap());
     let result = ReorientationResult::new(trials.clone().into());
     let (on, off) = (&result.turns_on, &result.turns_off);
     assert_eq!(
@@ -65,7 +69,8 @@ fn the_right_surface_comes_before_the_person() {
 fn merged_is_the_whole(trials: &[Trial], whole: &ReorientationResult) {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let job = Job { seed: 1, cases: 2, duration: 30.0, conditions: KINEMATIC };
+    let job =
+        Job { seed: 1, cases: 2, duration: 30.0, conditions: KINEMATIC, recordings: Vec::new() };
     let files = ["1/2", "2/2"].map(|shard| (shard, path(&shard.replace('/', "-"))));
     for ((shard, file), (number, trial)) in files.iter().zip((0..).zip(trials)) {
         let part = Part {
@@ -94,7 +99,7 @@ fn merged_is_the_whole(trials: &[Trial], whole: &ReorientationResult) {
 fn the_same_case_twice_gives_the_same_bits() {
     let case = &following::cases(5, 1, 8.0)[0];
     let play = || {
-        let [on, off] = case.play(average_map(), KINEMATIC, &Interrupt::default()).unwrap();
+        let [on, off] = case.play(average_map(), KINEMATIC, &mut player()).unwrap();
         [on.score_mean, on.outside, on.tracking_error_rms_mm, off.score_mean].map(f64::to_bits)
     };
     assert_eq!(play(), play());

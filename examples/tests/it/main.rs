@@ -13,6 +13,7 @@ mod classify;
 mod convert;
 mod ergo_map;
 mod experiment;
+mod experiment_recordings;
 mod follow;
 mod hqp;
 mod ik;

@@ -83,12 +83,14 @@ fn what_is_read_back_is_what_went_in() {
     let (replay, rows) = recorded(|_| ());
     let row = ResultRow { name: "e_s".to_owned(), digits: 2, values: vec![Some(0.25)] };
     let summary = serde_json::json!({ "score_mean_on": 0.25 });
-    let results = Results { rows: vec![row], summary: summary.clone() };
+    let text = "of all".to_owned();
+    let results = Results { rows: vec![row], summary: summary.clone(), text };
     let text = page("A walk </script>", &[&replay], &results).unwrap();
     let data = data_of(&text);
     assert!(text.contains("<h1>A walk &lt;/script&gt;</h1>"));
     assert_eq!(data["results"]["summary"], summary);
     assert_eq!(data["results"]["rows"][0]["values"][0], 0.25);
+    assert_eq!(data["results"]["text"], "of all");
 
     let samples = &data["runs"][0]["samples"];
     let sampled: Vec<&TickRow> = rows.iter().step_by(STRIDE).collect();

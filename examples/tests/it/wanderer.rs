@@ -3,7 +3,7 @@
 use examples::simulation::{
     CameraSettings, FRAME_RATE, Joints, Perception, Person, Transport, Wanderer,
 };
-use nalgebra::Vector2;
+use nalgebra::{Point3, Vector2};
 use proptest::prelude::*;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use vision_models::{Body25, Percept, Tool};
@@ -14,13 +14,15 @@ fn draw(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
 }
 
-/// Twelve seconds of a wanderer around a tool at (1, 0), tick by tick.
+/// What they work on.
+const OBJECT: Point3<f64> = Point3::new(1.0, 0.0, 1.0);
+
+/// Twelve seconds of a wanderer around an object, tick by tick.
 fn wander(seed: u64, mut each: impl FnMut(f64, &Wanderer)) {
-    let tool = Vector2::new(1.0, 0.0);
-    let mut wanderer = Wanderer::new(draw(seed), tool);
+    let mut wanderer = Wanderer::new(draw(seed), OBJECT.coords.xy());
     for tick in 0..12_000 {
         let time = f64::from(tick) * PERIOD;
-        wanderer.advance(time, PERIOD, tool);
+        wanderer.advance(time, PERIOD, &OBJECT);
         each(time, &wanderer);
     }
 }

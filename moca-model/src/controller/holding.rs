@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::Controller;
+use super::looking::SeenSurface;
 use super::turning::HandTurn;
 use crate::error::Error;
 use crate::held_object::{BoxSide, HeldObject};
@@ -24,6 +25,7 @@ impl Controller {
             self.safety.hold(self.robot.bodies().get(..count).unwrap_or_default());
         }
         self.object = Some(object);
+        self.seen_surface = SeenSurface::default();
         self.turn_to(shown)
     }
 

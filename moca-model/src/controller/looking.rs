@@ -1,20 +1,33 @@
 //! Which surface of the object is on which side: what the on-board camera tells.
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 use vision_models::{Percept, Surface};
 
 use super::Controller;
+use crate::error::Error;
 use crate::held_object::BoxSide;
-use crate::interaction::Phase;
+use crate::interaction::{Phase, Sight};
 
 /// A side faces the camera if the cosine of the angle between its normal and the way to the camera is at
 /// least this: within 60°.
 const FACES: f64 = 0.5;
 
-/// A surface that is seen where another was taken to be, and since when \[s\].
+/// What the camera has seen of the object.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct SeenSurface {
+    /// A surface that is seen where another was taken to be, and since when \[s\].
     since: Option<(f64, BoxSide, Surface)>,
+    /// Whether the camera has confirmed or mended what was taken to be where.
+    known: bool,
+}
+
+/// The worked side of the object that is turned to the camera most.
+struct NearestSide {
+    side: BoxSide,
+    /// Out of the side, in the world.
+    normal: Vector3<f64>,
+    /// From the middle of the object to the camera, of length 1, in the world.
+    way: Vector3<f64>,
 }
 
 impl Controller {
@@ -30,8 +43,10 @@ impl Controller {
             return;
         };
         let Some(object) = &mut self.object else { return };
-        if object.surface_of(side).is_none_or(|known| known == seen.surface) {
+        let known = object.surface_of(side);
+        if known.is_none_or(|known| known == seen.surface) {
             self.seen_surface.since = None;
+            self.seen_surface.known |= known.is_some();
             return;
         }
         let since = match self.seen_surface.since {
@@ -41,12 +56,47 @@ impl Controller {
         self.seen_surface.since = Some((since, side, seen.surface));
         if percept.time - since >= settings.dwell {
             object.identify(side, seen.surface);
-            self.seen_surface.since = None;
+            self.seen_surface = SeenSurface { since: None, known: true };
         }
+    }
+
+    /// What the camera knows of the object.
+    pub(super) fn sight(&self) -> Sight {
+        let wants = self.settings.on_board_camera.is_some() && self.object.is_some();
+        if !wants || self.seen_surface.known {
+            Sight::Known
+        } else if self.side_that_faces_camera().is_some() {
+            Sight::Facing
+        } else {
+            Sight::Hidden
+        }
+    }
+
+    /// Turns the object about the vertical until the side that is turned to the camera most faces it, if it is
+    /// time for that. The base, which carries the camera, turns along in time: so the goal moves from frame to
+    /// frame.
+    pub(super) fn turn_to_camera(&mut self) -> Result<(), Error> {
+        if self.interaction.phase() != Phase::Looking || self.sight() != Sight::Hidden {
+            return Ok(());
+        }
+        let Some(NearestSide { normal, way, .. }) = self.side_nearest_to_camera() else {
+            return Ok(());
+        };
+        let angle = normal.xy().perp(&way.xy()).atan2(normal.xy().dot(&way.xy()));
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+        let workspace = self.space.workspace();
+        let world = workspace.world_from_workspace().rotation;
+        let goal = world.inverse() * turn * world * workspace.reference();
+        Ok(self.space.moving_mut().reorient(goal, &Vector3::z_axis())?)
     }
 
     /// The worked side of the object that faces the on-board camera, if there is a camera and one does.
     fn side_that_faces_camera(&self) -> Option<BoxSide> {
+        let nearest = self.side_nearest_to_camera()?;
+        (nearest.normal.dot(&nearest.way) >= FACES).then_some(nearest.side)
+    }
+
+    fn side_nearest_to_camera(&self) -> Option<NearestSide> {
         let (object, camera) = (self.object.as_ref()?, self.settings.on_board_camera?);
         let camera = Vector3::from(camera);
         let [x, y, yaw, ..] = self.reference[..] else { return None };
@@ -59,9 +109,10 @@ impl Controller {
         let tool = self.robot.world_from_tool();
         let middle = (tool * object.tool_from_object).translation.vector;
         let way = (camera - middle).try_normalize(0.0)?;
-        let cosine = |side: BoxSide| (tool.rotation * *object.out_of(side)).dot(&way);
-        let sides = object.faces.iter().map(|face| (face.side, cosine(face.side)));
-        let best = sides.max_by(|(_, one), (_, other)| one.total_cmp(other))?;
-        (best.1 >= FACES).then_some(best.0)
+        let sides = object.faces.iter().map(|face| {
+            let normal = tool.rotation * *object.out_of(face.side);
+            NearestSide { side: face.side, normal, way }
+        });
+        sides.max_by(|one, other| one.normal.dot(&way).total_cmp(&other.normal.dot(&way)))
     }
 }

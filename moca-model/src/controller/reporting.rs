@@ -28,6 +28,14 @@ impl Controller {
         self.report(Fault::StopRequested);
     }
 
+    /// Tells the controller that the robot takes no commands in the coming tick, because it stopped by itself. The
+    /// commanded state then starts anew from the measured one, so that nothing is made up for afterwards, and
+    /// the robot stands until somebody acknowledges.
+    pub fn robot_stopped(&mut self) {
+        self.leash.resynchronise();
+        self.report(Fault::RobotStopped);
+    }
+
     /// Tells the supervisor what went wrong.
     pub(crate) fn report(&mut self, fault: Fault) {
         self.safety.report(fault);

@@ -76,10 +76,13 @@ impl Controller {
             holds: self.object.is_some(),
             mismatch,
             arrived: self.has_arrived(),
+            sight: self.sight(),
         };
         let transition = self.interaction.advance(&situation);
-        if let Some(Phase::Turning { to }) = transition.map(|transition| transition.to) {
-            self.turn_to(to)?;
+        match transition.map(|transition| (transition.from, transition.to)) {
+            Some((_, Phase::Turning { to })) => self.turn_to(to)?,
+            Some((Phase::Looking, _)) => self.turn_to(self.shown)?,
+            _ => {}
         }
         self.transition = transition;
         Ok(())

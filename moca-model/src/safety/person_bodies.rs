@@ -92,15 +92,32 @@ impl PersonBodies {
         Age::new((now - self.plausible).max(0.0)).unwrap_or(Age::NEVER)
     }
 
-    /// Takes a camera frame, and the tracked person at its time. Joints that it misses move along
-    /// with the trunk.
+    /// Takes a camera frame, and the tracked person at its time.
     pub(super) fn observe(&mut self, percept: &Percept, tracked: Option<&TrackedPerson>) {
-        let time = percept.time;
-        // A frame without anybody says nothing of who was seen before.
-        let Some(body) = &percept.body else {
-            self.plausible = time;
-            return;
-        };
+        match &percept.body {
+            Some(body) => self.see(percept.time, body, tracked),
+            // A frame without anybody says nothing of who was seen before.
+            None => self.plausible = percept.time,
+        }
+    }
+
+    /// Whether nobody is known here.
+    pub(super) fn is_empty(&self) -> bool {
+        self.joints.iter().all(Option::is_none)
+    }
+
+    /// How far a body of a frame of this time is from where the person was seen last, if they can have gone
+    /// there \[m\].
+    pub(super) fn way_to(&self, time: f64, body: &Body) -> Option<f64> {
+        let (places, least) = (self.places(), self.settings.least_confidence);
+        // By the trunk, or by what else is seen.
+        let by = |joints: &[Body25]| displacement_of(joints, body, &places, least);
+        let way = by(&ROOT).or_else(|| by(&Body25::ALL))?.norm();
+        (way <= self.settings.jump_speed * (time - self.newest) + NOISE).then_some(way)
+    }
+
+    /// Takes the body of a frame. Joints that it misses move along with the trunk.
+    pub(super) fn see(&mut self, time: f64, body: &Body, tracked: Option<&TrackedPerson>) {
         let doubtful = self.doubtful.take();
         let least = self.settings.least_confidence;
         let reach = |elapsed: f64| self.settings.jump_speed * elapsed + NOISE;
@@ -293,16 +310,26 @@ fn covered_by_reaction(age: f64, separation: &SeparationSettings) -> f64 {
     age.clamp(0.0, separation.reaction_time)
 }
 
-/// How far the trunk of `body` is from where it was `before`: the median of its joints, by axis, so that one that
-/// is misplaced does not count.
+/// How far the trunk of `body` is from where it was `before`; zero where it is not seen.
 fn displacement(
     body: &Body,
     before: &[Option<Vector3<f64>>; Body25::COUNT],
     least_confidence: f64,
 ) -> Vector3<f64> {
-    let mut moved = [Vector3::zeros(); ROOT.len()];
+    displacement_of(&ROOT, body, before, least_confidence).unwrap_or_default()
+}
+
+/// How far `joints` of a body are from where they were `before`: the median of those seen both times, by axis, so
+/// that one that is misplaced does not count.
+fn displacement_of(
+    joints: &[Body25],
+    body: &Body,
+    before: &[Option<Vector3<f64>>; Body25::COUNT],
+    least_confidence: f64,
+) -> Option<Vector3<f64>> {
+    let mut moved = [Vector3::zeros(); Body25::COUNT];
     let mut count = 0;
-    for joint in ROOT {
+    for &joint in joints {
         let now = place(body, joint, least_confidence);
         if let (Some(now), Some(before)) = (now, before[joint as usize])
             && let Some(slot) = moved.get_mut(count)
@@ -311,11 +338,9 @@ fn displacement(
             count += 1;
         }
     }
-    let Some(moved) = moved.get_mut(..count).filter(|moved| !moved.is_empty()) else {
-        return Vector3::zeros();
-    };
-    Vector3::from_fn(|axis, _| {
+    let moved = moved.get_mut(..count).filter(|moved| !moved.is_empty())?;
+    Some(Vector3::from_fn(|axis, _| {
         moved.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
         moved[moved.len() / 2][axis]
-    })
+    }))
 }

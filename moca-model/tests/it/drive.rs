@@ -55,6 +55,8 @@ pub(crate) struct Drive {
     /// Where the person truly stands, and whether the camera works.
     pub(crate) person: Option<f64>,
     pub(crate) camera: bool,
+    /// Where others stand.
+    pub(crate) others: Vec<f64>,
     /// Of the ticks, and of the camera, against the true time [s].
     pub(crate) clock: Clock,
     pub(crate) stamp: Clock,
@@ -87,6 +89,7 @@ impl Drive {
             tick: 0,
             person: None,
             camera: true,
+            others: Vec::new(),
             clock: |time| time,
             stamp: |time| time,
             velocity: vec![0.0; 10],
@@ -100,7 +103,9 @@ impl Drive {
 
     /// A camera frame as it is now; what the controller says to it.
     pub(crate) fn see(&mut self) -> Result<(), Error> {
-        self.controller.observe(&percept((self.stamp)(self.time()), self.person))
+        let percept = percept((self.stamp)(self.time()), self.person);
+        let others: Vec<_> = self.others.iter().map(|&x| body(x)).collect();
+        self.controller.observe_people(&percept, &others)
     }
 
     /// One period, with the configuration measured as it is.
@@ -177,9 +182,13 @@ impl Drive {
         drive
     }
 
-    /// Between the robot as it truly is and the trunk of the true person.
+    /// Between the robot as it truly is and the nearest trunk of the true people.
     pub(crate) fn distance(&self) -> f64 {
-        let Some(x) = self.person else { return f64::INFINITY };
+        let people = self.person.iter().chain(&self.others);
+        people.fold(f64::INFINITY, |least, x| least.min(self.distance_to(*x)))
+    }
+
+    fn distance_to(&self, x: f64) -> f64 {
         let trunk =
             Capsule::new(Vector3::new(x, 0.0, 0.9), Vector3::new(x, 0.0, 1.5), 0.15).unwrap();
         let mut data = Data::new(&self.model);

@@ -383,7 +383,7 @@ fn scenarios() -> BTreeMap<String, Scenario> {
         drive.controller.step(now, &measured).unwrap();
         drive.obey(PERIOD);
     }
-    let scenarios: [(Fault, Scenario); 16] = [
+    let scenarios: [(Fault, Scenario); 18] = [
         (ClockFault::NotFinite.into(), |drive| clock(drive, f64::NAN)),
         (ClockFault::StandsStill.into(), |drive| clock(drive, drive.time() - PERIOD)),
         (ClockFault::SetBack.into(), |drive| clock(drive, drive.time() - 5.0)),
@@ -400,11 +400,26 @@ fn scenarios() -> BTreeMap<String, Scenario> {
             frame(drive, drive.controller.clock().newest().unwrap());
         }),
         (FrameFault::OutOfOrder.into(), |drive| frame(drive, drive.time() - 0.2)),
+        (Fault::TooManyPeople, |drive| {
+            // Far away, and apart from each other.
+            let seen = |place: f64| percept(0.0, Some(place)).body.unwrap();
+            let others: Vec<_> = (0..5).map(|who| seen(100.0 + 10.0 * f64::from(who))).collect();
+            drive.camera = false;
+            let frame = percept(drive.time(), drive.person);
+            let error = drive.controller.observe_people(&frame, &others).unwrap_err();
+            assert!(matches!(error, Error::TooManyPeople { got: 5, left_out: 1, most: 4 }));
+            drive.step();
+            drive.camera = true;
+        }),
         (Fault::BadMeasurement, |drive| drive.step_with(&[f64::INFINITY; 10])),
         (Fault::FollowingError, |drive| {
             let mut pushed = drive.robot.position().to_vec();
             pushed[4] += 0.2;
             drive.step_with(&pushed);
+        }),
+        (Fault::RobotStopped, |drive| {
+            drive.controller.robot_stopped();
+            drive.step();
         }),
         (Fault::ContactForce, |drive| {
             // What a torque controller does with the force that it observes.
@@ -482,5 +497,41 @@ fn every_fault_does_what_the_table_of_the_book_says() {
         }
         assert_eq!(drive.state(), SafetyState::Normal, "{name}");
         assert!(drive.fastest() > 0.1, "{name}: it goes on");
+    }
+}
+
+/// Each fault of the table while the robot drives towards somebody, with frames of them afterwards and without: the
+/// state is there within 0.2 s, and every tick finds the robot away from them.
+#[test]
+fn no_fault_runs_the_robot_into_a_person_in_the_way() {
+    for (name, make) in scenarios() {
+        let fault = *Fault::ALL.iter().find(|fault| fault.to_string() == name).unwrap();
+        for sees in [true, false] {
+            // This one brings a person of its own.
+            let mut drive = match fault {
+                Fault::NoSolution => Drive::fast(),
+                _ => Drive::towards_a_person(),
+            };
+            drive.run(0.2);
+            make(&mut drive);
+            assert!(drive.person.is_some(), "{name}");
+            let offset = drive.controller.clock().now().unwrap() + PERIOD - drive.time();
+            let (begin, mut state) = (drive.time(), drive.state());
+            while drive.time() < begin + if sees { 0.7 } else { 2.2 } {
+                if drive.time() < begin + 0.2 {
+                    state = state.max(drive.state());
+                }
+                if sees {
+                    drive.go_on(offset, PERIOD);
+                } else {
+                    let measured = drive.robot.position().to_vec();
+                    drive.controller.step(drive.time() + offset, &measured).unwrap();
+                    drive.obey(PERIOD); // away from the person
+                    drive.tick += 1;
+                }
+            }
+            assert!(state >= fault.state(), "{name}: {state:?}");
+            assert!(sees || drive.fastest() == 0.0, "{name}: without frames it stands");
+        }
     }
 }

@@ -3,12 +3,14 @@
 use ergo_map::ErgonomicsQuadratic;
 use moca_model::whole_body::Data;
 use moca_model::{
-    BoxSide, Controller, ControllerSettings, Error, HandSettings, HeldObject, MOCA_HOME,
-    SimulatedRobot, TorqueController, TorqueLoopSettings, WorkFace,
+    BoxSide, Controller, ControllerSettings, Error, HandSettings, HeldObject, MOCA_HOME, Phase,
+    Reason, SimulatedRobot, TorqueController, TorqueLoopSettings, WorkFace,
 };
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use proptest::prelude::*;
-use vision_models::{Action, Surface, Tool, WalkingDirection};
+use vision_models::{
+    Action, Confidence, Percept, RecognisedSurface, Surface, Tool, WalkingDirection,
+};
 
 use crate::drive::doing;
 use crate::shared::MOCA;
@@ -18,11 +20,16 @@ const SIDES: [BoxSide; 6] =
     [BoxSide::Front, BoxSide::Back, BoxSide::Left, BoxSide::Right, BoxSide::Top, BoxSide::Bottom];
 
 fn controller() -> Controller {
+    controller_with(None)
+}
+
+fn controller_with(on_board_camera: Option<[f64; 3]>) -> Controller {
     let hessian = Matrix3::identity() * 8.0;
     let best = Vector3::new(0.35, -0.1, 1.1);
     let least = 0.5 * best.dot(&(hessian * best));
     let comfort = ErgonomicsQuadratic::new(hessian, -(hessian * best), least).unwrap();
-    Controller::new(MOCA.clone(), comfort, ControllerSettings::default(), &MOCA_HOME).unwrap()
+    let settings = ControllerSettings { on_board_camera, ..ControllerSettings::default() };
+    Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME).unwrap()
 }
 
 proptest! {
@@ -164,5 +171,67 @@ fn objects_that_are_none_are_named_and_change_nothing() {
     ] {
         let settings = ControllerSettings { hand, ..ControllerSettings::default() };
         assert!(matches!(settings.validate(), Err(Error::Setting { .. })));
+    }
+}
+
+/// How nearly a side of the object faces the camera, from the configuration alone: the cosine of the angle
+/// between the way out of it and the way to the camera.
+fn facing(q: &[f64], object: &HeldObject, camera: [f64; 3]) -> f64 {
+    let mut data = Data::new(&MOCA);
+    let posed = data.pose(&MOCA, q).unwrap();
+    let base = Isometry3::new(Vector3::new(q[0], q[1], 0.0), Vector3::z() * q[2]);
+    let tool = posed.world_from(MOCA.frame_id(moca_model::MOCA_TOOL).unwrap()).unwrap();
+    let middle = (tool * object.tool_from_object).translation.vector;
+    let way = (base * Point3::from(camera)).coords - middle;
+    let cosines = object.faces.iter().map(|face| {
+        let normal = tool.rotation * object.tool_from_object.rotation * face.side.normal();
+        normal.dot(&way) / way.norm()
+    });
+    cosines.fold(-1.0, f64::max)
+}
+
+/// Held edgeways to its camera, the object is turned until a side is seen, and then back.
+#[test]
+fn an_object_that_was_not_seen_is_turned_to_the_camera_while_nobody_works() {
+    let camera = [0.6, 3.0, 1.1];
+    let object = HeldObject::default();
+    for eye in [Some(camera), None] {
+        let mut controller = controller_with(eye);
+        controller.hold(object.clone()).unwrap();
+        let mut robot = SimulatedRobot::new(&MOCA, &MOCA_HOME).unwrap();
+        assert!(facing(&MOCA_HOME, &object, camera) < 0.3);
+        let (mut best, mut phases) = (0.0_f64, Vec::new());
+        for tick in 0..8000_u32 {
+            let now = f64::from(tick) * PERIOD;
+            if tick.is_multiple_of(50) {
+                // The network is slow, and sees what is there.
+                let seen = now > 3.0 && facing(robot.position(), &object, camera) >= 0.5;
+                let confidence = Confidence::new(0.9).unwrap();
+                let surface =
+                    seen.then_some(RecognisedSurface { surface: Surface::Drilled, confidence });
+                let percept = Percept { time: now, body: None, action: None, surface };
+                controller.observe(&percept).unwrap();
+            }
+            controller.step(now, robot.position()).unwrap();
+            phases.extend(controller.command().transition.map(|t| (t.from, t.to, t.reason)));
+            let velocity = controller.command().joint_velocity.clone();
+            robot.step(&velocity, PERIOD).unwrap();
+            best = best.max(facing(robot.position(), &object, camera));
+        }
+        // The workspace is as it was.
+        let goal = controller.space().moving().reference_goal();
+        assert!(goal.angle_to(&controller.settings().space.tool) < 1e-9);
+        if eye.is_none() {
+            assert!(phases.is_empty() && best < 0.3, "{phases:?} {best}");
+            continue;
+        }
+        assert_eq!(
+            phases,
+            [
+                (Phase::Apart, Phase::Looking, Reason::Hidden),
+                (Phase::Looking, Phase::Apart, Reason::Seen)
+            ]
+        );
+        assert!(best >= 0.5, "{best}");
     }
 }

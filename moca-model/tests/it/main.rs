@@ -10,6 +10,7 @@ mod golden;
 mod held_object;
 mod properties;
 mod safety;
+mod several_people;
 mod shared;
 mod simulation;
 mod stack_changes;

@@ -304,3 +304,53 @@ fn joints_that_nobody_knows_are_refused() {
     let error = new(TorqueLoopSettings { observer_rates: vec![0.0; 7], ..default() });
     assert!(error.contains("rate of joint 1"), "{error}");
 }
+
+/// As libfranka's robots bridge them.
+#[test]
+fn lost_commands_are_bridged_until_the_robot_stops_and_says_so() {
+    let mut robot = Loop::new(ControllerSettings::default());
+    let middle = robot.tool() + Vector3::new(1.0, 0.3, 0.1);
+    robot.assign(middle);
+    robot.run(1.0);
+    assert!(robot.robot.lose(1.5).is_err() && robot.robot.lose(f64::NAN).is_err());
+    // Half of all commands: never twenty in a row, and the robot follows.
+    robot.robot.lose(0.5).unwrap();
+    robot.run(1.0);
+    assert!(!robot.robot.is_stopped() && robot.excursion() < 5e-3, "{}", robot.excursion());
+    assert_eq!((robot.state(), robot.cause()), (SafetyState::Normal, None));
+
+    // All: after twenty the robot brakes by itself and the controller hears of it.
+    let speed = |robot: &Loop| {
+        let velocity = robot.robot.simulation().velocity().iter();
+        velocity.fold(0.0, |most: f64, velocity| most.max(velocity.abs()))
+    };
+    assert!(speed(&robot) > 0.1, "it moves: {}", speed(&robot));
+    robot.robot.lose(1.0).unwrap();
+    let step = |robot: &mut Loop| {
+        if robot.robot.is_stopped() {
+            robot.controller.controller_mut().robot_stopped();
+        }
+        robot.step();
+    };
+    for tick in 1..3000 {
+        step(&mut robot);
+        assert_eq!(robot.robot.is_stopped(), tick >= 20, "tick {tick}");
+        let expected = if tick > 20 { SafetyState::ProtectiveStop } else { SafetyState::Normal };
+        assert_eq!(robot.state(), expected, "tick {tick}");
+    }
+    assert_eq!(robot.cause(), Some(Fault::RobotStopped));
+    assert!(speed(&robot) < 1e-3, "it stands: {}", speed(&robot));
+
+    // Recovered, it makes up for nothing; acknowledged, it goes on.
+    let at = robot.tool();
+    robot.robot.lose(0.0).unwrap();
+    robot.robot.recover();
+    robot.run(0.5);
+    assert!((robot.tool() - at).norm() < 5e-3, "{} m", (robot.tool() - at).norm());
+    let supervisor = robot.controller.controller_mut().safety_mut().supervisor_mut();
+    supervisor.acknowledge();
+    robot.assign(at + Vector3::new(-1.0, 0.0, 0.0));
+    robot.run(3.0);
+    assert_eq!(robot.state(), SafetyState::Normal);
+    assert!((robot.tool() - at).norm() > 0.1, "{} m", (robot.tool() - at).norm());
+}

@@ -121,6 +121,7 @@ pub use robot::joint::{Joint, JointId, JointKind, MimicJoint};
 pub use robot::limits::{JointLimits, LimitOverride, MissingAcceleration, UnusableLimits};
 pub use robot::model::Model;
 pub use robot::warning::{InertiaFault, Warning};
+pub use simulation::command_line::CommandLine;
 pub use simulation::contact::Contact;
 pub use simulation::rigid_body::{JointDrive, RigidBodySimulation};
 pub use simulation::sensors::{RandomSource, SensorSettings, Sensors};

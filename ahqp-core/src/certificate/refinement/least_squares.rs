@@ -1,9 +1,9 @@
 //! Weighted least squares in what a span leaves free.
 
-use super::DEPENDENT;
 use super::double_double::DoubleDouble;
 use super::row::Row;
 use super::span::{Span, add_scaled, dot, length, take_off};
+use crate::certificate::tolerances::DEPENDENT;
 
 /// The step of least norm, orthogonal to `span`, that minimises ½ Σ w (a d + r)² + cᵀd over rows with residuals
 /// r; where c falls for ever, a direction along which it does. Rows may [depend](DEPENDENT)

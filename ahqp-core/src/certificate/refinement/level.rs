@@ -6,18 +6,9 @@
 
 use super::double_double::DoubleDouble;
 use super::least_squares;
-use super::row::{ROUNDING, Row};
+use super::row::Row;
 use super::span::{Span, add_scaled, dot, length};
-
-/// Of a row, less is rounding of its data, even where it stands in the way.
-pub(super) const NOTHING: f64 = 1e-12;
-/// Of the longest vector, a shorter step is rounding.
-const NO_STEP: f64 = 1e-26;
-/// Where forces differ much, a step shorter than this is rounding too if it is no shorter than half of the
-/// one before.
-const FAINT_STEP: f64 = 1e-20;
-/// Iterations, in numbers of rows, after which the search is given up.
-const EFFORT: usize = 8;
+use crate::certificate::tolerances::{EFFORT, FAINT_STEP, NO_STEP, NOTHING, SUM};
 
 /// The bound at which a working row is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -122,7 +113,7 @@ impl Search<'_> {
         violated: &[(&Row, DoubleDouble)],
     ) -> Multipliers {
         let mut gradient = self.linear.to_vec();
-        let mut rounding = ROUNDING * length(self.linear);
+        let mut rounding = SUM * length(self.linear);
         for &(row, violation) in violated {
             add_scaled(&mut gradient, DoubleDouble::from(row.weight) * violation, &row.a);
             rounding += row.weight * row.norm * row.rounding();

@@ -5,11 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::double_double::DoubleDouble;
 use super::row::Row;
 use super::span::{add_scaled, length};
-
-/// Of their own diagonal entries, pivots below this are zero.
-const NO_PIVOT: f64 = 1e-12;
-/// Of the gradient, what outside the range of the Hessian is rounding.
-const OUTSIDE: f64 = 1e-9;
+use crate::certificate::tolerances::{NO_PIVOT, OUTSIDE};
 
 /// ½‖R x − b‖² + dᵀx is the quadratic but for a constant, d outside the range of the Hessian: by a pivoted
 /// Cholesky factorisation.

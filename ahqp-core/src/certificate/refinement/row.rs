@@ -2,10 +2,7 @@
 
 use super::double_double::DoubleDouble;
 use super::span::{dot, length};
-
-/// Of the terms of a sum, what double-double arithmetic may leave of zero: 1e-32 an operation, with room
-/// for a thousand of them.
-pub(super) const ROUNDING: f64 = 1e-29;
+use crate::certificate::tolerances::SUM;
 
 /// lower ≤ a p ≤ upper for a step p.
 #[derive(Debug, Clone)]
@@ -57,7 +54,7 @@ impl Row {
 
     /// What of a p is rounding.
     pub(super) fn rounding(&self) -> f64 {
-        ROUNDING * self.size
+        SUM * self.size
     }
 
     /// Returns true if a p is within the bounds, but for rounding.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use anyhow::Result;
 use ergo_map::ErgonomicsMap;
-use moca_model::{DesiredMotion, Goal, MOCA_AXIS_SPEED};
+use moca_model::{DesiredMotion, Goal, MOCA_AXIS_SPEED, SafetySettings};
 use nalgebra::{Point2, Rotation2, Vector2};
 use rand::Rng;
 use serde::{Deserialize, Serialize};
@@ -13,10 +13,10 @@ use crate::experiment::cases::generator;
 use crate::experiment::distance::{DistanceError, DistanceMonitor};
 use crate::experiment::job::Job;
 use crate::experiment::options::Conditions;
+use crate::experiment::player::Player;
 use crate::experiment::spread::Spread;
 use crate::experiment::walk::Walk;
-use crate::follow::{Run, Scenario, Summary};
-use crate::program::Interrupt;
+use crate::follow::{Scenario, Summary};
 use crate::simulation::{WalkerSettings, WalkingPath};
 
 /// How fast people walk \[m/s\]; the last is the robot's own speed.
@@ -56,9 +56,14 @@ pub struct SpeedResult {
     pub(super) largest_m: Spread,
     /// Outside of the workspace while working together \[s\].
     outside_s: Spread,
+    /// What a robot at this speed keeps from a person of whom no more is known than that they do not come
+    /// nearer, so that it stops in time if they stand still: S_p with v_h = 0 and the base's braking \[m\].
+    protective_m: f64,
     limit_violations: u64,
     separation_violations: u64,
     protective_stops: u64,
+    /// How often the robot retreated from the person, or stood because they were too near.
+    retreats: u64,
 }
 
 /// Somebody who walks straight on.
@@ -102,7 +107,7 @@ impl Stroll {
         &self,
         average: &ErgonomicsMap,
         conditions: Conditions,
-        interrupt: &Interrupt,
+        player: &mut Player,
     ) -> Result<StrollTrial> {
         let Self { seed, number, speed, separation } = *self;
         let mut draw = generator(seed, number);
@@ -112,8 +117,8 @@ impl Stroll {
         let scenario = quick(walk.scenario(&map, conditions.drive, &mut draw)?);
         let scenario = if separation { scenario } else { scenario.without_separation() };
         let mut monitor = DistanceMonitor::new(&walk.truth);
-        let run = Run::new(&scenario, Goal::Ergonomics)?.until(interrupt.clone());
-        let summary = run.play(|row| {
+        let title = format!("{speed} m/s{}", if separation { "" } else { ", NO SEPARATION" });
+        let summary = player.play(&title, &scenario, Goal::Ergonomics, |row, _| {
             monitor.push(row);
             Ok(())
         })?;
@@ -158,6 +163,7 @@ fn quick(mut scenario: Scenario) -> Scenario {
 }
 
 fn row(speed: f64, separation: bool, trials: &[&StrollTrial]) -> SpeedResult {
+    let terms = SafetySettings::default().separation.braking_by_parts(speed, 0.0);
     let sum = |of: fn(&Summary) -> u64| trials.iter().map(|trial| of(&trial.summary)).sum();
     SpeedResult {
         speed,
@@ -166,9 +172,11 @@ fn row(speed: f64, separation: bool, trials: &[&StrollTrial]) -> SpeedResult {
         steady_m: Spread::of(trials.iter().filter_map(|trial| trial.error.steady)),
         largest_m: Spread::of(trials.iter().map(|trial| trial.error.largest)),
         outside_s: Spread::of(trials.iter().map(|trial| trial.summary.outside)),
+        protective_m: terms.protective_distance(0.0, speed),
         limit_violations: sum(|summary| summary.limit_violations),
         separation_violations: sum(|summary| summary.separation_violations),
         protective_stops: sum(|summary| summary.protective_stops),
+        retreats: sum(|summary| summary.retreats),
     }
 }
 
@@ -176,26 +184,32 @@ impl fmt::Display for Speeds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{:<12}{:<12}{:>6}{:>26}{:>26}{:>26}{:>8}{:>8}{:>8}",
+            "{:<12}{:<12}{:>6}{:>9}{:>26}{:>26}{:>26}{:>8}{:>8}{:>8}{:>10}",
             "speed [m/s]",
             "separation",
             "cases",
+            "S_p [m]",
             "steady error [m]",
             "largest error [m]",
             "outside [s]",
             "limits",
             "near",
             "stops",
+            "retreats",
         )?;
         for row in &self.rows {
             let separation = if row.separation { "on" } else { "OFF" };
             write!(f, "{:<12.2}{separation:<12}{:>6}", row.speed, row.cases)?;
+            let protective =
+                if row.separation { format!("{:.2}", row.protective_m) } else { "-".to_owned() };
+            write!(f, "{protective:>9}")?;
             for Spread { mean, worst, .. } in [row.steady_m, row.largest_m, row.outside_s] {
                 write!(f, "{:>14}", format!("mean {mean:.3}"))?;
                 write!(f, "{:>12}", format!("worst {worst:.3}"))?;
             }
-            let SpeedResult { limit_violations, separation_violations, protective_stops, .. } = row;
-            writeln!(f, "{limit_violations:>8}{separation_violations:>8}{protective_stops:>8}")?;
+            let SpeedResult { limit_violations, separation_violations, .. } = row;
+            write!(f, "{limit_violations:>8}{separation_violations:>8}")?;
+            writeln!(f, "{:>8}{:>10}", row.protective_stops, row.retreats)?;
         }
         Ok(())
     }

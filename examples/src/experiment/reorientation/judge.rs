@@ -1,6 +1,7 @@
 //! Whether and when the right surface is before the person, seen from outside.
 
 use anyhow::Result;
+use hrsw::SafetyState;
 use moca_model::{DesiredMotion, Phase};
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,8 @@ pub struct Turn {
     pub off: [f64; 3],
     /// From the beginning of the turn to the work pose, in which it then stays \[s\].
     pub time: Option<f64>,
+    /// Of that time, how long the robot is slowed, stands or retreats because of the person \[s\].
+    pub hindered: f64,
     /// The least that the limits of the desired pose allow \[s\].
     pub least_time: Option<f64>,
 }
@@ -95,6 +98,10 @@ impl<'a> Judge<'a> {
             self.turn.least_time = Some(self.least_time(&off));
         }
         if self.began.is_some() {
+            let hindered = plant.command().safety != SafetyState::Normal;
+            if hindered && self.arrived.is_none() {
+                self.turn.hindered += plant.controller().settings().period;
+            }
             self.arrived = if within { self.arrived.or(Some(time)) } else { None };
             self.turn.right = within;
             self.turn.off = off.into();

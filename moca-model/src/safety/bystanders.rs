@@ -1,0 +1,74 @@
+//! The people beside the one who works with the robot.
+
+use hrsw::{PersonBody, SeparationSettings};
+use vision_models::Body;
+
+use super::body_parts::PARTS;
+use super::person_bodies::PersonBodies;
+
+/// How many there is room for.
+pub(super) const MOST: usize = 4;
+
+/// Everybody in view but the person who works with the robot. Nobody of them is tracked, so that their speed is not
+/// measured, and nobody may be touched. Who is missed in a frame, or leaves the view, counts as long as the
+/// person does who works with the robot.
+#[derive(Debug, Clone)]
+pub(super) struct Bystanders {
+    people: [PersonBodies; MOST],
+}
+
+impl Bystanders {
+    /// Nobody, each to be like `person`, of whom nothing is known yet.
+    pub(super) fn new(person: &PersonBodies) -> Self {
+        Self { people: std::array::from_fn(|_| person.clone()) }
+    }
+
+    /// Room for the bodies of all of them.
+    pub(super) const fn room() -> usize {
+        MOST * 2 * PARTS.len()
+    }
+
+    /// Forgets everybody.
+    pub(super) fn forget(&mut self) {
+        self.people.iter_mut().for_each(PersonBodies::forget);
+    }
+
+    /// Takes the bodies of a frame: each goes to the nearest of those who can have gone there and have none of this
+    /// frame yet, or is somebody new. Returns how many there is no room for.
+    pub(super) fn observe(&mut self, time: f64, bodies: &[Body]) -> usize {
+        let mut taken = [false; MOST];
+        let mut left_out = 0;
+        for body in bodies {
+            let places = self.people.iter().zip(taken).enumerate().filter(|(_, (_, taken))| !taken);
+            let ways = places.clone().filter_map(|(index, (person, _))| {
+                person.way_to(time, body).map(|way| (index, way))
+            });
+            let nearest = ways.min_by(|(_, one), (_, other)| one.total_cmp(other));
+            let mut empty = places.filter(|(_, (person, _))| person.is_empty());
+            let place =
+                nearest.map(|(index, _)| index).or_else(|| empty.next().map(|(index, _)| index));
+            let slot = place.and_then(|index| self.people.get_mut(index).zip(taken.get_mut(index)));
+            match slot {
+                Some((person, taken)) => {
+                    person.see(time, body, None);
+                    // A body of which nothing is seen is nobody.
+                    *taken = !person.is_empty();
+                }
+                None => left_out += 1,
+            }
+        }
+        left_out
+    }
+
+    /// Adds their capsules at the time `now` to `bodies`.
+    pub(super) fn place(
+        &mut self,
+        now: f64,
+        separation: &SeparationSettings,
+        bodies: &mut Vec<PersonBody>,
+    ) {
+        for person in self.people.iter_mut().filter(|person| !person.is_empty()) {
+            bodies.extend_from_slice(person.place(now, None, separation, 0.0));
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! People beside the one who works with the robot.
+
+use hrsw::SafetyState;
+use moca_model::Error;
+use nalgebra::Point3;
+use vision_models::{Action, Body, Body25, Confidence, Keypoint, Tool};
+
+use crate::drive::{Drive, FRAME, body, doing, percept};
+
+#[test]
+fn others_in_the_way_are_not_touched() {
+    let mut drive = Drive::fast();
+    drive.others = vec![drive.controller.actual().translation.x + 1.8];
+    drive.run(5.0); // every tick finds the robot away from them
+    drive.assert_near_but_not_too_near();
+    // They go, are out of sight, and the robot goes on when they are forgotten.
+    drive.others.clear();
+    drive.run(5.0);
+    assert_ne!(drive.state(), SafetyState::Normal, "they may be anywhere");
+    drive.run(8.0);
+    assert_eq!(drive.state(), SafetyState::Normal);
+}
+
+/// One frame in five shows them.
+#[test]
+fn who_is_missed_in_most_frames_is_not_touched() {
+    let mut drive = Drive::fast();
+    let at = drive.controller.actual().translation.x + 1.8;
+    for tick in 0..5000_u32 {
+        drive.others = if tick % (5 * FRAME) < FRAME { vec![at] } else { Vec::new() };
+        drive.step();
+        let others = std::mem::replace(&mut drive.others, vec![at]);
+        assert!(drive.distance() > 0.0, "tick {tick}");
+        drive.others = others;
+    }
+}
+
+/// Contact is for the one who works with the robot; everybody else's speed is unknown.
+#[test]
+fn nobody_else_is_worked_with() {
+    let mut drive = Drive::new();
+    (drive.person, drive.camera) = (Some(3.0), false);
+    for tick in 0..1500_u32 {
+        if tick.is_multiple_of(FRAME) {
+            let work = doing(Action::Using(Tool::Drill), drive.time(), drive.person);
+            drive.controller.observe_people(&work, &[body(4.0)]).unwrap();
+        }
+        drive.controller.feel(0.0);
+        drive.step();
+    }
+    assert!(drive.controller.safety().contact_speed() > 0.0);
+    let of_person = drive.controller.safety().person_bodies().len();
+    let (person, others) = drive.controller.safety().all_bodies().split_at(of_person);
+    assert!(person.iter().any(|body| body.contact.is_some()));
+    assert!(!others.is_empty());
+    assert!(others.iter().all(|body| body.contact.is_none() && body.velocity.is_none()));
+}
+
+/// Each body of a frame goes to who was there, in whatever order they come.
+#[test]
+fn people_are_told_apart_by_where_they_are() {
+    let mut drive = Drive::new();
+    drive.camera = false;
+    let mut look = |bodies: &[Body]| {
+        let seen = drive.controller.observe_people(&percept(drive.time(), None), bodies);
+        (0..FRAME).for_each(|_| drive.step());
+        seen
+    };
+    let mut bodies = [10.0, 12.0, 14.0, 16.0].map(body);
+    for frame in 0..40 {
+        bodies.rotate_left(frame % 3);
+        look(&bodies[..=frame % 4]).unwrap();
+    }
+    // Of one of them the legs come into sight, and then nothing else is seen.
+    let knee =
+        |x| Some(Keypoint { position: Point3::new(x, 0.1, 0.5), confidence: Confidence::ONE });
+    let mut whole = body(10.0);
+    whole.set(Body25::LeftKnee, knee(10.0));
+    look(&[whole]).unwrap();
+    let mut legs = Body::default();
+    legs.set(Body25::LeftKnee, knee(10.02));
+    for _ in 0..4 {
+        look(&[legs.clone()]).unwrap();
+    }
+    let error = look(&[body(20.0)]).unwrap_err();
+    assert!(matches!(error, Error::TooManyPeople { got: 1, left_out: 1, most: 4 }), "{error}");
+}
