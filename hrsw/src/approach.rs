@@ -229,7 +229,8 @@ impl ApproachRows {
             if near.distance < standing {
                 let may_approach =
                     near.distance >= self.settings.protective_distance(human_speed, 0.0);
-                self.undercut.take((robot, body), part, may_approach, &self.settings);
+                let distance = near.distance;
+                self.undercut.take((robot, body), part, distance, may_approach, &self.settings);
             }
         }
         let mut limit = settings.approach_limit(near.distance, assumed);

@@ -44,19 +44,25 @@ impl Undercut {
         self.too_near = false;
     }
 
-    /// Takes a pair that may not touch, near as seen; `may_approach` says that it is not nearer than a robot at
-    /// rest should be, so that it only counts where the part may be about to touch.
+    /// Takes a pair that may not touch, at its `distance` as seen \[m\]; `may_approach` says that it is not
+    /// nearer than a robot at rest should be, so that it only counts where the part may be about to touch.
     pub(super) fn take(
         &mut self,
         (robot, body): (usize, &RobotBody),
         part: &PersonBody,
+        distance: f64,
         may_approach: bool,
         settings: &SeparationSettings,
     ) {
         let (moved, spread) = part.since_seen(settings);
-        let near = proximity(&body.capsule, &part.capsule.moved(&moved));
         let error = settings.human_uncertainty + spread;
-        self.too_near |= near.distance < error + settings.intrusion + settings.robot_uncertainty;
+        let too_near = error + settings.intrusion + settings.robot_uncertainty;
+        // By moving, the part has come nearer by no more than it has moved.
+        if may_approach && distance > too_near + moved.norm() {
+            return;
+        }
+        let near = proximity(&body.capsule, &part.capsule.moved(&moved));
+        self.too_near |= near.distance < too_near;
         if may_approach {
             return;
         }

@@ -109,8 +109,11 @@ impl RowTasks {
         for entry in &mut self.entries {
             let curvature = self.curvature.as_mut().map(|rows| &mut rows.curvature);
             let (first, count) = (entry.first, entry.count);
+            let writes_all = entry.named.task.writes_all(rows.columns());
             let mut own = TaskRows::new(rows, &mut self.weights, curvature, first, count);
-            own.clear();
+            if !writes_all {
+                own.clear();
+            }
             let written = entry.named.task.write(input, &mut own);
             written.map_err(|error| in_task(error, &entry.named.name, level))?;
         }

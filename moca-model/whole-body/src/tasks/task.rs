@@ -64,6 +64,12 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
         false
     }
 
+    /// Whether it writes every coefficient, bound and weight of rows over so many variables. They may then be
+    /// anything when [`write`](Self::write) is called. False unless a task says otherwise.
+    fn writes_all(&self, _variables: usize) -> bool {
+        false
+    }
+
     /// Takes what it finds for its target, unless it has one; see
     /// [`IkBuilder::build_at`](crate::IkBuilder::build_at). A task without a target does nothing.
     ///
@@ -74,7 +80,7 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
     }
 
     /// Writes its rows for a configuration. They are zero, with targets of zero and weights of one,
-    /// when this is called.
+    /// when this is called, unless it [writes all](Self::writes_all).
     ///
     /// # Errors
     /// What makes the task impossible now, such as a target that was never set.

@@ -174,6 +174,10 @@ impl Task for VelocityTask {
         false
     }
 
+    fn writes_all(&self, variables: usize) -> bool {
+        self.columns == variables
+    }
+
     fn write(
         &mut self,
         _input: &mut TaskInput<'_, '_>,
