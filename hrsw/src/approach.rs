@@ -3,64 +3,29 @@
 mod bodies;
 mod body_motion;
 mod candidate;
+mod joint_motion;
+mod nearest;
+mod places;
 mod reach;
+mod undercut;
 
 use ahqp_core::{AugmentedState, Rows};
-use nalgebra::{DMatrix, Matrix6xX, Vector3};
+use nalgebra::Vector6;
 
-use crate::contact::{Contact, Mobility};
-use crate::distance::proximity;
+use crate::contact::Mobility;
+use crate::distance::{Proximity, proximity};
 use crate::distance_bounds::DistanceBounds;
-use crate::error::{Error, check_all, check_size, not_negative};
+use crate::error::{Error, check_size};
 use crate::separation::SeparationSettings;
 use crate::shape::Capsule;
 pub use bodies::{PersonBody, RobotBody};
 use body_motion::BodyMotion;
-use candidate::Candidate;
+use candidate::{Candidate, PairId};
+pub use joint_motion::JointMotion;
+pub use nearest::Nearest;
+use places::Places;
 use reach::Reach;
-
-/// How the robot moves with its joints now.
-#[derive(Debug, Clone, Copy)]
-pub struct JointMotion<'a> {
-    /// The geometric Jacobian, 6 × n, linear then angular, in world axes, of a point fixed to
-    /// the last link. That of a point p on a link moved by the first k joints follows from its
-    /// first k columns, v + ω × (p − o).
-    pub jacobian: &'a Matrix6xX<f64>,
-    /// o, the point that the Jacobian is of \[m\].
-    pub origin: Vector3<f64>,
-    /// q̇ commanded last, n.
-    pub velocity: &'a [f64],
-    /// A q̇ that all other constraints admit, n: usually the one nearest to rest within the
-    /// limits. Every row is relaxed to admit it, so that hard rows never make the problem
-    /// infeasible. None for rows that are minimised in a level of their own.
-    pub braking: Option<&'a [f64]>,
-    /// By how much each joint's velocity may change in this tick at most, n: pairs that cannot use up their
-    /// headroom by that get no row, and most of their distances need not be computed. None where it is
-    /// not known.
-    pub change: Option<&'a [f64]>,
-    /// M⁻¹, the inverse of the joint-space inertia, n × n, with which the robot gives way in a contact.
-    /// None for a robot that does not give way at all, the worst case.
-    pub inverse_inertia: Option<&'a DMatrix<f64>>,
-}
-
-/// The pair that is nearest to its protective distance, or deepest within, of those that may not
-/// touch.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Nearest {
-    /// Index of the robot's body.
-    pub robot: usize,
-    /// Index of the person's body, or of the robot's other.
-    pub other: usize,
-    /// Between the surfaces \[m\].
-    pub distance: f64,
-    /// S_p at the last commanded velocity and the person's as measured \[m\].
-    pub required: f64,
-    /// How fast the robot comes nearer at the last commanded velocity \[m/s\].
-    pub approach: f64,
-}
-
-/// Bodies of a robot whose motion is computed once for all pairs of its own that they are in.
-const REMEMBERED: usize = 32;
+use undercut::Undercut;
 
 /// Writes a block of rows, −∂d/∂q q̇ ≤ v_max(d), for the pairs of bodies that come nearest to
 /// their largest speed of approach, or exceed it most, at the last commanded velocity.
@@ -96,7 +61,7 @@ const REMEMBERED: usize = 32;
 /// let robot = [RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.1)?, joints: 1 }];
 /// let head = Capsule::sphere(Vector3::new(1.5, 0.0, 0.0), 0.1)?;
 /// let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
-/// let person = [PersonBody { capsule: head, velocity, contact: None }];
+/// let person = [PersonBody { capsule: head, velocity, age: 0.0, contact: None }];
 /// let nearest = separation.write(&motion, &robot, &person, &mut rows)?;
 /// assert!((nearest.map_or(0.0, |pair| pair.distance) - 1.3).abs() < 1e-12);
 /// let limit = SeparationSettings::default().approach_limit(1.3, 0.0);
@@ -109,6 +74,9 @@ pub struct ApproachRows {
     settings: SeparationSettings,
     capacity: usize,
     candidates: Vec<Candidate>,
+    places: Places,
+    /// Of the robot's bodies in a tick.
+    moves: Vec<BodyMotion>,
     nearest: Option<Nearest>,
     mobility: Mobility,
     /// Pairs with less room than this are looked for \[m\].
@@ -119,15 +87,19 @@ pub struct ApproachRows {
     least_distance: f64,
     /// Whether a pair got no row that needs one.
     crowded: bool,
-    /// Of the pairs that may not touch \[m\].
-    least_apart: f64,
+    undercut: Undercut,
+}
+
+/// A body of the robot and a part of the person, by their indices.
+#[derive(Debug, Clone, Copy)]
+struct Pair<'a> {
+    robot: (usize, &'a RobotBody),
+    other: (usize, &'a PersonBody),
+    near: Proximity,
 }
 
 /// What rounding may make of a speed of approach \[m/s\].
 const ROUNDING: f64 = 1e-7;
-
-/// How far a part of a person may have moved otherwise than predicted since the frame that shows it \[m\].
-const SINCE_THE_FRAME: f64 = 0.03;
 
 /// Bodies of robot and person of which the distances are remembered.
 const BODIES: usize = 32;
@@ -151,6 +123,8 @@ impl ApproachRows {
             settings,
             capacity,
             candidates,
+            places: Places::new(capacity),
+            moves: Vec::with_capacity(BODIES),
             nearest: None,
             mobility,
             watched_room: 0.0,
@@ -158,7 +132,7 @@ impl ApproachRows {
             closest: None,
             least_distance: f64::INFINITY,
             crowded: false,
-            least_apart: f64::INFINITY,
+            undercut: Undercut::new(),
         })
     }
 
@@ -196,31 +170,30 @@ impl ApproachRows {
         rows: &mut Rows,
     ) -> Result<Option<Nearest>, Error> {
         self.check(motion, robot, rows)?;
-        person.iter().try_for_each(|part| part.capsule.check("a capsule of the person"))?;
-        for part in person {
-            let of_contact = part.contact.and_then(|contact| contact.velocity);
-            for velocity in part.velocity.iter().chain(&of_contact) {
-                check_all("the velocity of a person's body", velocity.mean.iter())?;
-                not_negative("the uncertainty of a person's velocity", velocity.uncertainty)?;
-            }
-            part.contact.as_ref().map_or(Ok(()), Contact::validate)?;
-        }
+        person.iter().try_for_each(PersonBody::check)?;
         self.clear();
         self.mobility.clear();
         self.bounds.advance(capsules(robot), person.iter().map(|part| &part.capsule));
         self.find_closest(robot, person);
         let base_joints = self.settings.base.map_or(0, |base| base.joints);
+        let towards = |part: &PersonBody| self.settings.speed_towards_robot(part.fastest());
+        let fastest = person.iter().map(towards).fold(0.0, f64::max);
+        let mut before: Option<BodyMotion> = None;
         for (i, body) in robot.iter().enumerate() {
-            let moves = BodyMotion::new(motion, body, base_joints);
+            let moves = BodyMotion::new(motion, body, base_joints, before.as_ref());
+            before = Some(moves);
             let mut reach = self.reach(moves.fastest, moves.change);
+            let farthest = reach.sight(fastest);
             for (j, part) in person.iter().enumerate() {
-                // The sum of the parts is no less than the norm.
-                let fastest = part.velocity.map(|v| v.mean.abs().sum() + v.uncertainty);
+                let bound = self.bounds.get(i, j);
+                if bound > farthest.max(self.least_distance) {
+                    continue;
+                }
                 if moves.change == f64::INFINITY {
                     reach = self.reach(moves.fastest, moves.change);
                 }
-                let sight = reach.sight(self.settings.speed_towards_robot(fastest));
-                if self.bounds.get(i, j) > sight.max(self.least_distance) {
+                let sight = reach.sight(self.settings.speed_towards_robot(part.fastest()));
+                if bound > sight.max(self.least_distance) {
                     continue;
                 }
                 let near = proximity(&body.capsule, &part.capsule);
@@ -229,47 +202,85 @@ impl ApproachRows {
                 if near.distance > sight {
                     continue;
                 }
-                let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
-                let uncertainty = part.velocity.map_or(0.0, |v| v.uncertainty);
-                let worst = measured.map(|speed| speed + uncertainty);
-                let assumed = self.settings.speed_towards_robot(worst);
-                let gradient = near.gradient_first(&motion.origin);
-                let (approach, of_base) = (-gradient.dot(&moves.twist), -gradient.dot(&moves.base));
-                let settings = self.settings.braking_by_parts(of_base, approach - of_base);
-                let mut limit = settings.approach_limit(near.distance, assumed);
-                if let Some(contact) = part.contact {
-                    let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
-                    let mass = self.mobility.mass(jacobian, inverse, body.joints, &gradient);
-                    let known = contact.velocity.map(|v| (v.mean.dot(&near.normal), v.uncertainty));
-                    let known = known.map(|(speed, uncertainty)| (speed, speed + uncertainty));
-                    let (measured, worst) =
-                        known.or(measured.zip(worst)).unwrap_or((assumed, assumed));
-                    limit = limit.max(contact.approach_limit(mass, measured, worst));
-                }
-                let candidate = Candidate {
-                    settings,
-                    robot: i,
-                    other: j,
-                    robot_joints: body.joints,
-                    other_joints: 0,
-                    near,
-                    human_speed: measured.map_or(assumed, |speed| speed.max(0.0)),
-                    limit,
-                    headroom: limit - approach,
-                    contact: part.contact.is_some(),
-                };
-                self.consider(candidate, moves.change);
+                self.weigh(motion, &moves, &Pair { robot: (i, body), other: (j, part), near });
             }
         }
         self.write_candidates(motion, rows)
     }
 
+    /// Takes a pair in sight: what the supervisor has to know of it, and what a row does.
+    fn weigh(&mut self, motion: &JointMotion<'_>, moves: &BodyMotion, pair: &Pair<'_>) {
+        let Pair { robot: (robot, body), other: (other, part), near } = *pair;
+        let wrench = near.gradient_first(&motion.origin);
+        let approach = -moves.along(&wrench);
+        let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
+        let worst = part.velocity.zip(measured).map(|(v, speed)| speed + v.uncertainty);
+        let assumed = self.settings.speed_towards_robot(worst);
+        // The same as in sight, but for how fast the two truly come nearer to each other.
+        if near.distance > self.reach(approach.max(0.0), moves.change).sight(assumed) {
+            return;
+        }
+        let settings = self.braking(moves, approach, &wrench);
+        let standing = self.settings.protective_distance(assumed, 0.0);
+        if part.contact.is_none() {
+            let human_speed = self.settings.speed_towards_robot(measured);
+            let required = settings.protective_distance(human_speed, approach);
+            self.see(Nearest { robot, other, distance: near.distance, required, approach });
+            if near.distance < standing {
+                let may_approach =
+                    near.distance >= self.settings.protective_distance(human_speed, 0.0);
+                self.undercut.take((robot, body), part, may_approach, &self.settings);
+            }
+        }
+        let mut limit = settings.approach_limit(near.distance, assumed);
+        // Where the distance alone permits all that may come in this tick, what a contact permits does not
+        // matter.
+        if let Some(contact) = part.contact.filter(|_| limit - approach <= moves.change) {
+            let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
+            let mass = self.mobility.mass(jacobian, inverse, body.joints, &wrench);
+            let known = contact.velocity.map(|v| (v.mean.dot(&near.normal), v.uncertainty));
+            let known = known.map(|(speed, uncertainty)| (speed, speed + uncertainty));
+            let (measured, worst) = known.or(measured.zip(worst)).unwrap_or((assumed, assumed));
+            limit = limit.max(contact.approach_limit(mass, measured, worst));
+        }
+        let candidate = Candidate {
+            id: PairId { robot, other },
+            normal: near.normal,
+            point: near.on_first,
+            joints: body.joints,
+            opposite: None,
+            room: near.distance - standing,
+            limit,
+            headroom: limit - approach,
+            contact: part.contact.is_some(),
+        };
+        self.consider(candidate, moves.change);
+    }
+
+    /// The settings with the deceleration of those joints that bring a pair nearer.
+    fn braking(
+        &self,
+        moves: &BodyMotion,
+        approach: f64,
+        wrench: &Vector6<f64>,
+    ) -> SeparationSettings {
+        let of_base = -moves.base_along(wrench);
+        self.settings.braking_by_parts(of_base, approach - of_base)
+    }
+
+    /// Keeps, of the pairs that may not touch, the one with the least room.
+    fn see(&mut self, pair: Nearest) {
+        if self.nearest.is_none_or(|other| pair.room() < other.room()) {
+            self.nearest = Some(pair);
+        }
+    }
+
     /// Returns true if with `velocity`, n, no pair of the rows written last that may not touch comes nearer
-    /// faster than it may, and none that may touch does so faster than with `braking`, n, too. A person who
-    /// is nearer than their protective distance may be a little beside where they are taken to be: the
-    /// robot then has to leave in a direction that is surely away. Otherwise rows contradict each other, as
-    /// between two people, or the robot cannot brake in time: it should then brake all that it can, and not
-    /// weigh one distance against another.
+    /// faster than it may, and none that may touch does so faster than with `braking`, n, too. Of a person
+    /// who is nearer than a robot at rest should be it must surely come no nearer, wherever they are: they
+    /// have moved since they were seen, and may have done so otherwise than measured. Otherwise rows
+    /// contradict each other, as between two people, or the robot cannot brake in time: it should then brake
+    /// all that it can, and not weigh one distance against another.
     pub fn is_kept_by(
         &self,
         motion: &JointMotion<'_>,
@@ -277,32 +288,31 @@ impl ApproachRows {
         velocity: &[f64],
         braking: &[f64],
     ) -> bool {
-        let error = self.settings.human_uncertainty + SINCE_THE_FRAME;
-        self.candidates.iter().zip(rows.iter()).all(|(candidate, (row, _, upper))| {
+        let keeps_rows = self.places.candidates().zip(rows.iter()).all(|(candidate, row)| {
+            let Some(candidate) = candidate.and_then(|candidate| self.candidates.get(candidate))
+            else {
+                return true;
+            };
+            let (row, _, upper) = row;
             let along =
                 |velocity: &[f64]| -> f64 { row.iter().zip(velocity).map(|(a, b)| a * b).sum() };
             let approach = along(velocity) - ROUNDING;
-            if candidate.contact {
-                return approach <= upper || approach <= along(braking);
-            }
-            let comes_no_nearer = || {
-                candidate.worst_approach(motion, velocity, error) <= ROUNDING
-                    || velocity.iter().zip(braking).all(|(v, braking)| v == braking)
-            };
-            approach <= upper && (!candidate.is_undercut() || comes_no_nearer())
-        })
+            approach <= upper || candidate.contact && approach <= along(braking)
+        });
+        let brakes = || velocity.iter().zip(braking).all(|(v, braking)| v == braking);
+        keeps_rows && (self.undercut.is_left_by(motion, velocity, ROUNDING) || brakes())
     }
 
     /// Returns true if a pair that may not touch is nearer than what is not known of both places: no
     /// direction is surely away then, and the robot must stand.
     pub fn is_too_near_to_tell(&self) -> bool {
-        self.least_apart < self.settings.protective_distance(0.0, 0.0) + SINCE_THE_FRAME
+        self.undercut.is_too_near()
     }
 
     /// Returns true if more pairs are at their limits than there are rows: the robot must then brake, which
     /// keeps them all.
     pub fn is_crowded(&self) -> bool {
-        self.crowded
+        self.crowded || self.undercut.overflows()
     }
 
     /// The least distance of the pairs written last \[m\]; infinite for none.
@@ -325,37 +335,48 @@ impl ApproachRows {
         self.check(motion, robot, rows)?;
         self.clear();
         self.bounds.advance(capsules(robot), capsules(robot));
-        let mut remembered = [None; REMEMBERED];
-        let mut moves_of = |index: usize, body: &RobotBody| match remembered.get_mut(index) {
-            Some(slot) => *slot.get_or_insert_with(|| BodyMotion::new(motion, body, 0)),
-            None => BodyMotion::new(motion, body, 0),
-        };
+        self.moves.clear();
+        for body in robot.iter().take(BODIES) {
+            let moves = BodyMotion::new(motion, body, 0, self.moves.last());
+            self.moves.push(moves);
+        }
+        let most = |of: fn(&BodyMotion) -> f64| self.moves.iter().map(of).fold(0.0, f64::max);
+        let (fastest, change) = (most(|moves| moves.fastest), most(|moves| moves.change));
+        let farthest = self.reach(2.0 * fastest, 2.0 * change).sight(0.0);
         for &(i, j) in pairs {
             let (Some(first), Some(second)) = (robot.get(i), robot.get(j)) else {
                 let (found, expected) = (i.max(j), robot.len());
                 return Err(Error::Size { what: "an index of a body", found, expected });
             };
+            let bound = self.bounds.get(i, j);
+            if bound > farthest {
+                continue;
+            }
+            let moves_of = |index: usize, body: &RobotBody| {
+                let known = self.moves.get(index).copied();
+                known.unwrap_or_else(|| BodyMotion::new(motion, body, 0, None))
+            };
             let moves = [moves_of(i, first), moves_of(j, second)];
-            let fastest = moves[0].fastest + moves[1].fastest;
             let change = moves[0].change + moves[1].change;
-            let sight = self.reach(fastest, change).sight(0.0);
-            if self.bounds.get(i, j) > sight {
+            if bound > self.reach(moves[0].fastest + moves[1].fastest, change).sight(0.0) {
                 continue;
             }
             let near = proximity(&first.capsule, &second.capsule);
             self.bounds.set(i, j, near.distance);
             self.least_distance = self.least_distance.min(near.distance);
-            let approach = -near.gradient_first(&motion.origin).dot(&moves[0].twist)
-                - near.gradient_second(&motion.origin).dot(&moves[1].twist);
-            let limit = self.settings.approach_limit(near.distance, 0.0);
+            let approach = -moves[0].along(&near.gradient_first(&motion.origin))
+                - moves[1].along(&near.gradient_second(&motion.origin));
+            let distance = near.distance;
+            let limit = self.settings.approach_limit(distance, 0.0);
+            let required = self.settings.protective_distance(0.0, approach);
+            self.see(Nearest { robot: i, other: j, distance, required, approach });
             let candidate = Candidate {
-                settings: self.settings,
-                robot: i,
-                other: j,
-                robot_joints: first.joints,
-                other_joints: second.joints,
-                near,
-                human_speed: 0.0,
+                id: PairId { robot: i, other: j },
+                normal: near.normal,
+                point: near.on_first,
+                joints: first.joints,
+                opposite: Some((near.on_second, second.joints)),
+                room: distance - self.settings.protective_distance(0.0, 0.0),
                 limit,
                 headroom: limit - approach,
                 contact: false,
@@ -370,7 +391,7 @@ impl ApproachRows {
         self.nearest = None;
         self.least_distance = f64::INFINITY;
         self.crowded = false;
-        self.least_apart = f64::INFINITY;
+        self.undercut.clear();
     }
 
     /// Measures the pair that was nearest last, which bounds the least distance from above.
@@ -395,21 +416,9 @@ impl ApproachRows {
         rows: &Rows,
     ) -> Result<(), Error> {
         robot.iter().try_for_each(|body| body.capsule.check("a capsule of the robot"))?;
-        let joints = self.state.joints;
         check_size("the block of rows", rows.len(), self.capacity)?;
         check_size("a row of the block", rows.columns(), self.state.len())?;
-        check_size("the columns of the Jacobian", motion.jacobian.ncols(), joints)?;
-        check_size("the joint velocity", motion.velocity.len(), joints)?;
-        let braking = motion.braking.unwrap_or(motion.velocity);
-        check_size("the braking velocity", braking.len(), joints)?;
-        check_all("the Jacobian", motion.jacobian.iter())?;
-        check_all("the origin of the Jacobian", motion.origin.iter())?;
-        if let Some(inverse) = motion.inverse_inertia {
-            check_size("the rows of the inverse inertia", inverse.nrows(), joints)?;
-            check_size("the columns of the inverse inertia", inverse.ncols(), joints)?;
-            check_all("the inverse inertia", inverse.iter())?;
-        }
-        check_all("a joint velocity", motion.velocity.iter().chain(braking))
+        motion.check(self.state.joints)
     }
 
     /// How far a body that approaches by no more than `speed`, and in this tick by no more than `change`
@@ -428,23 +437,12 @@ impl ApproachRows {
         Reach { standing, time: settings.reaction_time + speed / settings.deceleration }
     }
 
-    /// Keeps the pairs with the least headroom, by insertion, and of all that may not touch the one with
-    /// the least room.
+    /// Keeps the pairs with the least headroom, by insertion.
     fn consider(&mut self, candidate: Candidate, change: f64) {
-        if !candidate.contact {
-            self.least_apart = self.least_apart.min(candidate.near.distance);
-            let pair = candidate.seen();
-            if self.nearest.is_none_or(|other| pair.room() < other.room()) {
-                self.nearest = Some(pair);
-            }
-        }
         if candidate.headroom > change {
             return;
         }
-        let key = |candidate: &Candidate| {
-            let standing = self.settings.protective_distance(candidate.human_speed, 0.0);
-            (candidate.headroom, candidate.near.distance - standing)
-        };
+        let key = |candidate: &Candidate| (candidate.headroom, candidate.room);
         let own = key(&candidate);
         let place = self.candidates.partition_point(|other| key(other) <= own);
         if place < self.capacity {
@@ -465,12 +463,13 @@ impl ApproachRows {
     }
 
     fn write_candidates(
-        &self,
+        &mut self,
         motion: &JointMotion<'_>,
         rows: &mut Rows,
     ) -> Result<Option<Nearest>, Error> {
-        for index in 0..self.capacity {
-            let candidate = self.candidates.get(index);
+        self.places.assign(&self.candidates);
+        for (index, candidate) in self.places.candidates().enumerate() {
+            let candidate = candidate.and_then(|candidate| self.candidates.get(candidate));
             let row = rows.row_mut(index)?;
             row.fill(0.0);
             let mut upper = f64::INFINITY;
@@ -489,11 +488,4 @@ impl ApproachRows {
 
 fn capsules(robot: &[RobotBody]) -> impl Iterator<Item = &Capsule> {
     robot.iter().map(|body| &body.capsule)
-}
-
-impl Nearest {
-    /// The distance above the protective one \[m\]; negative where it is undercut.
-    pub fn room(&self) -> f64 {
-        self.distance - self.required
-    }
 }

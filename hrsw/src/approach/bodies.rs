@@ -1,8 +1,10 @@
 //! Bodies of robot and person, placed in the world.
 
+use nalgebra::Vector3;
+
 use crate::contact::Contact;
+use crate::error::{Error, check_all, not_negative};
 use crate::measured_velocity::MeasuredVelocity;
-#[cfg(doc)]
 use crate::separation::SeparationSettings;
 use crate::shape::Capsule;
 
@@ -23,7 +25,36 @@ pub struct PersonBody {
     /// Its velocity; unmeasured, the person is taken to come nearer at
     /// [`SeparationSettings::human_speed`].
     pub velocity: Option<MeasuredVelocity>,
+    /// How long ago it was seen there, as far as the reaction time covers that, and the shape does not: it has
+    /// moved on since \[s\]. A robot that may come no nearer goes away from where it is now.
+    pub age: f64,
     /// For a part that the robot may touch now: whatever the distance, the two may come nearer to each
     /// other as fast as their contact allows. None where only the distance counts.
     pub contact: Option<Contact>,
+}
+
+impl PersonBody {
+    /// How far the part has moved since it was seen, and how far it may be from there \[m\].
+    pub(super) fn since_seen(&self, settings: &SeparationSettings) -> (Vector3<f64>, f64) {
+        match &self.velocity {
+            Some(velocity) => (velocity.mean * self.age, velocity.uncertainty * self.age),
+            None => (Vector3::zeros(), settings.human_speed * self.age),
+        }
+    }
+
+    /// How fast the part moves at most, where that is known \[m/s\]: the sum of the parts is no less than the norm.
+    pub(super) fn fastest(&self) -> Option<f64> {
+        self.velocity.map(|velocity| velocity.mean.abs().sum() + velocity.uncertainty)
+    }
+
+    pub(super) fn check(&self) -> Result<(), Error> {
+        self.capsule.check("a capsule of the person")?;
+        not_negative("the age of a person's body", self.age)?;
+        let of_contact = self.contact.and_then(|contact| contact.velocity);
+        for velocity in self.velocity.iter().chain(&of_contact) {
+            check_all("the velocity of a person's body", velocity.mean.iter())?;
+            not_negative("the uncertainty of a person's velocity", velocity.uncertainty)?;
+        }
+        self.contact.as_ref().map_or(Ok(()), Contact::validate)
+    }
 }

@@ -7,6 +7,7 @@ use super::{JointMotion, RobotBody};
 /// How a body moves at the last commanded velocity: the twist of the point o as if fixed to it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BodyMotion {
+    joints: usize,
     pub(super) twist: Vector6<f64>,
     /// The part of it that is the base's.
     pub(super) base: Vector6<f64>,
@@ -19,28 +20,44 @@ pub(super) struct BodyMotion {
 type Column<'a> = MatrixView<'a, f64, Const<6>, Const<1>, Const<1>, Const<6>>;
 
 impl BodyMotion {
-    pub(super) fn new(motion: &JointMotion<'_>, body: &RobotBody, base_joints: usize) -> Self {
-        let (mut twist, mut base) = (Vector6::zeros(), Vector6::zeros());
-        let joints = motion.jacobian.column_iter().zip(motion.velocity);
-        for (joint, (column, &velocity)) in joints.take(body.joints).enumerate() {
-            twist += column * velocity;
-            if joint < base_joints {
-                base = twist;
-            }
-        }
+    /// Of a body of a robot of which the first joints are the base's; `before` is another one's in the same
+    /// tick.
+    pub(super) fn new(
+        motion: &JointMotion<'_>,
+        body: &RobotBody,
+        base_joints: usize,
+        before: Option<&Self>,
+    ) -> Self {
+        // Bodies that the same joints move have the same twist.
+        let (twist, base) = match before.filter(|before| before.joints == body.joints) {
+            Some(before) => (before.twist, before.base),
+            None => (
+                motion.twist(motion.velocity, body.joints),
+                motion.twist(motion.velocity, body.joints.min(base_joints)),
+            ),
+        };
         let (linear, angular) = (twist.fixed_rows::<3>(0), twist.fixed_rows::<3>(3));
-        let middle = (body.capsule.start() + body.capsule.end()) * 0.5;
-        let arm = middle - motion.origin;
+        let (arm, reach) = (body.capsule.middle() - motion.origin, body.capsule.reach());
         let change = motion.change.map_or(f64::INFINITY, |change| {
             let joints = motion.jacobian.column_iter().zip(change).take(body.joints);
             let of_joint = |(column, change): (Column<'_>, &f64)| {
                 let (linear, angular) = (column.fixed_rows::<3>(0), column.fixed_rows::<3>(3));
                 let of_middle = linear + angular.cross(&arm);
-                change * (of_middle.norm() + angular.norm() * body.capsule.reach())
+                change * (of_middle.norm() + angular.norm() * reach)
             };
             joints.map(of_joint).sum()
         });
-        let lever = arm.norm() + body.capsule.reach();
-        Self { fastest: linear.norm() + angular.norm() * lever, change, twist, base }
+        let fastest = (linear + angular.cross(&arm)).norm() + angular.norm() * reach;
+        Self { joints: body.joints, twist, base, fastest, change }
+    }
+
+    /// How fast a point of the body moves along the force of a `wrench` about o \[m/s\].
+    pub(super) fn along(&self, wrench: &Vector6<f64>) -> f64 {
+        self.twist.dot(wrench)
+    }
+
+    /// The part of that which is the base's.
+    pub(super) fn base_along(&self, wrench: &Vector6<f64>) -> f64 {
+        self.base.dot(wrench)
     }
 }

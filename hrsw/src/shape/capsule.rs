@@ -72,6 +72,16 @@ impl Capsule {
         Self { start: place(&self.start), end: place(&self.end), ..*self }
     }
 
+    /// The middle of the segment.
+    pub(crate) fn middle(&self) -> Vector3<f64> {
+        (self.start + self.end) * 0.5
+    }
+
+    /// The same capsule elsewhere.
+    pub(crate) fn moved(&self, by: &Vector3<f64>) -> Self {
+        Self { start: self.start + by, end: self.end + by, ..*self }
+    }
+
     /// The nearest point of the segment.
     pub fn nearest_on_segment(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let along = self.end - self.start;

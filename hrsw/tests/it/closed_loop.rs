@@ -119,6 +119,7 @@ proptest! {
         let still = |at: &Vector3<f64>| PersonBody {
             capsule: Capsule::new(*at, at + Vector3::z() * 0.4, 0.2).unwrap(),
             velocity: Some(MeasuredVelocity::exact(Vector3::zeros())),
+            age: 0.0,
             contact: None,
         };
         let person: Vec<PersonBody> = people.iter().map(still).collect();
@@ -158,11 +159,13 @@ proptest! {
                 PersonBody {
                     capsule: Capsule::sphere(gantry.position + at, 0.3).unwrap(),
                     velocity: Some(MeasuredVelocity::exact(velocity)),
+                    age: 0.0,
                     contact: None,
                 },
                 PersonBody {
                     capsule: Capsule::new(at, goal, 0.1).unwrap(),
                     velocity: None,
+                    age: 0.0,
                     contact: None,
                 },
             ];

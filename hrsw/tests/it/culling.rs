@@ -67,7 +67,7 @@ proptest! {
             let velocity_of_person = Some(MeasuredVelocity { mean: walking, uncertainty });
             let parts: Vec<_> = person
                 .iter()
-                .map(|&capsule| PersonBody { capsule, velocity: velocity_of_person, contact: None })
+                .map(|&capsule| PersonBody { capsule, velocity: velocity_of_person, age: 0.0, contact: None })
                 .collect();
             let all = JointMotion {
                 jacobian: &jacobian,
@@ -132,7 +132,7 @@ fn a_turning_joint_keeps_what_it_can_reach() {
     let capsule = Capsule::sphere(Vector3::new(2.0, 0.0, 0.0), 0.1).unwrap();
     let head = Capsule::sphere(Vector3::new(2.0, 0.5, 0.0), 0.1).unwrap();
     let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
-    let person = [PersonBody { capsule: head, velocity, contact: None }];
+    let person = [PersonBody { capsule: head, velocity, age: 0.0, contact: None }];
     let motion = JointMotion {
         jacobian: &jacobian,
         origin: Vector3::zeros(),

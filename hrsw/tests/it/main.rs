@@ -7,6 +7,7 @@ mod closed_loop;
 mod contact;
 mod culling;
 mod motion;
+mod nearness;
 mod properties;
 mod safety;
 mod shapes;

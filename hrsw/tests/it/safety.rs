@@ -63,8 +63,14 @@ fn robot() -> impl Strategy<Value = Vec<RobotBody>> {
 fn person() -> impl Strategy<Value = Vec<PersonBody>> {
     let velocity = (vector(1.0), 0.0..0.5_f64)
         .prop_map(|(mean, uncertainty)| MeasuredVelocity { mean, uncertainty });
-    let body = (capsule(1.5), prop::option::of(velocity), prop::option::of(contact()))
-        .prop_map(|(capsule, velocity, contact)| PersonBody { capsule, velocity, contact });
+    let body =
+        (capsule(1.5), prop::option::of(velocity), 0.0..0.2_f64, prop::option::of(contact()))
+            .prop_map(|(capsule, velocity, age, contact)| PersonBody {
+                capsule,
+                velocity,
+                age,
+                contact,
+            });
     prop::collection::vec(body, 1..6)
 }
 
@@ -208,8 +214,8 @@ proptest! {
         let rest = [0.0; JOINTS];
         let inverse_inertia = inverse.as_ref();
         let motion = JointMotion { inverse_inertia, ..motion(&jacobian, origin, &q, &rest) };
-        let pairs = robot.len() * person.len();
-        let mut separation = ApproachRows::new(state(), settings, pairs + 2).unwrap();
+        let room = robot.len() * person.len() + 2;
+        let mut separation = ApproachRows::new(state(), settings, room).unwrap();
         let mut rows = separation.rows();
         let nearest = separation.write(&motion, &robot, &person, &mut rows).unwrap();
         let moved_by = |body: &RobotBody, q: &[f64], time: f64| {
@@ -221,35 +227,33 @@ proptest! {
         let step = 1e-6;
         let mut expected = Vec::new();
         let mut degenerate = false;
-        for body in &robot {
-            for part in &person {
-                let rate = |q: &[f64]| {
-                    let at = |time| proximity(&moved_by(body, q, time), &part.capsule).distance;
-                    (at(-step) - at(step)) / (2.0 * step)
-                };
-                let near = proximity(&body.capsule, &part.capsule);
-                degenerate |= (near.on_first - near.on_second).norm() < 1e-2;
-                let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
-                let worst = part.velocity.zip(measured).map(|(v, speed)| speed + v.uncertainty);
-                let human = worst.map_or(settings.human_speed, |speed| speed.max(0.0));
-                let mut limit = settings.approach_limit(near.distance, human);
-                if let Some(Contact { limit: contact, fastest, velocity }) = part.contact {
-                    prop_assert!(velocity.is_none());
-                    // Joint by joint: how the robot gives way to a push along the normal.
-                    let unit = |j: usize| std::array::from_fn::<_, JOINTS, _>(|i| f64::from(u8::from(i == j)));
-                    let row = DVector::from_fn(JOINTS, |j, _| rate(&unit(j)));
-                    let lightness = inverse.as_ref().map_or(0.0, |m| row.dot(&(m * &row)));
-                    let reduced = 1.0 / (1.0 / contact.mass + lightness);
-                    let allowed = contact.force / (contact.stiffness * reduced).sqrt();
-                    let (measured, worst) = (measured.unwrap_or(human), worst.unwrap_or(human));
-                    limit = limit.max((allowed - worst).min(fastest - measured));
-                }
-                expected.push((limit, rate(&q)));
+        for (body, part) in robot.iter().flat_map(|body| person.iter().map(move |part| (body, part))) {
+            let rate = |q: &[f64]| {
+                let at = |time| proximity(&moved_by(body, q, time), &part.capsule).distance;
+                (at(-step) - at(step)) / (2.0 * step)
+            };
+            let near = proximity(&body.capsule, &part.capsule);
+            degenerate |= (near.on_first - near.on_second).norm() < 1e-2;
+            let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
+            let worst = part.velocity.zip(measured).map(|(v, speed)| speed + v.uncertainty);
+            let human = worst.map_or(settings.human_speed, |speed| speed.max(0.0));
+            let mut limit = settings.approach_limit(near.distance, human);
+            if let Some(Contact { limit: contact, fastest, velocity }) = part.contact {
+                prop_assert!(velocity.is_none());
+                // Joint by joint: how the robot gives way to a push along the normal.
+                let unit = |j: usize| std::array::from_fn::<_, JOINTS, _>(|i| f64::from(u8::from(i == j)));
+                let row = DVector::from_fn(JOINTS, |j, _| rate(&unit(j)));
+                let lightness = inverse.as_ref().map_or(0.0, |m| row.dot(&(m * &row)));
+                let reduced = 1.0 / (1.0 / contact.mass + lightness);
+                let allowed = contact.force / (contact.stiffness * reduced).sqrt();
+                let (measured, worst) = (measured.unwrap_or(human), worst.unwrap_or(human));
+                limit = limit.max((allowed - worst).min(fastest - measured));
             }
+            expected.push((limit, rate(&q)));
         }
         prop_assume!(!degenerate);
         let mut found: Vec<(f64, f64)> =
-            rows.iter().take(pairs).map(|(row, _, upper)| (upper, along(row, &q))).collect();
+            rows.iter().take(expected.len()).map(|(row, _, upper)| (upper, along(row, &q))).collect();
         let order = |a: &(f64, f64), b: &(f64, f64)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1));
         expected.sort_by(order);
         found.sort_by(order);
@@ -258,7 +262,7 @@ proptest! {
         }
         let sum = |rates: &[(f64, f64)]| rates.iter().map(|rate| rate.1).sum::<f64>();
         prop_assert!((sum(&expected) - sum(&found)).abs() < 1e-3);
-        for (row, lower, upper) in rows.iter().skip(pairs) {
+        for (row, lower, upper) in rows.iter().skip(expected.len()) {
             prop_assert!(row.iter().all(|&a| a == 0.0));
             prop_assert!(lower == f64::NEG_INFINITY && upper == f64::INFINITY);
         }
@@ -412,7 +416,7 @@ fn bad_safety_input_is_named() {
     assert!(matches!(wrong, Err(Error::Size { .. })));
     assert!(separation.write_own(&motion, &[], &[(0, 1)], &mut rows).is_err());
     let body = Capsule::sphere(origin, 0.1).unwrap();
-    let person = PersonBody { capsule: body, velocity: None, contact: None };
+    let person = PersonBody { capsule: body, velocity: None, age: 0.0, contact: None };
     let adrift = |mean: f64, uncertainty: f64| PersonBody {
         velocity: Some(MeasuredVelocity { mean: Vector3::repeat(mean), uncertainty }),
         ..person
@@ -429,6 +433,8 @@ fn bad_safety_input_is_named() {
         adrift(f64::NAN, 0.0),
         adrift(0.0, f64::NAN),
         adrift(0.0, -1.0),
+        PersonBody { age: -0.1, ..person },
+        PersonBody { age: f64::NAN, ..person },
         touched(0.0, 1.0, 0.2),
         touched(1.0, -1.0, 0.2),
         touched(1.0, 1.0, f64::INFINITY),

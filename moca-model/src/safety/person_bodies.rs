@@ -211,7 +211,8 @@ impl PersonBodies {
                     fastest: contact_speed,
                     velocity: carried,
                 });
-                self.bodies.push(PersonBody { capsule, velocity, contact });
+                let age = covered_by_reaction(now - from.time.min(to.time), separation);
+                self.bodies.push(PersonBody { capsule, velocity, age, contact });
             }
         }
     }
@@ -228,12 +229,14 @@ impl PersonBodies {
     /// The capsules of who was seen where nobody can have gone: nobody may touch them.
     fn place_doubtful(&mut self, now: f64, separation: &SeparationSettings) {
         let Some(seen) = &self.doubtful else { return };
-        let age = beyond_reaction(now - seen.time, separation);
+        let elapsed = now - seen.time;
+        let growth = separation.human_speed * beyond_reaction(elapsed, separation);
+        let age = covered_by_reaction(elapsed, separation);
         for part in &PARTS {
             let ends = (seen.joints[part.from as usize], seen.joints[part.to as usize]);
             let (Some(from), Some(to)) = ends else { continue };
-            if let Some(capsule) = part.capsule(&from, &to, separation.human_speed * age) {
-                self.bodies.push(PersonBody { capsule, velocity: None, contact: None });
+            if let Some(capsule) = part.capsule(&from, &to, growth) {
+                self.bodies.push(PersonBody { capsule, velocity: None, age, contact: None });
             }
         }
     }
@@ -300,6 +303,11 @@ struct Sighting {
 /// The age of what was seen, beyond what the reaction time covers: it may be anywhere near.
 fn beyond_reaction(age: f64, separation: &SeparationSettings) -> f64 {
     (age - separation.reaction_time).max(0.0)
+}
+
+/// The age of what was seen, as far as the reaction time covers it.
+fn covered_by_reaction(age: f64, separation: &SeparationSettings) -> f64 {
+    age.clamp(0.0, separation.reaction_time)
 }
 
 /// How far the trunk of `body` is from where it was `before`; zero where it is not seen.

@@ -13,6 +13,7 @@ mod safety;
 mod several_people;
 mod shared;
 mod simulation;
+mod stack_changes;
 mod states;
 mod torque;
 mod walk_in;

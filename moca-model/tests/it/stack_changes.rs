@@ -1,0 +1,85 @@
+//! What changes in the stack of tasks: working together begins and ends, ergonomics come and go, people come into
+//! the protective distance and leave it, contacts are permitted and are not. The command does not jump.
+
+use ergo_map::ErgonomicsQuadratic;
+use moca_model::{Controller, ControllerSettings, MOCA_HOME, SafetySettings, SimulatedRobot};
+use nalgebra::{Matrix3, Vector3, Vector6};
+use proptest::prelude::*;
+use vision_models::{Action, Tool};
+
+use crate::drive::{FRAME, PERIOD, doing};
+use crate::shared::MOCA;
+
+/// What the stack is to do for a while.
+#[derive(Debug, Clone)]
+struct Change {
+    action: Action,
+    /// Where the person's trunk is \[m\]; none is seen without.
+    person: Option<f64>,
+    /// Whether a force from outside would be noticed, so that contacts are permitted.
+    feels: bool,
+    ticks: u32,
+}
+
+fn change() -> impl Strategy<Value = Change> {
+    let action = prop::sample::select(vec![
+        Action::Using(Tool::Drill),
+        Action::Using(Tool::Polisher),
+        Action::DeliverObject,
+        Action::Walking,
+    ]);
+    (action, prop::option::weighted(0.8, 0.8..2.0_f64), any::<bool>(), 200..900_u32)
+        .prop_map(|(action, person, feels, ticks)| Change { action, person, feels, ticks })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// In no tick do velocities change by more than the accelerations allow, nor the accelerations of the arm by
+    /// more than its jerks.
+    #[test]
+    fn no_change_of_the_stack_makes_the_command_jump(
+        changes in prop::collection::vec(change(), 3..7), keeps_distance in any::<bool>(),
+    ) {
+        let hessian = Matrix3::from_diagonal(&Vector3::new(10.0, 5.0, 7.0));
+        let best = Vector3::new(0.42, -0.1, 1.1);
+        let comfort = ErgonomicsQuadratic::new(hessian, -(hessian * best), 8.0).unwrap();
+        let safety = if keeps_distance { SafetySettings::default() } else { SafetySettings::off() };
+        let settings = ControllerSettings { safety, ..ControllerSettings::default() };
+        let desired = settings.desired;
+        let mut controller = Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME).unwrap();
+        let mut robot = SimulatedRobot::new(&MOCA, &MOCA_HOME).unwrap();
+        let limits = MOCA.limits();
+        let (mut velocity, mut acceleration) = (vec![0.0; 10], vec![0.0; 10]);
+        let (mut twist, mut moved, mut tick) = (Vector6::zeros(), false, 0_u32);
+        for Change { action, person, feels, ticks } in changes {
+            for _ in 0..ticks {
+                let now = f64::from(tick) * PERIOD;
+                if tick.is_multiple_of(FRAME) {
+                    controller.observe(&doing(action, now, person)).unwrap();
+                }
+                if feels {
+                    controller.feel(0.0);
+                }
+                let command = controller.step(now, robot.position()).unwrap();
+                for (joint, limits) in limits.iter().enumerate() {
+                    let change = (command.joint_velocity[joint] - velocity[joint]) / PERIOD;
+                    prop_assert!(change.abs() <= limits.acceleration * (1.0 + 1e-6));
+                    let jerk = (change - acceleration[joint]) / PERIOD;
+                    prop_assert!(jerk.abs() <= limits.jerk * (1.0 + 1e-6), "{joint} at {tick}: {jerk}");
+                    (velocity[joint], acceleration[joint]) = (command.joint_velocity[joint], change);
+                }
+                let change = (command.desired_twist - twist) / PERIOD;
+                let (linear, angular) = (change.fixed_rows::<3>(0), change.fixed_rows::<3>(3));
+                prop_assert!(linear.norm() <= desired.acceleration * (1.0 + 1e-6));
+                prop_assert!(angular.norm() <= desired.angular_acceleration * (1.0 + 1e-6));
+                twist = command.desired_twist;
+                moved |= twist.norm() > 0.05;
+                robot.step(&velocity, PERIOD).unwrap();
+                tick += 1;
+            }
+        }
+        // Else nothing was tried.
+        prop_assert!(moved || keeps_distance);
+    }
+}
