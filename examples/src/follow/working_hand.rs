@@ -76,7 +76,10 @@ impl WorkingHand {
         let place = self.past.iter().rev().find(|(time, _)| *time <= percept.time);
         if let (Some((_, Some(place))), Some(shoulder), Some(other)) = (place, shoulder, other) {
             let (shoulder, other) = (shoulder.position.coords, other.position.coords);
-            let joints = self.arm.leading_to(place, &shoulder, &(shoulder - other));
+            // Down, and away from the body.
+            let outwards = (shoulder - other).try_normalize(1e-9).unwrap_or_default();
+            let aside = outwards * 0.4 - Vector3::z();
+            let joints = self.arm.leading_to(place, &shoulder, &aside);
             self.bend(body, [elbow, wrist], joints);
         }
         shown

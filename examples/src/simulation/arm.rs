@@ -18,7 +18,7 @@ pub(super) const STRETCHED: f64 = 0.99;
 ///
 /// let arm = Arm::of_stature(1.75);
 /// let (shoulder, object) = (Vector3::new(0.0, -0.2, 1.4), Vector3::new(0.4, -0.1, 1.1));
-/// let [elbow, wrist] = arm.leading_to(&object, &shoulder, &-Vector3::y());
+/// let [elbow, wrist] = arm.leading_to(&object, &shoulder, &-Vector3::z());
 /// assert!((elbow - shoulder).norm() < 0.33 && elbow.z < wrist.z);
 /// // The grip is at the object, as far from the wrist as a hand is long.
 /// assert!(((object - wrist).norm() - 0.055 * 1.75).abs() < 1e-12);
@@ -41,18 +41,17 @@ impl Arm {
         STRETCHED * (self.upper + self.forearm + self.grip)
     }
 
-    /// Elbow and wrist with the grip at a point, or as far towards it as the arm reaches; the elbow hangs
-    /// down and `outwards`, away from the body \[m\].
+    /// Elbow and wrist with the grip at a point, or as far towards it as the arm reaches; the elbow is on the side
+    /// of the direction `aside` \[m\].
     pub fn leading_to(
         &self,
         grip: &Vector3<f64>,
         shoulder: &Vector3<f64>,
-        outwards: &Vector3<f64>,
+        aside: &Vector3<f64>,
     ) -> [Vector3<f64>; 2] {
         let hand = self.forearm + self.grip;
         let grip = shoulder + (grip - shoulder).cap_magnitude(self.reach());
-        let aside = outwards.try_normalize(1e-9).unwrap_or_default() * 0.4 - Vector3::z();
-        let elbow = bend(*shoulder, grip, self.upper, hand, aside);
+        let elbow = bend(*shoulder, grip, self.upper, hand, *aside);
         [elbow, elbow + (grip - elbow) * (self.forearm / hand)]
     }
 

@@ -40,15 +40,15 @@ impl Person {
 
     /// The right hand is to be at an object (m, world) as long as the arm reaches it, or where the activity has it.
     pub(super) fn reach_for(&mut self, object: Option<&Point3<f64>>) {
-        let (joints, arm) = (self.joints(), Arm::of_stature(self.stature));
-        let [shoulder, other] =
-            [Body25::RightShoulder, Body25::LeftShoulder].map(|joint| joints[joint.index()].coords);
+        let arm = Arm::of_stature(self.stature);
+        let shoulder = self.joints()[Body25::RightShoulder.index()].coords;
         let reached = object.filter(|object| (object.coords - shoulder).norm() <= arm.reach());
+        let world_from_person = Rotation3::from_axis_angle(&Vector3::z_axis(), self.motion.heading);
         self.motion.reach_for(reached.map(|object| {
-            let [_, wrist] = arm.leading_to(&object.coords, &shoulder, &(shoulder - other));
-            let away = wrist - Vector3::new(self.motion.floor.x, self.motion.floor.y, 0.0);
-            Rotation3::from_axis_angle(&Vector3::z_axis(), -self.motion.heading) * away
-                / self.stature
+            let aside = world_from_person * skeleton::elbow_side(-1.0);
+            let [_, wrist] = arm.leading_to(&object.coords, &shoulder, &aside);
+            let away = wrist - self.motion.floor.coords.push(0.0);
+            world_from_person.inverse() * away / self.stature
         }));
     }
 
@@ -122,7 +122,8 @@ mod tests {
                 grip(&person)
             };
             let rest = work(None);
-            for away in [[0.1, 0.2, 0.2], [-0.2, 0.1, 0.1], [0.0, 0.0, -0.2]] {
+            // Nearer, higher, and to the right.
+            for away in [[0.16, -0.12, 0.0], [0.0, 0.0, 0.2], [0.09, 0.12, 0.1]] {
                 let object = Point3::from(rest + Vector3::from(away));
                 assert!((work(Some(&object)) - object.coords).norm() < 1e-3, "{away:?}");
             }

@@ -61,9 +61,8 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
         let shoulder = neck + lateral * SHOULDER;
         // No further than the arm reaches.
         let hand = shoulder + (hand - shoulder).cap_magnitude(STRETCHED * (UPPER_ARM + FOREARM));
-        let elbow_side = Vector3::new(-0.3, 0.4 * side, -1.0);
         set(joints.shoulder, shoulder);
-        set(joints.elbow, bend(shoulder, hand, UPPER_ARM, FOREARM, elbow_side));
+        set(joints.elbow, bend(shoulder, hand, UPPER_ARM, FOREARM, elbow_side(side)));
         set(joints.wrist, hand);
         set(joints.eye, neck + Vector3::new(0.05, side * 0.018, 0.118));
         set(joints.ear, neck + Vector3::new(0.0, side * 0.043, 0.11));
@@ -74,6 +73,11 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
         UnitQuaternion::from_axis_angle(&Vector3::z_axis(), motion.heading),
     );
     joints.map(|joint| world_from_person * (joint * stature))
+}
+
+/// Where the elbow hangs, in the person's frame; 1 is left and −1 right.
+pub(super) fn elbow_side(side: f64) -> Vector3<f64> {
+    Vector3::new(-0.3, 0.4 * side, -1.0)
 }
 
 /// The joints of one side.
