@@ -36,9 +36,10 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// The time over the least time.
+    /// The time over the least time; none of a turn that takes none.
     pub fn ratio(&self) -> Option<f64> {
-        Some(self.time? / self.least_time?)
+        let least = self.least_time.filter(|least| *least > 0.0)?;
+        Some(self.time? / least)
     }
 }
 
