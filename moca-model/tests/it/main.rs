@@ -5,6 +5,7 @@ mod allocation;
 mod bad_input;
 mod controller;
 mod drive;
+mod fault_table;
 mod faults;
 mod golden;
 mod held_object;

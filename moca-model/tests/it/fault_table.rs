@@ -1,0 +1,176 @@
+//! The book's table of faults: each is brought about, and the robot does what the table says, with a person in the
+//! way too.
+
+use std::collections::BTreeMap;
+
+use hrsw::{ClockFault, Fault, FrameFault, SafetyState};
+use moca_model::Error;
+
+use crate::drive::{Drive, PERIOD, percept};
+use crate::faults::{towards_work, unusable, usable};
+
+type Scenario = fn(&mut Drive);
+
+/// How each fault of the book's table is brought about.
+fn scenarios() -> BTreeMap<String, Scenario> {
+    fn frame(drive: &mut Drive, stamp: f64) {
+        assert!(drive.controller.observe(&percept(stamp, None)).is_err());
+        drive.step();
+    }
+    fn clock(drive: &mut Drive, now: f64) {
+        let measured = drive.robot.position().to_vec();
+        drive.controller.step(now, &measured).unwrap();
+        drive.obey(PERIOD);
+    }
+    let scenarios: [(Fault, Scenario); 18] = [
+        (ClockFault::NotFinite.into(), |drive| clock(drive, f64::NAN)),
+        (ClockFault::StandsStill.into(), |drive| clock(drive, drive.time() - PERIOD)),
+        (ClockFault::SetBack.into(), |drive| clock(drive, drive.time() - 5.0)),
+        (ClockFault::SetAhead.into(), |drive| clock(drive, drive.time() + 5.0)),
+        (Fault::EarlyTick, |drive| clock(drive, drive.time() - 0.8 * PERIOD)),
+        (Fault::LateTick, |drive| {
+            drive.tick += 4;
+            drive.step();
+        }),
+        (FrameFault::NotFinite.into(), |drive| frame(drive, f64::NAN)),
+        (FrameFault::Future.into(), |drive| frame(drive, drive.time() + 0.1)),
+        (FrameFault::ForeignEpoch.into(), |drive| frame(drive, 1.7e9)),
+        (FrameFault::Repeated.into(), |drive| {
+            frame(drive, drive.controller.clock().newest().unwrap());
+        }),
+        (FrameFault::OutOfOrder.into(), |drive| frame(drive, drive.time() - 0.2)),
+        (Fault::TooManyPeople, |drive| {
+            // Far away, and apart from each other.
+            let seen = |place: f64| percept(0.0, Some(place)).body.unwrap();
+            let others: Vec<_> = (0..5).map(|who| seen(100.0 + 10.0 * f64::from(who))).collect();
+            drive.camera = false;
+            let frame = percept(drive.time(), drive.person);
+            let error = drive.controller.observe_people(&frame, &others).unwrap_err();
+            assert!(matches!(error, Error::TooManyPeople { got: 5, left_out: 1, most: 4 }));
+            drive.step();
+            drive.camera = true;
+        }),
+        (Fault::BadMeasurement, |drive| drive.step_with(&[f64::INFINITY; 10])),
+        (Fault::FollowingError, |drive| {
+            let mut pushed = drive.robot.position().to_vec();
+            pushed[4] += 0.2;
+            drive.step_with(&pushed);
+        }),
+        (Fault::RobotStopped, |drive| {
+            drive.controller.robot_stopped();
+            drive.step();
+        }),
+        (Fault::ContactForce, |drive| {
+            // What a torque controller does with the force that it observes.
+            let supervisor = drive.controller.safety_mut().supervisor_mut();
+            assert_eq!(supervisor.feel(59.0), None);
+            assert_eq!(supervisor.feel(61.0), Some(Fault::ContactForce));
+            drive.step();
+        }),
+        (Fault::NoSolution, |drive| {
+            towards_work(drive);
+            drive.controller.set_comfort(unusable());
+            drive.step();
+            drive.controller.set_comfort(usable());
+        }),
+        (Fault::StopRequested, |drive| {
+            drive.controller.request_stop();
+            drive.step();
+        }),
+    ];
+    scenarios.into_iter().map(|(fault, make)| (fault.to_string(), make)).collect()
+}
+
+/// The rows of the book: fault, state, how it ends.
+fn table() -> Vec<[String; 3]> {
+    let book = include_str!("../book.md");
+    let (_, table) = book.split_once("| fault | when | state | how it ends |").unwrap();
+    let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+    rows.map(|line| {
+        let cells: Vec<_> = line.trim_matches('|').split('|').map(str::trim).collect();
+        [cells[0].to_owned(), cells[2].to_owned(), cells[3].to_owned()]
+    })
+    .collect()
+}
+
+#[test]
+fn every_fault_does_what_the_table_of_the_book_says() {
+    let scenarios = scenarios();
+    let table = table();
+    let mut named: Vec<_> = table.iter().map(|[fault, ..]| fault.clone()).collect();
+    let mut all: Vec<_> = Fault::ALL.iter().map(ToString::to_string).collect();
+    named.sort();
+    all.sort();
+    assert_eq!(named, all, "each fault has one row");
+    for [name, state, end] in table {
+        let fault = *Fault::ALL.iter().find(|fault| fault.to_string() == name).unwrap();
+        let expected = match state.as_str() {
+            "protective stop" => SafetyState::ProtectiveStop,
+            "reduced" => SafetyState::Reduced,
+            other => panic!("{other} is no state"),
+        };
+        assert_eq!(fault.state(), expected, "{name}");
+        let waits = match end.as_str() {
+            "acknowledgement" => true,
+            "by itself" => false,
+            other => panic!("{other} is no end"),
+        };
+        assert_eq!(fault.waits(), waits, "{name}");
+        // Nothing that this test can do brings the others about.
+        let Some(make) = scenarios.get(&name) else {
+            let others = [Fault::IterationLimit, Fault::BadData, Fault::LimitViolated];
+            assert!(others.contains(&fault), "{name}");
+            continue;
+        };
+        let mut drive = Drive::fast();
+        make(&mut drive);
+        assert_eq!(drive.state(), expected, "{name}");
+        assert_eq!(drive.cause(), Some(fault), "{name}");
+        // The clock goes on from where it is.
+        let offset = drive.controller.clock().now().unwrap() + PERIOD - drive.time();
+        drive.go_on(offset, 2.0);
+        if waits {
+            drive.assert_waits(fault);
+            drive.acknowledge();
+            drive.go_on(offset, 2.0);
+        }
+        assert_eq!(drive.state(), SafetyState::Normal, "{name}");
+        assert!(drive.fastest() > 0.1, "{name}: it goes on");
+    }
+}
+
+/// Each fault of the table while the robot drives towards somebody, with frames of them afterwards and without: the
+/// state is there within 0.2 s, and every tick finds the robot away from them.
+#[test]
+fn no_fault_runs_the_robot_into_a_person_in_the_way() {
+    for (name, make) in scenarios() {
+        let fault = *Fault::ALL.iter().find(|fault| fault.to_string() == name).unwrap();
+        for sees in [true, false] {
+            // This one brings a person of its own.
+            let mut drive = match fault {
+                Fault::NoSolution => Drive::fast(),
+                _ => Drive::towards_a_person(),
+            };
+            drive.run(0.2);
+            make(&mut drive);
+            assert!(drive.person.is_some(), "{name}");
+            let offset = drive.controller.clock().now().unwrap() + PERIOD - drive.time();
+            let (begin, mut state) = (drive.time(), drive.state());
+            while drive.time() < begin + if sees { 0.7 } else { 2.2 } {
+                if drive.time() < begin + 0.2 {
+                    state = state.max(drive.state());
+                }
+                if sees {
+                    drive.go_on(offset, PERIOD);
+                } else {
+                    let measured = drive.robot.position().to_vec();
+                    drive.controller.step(drive.time() + offset, &measured).unwrap();
+                    drive.obey(PERIOD); // away from the person
+                    drive.tick += 1;
+                }
+            }
+            assert!(state >= fault.state(), "{name}: {state:?}");
+            assert!(sees || drive.fastest() == 0.0, "{name}: without frames it stands");
+        }
+    }
+}
