@@ -1,6 +1,6 @@
 //! The checks of every tick.
 
-use hrsw::{Capsule, SafetyState};
+use hrsw::{Capsule, Fault, SafetyState};
 use moca_model::whole_body::{FrameId, Model};
 use moca_model::{Command, ControllerSettings};
 use serde::{Deserialize, Serialize};
@@ -208,8 +208,12 @@ impl Monitor {
             self.settling = SETTLING;
         }
         let is_settling = self.settling > 0;
-        if is_settling {
-            self.settling -= 1;
+        self.settling = self.settling.saturating_sub(1);
+        // Of a robot that does not follow, what is commanded starts anew from what is measured, noise included. A
+        // command that takes a joint farther out counts all the same.
+        let starts_anew =
+            matches!(tick.command.fault, Some(Fault::RobotStopped | Fault::FollowingError));
+        if is_settling || starts_anew {
             self.limits.move_outside(tick.reference);
         }
         is_settling
