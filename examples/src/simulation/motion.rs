@@ -30,6 +30,8 @@ pub struct Gait {
     pub stride: f64,
     /// How fast the hands move against the body at most, in statures a second.
     pub hand_speed: f64,
+    /// How fast any part moves at most (m/s): hands go on more slowly where an elbow would swing faster.
+    pub part_speed: f64,
 }
 
 impl Gait {
@@ -40,6 +42,7 @@ impl Gait {
         turning_acceleration: 4.0,
         stride: 1.0,
         hand_speed: f64::INFINITY,
+        part_speed: f64::INFINITY,
     };
 
     /// In small sliding steps and with quiet hands, so that hands and feet are not much faster than
@@ -50,6 +53,7 @@ impl Gait {
         turning_acceleration: 3.0,
         stride: 0.2,
         hand_speed: 0.06,
+        part_speed: 1.5,
     };
 }
 
@@ -92,12 +96,12 @@ pub(super) struct Motion {
     pub(super) velocity: Vector2<f64>,
     /// The yaw of the forward direction (rad).
     pub(super) heading: f64,
-    gait: Gait,
+    pub(super) gait: Gait,
     turning_rate: f64,
     /// Of the two steps of a stride, in [0, 2π) (rad).
     phase: f64,
     /// Left and right, in the person's frame and as a fraction of stature.
-    hands: [Vector3<f64>; 2],
+    pub(super) hands: [Vector3<f64>; 2],
     /// Where the right hand is to be instead of where its activity has it, likewise.
     reached_for: Option<Vector3<f64>>,
     /// The trunk's flexion (rad).
@@ -173,7 +177,7 @@ impl Motion {
     }
 
     fn step(&mut self, goal: &Goal, hands: Hands, dt: f64) {
-        let Gait { acceleration, turning_rate, turning_acceleration, stride, hand_speed } =
+        let Gait { acceleration, turning_rate, turning_acceleration, stride, hand_speed, .. } =
             self.gait;
         let to_goal = goal.floor - self.floor;
         let distance = to_goal.norm();
