@@ -29,7 +29,7 @@ pub(crate) struct QuadraticFactor {
     pivots: List<usize>,
     /// The variables with curvature: most Hessians of a stack of tasks see few.
     curved: List<usize>,
-    /// What of the diagonal is not factored yet; nothing of pivots.
+    /// What of the diagonal is not factored yet; [`IS_PIVOT`] for pivots.
     diagonal: Vec<f64>,
     linear: Vec<f64>,
 }
