@@ -20,7 +20,7 @@ use crate::separation::SeparationSettings;
 use crate::shape::Capsule;
 pub use bodies::{PersonBody, RobotBody};
 use body_motion::BodyMotion;
-use candidate::{Candidate, PairId};
+use candidate::{Candidate, PointId};
 pub use joint_motion::JointMotion;
 pub use nearest::Nearest;
 use places::Places;
@@ -100,6 +100,9 @@ struct Pair<'a> {
 
 /// What rounding may make of a speed of approach \[m/s\].
 const ROUNDING: f64 = 1e-7;
+
+/// An end of a capsule that is no farther from the nearest point than this is that point \[m\].
+const SAME_POINT: f64 = 1e-6;
 
 /// Bodies of robot and person of which the distances are remembered.
 const BODIES: usize = 32;
@@ -208,49 +211,77 @@ impl ApproachRows {
         self.write_candidates(motion, rows)
     }
 
-    /// Takes a pair in sight: what the supervisor has to know of it, and what a row does.
+    /// Takes a pair in sight: what the supervisor has to know of it, and the points of the robot's capsule that
+    /// may get a row, the nearest one and the ends.
     fn weigh(&mut self, motion: &JointMotion<'_>, moves: &BodyMotion, pair: &Pair<'_>) {
         let Pair { robot: (robot, body), other: (other, part), near } = *pair;
-        let wrench = near.gradient_first(&motion.origin);
-        let approach = -moves.along(&wrench);
-        let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
-        let worst = part.velocity.zip(measured).map(|(v, speed)| speed + v.uncertainty);
-        let assumed = self.settings.speed_towards_robot(worst);
-        // The same as in sight, but for how fast the two truly come nearer to each other.
-        if near.distance > self.reach(approach.max(0.0), moves.change).sight(assumed) {
-            return;
-        }
-        let settings = self.braking(moves, approach, &wrench);
-        let standing = self.settings.protective_distance(assumed, 0.0);
         if part.contact.is_none() {
-            let human_speed = self.settings.speed_towards_robot(measured);
+            let wrench = near.gradient_first(&motion.origin);
+            let approach = -moves.along(&wrench);
+            let speed = part.speed_towards(&near.normal);
+            let human_speed = self.settings.speed_towards_robot(speed.map(|speed| speed.measured));
+            let settings = self.braking(moves, approach, &wrench);
             let required = settings.protective_distance(human_speed, approach);
             self.see(Nearest { robot, other, distance: near.distance, required, approach });
-            if near.distance < standing {
+            let assumed = self.settings.speed_towards_robot(speed.map(|speed| speed.worst));
+            if near.distance < self.settings.protective_distance(assumed, 0.0) {
                 let may_approach =
                     near.distance >= self.settings.protective_distance(human_speed, 0.0);
                 let distance = near.distance;
                 self.undercut.take((robot, body), part, distance, may_approach, &self.settings);
             }
         }
+        let id = PointId { robot, other, end: None };
+        self.weigh_point(motion, moves, (id, body, part), &near);
+        for (end, point) in body.capsule.ends().into_iter().enumerate() {
+            if (point - near.on_first).norm_squared() > SAME_POINT * SAME_POINT {
+                let near = proximity(&body.capsule.at(point), &part.capsule);
+                self.weigh_point(
+                    motion,
+                    moves,
+                    (PointId { end: Some(end), ..id }, body, part),
+                    &near,
+                );
+            }
+        }
+    }
+
+    /// Takes a point on the axis of a capsule of the robot, and the place where it is nearest to the part.
+    fn weigh_point(
+        &mut self,
+        motion: &JointMotion<'_>,
+        moves: &BodyMotion,
+        (id, body, part): (PointId, &RobotBody, &PersonBody),
+        near: &Proximity,
+    ) {
+        let wrench = near.gradient_first(&motion.origin);
+        let approach = -moves.along(&wrench);
+        let speed = part.speed_towards(&near.normal);
+        let assumed = self.settings.speed_towards_robot(speed.map(|speed| speed.worst));
+        // The same as in sight, but for how fast the two truly come nearer to each other.
+        if near.distance > self.reach(approach.max(0.0), moves.change).sight(assumed) {
+            return;
+        }
+        let settings = self.braking(moves, approach, &wrench);
         let mut limit = settings.approach_limit(near.distance, assumed);
         // Where the distance alone permits all that may come in this tick, what a contact permits does not
         // matter.
         if let Some(contact) = part.contact.filter(|_| limit - approach <= moves.change) {
             let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
             let mass = self.mobility.mass(jacobian, inverse, body.joints, &wrench);
-            let known = contact.velocity.map(|v| (v.mean.dot(&near.normal), v.uncertainty));
-            let known = known.map(|(speed, uncertainty)| (speed, speed + uncertainty));
-            let (measured, worst) = known.or(measured.zip(worst)).unwrap_or((assumed, assumed));
+            let known = contact.velocity.map(|velocity| velocity.towards(&near.normal));
+            let speed = known.or(speed);
+            let (measured, worst) =
+                speed.map_or((assumed, assumed), |speed| (speed.measured, speed.worst));
             limit = limit.max(contact.approach_limit(mass, measured, worst));
         }
         let candidate = Candidate {
-            id: PairId { robot, other },
+            id,
             normal: near.normal,
             point: near.on_first,
             joints: body.joints,
             opposite: None,
-            room: near.distance - standing,
+            room: near.distance - self.settings.protective_distance(assumed, 0.0),
             limit,
             headroom: limit - approach,
             contact: part.contact.is_some(),
@@ -372,7 +403,7 @@ impl ApproachRows {
             let required = self.settings.protective_distance(0.0, approach);
             self.see(Nearest { robot: i, other: j, distance, required, approach });
             let candidate = Candidate {
-                id: PairId { robot: i, other: j },
+                id: PointId { robot: i, other: j, end: None },
                 normal: near.normal,
                 point: near.on_first,
                 joints: first.joints,

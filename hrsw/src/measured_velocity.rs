@@ -16,4 +16,19 @@ impl MeasuredVelocity {
     pub fn exact(mean: Vector3<f64>) -> Self {
         Self { mean, uncertainty: 0.0 }
     }
+
+    /// How fast the part comes nearer along a unit normal that points away from it.
+    pub(crate) fn towards(&self, normal: &Vector3<f64>) -> SpeedTowards {
+        let measured = self.mean.dot(normal);
+        SpeedTowards { measured, worst: measured + self.uncertainty }
+    }
+}
+
+/// How fast a part of the person comes nearer \[m/s\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SpeedTowards {
+    /// As measured.
+    pub(crate) measured: f64,
+    /// If the measurement is as wrong as it may be.
+    pub(crate) worst: f64,
 }

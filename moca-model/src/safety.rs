@@ -8,7 +8,7 @@ mod settings;
 use ahqp_core::{AugmentedState, Rows};
 use hrsw::{
     Age, ApproachRows, Fault, JointMotion, Nearest, Observation, PersonBody, RobotBody,
-    SeparationSettings, SpeedCap, Supervisor, SupervisorSettings,
+    SafetyState, SeparationSettings, SpeedCap, Supervisor, SupervisorSettings,
 };
 use nalgebra::Vector3;
 use vision_models::{Body, Percept, TrackedPerson};
@@ -16,6 +16,7 @@ use whole_body::JointLimits;
 
 use crate::error::Error;
 use crate::robot::kinematics::Kinematics;
+use crate::robot::moca::MOCA_AXIS_SPEED;
 use body_parts::PARTS;
 use bystanders::Bystanders;
 use person_bodies::PersonBodies;
@@ -244,13 +245,22 @@ impl Safety {
 
     /// The share of their speeds that the joints may use: at once zero in a stop for a fault, while the
     /// robot moves towards somebody who is too close, and where more pairs are at their limit than there
-    /// are rows or one is nearer than can be told; else the supervisor's.
+    /// are rows or one is nearer than can be told; else the supervisor's, in retreat more by the speed of the
+    /// person. At most 1.
     pub fn speed_scale(&self) -> f64 {
         let separation = &self.separation;
         let brakes = separation.is_crowded()
             || separation.is_too_near_to_tell()
             || self.supervisor.stops_at_once();
-        if brakes { 0.0 } else { self.supervisor.speed_scale() }
+        let supervisor = &self.supervisor;
+        if brakes {
+            0.0
+        } else if supervisor.state() == SafetyState::Retreat {
+            // From somebody who walks on it leaves as much faster as they walk.
+            (supervisor.speed_scale() + self.person_velocity.norm() / MOCA_AXIS_SPEED).min(1.0)
+        } else {
+            supervisor.speed_scale()
+        }
     }
 
     /// The safety state and what brought it there.

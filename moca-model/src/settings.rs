@@ -136,7 +136,7 @@ pub struct DesiredMotion {
 
 impl Default for DesiredMotion {
     fn default() -> Self {
-        Self { velocity: 0.5, acceleration: 4.5, angular_velocity: 1.0, angular_acceleration: 9.0 }
+        Self { velocity: 1.0, acceleration: 4.5, angular_velocity: 1.0, angular_acceleration: 9.0 }
     }
 }
 
@@ -196,7 +196,9 @@ pub struct ControllerSettings {
     pub budget: Budget,
     /// When actions become intentions.
     pub intention: IntentionSettings,
-    /// The body tracker.
+    /// The body tracker. Default: that of vision-models with a position that is known to 0.02 m, to which Z_d of
+    /// [`SafetySettings`] belongs, and a person who walks alike whether covariances are known or not: with them
+    /// at 0.1 m²/s³, too.
     pub tracker: TrackerSettings,
     /// How the person's frame follows the tracked body.
     pub follower: FollowerSettings,
@@ -234,7 +236,11 @@ impl Default for ControllerSettings {
             },
             budget: Budget::default(),
             intention: IntentionSettings::default(),
-            tracker: TrackerSettings::default(),
+            tracker: TrackerSettings {
+                position_sigma: 0.02,
+                measured_density: 0.1,
+                ..TrackerSettings::default()
+            },
             follower: FollowerSettings::default(),
             stale: StaleSettings::default(),
             clock: ClockSettings::default(),

@@ -4,12 +4,15 @@ use nalgebra::{Point3, Rotation2, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use vision_models::{Body, Confidence, Keypoint};
+use vision_models::{Body, Body25, Confidence, Keypoint};
 
 use super::person::Joints;
 
 /// Where the camera stands, in the world (m): at the height of HRI30's, looking at the workplace.
 const EYE: Point3<f64> = Point3::new(0.3, 1.8, 2.3);
+
+/// How far from it along x the person is whom it looks at (m).
+const AHEAD: f64 = 1.1;
 
 /// Standard deviation of the depth at 1 m (m); it grows with the square of the distance:
 /// s / (f B) with s = .08 px, f = 385 px and B = 50 mm (RealSense D435i, 640 × 480).
@@ -45,18 +48,42 @@ pub struct CameraSettings {
     pub jumps: u32,
     /// How many times the person is not seen, for up to 3 s. Default 0.
     pub vanishings: u32,
+    /// How far apart along x further cameras are, for who walks out of the range of the first (m): the
+    /// person is seen by the one that is nearest. Default none.
+    pub spacing: Option<f64>,
 }
 
 impl Default for CameraSettings {
     fn default() -> Self {
-        Self { noise: 1.0, largest_error: f64::INFINITY, drop: 0.02, jumps: 0, vanishings: 0 }
+        Self {
+            noise: 1.0,
+            largest_error: f64::INFINITY,
+            drop: 0.02,
+            jumps: 0,
+            vanishings: 0,
+            spacing: None,
+        }
     }
 }
 
 impl CameraSettings {
     /// Sees everything, where it is.
-    pub const PERFECT: Self =
-        Self { noise: 0.0, largest_error: f64::INFINITY, drop: 0.0, jumps: 0, vanishings: 0 };
+    pub const PERFECT: Self = Self {
+        noise: 0.0,
+        largest_error: f64::INFINITY,
+        drop: 0.0,
+        jumps: 0,
+        vanishings: 0,
+        spacing: None,
+    };
+
+    /// Where the camera is that sees somebody at `place` best, in the world (m).
+    fn eye(&self, place: &Point3<f64>) -> Point3<f64> {
+        let along = self
+            .spacing
+            .map_or(0.0, |spacing| spacing * ((place.x - EYE.x - AHEAD) / spacing).round());
+        EYE + Vector3::x() * along
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -108,15 +135,16 @@ impl Camera {
             .map(|(.., displacement)| displacement)
             .sum();
         // Drawn in any case, so that what follows does not depend on who is seen.
-        let seen = joints.map(|joint| self.joint(joint + jump.push(0.0)));
+        let eye = self.settings.eye(&joints[Body25::MidHip as usize]);
+        let seen = joints.map(|joint| self.joint(&eye, joint + jump.push(0.0)));
         let vanished = self.vanishings.iter().any(|&(begin, end)| within(begin, end));
         let missed = self.missed > 0;
         self.missed = self.missed.saturating_sub(1);
         (!vanished && !missed).then(|| Body::new(seen))
     }
 
-    fn joint(&mut self, joint: Point3<f64>) -> Option<Keypoint> {
-        let ray = joint - EYE;
+    fn joint(&mut self, eye: &Point3<f64>, joint: Point3<f64>) -> Option<Keypoint> {
+        let ray = joint - eye;
         let distance = ray.norm();
         let across = self.settings.noise * ACROSS_SIGMA * distance;
         let along = self.settings.noise * DEPTH_SIGMA * distance * distance;

@@ -84,6 +84,9 @@ impl WalkerSettings {
         in_range("noise", self.camera.noise, 0.0, 10.0, "a factor of 0 to 10")?;
         let largest = self.camera.largest_error;
         in_range("largest_error", largest, 0.0, f64::INFINITY, "0 m or more")?;
+        if let Some(spacing) = self.camera.spacing {
+            in_range("spacing", spacing, 0.1, 1000.0, "0.1 to 1000 m")?;
+        }
         in_range("drop", self.camera.drop, 0.0, 1.0, "a probability of 0 to 1")?;
         in_range("jump", self.camera.jumps.into(), 0.0, 1000.0, "0 to 1000 jumps")?;
         in_range("vanish", self.camera.vanishings.into(), 0.0, 1000.0, "0 to 1000 times")?;

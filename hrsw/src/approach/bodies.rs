@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::contact::Contact;
 use crate::error::{Error, check_all, not_negative};
-use crate::measured_velocity::MeasuredVelocity;
+use crate::measured_velocity::{MeasuredVelocity, SpeedTowards};
 use crate::separation::SeparationSettings;
 use crate::shape::Capsule;
 
@@ -40,6 +40,11 @@ impl PersonBody {
             Some(velocity) => (velocity.mean * self.age, velocity.uncertainty * self.age),
             None => (Vector3::zeros(), settings.human_speed * self.age),
         }
+    }
+
+    /// How fast the part comes nearer along a unit normal that points away from it, where that is known.
+    pub(super) fn speed_towards(&self, normal: &Vector3<f64>) -> Option<SpeedTowards> {
+        self.velocity.map(|velocity| velocity.towards(normal))
     }
 
     /// How fast the part moves at most, where that is known \[m/s\]: the sum of the parts is no less than the norm.

@@ -1,23 +1,25 @@
-//! A pair that may get a row.
+//! A point that may get a row.
 
 use nalgebra::Vector3;
 
 use super::JointMotion;
 
-/// Which pair a candidate is: the indices of both bodies.
+/// Which point a candidate is: the indices of both bodies, and the end of the first one's capsule, none for the
+/// nearest point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct PairId {
+pub(super) struct PointId {
     pub(super) robot: usize,
     pub(super) other: usize,
+    pub(super) end: Option<usize>,
 }
 
-/// A pair with the place where it is nearest.
+/// A point of a body of the robot that comes nearer to another body: the nearest one, or an end of its capsule.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
-    pub(super) id: PairId,
+    pub(super) id: PointId,
     /// From the other body to this one, of length 1.
     pub(super) normal: Vector3<f64>,
-    /// The nearest point on the axis of the robot's capsule, moved by the first of its joints.
+    /// On the axis of the robot's capsule, moved by the first of its joints.
     pub(super) point: Vector3<f64>,
     pub(super) joints: usize,
     /// The same of the other, for one of the robot's.

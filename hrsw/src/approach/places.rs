@@ -1,13 +1,13 @@
-//! Which row a pair has.
+//! Which row a point has.
 
-use super::candidate::{Candidate, PairId};
+use super::candidate::{Candidate, PointId};
 
-/// The rows of a block. A pair keeps its row as long as it has one, so that a solver that begins with the rows
-/// that were active last begins with the same pairs.
+/// The rows of a block. A point keeps its row as long as it has one, so that a solver that begins with the rows
+/// that were active last begins with the same points.
 #[derive(Debug, Clone)]
 pub(super) struct Places {
-    /// The pairs that have rows, by row, now or in the tick before.
-    pairs: Vec<Option<PairId>>,
+    /// The points that have rows, by row, now or in the tick before.
+    points: Vec<Option<PointId>>,
     /// By row, the candidate that has it.
     candidates: Vec<Option<usize>>,
 }
@@ -15,7 +15,7 @@ pub(super) struct Places {
 impl Places {
     /// For a block of so many rows.
     pub(super) fn new(rows: usize) -> Self {
-        Self { pairs: vec![None; rows], candidates: vec![None; rows] }
+        Self { points: vec![None; rows], candidates: vec![None; rows] }
     }
 
     /// Gives each of the candidates, of which there are no more than rows, a row.
@@ -23,15 +23,15 @@ impl Places {
         self.candidates.fill(None);
         let mut new = 0;
         for (index, candidate) in candidates.iter().enumerate() {
-            let row = self.pairs.iter().position(|pair| *pair == Some(candidate.id));
+            let row = self.points.iter().position(|point| *point == Some(candidate.id));
             match row.and_then(|row| self.candidates.get_mut(row)) {
                 Some(place) => *place = Some(index),
                 None => new += 1,
             }
         }
-        for (pair, candidate) in self.pairs.iter_mut().zip(&self.candidates) {
+        for (point, candidate) in self.points.iter_mut().zip(&self.candidates) {
             if candidate.is_none() {
-                *pair = None;
+                *point = None;
             }
         }
         if new == 0 {
@@ -39,16 +39,16 @@ impl Places {
         }
         let mut row = 0;
         for (index, candidate) in candidates.iter().enumerate() {
-            if self.pairs.contains(&Some(candidate.id)) {
+            if self.points.contains(&Some(candidate.id)) {
                 continue;
             }
             while self.candidates.get(row).is_some_and(Option::is_some) {
                 row += 1;
             }
-            if let (Some(pair), Some(place)) =
-                (self.pairs.get_mut(row), self.candidates.get_mut(row))
+            if let (Some(point), Some(place)) =
+                (self.points.get_mut(row), self.candidates.get_mut(row))
             {
-                (*pair, *place) = (Some(candidate.id), Some(index));
+                (*point, *place) = (Some(candidate.id), Some(index));
             }
         }
     }

@@ -77,6 +77,16 @@ impl Capsule {
         (self.start + self.end) * 0.5
     }
 
+    /// Both ends of the segment.
+    pub(crate) fn ends(&self) -> [Vector3<f64>; 2] {
+        [self.start, self.end]
+    }
+
+    /// The sphere of the same radius at a point of the segment.
+    pub(crate) fn at(&self, point: Vector3<f64>) -> Self {
+        Self { start: point, end: point, reach: self.radius, ..*self }
+    }
+
     /// The same capsule elsewhere.
     pub(crate) fn moved(&self, by: &Vector3<f64>) -> Self {
         Self { start: self.start + by, end: self.end + by, ..*self }

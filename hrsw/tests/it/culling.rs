@@ -51,7 +51,7 @@ proptest! {
         let state = AugmentedState { joints: JOINTS, task: 6, slack: 6 };
         let settings = SeparationSettings::default();
         let jacobian = Matrix6xX::from_vec(jacobian);
-        let rows = || ApproachRows::new(state, settings, 20).unwrap();
+        let rows = || ApproachRows::new(state, settings, 60).unwrap();
         let mut culled = rows().watching(watched);
         let mut block = culled.rows();
         let (mut robot, mut person) = (robot, person);

@@ -1,4 +1,4 @@
-//! Who is nearer than they should be, and which rows pairs have.
+//! Who is nearer than they should be, and which rows points have.
 
 use ahqp_core::{AugmentedState, integrate_pose};
 use hrsw::{
@@ -43,6 +43,46 @@ fn approach(robot: &Capsule, twist: &[f64], person: &Capsule) -> f64 {
 }
 
 proptest! {
+    /// Rows bound the nearest point and both ends, of a capsule that turns about its nearest point too.
+    #[test]
+    fn both_ends_of_a_capsule_keep_their_distance(
+        robot in capsule(0.8), person in capsule(1.5), twist in prop::array::uniform6(-1.5..1.5_f64),
+        turns in any::<bool>(),
+    ) {
+        let settings = SeparationSettings::default();
+        let near = proximity(&robot, &person);
+        prop_assume!((near.on_first - near.on_second).norm() > 1e-2);
+        let jacobian = Matrix6xX::identity(JOINTS);
+        // A turn about the nearest point, which comes no nearer by it.
+        let mut twist = twist;
+        if turns {
+            let angular = Vector3::new(twist[3], twist[4], twist[5]);
+            let linear = near.on_first.cross(&angular);
+            twist[..3].copy_from_slice(linear.as_slice());
+        }
+        let motion = flying(&jacobian, &twist);
+        let body = RobotBody { capsule: robot, joints: JOINTS };
+        let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
+        let part = PersonBody { capsule: person, velocity, age: 0.0, contact: None };
+        let mut separation = ApproachRows::new(STATE, settings, 3).unwrap();
+        let mut rows = separation.rows();
+        separation.write(&motion, &[body], &[part], &mut rows).unwrap();
+        // As fast as the rows let it.
+        let slowed = rows.iter().map(|(row, _, upper)| {
+            let speed: f64 = row.iter().zip(&twist).map(|(a, b)| a * b).sum();
+            if speed > upper { upper / speed } else { 1.0 }
+        });
+        let slowed = slowed.fold(1.0, f64::min);
+        let twist = twist.map(|v| v * slowed);
+        for point in [near.on_first, *robot.start(), *robot.end()] {
+            let ball = Capsule::sphere(point, robot.radius()).unwrap();
+            let near = proximity(&ball, &person);
+            prop_assume!((near.on_first - near.on_second).norm() > 1e-2);
+            let speed = approach(&ball, &twist, &person);
+            prop_assert!(speed <= settings.approach_limit(near.distance, 0.0) + 1e-4);
+        }
+    }
+
     /// A robot that is nearer than it may be comes no nearer wherever the person is: they have moved on since
     /// they were seen, at a speed known only so well, and were seen only so exactly.
     #[test]
@@ -108,9 +148,9 @@ fn a_direction_away_from_where_the_person_was_is_none_away_from_where_they_are()
     assert!(keeps(0.15, [0.1, -0.1, 0.0, 0.0, 0.0, 0.0], 0.1));
 }
 
-/// A solver begins with the rows that were active: they are those of the same pairs in the next tick.
+/// A solver begins with the rows that were active: they are those of the same points in the next tick.
 #[test]
-fn a_pair_keeps_its_row() {
+fn a_point_keeps_its_row() {
     let robot = RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.1).unwrap(), joints: 6 };
     let jacobian = Matrix6xX::identity(JOINTS);
     let mut separation = ApproachRows::new(STATE, SeparationSettings::default(), 3).unwrap();

@@ -204,7 +204,8 @@ proptest! {
         prop_assert!((gap - margin).abs() < 1e-3, "{gap} {margin}");
     }
 
-    /// Each row is how fast its pair comes nearer, by finite differences of the distance.
+    /// Each row is how fast the nearest point of the robot's capsule, or one of its ends, comes nearer, by finite
+    /// differences of the distance.
     #[test]
     fn rows_are_the_rate_of_approach(
         jacobian in jacobian(), q in joints(), origin in vector(0.5),
@@ -214,7 +215,7 @@ proptest! {
         let rest = [0.0; JOINTS];
         let inverse_inertia = inverse.as_ref();
         let motion = JointMotion { inverse_inertia, ..motion(&jacobian, origin, &q, &rest) };
-        let room = robot.len() * person.len() + 2;
+        let room = 3 * robot.len() * person.len() + 2;
         let mut separation = ApproachRows::new(state(), settings, room).unwrap();
         let mut rows = separation.rows();
         let nearest = separation.write(&motion, &robot, &person, &mut rows).unwrap();
@@ -228,28 +229,36 @@ proptest! {
         let mut expected = Vec::new();
         let mut degenerate = false;
         for (body, part) in robot.iter().flat_map(|body| person.iter().map(move |part| (body, part))) {
-            let rate = |q: &[f64]| {
-                let at = |time| proximity(&moved_by(body, q, time), &part.capsule).distance;
-                (at(-step) - at(step)) / (2.0 * step)
-            };
-            let near = proximity(&body.capsule, &part.capsule);
-            degenerate |= (near.on_first - near.on_second).norm() < 1e-2;
-            let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
-            let worst = part.velocity.zip(measured).map(|(v, speed)| speed + v.uncertainty);
-            let human = worst.map_or(settings.human_speed, |speed| speed.max(0.0));
-            let mut limit = settings.approach_limit(near.distance, human);
-            if let Some(Contact { limit: contact, fastest, velocity }) = part.contact {
-                prop_assert!(velocity.is_none());
-                // Joint by joint: how the robot gives way to a push along the normal.
-                let unit = |j: usize| std::array::from_fn::<_, JOINTS, _>(|i| f64::from(u8::from(i == j)));
-                let row = DVector::from_fn(JOINTS, |j, _| rate(&unit(j)));
-                let lightness = inverse.as_ref().map_or(0.0, |m| row.dot(&(m * &row)));
-                let reduced = 1.0 / (1.0 / contact.mass + lightness);
-                let allowed = contact.force / (contact.stiffness * reduced).sqrt();
-                let (measured, worst) = (measured.unwrap_or(human), worst.unwrap_or(human));
-                limit = limit.max((allowed - worst).min(fastest - measured));
+            let nearest = proximity(&body.capsule, &part.capsule).on_first;
+            let ends = [*body.capsule.start(), *body.capsule.end()];
+            let both = ends.into_iter().filter(|end| (end - nearest).norm() > 1e-6);
+            let both = both.take(if ends[0] == ends[1] { 1 } else { 2 });
+            for point in std::iter::once(nearest).chain(both) {
+                let ball = Capsule::sphere(point, body.capsule.radius()).unwrap();
+                let body = RobotBody { capsule: ball, ..*body };
+                let rate = |q: &[f64]| {
+                    let at = |time| proximity(&moved_by(&body, q, time), &part.capsule).distance;
+                    (at(-step) - at(step)) / (2.0 * step)
+                };
+                let near = proximity(&ball, &part.capsule);
+                degenerate |= (near.on_first - near.on_second).norm() < 1e-2;
+                let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
+                let worst = part.velocity.zip(measured).map(|(v, speed)| speed + v.uncertainty);
+                let human = worst.map_or(settings.human_speed, |speed| speed.max(0.0));
+                let mut limit = settings.approach_limit(near.distance, human);
+                if let Some(Contact { limit: contact, fastest, velocity }) = part.contact {
+                    prop_assert!(velocity.is_none());
+                    // Joint by joint: how the robot gives way to a push along the normal.
+                    let unit = |j: usize| std::array::from_fn::<_, JOINTS, _>(|i| f64::from(u8::from(i == j)));
+                    let row = DVector::from_fn(JOINTS, |j, _| rate(&unit(j)));
+                    let lightness = inverse.as_ref().map_or(0.0, |m| row.dot(&(m * &row)));
+                    let reduced = 1.0 / (1.0 / contact.mass + lightness);
+                    let allowed = contact.force / (contact.stiffness * reduced).sqrt();
+                    let (measured, worst) = (measured.unwrap_or(human), worst.unwrap_or(human));
+                    limit = limit.max((allowed - worst).min(fastest - measured));
+                }
+                expected.push((limit, rate(&q)));
             }
-            expected.push((limit, rate(&q)));
         }
         prop_assume!(!degenerate);
         let mut found: Vec<(f64, f64)> =
@@ -346,7 +355,7 @@ proptest! {
             (upper, nearest)
         };
         let (few, nearest) = bounds(capacity);
-        let (all, expected) = bounds(robot.len() * person.len());
+        let (all, expected) = bounds(3 * robot.len() * person.len());
         for (few, all) in few.iter().zip(&all) {
             prop_assert_eq!(few, all);
         }

@@ -10,14 +10,23 @@ use vision_models::{Body, Body25, Percept, TrackStatus, TrackedPerson};
 use super::body_parts::{Limb, PARTS, Part};
 use super::settings::PersonBodySettings;
 
-/// How far a standing trunk may seem to move from frame to frame \[m\].
+/// How far a standing trunk may seem to move from frame to frame, all of its joints alike \[m\].
 const NOISE: f64 = 0.03;
+/// How much farther at most where its joints disagree, and by how many standard deviations \[m\].
+const MOST_SPREAD: f64 = 0.15;
+const DEVIATIONS: f64 = 3.0;
+/// Of a median of n values with the median absolute deviation 1 from it, the standard deviation is this over
+/// √n: 1.4826 makes a standard deviation of that of a normal distribution, √(π/2) that of its median.
+const MEDIAN_DEVIATION: f64 = 1.4826 * 1.2533;
 
 /// Joints that move with the pelvis.
 const ROOT: [Body25; 6] = {
     use Body25::{LeftHip, LeftShoulder, MidHip, Neck, RightHip, RightShoulder};
     [Neck, MidHip, LeftShoulder, RightShoulder, LeftHip, RightHip]
 };
+
+/// Where the joints are, as far as they were seen \[m\].
+type Places = [Option<Vector3<f64>>; Body25::COUNT];
 
 /// A joint where it was seen last, and when \[m, s\].
 #[derive(Debug, Clone, Copy)]
@@ -111,21 +120,28 @@ impl PersonBodies {
     pub(super) fn way_to(&self, time: f64, body: &Body) -> Option<f64> {
         let (places, least) = (self.places(), self.settings.least_confidence);
         // By the trunk, or by what else is seen.
-        let by = |joints: &[Body25]| displacement_of(joints, body, &places, least);
-        let way = by(&ROOT).or_else(|| by(&Body25::ALL))?.norm();
-        (way <= self.settings.jump_speed * (time - self.newest) + NOISE).then_some(way)
+        let by = |joints: &[Body25]| Displacement::of(joints, body, &places, least);
+        let moved = by(&ROOT).or_else(|| by(&Body25::ALL))?;
+        moved.is_within(self.reach(time - self.newest)).then(|| moved.median.norm())
+    }
+
+    /// How far a person may go in this time [s] \[m\].
+    fn reach(&self, elapsed: f64) -> f64 {
+        self.settings.jump_speed * elapsed
     }
 
     /// Takes the body of a frame. Joints that it misses move along with the trunk.
     pub(super) fn see(&mut self, time: f64, body: &Body, tracked: Option<&TrackedPerson>) {
         let doubtful = self.doubtful.take();
         let least = self.settings.least_confidence;
-        let reach = |elapsed: f64| self.settings.jump_speed * elapsed + NOISE;
-        let (moved, elapsed) = (displacement(body, &self.places(), least), time - self.newest);
-        let jumped = moved.norm() > reach(elapsed);
+        let displacement =
+            |from: &Places| Displacement::of(&ROOT, body, from, least).unwrap_or_default();
+        let (displaced, elapsed) = (displacement(&self.places()), time - self.newest);
+        let moved = displaced.median;
+        let jumped = !displaced.is_within(self.reach(elapsed));
         if jumped {
             let is_again = doubtful.is_some_and(|seen| {
-                displacement(body, &seen.joints, least).norm() <= reach(time - seen.time)
+                displacement(&seen.joints).is_within(self.reach(time - seen.time))
             });
             if !is_again {
                 let joints = Body25::ALL.map(|joint| place(body, joint, least));
@@ -260,7 +276,7 @@ impl PersonBodies {
     }
 
     /// Where the joints were seen last.
-    fn places(&self) -> [Option<Vector3<f64>>; Body25::COUNT] {
+    fn places(&self) -> Places {
         self.joints.map(|seen| seen.map(|seen| seen.place))
     }
 
@@ -296,7 +312,7 @@ fn place(body: &Body, joint: Body25, least_confidence: f64) -> Option<Vector3<f6
 /// Where a person was seen in one frame, and when \[m, s\].
 #[derive(Debug, Clone, Copy)]
 struct Sighting {
-    joints: [Option<Vector3<f64>>; Body25::COUNT],
+    joints: Places,
     time: f64,
 }
 
@@ -310,37 +326,47 @@ fn covered_by_reaction(age: f64, separation: &SeparationSettings) -> f64 {
     age.clamp(0.0, separation.reaction_time)
 }
 
-/// How far the trunk of `body` is from where it was `before`; zero where it is not seen.
-fn displacement(
-    body: &Body,
-    before: &[Option<Vector3<f64>>; Body25::COUNT],
-    least_confidence: f64,
-) -> Vector3<f64> {
-    displacement_of(&ROOT, body, before, least_confidence).unwrap_or_default()
+/// How far a body is from where it was before.
+#[derive(Debug, Clone, Copy, Default)]
+struct Displacement {
+    /// The median of the joints seen both times, by axis, so that one that is misplaced does not count.
+    median: Vector3<f64>,
+    /// What the camera's noise may make of it, as far as the joints disagree.
+    noise: f64,
 }
 
-/// How far `joints` of a body are from where they were `before`: the median of those seen both times, by axis, so
-/// that one that is misplaced does not count.
-fn displacement_of(
-    joints: &[Body25],
-    body: &Body,
-    before: &[Option<Vector3<f64>>; Body25::COUNT],
-    least_confidence: f64,
-) -> Option<Vector3<f64>> {
-    let mut moved = [Vector3::zeros(); Body25::COUNT];
-    let mut count = 0;
-    for &joint in joints {
-        let now = place(body, joint, least_confidence);
-        if let (Some(now), Some(before)) = (now, before[joint as usize])
-            && let Some(slot) = moved.get_mut(count)
-        {
-            *slot = now - before;
-            count += 1;
+impl Displacement {
+    /// How far `joints` of a body are from where they were `before`.
+    fn of(joints: &[Body25], body: &Body, before: &Places, least_confidence: f64) -> Option<Self> {
+        let mut moved = [Vector3::zeros(); Body25::COUNT];
+        let mut count = 0;
+        for &joint in joints {
+            let now = place(body, joint, least_confidence);
+            if let (Some(now), Some(before)) = (now, before[joint as usize])
+                && let Some(slot) = moved.get_mut(count)
+            {
+                *slot = now - before;
+                count += 1;
+            }
         }
+        let moved = moved.get_mut(..count).filter(|moved| !moved.is_empty())?;
+        let median = |moved: &mut [Vector3<f64>]| {
+            Vector3::from_fn(|axis, _| {
+                moved.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
+                moved[moved.len() / 2][axis]
+            })
+        };
+        let middle = median(moved);
+        for displacement in moved.iter_mut() {
+            *displacement = (*displacement - middle).abs();
+        }
+        #[expect(clippy::cast_precision_loss, reason = "a body has few joints")]
+        let deviation = median(moved).norm() * MEDIAN_DEVIATION / (count as f64).sqrt();
+        Some(Self { median: middle, noise: (DEVIATIONS * deviation).min(MOST_SPREAD) })
     }
-    let moved = moved.get_mut(..count).filter(|moved| !moved.is_empty())?;
-    Some(Vector3::from_fn(|axis, _| {
-        moved.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
-        moved[moved.len() / 2][axis]
-    }))
+
+    /// Returns true if somebody who moves by no more than `way` \[m\] may be seen so far from where they were.
+    fn is_within(&self, way: f64) -> bool {
+        self.median.norm() <= way + NOISE + self.noise
+    }
 }

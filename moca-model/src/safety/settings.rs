@@ -21,14 +21,14 @@ pub struct PersonBodySettings {
     /// count \[m/s\]. Default 1.6.
     pub jump_speed: f64,
     /// After not being seen for longer than this the tracked velocity has to settle anew \[s\].
-    /// Default 0.16.
+    /// Default 0.5, as long as the tracker goes on without measurements.
     pub gap: f64,
     /// How far tracked and seen person may lie apart for the tracked velocity to count \[m\].
     /// Default 0.25.
     pub agreement: f64,
     /// How long they must have agreed for that \[s\]. Default 0.3.
     pub settling: f64,
-    /// How long the velocity measured last is believed \[s\]. Default 0.3.
+    /// How long the velocity measured last is believed, with an uncertainty that grows \[s\]. Default 0.5.
     pub believed_for: f64,
     /// How many standard deviations faster than tracked a person may be \[-\]. Default 3.
     pub speed_deviations: f64,
@@ -43,10 +43,10 @@ impl Default for PersonBodySettings {
             least_confidence: 0.5,
             limb_gate: 0.3,
             jump_speed: 1.6,
-            gap: 0.16,
+            gap: 0.5,
             agreement: 0.25,
             settling: 0.3,
-            believed_for: 0.3,
+            believed_for: 0.5,
             speed_deviations: 3.0,
             forget_after: 10.0,
         }

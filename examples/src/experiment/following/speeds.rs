@@ -17,7 +17,7 @@ use crate::experiment::player::Player;
 use crate::experiment::spread::Spread;
 use crate::experiment::walk::Walk;
 use crate::follow::{Scenario, Summary};
-use crate::simulation::{WalkerSettings, WalkingPath};
+use crate::simulation::{CameraSettings, WalkerSettings, WalkingPath};
 
 /// How fast people walk \[m/s\]; the last is the robot's own speed.
 const SPEEDS: [f64; 8] = [0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.35, MOCA_AXIS_SPEED];
@@ -31,6 +31,10 @@ const AFTER: f64 = 8.0;
 
 /// From the walker's first place to the workplace \[m\].
 const APPROACH: f64 = 1.8;
+
+/// How far apart the cameras are along their way \[m\]: they walk as far as 12 m, and of depth measured from
+/// there, as the camera at the workplace sees it, the standard deviation is half a metre.
+const CAMERAS: f64 = 3.0;
 
 /// Case numbers apart from those of the random paths.
 const FIRST: u64 = 1 << 32;
@@ -148,6 +152,7 @@ fn walker(speed: f64, draw: &mut impl Rng) -> WalkerSettings {
         speed: Some(speed),
         duration: APPROACH / speed + BEFORE + WALK + AFTER,
         seed: draw.random(),
+        camera: CameraSettings { spacing: Some(CAMERAS), ..CameraSettings::default() },
         ..WalkerSettings::default()
     }
 }
