@@ -5,6 +5,7 @@ mod body_motion;
 mod candidate;
 mod joint_motion;
 mod nearest;
+mod own_motion;
 mod places;
 mod reach;
 mod undercut;
@@ -23,6 +24,7 @@ use body_motion::BodyMotion;
 use candidate::{Candidate, PairId};
 pub use joint_motion::JointMotion;
 pub use nearest::Nearest;
+use own_motion::OwnMotion;
 use places::Places;
 use reach::Reach;
 use undercut::Undercut;
@@ -75,8 +77,8 @@ pub struct ApproachRows {
     capacity: usize,
     candidates: Vec<Candidate>,
     places: Places,
-    /// Of the robot's bodies in a tick.
-    moves: Vec<BodyMotion>,
+    /// How fast parts of the person may come nearer, of those of which distances are remembered \[m/s\].
+    human_speeds: Vec<f64>,
     nearest: Option<Nearest>,
     mobility: Mobility,
     /// Pairs with less room than this are looked for \[m\].
@@ -124,7 +126,7 @@ impl ApproachRows {
             capacity,
             candidates,
             places: Places::new(capacity),
-            moves: Vec::with_capacity(BODIES),
+            human_speeds: Vec::with_capacity(PARTS),
             nearest: None,
             mobility,
             watched_room: 0.0,
@@ -176,24 +178,22 @@ impl ApproachRows {
         self.bounds.advance(capsules(robot), person.iter().map(|part| &part.capsule));
         self.find_closest(robot, person);
         let base_joints = self.settings.base.map_or(0, |base| base.joints);
-        let towards = |part: &PersonBody| self.settings.speed_towards_robot(part.fastest());
-        let fastest = person.iter().map(towards).fold(0.0, f64::max);
+        let settings = self.settings;
+        let fastest = |part: &PersonBody| settings.speed_towards_robot(part.fastest());
+        self.human_speeds.clear();
+        self.human_speeds.extend(person.iter().take(PARTS).map(fastest));
         let mut before: Option<BodyMotion> = None;
         for (i, body) in robot.iter().enumerate() {
             let moves = BodyMotion::new(motion, body, base_joints, before.as_ref());
             before = Some(moves);
             let mut reach = self.reach(moves.fastest, moves.change);
-            let farthest = reach.sight(fastest);
             for (j, part) in person.iter().enumerate() {
-                let bound = self.bounds.get(i, j);
-                if bound > farthest.max(self.least_distance) {
-                    continue;
-                }
                 if moves.change == f64::INFINITY {
                     reach = self.reach(moves.fastest, moves.change);
                 }
-                let sight = reach.sight(self.settings.speed_towards_robot(part.fastest()));
-                if bound > sight.max(self.least_distance) {
+                let known = self.human_speeds.get(j).copied();
+                let sight = reach.sight(known.unwrap_or_else(|| fastest(part)));
+                if self.bounds.get(i, j) > sight.max(self.least_distance) {
                     continue;
                 }
                 let near = proximity(&body.capsule, &part.capsule);
@@ -237,12 +237,16 @@ impl ApproachRows {
         // Where the distance alone permits all that may come in this tick, what a contact permits does not
         // matter.
         if let Some(contact) = part.contact.filter(|_| limit - approach <= moves.change) {
-            let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
-            let mass = self.mobility.mass(jacobian, inverse, body.joints, &wrench);
             let known = contact.velocity.map(|v| (v.mean.dot(&near.normal), v.uncertainty));
             let known = known.map(|(speed, uncertainty)| (speed, speed + uncertainty));
             let (measured, worst) = known.or(measured.zip(worst)).unwrap_or((assumed, assumed));
-            limit = limit.max(contact.approach_limit(mass, measured, worst));
+            limit = limit.max(contact.approach_limit(f64::INFINITY, measured, worst));
+            // No more is needed where so much is permitted even for a robot that does not give way.
+            if limit - approach <= moves.change {
+                let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
+                let mass = self.mobility.mass(jacobian, inverse, body.joints, &wrench);
+                limit = limit.max(contact.approach_limit(mass, measured, worst));
+            }
         }
         let candidate = Candidate {
             id: PairId { robot, other },
@@ -335,15 +339,9 @@ impl ApproachRows {
     ) -> Result<Option<Nearest>, Error> {
         self.check(motion, robot, rows)?;
         self.clear();
-        self.bounds.advance(capsules(robot), capsules(robot));
-        self.moves.clear();
-        for body in robot.iter().take(BODIES) {
-            let moves = BodyMotion::new(motion, body, 0, self.moves.last());
-            self.moves.push(moves);
-        }
-        let most = |of: fn(&BodyMotion) -> f64| self.moves.iter().map(of).fold(0.0, f64::max);
-        let (fastest, change) = (most(|moves| moves.fastest), most(|moves| moves.change));
-        let farthest = self.reach(2.0 * fastest, 2.0 * change).sight(0.0);
+        self.bounds.advance_own(capsules(robot));
+        let any = OwnMotion::of_all(motion, robot);
+        let farthest = self.reach(any.fastest, any.change).sight(0.0);
         for &(i, j) in pairs {
             let (Some(first), Some(second)) = (robot.get(i), robot.get(j)) else {
                 let (found, expected) = (i.max(j), robot.len());
@@ -353,20 +351,16 @@ impl ApproachRows {
             if bound > farthest {
                 continue;
             }
-            let moves_of = |index: usize, body: &RobotBody| {
-                let known = self.moves.get(index).copied();
-                known.unwrap_or_else(|| BodyMotion::new(motion, body, 0, None))
-            };
-            let moves = [moves_of(i, first), moves_of(j, second)];
-            let change = moves[0].change + moves[1].change;
-            if bound > self.reach(moves[0].fastest + moves[1].fastest, change).sight(0.0) {
+            let moves = OwnMotion::of_pair(motion, first, second);
+            if bound > self.reach(moves.fastest, moves.change).sight(0.0) {
                 continue;
             }
             let near = proximity(&first.capsule, &second.capsule);
             self.bounds.set(i, j, near.distance);
             self.least_distance = self.least_distance.min(near.distance);
-            let approach = -moves[0].along(&near.gradient_first(&motion.origin))
-                - moves[1].along(&near.gradient_second(&motion.origin));
+            let twist = |body: &RobotBody| motion.twist(motion.velocity, body.joints);
+            let approach = -twist(first).dot(&near.gradient_first(&motion.origin))
+                - twist(second).dot(&near.gradient_second(&motion.origin));
             let distance = near.distance;
             let limit = self.settings.approach_limit(distance, 0.0);
             let required = self.settings.protective_distance(0.0, approach);
@@ -382,7 +376,7 @@ impl ApproachRows {
                 headroom: limit - approach,
                 contact: false,
             };
-            self.consider(candidate, change);
+            self.consider(candidate, moves.change);
         }
         self.write_candidates(motion, rows)
     }
@@ -471,6 +465,9 @@ impl ApproachRows {
         self.places.assign(&self.candidates);
         for (index, candidate) in self.places.candidates().enumerate() {
             let candidate = candidate.and_then(|candidate| self.candidates.get(candidate));
+            if candidate.is_none() && rows.upper()[index] == f64::INFINITY {
+                continue;
+            }
             let row = rows.row_mut(index)?;
             row.fill(0.0);
             let mut upper = f64::INFINITY;
@@ -487,6 +484,6 @@ impl ApproachRows {
     }
 }
 
-fn capsules(robot: &[RobotBody]) -> impl Iterator<Item = &Capsule> {
+fn capsules(robot: &[RobotBody]) -> impl Iterator<Item = &Capsule> + Clone {
     robot.iter().map(|body| &body.capsule)
 }

@@ -1,6 +1,6 @@
 //! How a body of the robot moves.
 
-use nalgebra::{Const, MatrixView, Vector6};
+use nalgebra::{Vector3, Vector6};
 
 use super::{JointMotion, RobotBody};
 
@@ -16,8 +16,6 @@ pub(super) struct BodyMotion {
     /// By no more than this it may come nearer faster within this tick \[m/s\].
     pub(super) change: f64,
 }
-
-type Column<'a> = MatrixView<'a, f64, Const<6>, Const<1>, Const<1>, Const<6>>;
 
 impl BodyMotion {
     /// Of a body of a robot of which the first joints are the base's; `before` is another one's in the same
@@ -39,13 +37,11 @@ impl BodyMotion {
         let (linear, angular) = (twist.fixed_rows::<3>(0), twist.fixed_rows::<3>(3));
         let (arm, reach) = (body.capsule.middle() - motion.origin, body.capsule.reach());
         let change = motion.change.map_or(f64::INFINITY, |change| {
-            let joints = motion.jacobian.column_iter().zip(change).take(body.joints);
-            let of_joint = |(column, change): (Column<'_>, &f64)| {
-                let (linear, angular) = (column.fixed_rows::<3>(0), column.fixed_rows::<3>(3));
+            let of_joint = |([linear, angular], change): ([Vector3<f64>; 2], &f64)| {
                 let of_middle = linear + angular.cross(&arm);
                 change * (of_middle.norm() + angular.norm() * reach)
             };
-            joints.map(of_joint).sum()
+            motion.columns(body.joints).zip(change).map(of_joint).sum()
         });
         let fastest = (linear + angular.cross(&arm)).norm() + angular.norm() * reach;
         Self { joints: body.joints, twist, base, fastest, change }
