@@ -154,7 +154,6 @@ pub(crate) fn check_all<'a>(
 }
 
 /// The same of numbers in one piece, quicker.
-#[expect(clippy::needless_bitwise_bool, reason = "no branches")]
 pub(crate) fn check_slice(what: &'static str, values: &[f64]) -> Result<(), Error> {
     let fine = values.iter().fold(true, |fine, value| fine & value.is_finite());
     if fine { Ok(()) } else { check_all(what, values.iter()) }
