@@ -3,9 +3,12 @@
 mod bodies;
 mod body_motion;
 mod candidate;
+mod joint_changes;
 mod joint_motion;
 mod nearest;
 mod own_motion;
+mod own_pairs;
+mod part_speeds;
 mod places;
 mod reach;
 mod undercut;
@@ -22,9 +25,10 @@ use crate::shape::Capsule;
 pub use bodies::{PersonBody, RobotBody};
 use body_motion::BodyMotion;
 use candidate::{Candidate, PairId};
+use joint_changes::JointChanges;
 pub use joint_motion::JointMotion;
 pub use nearest::Nearest;
-use own_motion::OwnMotion;
+use part_speeds::{PartSpeeds, watched_room};
 use places::Places;
 use reach::Reach;
 use undercut::Undercut;
@@ -77,8 +81,9 @@ pub struct ApproachRows {
     capacity: usize,
     candidates: Vec<Candidate>,
     places: Places,
-    /// How fast parts of the person may come nearer, of those of which distances are remembered \[m/s\].
-    human_speeds: Vec<f64>,
+    /// Of the parts of which distances are remembered.
+    speeds: Vec<PartSpeeds>,
+    changes: JointChanges,
     nearest: Option<Nearest>,
     mobility: Mobility,
     /// Pairs with less room than this are looked for \[m\].
@@ -87,6 +92,8 @@ pub struct ApproachRows {
     /// The pair that is nearest, and its distance \[m\].
     closest: Option<(usize, usize)>,
     least_distance: f64,
+    /// Whether the mass of the robot decided what a contact permits.
+    needs_inertia: bool,
     /// Whether a pair got no row that needs one.
     crowded: bool,
     undercut: Undercut,
@@ -126,13 +133,15 @@ impl ApproachRows {
             capacity,
             candidates,
             places: Places::new(capacity),
-            human_speeds: Vec::with_capacity(PARTS),
+            speeds: Vec::with_capacity(PARTS),
+            changes: JointChanges::new(state.joints),
             nearest: None,
             mobility,
             watched_room: 0.0,
             bounds: DistanceBounds::new(BODIES, PARTS),
             closest: None,
             least_distance: f64::INFINITY,
+            needs_inertia: false,
             crowded: false,
             undercut: Undercut::new(),
         })
@@ -174,38 +183,55 @@ impl ApproachRows {
         self.check(motion, robot, rows)?;
         person.iter().try_for_each(PersonBody::check)?;
         self.clear();
+        self.needs_inertia = false;
         self.mobility.clear();
         self.bounds.advance(capsules(robot), person.iter().map(|part| &part.capsule));
         self.find_closest(robot, person);
         let base_joints = self.settings.base.map_or(0, |base| base.joints);
-        let settings = self.settings;
-        let fastest = |part: &PersonBody| settings.speed_towards_robot(part.fastest());
-        self.human_speeds.clear();
-        self.human_speeds.extend(person.iter().take(PARTS).map(fastest));
+        self.changes.update(motion);
+        self.speeds.clear();
+        let (settings, watched) = (&self.settings, self.watched_room);
+        let speeds_of = |part: &PersonBody| PartSpeeds::of(part, settings, watched);
+        self.speeds.extend(person.iter().take(PARTS).map(speeds_of));
         let mut before: Option<BodyMotion> = None;
         for (i, body) in robot.iter().enumerate() {
-            let moves = BodyMotion::new(motion, body, base_joints, before.as_ref());
-            before = Some(moves);
-            let mut reach = self.reach(moves.fastest, moves.change);
-            for (j, part) in person.iter().enumerate() {
-                if moves.change == f64::INFINITY {
-                    reach = self.reach(moves.fastest, moves.change);
-                }
-                let known = self.human_speeds.get(j).copied();
-                let sight = reach.sight(known.unwrap_or_else(|| fastest(part)));
-                if self.bounds.get(i, j) > sight.max(self.least_distance) {
-                    continue;
-                }
+            let known = before.as_ref();
+            let mut moves = BodyMotion::new(motion, body, base_joints, &self.changes, known);
+            let mut next = 0;
+            while let Some((j, part, farthest)) = self.find_in_sight(i, &moves, person, next) {
+                next = j + 1;
                 let near = proximity(&body.capsule, &part.capsule);
                 self.bounds.set(i, j, near.distance);
                 self.keep_closest((i, j), near.distance);
-                if near.distance > sight {
-                    continue;
+                if near.distance <= farthest {
+                    moves.tell_change(motion, body);
+                    self.weigh(motion, &moves, &Pair { robot: (i, body), other: (j, part), near });
                 }
-                self.weigh(motion, &moves, &Pair { robot: (i, body), other: (j, part), near });
             }
+            before = Some(moves);
         }
         self.write_candidates(motion, rows)
+    }
+
+    /// Finds the first part of the person, from this one on, that may be near enough to a body of the robot to
+    /// matter, and up to which distance it does.
+    fn find_in_sight<'a>(
+        &self,
+        robot: usize,
+        moves: &BodyMotion,
+        person: &'a [PersonBody],
+        from: usize,
+    ) -> Option<(usize, &'a PersonBody, f64)> {
+        let reach = self.reach(moves.fastest, moves.change);
+        let parts = person.iter().enumerate().skip(from);
+        let mut with_distances = parts.map(|(other, part)| {
+            let of_part = || PartSpeeds::of(part, &self.settings, self.watched_room);
+            let speeds = self.speeds.get(other).copied().unwrap_or_else(of_part);
+            (other, part, speeds.farthest(moves, reach))
+        });
+        with_distances.find(|&(other, _, farthest)| {
+            self.bounds.get(robot, other) <= farthest.max(self.least_distance)
+        })
     }
 
     /// Takes a pair in sight: what the supervisor has to know of it, and what a row does.
@@ -217,7 +243,9 @@ impl ApproachRows {
         let worst = part.velocity.zip(measured).map(|(v, speed)| speed + v.uncertainty);
         let assumed = self.settings.speed_towards_robot(worst);
         // The same as in sight, but for how fast the two truly come nearer to each other.
-        if near.distance > self.reach(approach.max(0.0), moves.change).sight(assumed) {
+        let reach = self.reach(approach.max(0.0), moves.change);
+        let watched = watched_room(part, self.watched_room);
+        if near.distance > reach.sight(assumed) + watched {
             return;
         }
         let settings = self.braking(moves, approach, &wrench);
@@ -243,6 +271,7 @@ impl ApproachRows {
             limit = limit.max(contact.approach_limit(f64::INFINITY, measured, worst));
             // No more is needed where so much is permitted even for a robot that does not give way.
             if limit - approach <= moves.change {
+                self.needs_inertia = true;
                 let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
                 let mass = self.mobility.mass(jacobian, inverse, body.joints, &wrench);
                 limit = limit.max(contact.approach_limit(mass, measured, worst));
@@ -314,6 +343,12 @@ impl ApproachRows {
         self.undercut.is_too_near()
     }
 
+    /// Returns true if [`JointMotion::inverse_inertia`] has decided how fast a pair written last may come
+    /// nearer, or would have: elsewhere even a robot that does not give way may move as fast as it can.
+    pub fn needs_inertia(&self) -> bool {
+        self.needs_inertia
+    }
+
     /// Returns true if more pairs are at their limits than there are rows: the robot must then brake, which
     /// keeps them all.
     pub fn is_crowded(&self) -> bool {
@@ -323,62 +358,6 @@ impl ApproachRows {
     /// The least distance of the pairs written last \[m\]; infinite for none.
     pub fn least_distance(&self) -> f64 {
         self.least_distance
-    }
-
-    /// Writes the rows for pairs of the robot's own bodies, by their indices, as
-    /// [`write`](Self::write). Allocates nothing.
-    ///
-    /// # Errors
-    /// As [`write`](Self::write); [`Error::Size`] for an index that is not of a body.
-    pub fn write_own(
-        &mut self,
-        motion: &JointMotion<'_>,
-        robot: &[RobotBody],
-        pairs: &[(usize, usize)],
-        rows: &mut Rows,
-    ) -> Result<Option<Nearest>, Error> {
-        self.check(motion, robot, rows)?;
-        self.clear();
-        self.bounds.advance_own(capsules(robot));
-        let any = OwnMotion::of_all(motion, robot);
-        let farthest = self.reach(any.fastest, any.change).sight(0.0);
-        for &(i, j) in pairs {
-            let (Some(first), Some(second)) = (robot.get(i), robot.get(j)) else {
-                let (found, expected) = (i.max(j), robot.len());
-                return Err(Error::Size { what: "an index of a body", found, expected });
-            };
-            let bound = self.bounds.get(i, j);
-            if bound > farthest {
-                continue;
-            }
-            let moves = OwnMotion::of_pair(motion, first, second);
-            if bound > self.reach(moves.fastest, moves.change).sight(0.0) {
-                continue;
-            }
-            let near = proximity(&first.capsule, &second.capsule);
-            self.bounds.set(i, j, near.distance);
-            self.least_distance = self.least_distance.min(near.distance);
-            let twist = |body: &RobotBody| motion.twist(motion.velocity, body.joints);
-            let approach = -twist(first).dot(&near.gradient_first(&motion.origin))
-                - twist(second).dot(&near.gradient_second(&motion.origin));
-            let distance = near.distance;
-            let limit = self.settings.approach_limit(distance, 0.0);
-            let required = self.settings.protective_distance(0.0, approach);
-            self.see(Nearest { robot: i, other: j, distance, required, approach });
-            let candidate = Candidate {
-                id: PairId { robot: i, other: j },
-                normal: near.normal,
-                point: near.on_first,
-                joints: first.joints,
-                opposite: Some((near.on_second, second.joints)),
-                room: distance - self.settings.protective_distance(0.0, 0.0),
-                limit,
-                headroom: limit - approach,
-                contact: false,
-            };
-            self.consider(candidate, moves.change);
-        }
-        self.write_candidates(motion, rows)
     }
 
     fn clear(&mut self) {
@@ -428,7 +407,7 @@ impl ApproachRows {
             return Reach { standing: f64::INFINITY, time: 0.0 };
         }
         let (settings, speed) = (self.settings.braking_worst(), speed + headroom.max(0.0));
-        let standing = settings.protective_distance(0.0, speed) + self.watched_room;
+        let standing = settings.protective_distance(0.0, speed);
         Reach { standing, time: settings.reaction_time + speed / settings.deceleration }
     }
 

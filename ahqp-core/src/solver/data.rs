@@ -79,6 +79,8 @@ pub(crate) struct LevelRows {
     /// The rows of the objective in use: for a quadratic, the rank of its Hessian, else those up to the last
     /// that bounds something. The others are zero and bound nothing.
     pub(crate) used: usize,
+    /// Whether any row of the objective was multiplied.
+    weighted: bool,
     pub(crate) quadratic: bool,
     /// Whether a part of the gradient lies outside the range of the Hessian.
     pub(crate) has_linear: bool,
@@ -116,9 +118,8 @@ pub(crate) struct ProblemData {
     /// but where some must be made to hold together, those of large ones would hide small ones. Rows
     /// of objectives by the roots of their weights.
     scales: Vec<f64>,
-    /// Whether any constraint, and any row of an objective, was multiplied.
+    /// Whether any constraint was multiplied.
     scaled: bool,
-    weighted: bool,
     pub(crate) sources: Vec<ConstraintSource>,
     pub(crate) levels: Vec<LevelRows>,
     factor: QuadraticFactor,
@@ -145,6 +146,7 @@ impl ProblemData {
                 constraints: start..middle,
                 objective: middle..middle + rows,
                 used: rows,
+                weighted: false,
                 quadratic,
                 has_linear: false,
                 linear: vec![0.0; if quadratic { n } else { 0 }],
@@ -161,7 +163,6 @@ impl ProblemData {
             bound_rounding: vec![0.0; count],
             scales: vec![1.0; count],
             scaled: false,
-            weighted: false,
             sources,
             levels,
             factor: QuadraticFactor::new(n),
@@ -237,7 +238,7 @@ impl ProblemData {
                     let used = used_rows(rows);
                     self.leave_out_behind(level, used);
                     self.load_rows(start, rows, used)?;
-                    self.weigh_rows(start, rows)?;
+                    self.weigh_rows(level, rows)?;
                 }
                 Objective::Quadratic { hessian, gradient } => {
                     self.factor.factorise(level, hessian, gradient)?;
@@ -319,12 +320,13 @@ impl ProblemData {
     }
 
     /// Multiplies rows of an objective, and their bounds, by the roots of their weights.
-    fn weigh_rows(&mut self, start: usize, rows: &Rows) -> Result<(), Error> {
-        if rows.weights().is_none() && !self.weighted {
+    fn weigh_rows(&mut self, level: usize, rows: &Rows) -> Result<(), Error> {
+        let LevelRows { objective, weighted, .. } = &mut self.levels[level];
+        if rows.weights().is_none() && !*weighted {
             return Ok(());
         }
-        self.weighted = true;
-        for (id, index) in (start..).zip(0..rows.len()) {
+        *weighted = true;
+        for (index, id) in objective.clone().enumerate() {
             let scale = rows.weight(index).sqrt();
             self.scale_row(id, scale);
             if scale == 0.0 {

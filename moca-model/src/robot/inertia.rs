@@ -18,7 +18,12 @@ impl InverseInertia {
         Self { factor: DMatrix::zeros(n, n), inverse: DMatrix::zeros(n, n), known: false }
     }
 
-    /// Takes the robot's configuration. Allocates nothing.
+    /// The robot has moved: it is not known.
+    pub(super) fn forget(&mut self) {
+        self.known = false;
+    }
+
+    /// Computes it for the robot's configuration. Allocates nothing.
     pub(super) fn update(&mut self, posed: &mut Posed<'_>) {
         let Self { factor, inverse, known } = self;
         let n = factor.nrows();
