@@ -222,16 +222,19 @@ impl ApproachRows {
         person: &'a [PersonBody],
         from: usize,
     ) -> Option<(usize, &'a PersonBody, f64)> {
-        let reach = self.reach(moves.fastest, moves.change);
-        let parts = person.iter().enumerate().skip(from);
-        let mut with_distances = parts.map(|(other, part)| {
-            let of_part = || PartSpeeds::of(part, &self.settings, self.watched_room);
-            let speeds = self.speeds.get(other).copied().unwrap_or_else(of_part);
-            (other, part, speeds.farthest(moves, reach))
+        let (reach, bounds) = (self.reach(moves.fastest, moves.change), self.bounds.of(robot));
+        let remembered = bounds.iter().zip(&self.speeds).enumerate().skip(from);
+        let mut farthest = remembered.map(|(other, (&bound, speeds))| {
+            let farthest = speeds.farthest(moves, reach);
+            (other, farthest, bound <= farthest.max(self.least_distance))
         });
-        with_distances.find(|&(other, _, farthest)| {
-            self.bounds.get(robot, other) <= farthest.max(self.least_distance)
-        })
+        if let Some((other, farthest, _)) = farthest.find(|&(_, _, in_sight)| in_sight) {
+            return Some((other, person.get(other)?, farthest));
+        }
+        let other = from.max(bounds.len());
+        let part = person.get(other)?;
+        let speeds = PartSpeeds::of(part, &self.settings, self.watched_room);
+        Some((other, part, speeds.farthest(moves, reach)))
     }
 
     /// Takes a pair in sight: what the supervisor has to know of it, and what a row does.

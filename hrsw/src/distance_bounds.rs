@@ -103,6 +103,13 @@ impl DistanceBounds {
         }
     }
 
+    /// The bounds of one capsule of the first list, with as many of the second as are remembered \[m\].
+    pub(crate) fn of(&self, first: usize) -> &[f64] {
+        let start = first * self.second.room;
+        let count = if first < self.first.moved.len() { self.second.moved.len() } else { 0 };
+        self.bounds.get(start..start + count).unwrap_or_default()
+    }
+
     /// The bound of a pair \[m\].
     pub(crate) fn get(&self, first: usize, second: usize) -> f64 {
         let index = self.index(first, second);
