@@ -197,15 +197,18 @@ impl ApproachRows {
         for (i, body) in robot.iter().enumerate() {
             let known = before.as_ref();
             let mut moves = BodyMotion::new(motion, body, base_joints, &self.changes, known);
-            let mut next = 0;
-            while let Some((j, part, farthest)) = self.find_in_sight(i, &moves, person, next) {
+            let (mut next, mut reach) = (0, self.reach(moves.fastest, moves.change));
+            while let Some((j, part, farthest)) =
+                self.find_in_sight(i, (&moves, reach), person, next)
+            {
                 next = j + 1;
                 let near = proximity(&body.capsule, &part.capsule);
                 self.bounds.set(i, j, near.distance);
                 self.keep_closest((i, j), near.distance);
                 if near.distance <= farthest {
-                    moves.tell_change(motion, body);
-                    self.weigh(motion, &moves, &Pair { robot: (i, body), other: (j, part), near });
+                    let pair = Pair { robot: (i, body), other: (j, part), near };
+                    self.weigh(motion, &mut moves, &pair);
+                    reach = self.reach(moves.fastest, moves.change);
                 }
             }
             before = Some(moves);
@@ -218,11 +221,11 @@ impl ApproachRows {
     fn find_in_sight<'a>(
         &self,
         robot: usize,
-        moves: &BodyMotion,
+        (moves, reach): (&BodyMotion, Reach),
         person: &'a [PersonBody],
         from: usize,
     ) -> Option<(usize, &'a PersonBody, f64)> {
-        let (reach, bounds) = (self.reach(moves.fastest, moves.change), self.bounds.of(robot));
+        let bounds = self.bounds.of(robot);
         let remembered = bounds.iter().zip(&self.speeds).enumerate().skip(from);
         let mut farthest = remembered.map(|(other, (&bound, speeds))| {
             let farthest = speeds.farthest(moves, reach);
@@ -238,7 +241,7 @@ impl ApproachRows {
     }
 
     /// Takes a pair in sight: what the supervisor has to know of it, and what a row does.
-    fn weigh(&mut self, motion: &JointMotion<'_>, moves: &BodyMotion, pair: &Pair<'_>) {
+    fn weigh(&mut self, motion: &JointMotion<'_>, moves: &mut BodyMotion, pair: &Pair<'_>) {
         let Pair { robot: (robot, body), other: (other, part), near } = *pair;
         let wrench = near.gradient_first(&motion.origin);
         let approach = -moves.along(&wrench);
@@ -251,6 +254,7 @@ impl ApproachRows {
         if near.distance > reach.sight(assumed) + watched {
             return;
         }
+        moves.tell_change(motion, body);
         let settings = self.braking(moves, approach, &wrench);
         let standing = self.settings.protective_distance(assumed, 0.0);
         if part.contact.is_none() {
