@@ -3,8 +3,12 @@
 mod bodies;
 mod body_motion;
 mod candidate;
+mod joint_changes;
 mod joint_motion;
 mod nearest;
+mod own_motion;
+mod own_pairs;
+mod part_speeds;
 mod places;
 mod reach;
 mod undercut;
@@ -21,8 +25,10 @@ use crate::shape::Capsule;
 pub use bodies::{PersonBody, RobotBody};
 use body_motion::BodyMotion;
 use candidate::{Candidate, PointId};
+use joint_changes::JointChanges;
 pub use joint_motion::JointMotion;
 pub use nearest::Nearest;
+use part_speeds::{PartSpeeds, watched_room};
 use places::Places;
 use reach::Reach;
 use undercut::Undercut;
@@ -75,8 +81,9 @@ pub struct ApproachRows {
     capacity: usize,
     candidates: Vec<Candidate>,
     places: Places,
-    /// Of the robot's bodies in a tick.
-    moves: Vec<BodyMotion>,
+    /// Of the parts of which distances are remembered.
+    speeds: Vec<PartSpeeds>,
+    changes: JointChanges,
     nearest: Option<Nearest>,
     mobility: Mobility,
     /// Pairs with less room than this are looked for \[m\].
@@ -85,6 +92,8 @@ pub struct ApproachRows {
     /// The pair that is nearest, and its distance \[m\].
     closest: Option<(usize, usize)>,
     least_distance: f64,
+    /// Whether the mass of the robot decided what a contact permits.
+    needs_inertia: bool,
     /// Whether a pair got no row that needs one.
     crowded: bool,
     undercut: Undercut,
@@ -127,13 +136,15 @@ impl ApproachRows {
             capacity,
             candidates,
             places: Places::new(capacity),
-            moves: Vec::with_capacity(BODIES),
+            speeds: Vec::with_capacity(PARTS),
+            changes: JointChanges::new(state.joints),
             nearest: None,
             mobility,
             watched_room: 0.0,
             bounds: DistanceBounds::new(BODIES, PARTS),
             closest: None,
             least_distance: f64::INFINITY,
+            needs_inertia: false,
             crowded: false,
             undercut: Undercut::new(),
         })
@@ -175,45 +186,66 @@ impl ApproachRows {
         self.check(motion, robot, rows)?;
         person.iter().try_for_each(PersonBody::check)?;
         self.clear();
+        self.needs_inertia = false;
         self.mobility.clear();
         self.bounds.advance(capsules(robot), person.iter().map(|part| &part.capsule));
         self.find_closest(robot, person);
         let base_joints = self.settings.base.map_or(0, |base| base.joints);
-        let towards = |part: &PersonBody| self.settings.speed_towards_robot(part.fastest());
-        let fastest = person.iter().map(towards).fold(0.0, f64::max);
+        self.changes.update(motion);
+        self.speeds.clear();
+        let (settings, watched) = (&self.settings, self.watched_room);
+        let speeds_of = |part: &PersonBody| PartSpeeds::of(part, settings, watched);
+        self.speeds.extend(person.iter().take(PARTS).map(speeds_of));
         let mut before: Option<BodyMotion> = None;
         for (i, body) in robot.iter().enumerate() {
-            let moves = BodyMotion::new(motion, body, base_joints, before.as_ref());
-            before = Some(moves);
-            let mut reach = self.reach(moves.fastest, moves.change);
-            let farthest = reach.sight(fastest);
-            for (j, part) in person.iter().enumerate() {
-                let bound = self.bounds.get(i, j);
-                if bound > farthest.max(self.least_distance) {
-                    continue;
-                }
-                if moves.change == f64::INFINITY {
-                    reach = self.reach(moves.fastest, moves.change);
-                }
-                let sight = reach.sight(self.settings.speed_towards_robot(part.fastest()));
-                if bound > sight.max(self.least_distance) {
-                    continue;
-                }
+            let known = before.as_ref();
+            let mut moves = BodyMotion::new(motion, body, base_joints, &self.changes, known);
+            let (mut next, mut reach) = (0, self.reach(moves.fastest, moves.change));
+            while let Some((j, part, farthest)) =
+                self.find_in_sight(i, (&moves, reach), person, next)
+            {
+                next = j + 1;
                 let near = proximity(&body.capsule, &part.capsule);
                 self.bounds.set(i, j, near.distance);
                 self.keep_closest((i, j), near.distance);
-                if near.distance > sight {
-                    continue;
+                if near.distance <= farthest {
+                    let pair = Pair { robot: (i, body), other: (j, part), near };
+                    self.weigh(motion, &mut moves, &pair);
+                    reach = self.reach(moves.fastest, moves.change);
                 }
-                self.weigh(motion, &moves, &Pair { robot: (i, body), other: (j, part), near });
             }
+            before = Some(moves);
         }
         self.write_candidates(motion, rows)
     }
 
+    /// Finds the first part of the person, from this one on, that may be near enough to a body of the robot to
+    /// matter, and up to which distance it does.
+    fn find_in_sight<'a>(
+        &self,
+        robot: usize,
+        (moves, reach): (&BodyMotion, Reach),
+        person: &'a [PersonBody],
+        from: usize,
+    ) -> Option<(usize, &'a PersonBody, f64)> {
+        let bounds = self.bounds.of(robot);
+        let remembered = bounds.iter().zip(&self.speeds).enumerate().skip(from);
+        let mut farthest = remembered.map(|(other, (&bound, speeds))| {
+            let farthest = speeds.farthest(moves, reach);
+            (other, farthest, bound <= farthest.max(self.least_distance))
+        });
+        if let Some((other, farthest, _)) = farthest.find(|&(_, _, in_sight)| in_sight) {
+            return Some((other, person.get(other)?, farthest));
+        }
+        let other = from.max(bounds.len());
+        let part = person.get(other)?;
+        let speeds = PartSpeeds::of(part, &self.settings, self.watched_room);
+        Some((other, part, speeds.farthest(moves, reach)))
+    }
+
     /// Takes a pair in sight: what the supervisor has to know of it, and the points of the robot's capsule that
     /// may get a row, the nearest one and the ends.
-    fn weigh(&mut self, motion: &JointMotion<'_>, moves: &BodyMotion, pair: &Pair<'_>) {
+    fn weigh(&mut self, motion: &JointMotion<'_>, moves: &mut BodyMotion, pair: &Pair<'_>) {
         let Pair { robot: (robot, body), other: (other, part), near } = *pair;
         if part.contact.is_none() {
             let wrench = near.gradient_first(&motion.origin);
@@ -250,7 +282,7 @@ impl ApproachRows {
     fn weigh_point(
         &mut self,
         motion: &JointMotion<'_>,
-        moves: &BodyMotion,
+        moves: &mut BodyMotion,
         (id, body, part): (PointId, &RobotBody, &PersonBody),
         near: &Proximity,
     ) {
@@ -262,18 +294,24 @@ impl ApproachRows {
         if near.distance > self.reach(approach.max(0.0), moves.change).sight(assumed) {
             return;
         }
+        moves.tell_change(motion, body);
         let settings = self.braking(moves, approach, &wrench);
         let mut limit = settings.approach_limit(near.distance, assumed);
         // Where the distance alone permits all that may come in this tick, what a contact permits does not
         // matter.
         if let Some(contact) = part.contact.filter(|_| limit - approach <= moves.change) {
-            let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
-            let mass = self.mobility.mass(jacobian, inverse, body.joints, &wrench);
             let known = contact.velocity.map(|velocity| velocity.towards(&near.normal));
             let speed = known.or(speed);
             let (measured, worst) =
                 speed.map_or((assumed, assumed), |speed| (speed.measured, speed.worst));
-            limit = limit.max(contact.approach_limit(mass, measured, worst));
+            limit = limit.max(contact.approach_limit(f64::INFINITY, measured, worst));
+            // No more is needed where so much is permitted even for a robot that does not give way.
+            if limit - approach <= moves.change {
+                self.needs_inertia = true;
+                let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
+                let mass = self.mobility.mass(jacobian, inverse, body.joints, &wrench);
+                limit = limit.max(contact.approach_limit(mass, measured, worst));
+            }
         }
         let candidate = Candidate {
             id,
@@ -341,6 +379,12 @@ impl ApproachRows {
         self.undercut.is_too_near()
     }
 
+    /// Returns true if [`JointMotion::inverse_inertia`] has decided how fast a pair written last may come
+    /// nearer, or would have: elsewhere even a robot that does not give way may move as fast as it can.
+    pub fn needs_inertia(&self) -> bool {
+        self.needs_inertia
+    }
+
     /// Returns true if more pairs are at their limits than there are rows: the robot must then brake, which
     /// keeps them all.
     pub fn is_crowded(&self) -> bool {
@@ -350,72 +394,6 @@ impl ApproachRows {
     /// The least distance of the pairs written last \[m\]; infinite for none.
     pub fn least_distance(&self) -> f64 {
         self.least_distance
-    }
-
-    /// Writes the rows for pairs of the robot's own bodies, by their indices, as
-    /// [`write`](Self::write). Allocates nothing.
-    ///
-    /// # Errors
-    /// As [`write`](Self::write); [`Error::Size`] for an index that is not of a body.
-    pub fn write_own(
-        &mut self,
-        motion: &JointMotion<'_>,
-        robot: &[RobotBody],
-        pairs: &[(usize, usize)],
-        rows: &mut Rows,
-    ) -> Result<Option<Nearest>, Error> {
-        self.check(motion, robot, rows)?;
-        self.clear();
-        self.bounds.advance(capsules(robot), capsules(robot));
-        self.moves.clear();
-        for body in robot.iter().take(BODIES) {
-            let moves = BodyMotion::new(motion, body, 0, self.moves.last());
-            self.moves.push(moves);
-        }
-        let most = |of: fn(&BodyMotion) -> f64| self.moves.iter().map(of).fold(0.0, f64::max);
-        let (fastest, change) = (most(|moves| moves.fastest), most(|moves| moves.change));
-        let farthest = self.reach(2.0 * fastest, 2.0 * change).sight(0.0);
-        for &(i, j) in pairs {
-            let (Some(first), Some(second)) = (robot.get(i), robot.get(j)) else {
-                let (found, expected) = (i.max(j), robot.len());
-                return Err(Error::Size { what: "an index of a body", found, expected });
-            };
-            let bound = self.bounds.get(i, j);
-            if bound > farthest {
-                continue;
-            }
-            let moves_of = |index: usize, body: &RobotBody| {
-                let known = self.moves.get(index).copied();
-                known.unwrap_or_else(|| BodyMotion::new(motion, body, 0, None))
-            };
-            let moves = [moves_of(i, first), moves_of(j, second)];
-            let change = moves[0].change + moves[1].change;
-            if bound > self.reach(moves[0].fastest + moves[1].fastest, change).sight(0.0) {
-                continue;
-            }
-            let near = proximity(&first.capsule, &second.capsule);
-            self.bounds.set(i, j, near.distance);
-            self.least_distance = self.least_distance.min(near.distance);
-            let approach = -moves[0].along(&near.gradient_first(&motion.origin))
-                - moves[1].along(&near.gradient_second(&motion.origin));
-            let distance = near.distance;
-            let limit = self.settings.approach_limit(distance, 0.0);
-            let required = self.settings.protective_distance(0.0, approach);
-            self.see(Nearest { robot: i, other: j, distance, required, approach });
-            let candidate = Candidate {
-                id: PointId { robot: i, other: j, end: None },
-                normal: near.normal,
-                point: near.on_first,
-                joints: first.joints,
-                opposite: Some((near.on_second, second.joints)),
-                room: distance - self.settings.protective_distance(0.0, 0.0),
-                limit,
-                headroom: limit - approach,
-                contact: false,
-            };
-            self.consider(candidate, change);
-        }
-        self.write_candidates(motion, rows)
     }
 
     fn clear(&mut self) {
@@ -465,7 +443,7 @@ impl ApproachRows {
             return Reach { standing: f64::INFINITY, time: 0.0 };
         }
         let (settings, speed) = (self.settings.braking_worst(), speed + headroom.max(0.0));
-        let standing = settings.protective_distance(0.0, speed) + self.watched_room;
+        let standing = settings.protective_distance(0.0, speed);
         Reach { standing, time: settings.reaction_time + speed / settings.deceleration }
     }
 
@@ -502,6 +480,9 @@ impl ApproachRows {
         self.places.assign(&self.candidates);
         for (index, candidate) in self.places.candidates().enumerate() {
             let candidate = candidate.and_then(|candidate| self.candidates.get(candidate));
+            if candidate.is_none() && rows.upper()[index] == f64::INFINITY {
+                continue;
+            }
             let row = rows.row_mut(index)?;
             row.fill(0.0);
             let mut upper = f64::INFINITY;
@@ -518,6 +499,6 @@ impl ApproachRows {
     }
 }
 
-fn capsules(robot: &[RobotBody]) -> impl Iterator<Item = &Capsule> {
+fn capsules(robot: &[RobotBody]) -> impl Iterator<Item = &Capsule> + Clone {
     robot.iter().map(|body| &body.capsule)
 }

@@ -14,6 +14,8 @@ const ROUNDING: f64 = 1e-12;
 pub(crate) struct DistanceBounds {
     first: Capsules,
     second: Capsules,
+    /// Whether the second list was the first in the tick before.
+    is_own: bool,
     /// A row for each of the first list, with room for the second.
     bounds: Vec<f64>,
 }
@@ -46,6 +48,14 @@ impl Capsules {
         }
         self.last.truncate(count);
     }
+
+    fn copy_from(&mut self, other: &Self) {
+        let count = other.last.len().min(self.room);
+        self.last.clear();
+        self.last.extend(other.last.iter().take(count));
+        self.moved.clear();
+        self.moved.extend(other.moved.iter().take(count));
+    }
 }
 
 impl DistanceBounds {
@@ -54,6 +64,7 @@ impl DistanceBounds {
         Self {
             first: Capsules::new(first),
             second: Capsules::new(second),
+            is_own: false,
             bounds: vec![f64::NEG_INFINITY; first * second],
         }
     }
@@ -66,12 +77,37 @@ impl DistanceBounds {
     ) {
         self.first.advance(first);
         self.second.advance(second);
+        self.is_own = false;
+        self.lower();
+    }
+
+    /// The same where both lists are the same. Allocates nothing.
+    pub(crate) fn advance_own<'a>(&mut self, own: impl Iterator<Item = &'a Capsule> + Clone) {
+        self.first.advance(own.clone());
+        if self.is_own {
+            self.second.copy_from(&self.first);
+        } else {
+            self.second.advance(own);
+            self.is_own = true;
+        }
+        self.lower();
+    }
+
+    /// Lowers all bounds by what the capsules have moved.
+    fn lower(&mut self) {
         let rows = self.bounds.chunks_exact_mut(self.second.room.max(1));
         for (row, of_first) in rows.zip(&self.first.moved) {
             for (bound, of_second) in row.iter_mut().zip(&self.second.moved) {
                 *bound -= of_first + of_second;
             }
         }
+    }
+
+    /// The bounds of one capsule of the first list, with as many of the second as are remembered \[m\].
+    pub(crate) fn of(&self, first: usize) -> &[f64] {
+        let start = first * self.second.room;
+        let count = if first < self.first.moved.len() { self.second.moved.len() } else { 0 };
+        self.bounds.get(start..start + count).unwrap_or_default()
     }
 
     /// The bound of a pair \[m\].

@@ -4,7 +4,7 @@ use ahqp_core::{AugmentedState, Rows};
 use nalgebra::Vector3;
 
 use crate::approach::JointMotion;
-use crate::error::{Error, check_all, check_size, positive};
+use crate::error::{Error, check_size, check_slice, positive};
 
 /// How fast the tool may move at a distance from the nearest person.
 ///
@@ -110,8 +110,8 @@ impl SpeedCap {
         check_size("the block of rows", rows.len(), Self::ROWS)?;
         let joints = motion.jacobian.ncols();
         check_size("the braking velocity", motion.braking.map_or(joints, <[f64]>::len), joints)?;
-        check_all("the Jacobian", motion.jacobian.iter())?;
-        check_all("the velocity of the person", person.iter())?;
+        check_slice("the Jacobian", motion.jacobian.as_slice())?;
+        check_slice("the velocity of the person", person.as_slice())?;
         if speed.is_nan() || speed < 0.0 {
             let (name, expected) = ("the cap of the speed", "not negative");
             return Err(Error::Parameter { name, value: speed, expected });
@@ -120,8 +120,8 @@ impl SpeedCap {
             let direction = Vector3::from(*direction);
             let row = rows.row_mut(index)?;
             row.fill(0.0);
-            for (out, column) in row.iter_mut().zip(motion.jacobian.column_iter()) {
-                *out = column.fixed_rows::<3>(0).dot(&direction);
+            for (out, [linear, _]) in row.iter_mut().zip(motion.columns(joints)) {
+                *out = linear.dot(&direction);
             }
             let along = |rates: &[f64]| row.iter().zip(rates).map(|(a, b)| a * b).sum::<f64>();
             let braking = motion.braking.map_or(0.0, along);

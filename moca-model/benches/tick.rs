@@ -7,7 +7,8 @@
 //! `cargo bench -p moca-model --bench tick [-- TICKS]`
 //!
 //! With `everything` or `nothing` after the number only that one runs, for a count of its instructions:
-//! `valgrind --tool=callgrind --toggle-collect='*Controller::step*' …`.
+//! `valgrind --tool=callgrind --toggle-collect='*TorqueController::step*' …`, or `'*Controller::step*'` for `nothing`.
+//! That counts the first ticks as well, which are not timed: subtract a run with the number 0.
 #![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs)]
 
 use std::time::Instant;

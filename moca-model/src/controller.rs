@@ -291,7 +291,7 @@ impl Controller {
             together: self.space.is_shared(),
             feels: self.feels,
         };
-        self.safety.watch(&self.robot, &input)
+        self.safety.watch(&mut self.robot, &input)
     }
 
     /// Rest when nothing has been seen for too long, by way of a shrinking velocity limit.

@@ -186,7 +186,7 @@ impl Safety {
     /// # Errors
     /// [`Error::Workspace`] for a robot with other joints or bodies than the layout and the settings
     /// have, or numbers that are not finite.
-    pub fn watch(&mut self, robot: &Kinematics, input: &SafetyInput<'_>) -> Result<(), Error> {
+    pub fn watch(&mut self, robot: &mut Kinematics, input: &SafetyInput<'_>) -> Result<(), Error> {
         let step = self.settings.contact_acceleration * input.elapsed;
         let change = if input.together && input.feels { step } else { -step };
         self.contact_speed = (self.contact_speed + change).clamp(0.0, self.settings.contact_speed);
@@ -199,15 +199,30 @@ impl Safety {
         self.people.clear();
         self.people.extend_from_slice(person);
         self.others.place(input.now, &separation, &mut self.people);
-        let motion = JointMotion {
-            change: Some(&self.velocity_change),
-            ..motion(robot, input.velocity, None)
-        };
-        let (bodies, rows) = (robot.bodies(), &mut self.separation_rows);
-        self.nearest = self.separation.write(&motion, bodies, &self.people, rows)?;
-        self.own.write_own(&motion, bodies, &self.own_pairs, &mut self.own_rows)?;
+        // Most ticks do not ask for the robot's mass; one that does is mostly followed by others.
+        if self.separation.needs_inertia() {
+            robot.weigh()?;
+        }
+        self.write_separation(robot, input.velocity)?;
+        if self.separation.needs_inertia() && robot.inverse_inertia().is_none() {
+            robot.weigh()?;
+            if robot.inverse_inertia().is_some() {
+                self.write_separation(robot, input.velocity)?;
+            }
+        }
+        let change = Some(&*self.velocity_change);
+        let motion = JointMotion { change, ..motion(robot, input.velocity, None) };
+        self.own.write_own(&motion, robot.bodies(), &self.own_pairs, &mut self.own_rows)?;
         let age = self.person.age(input.now);
         self.wait(if age > input.age { age } else { input.age }, input.elapsed);
+        Ok(())
+    }
+
+    fn write_separation(&mut self, robot: &Kinematics, velocity: &[f64]) -> Result<(), Error> {
+        let change = Some(&*self.velocity_change);
+        let motion = JointMotion { change, ..motion(robot, velocity, None) };
+        let (people, rows) = (&self.people, &mut self.separation_rows);
+        self.nearest = self.separation.write(&motion, robot.bodies(), people, rows)?;
         Ok(())
     }
 

@@ -128,6 +128,15 @@ kernel! {
     square_rows(data: &[f64], stride: usize, out: &mut [f64])
 }
 
+/// Σ aᵢ².
+pub(crate) fn square(entries: &[f64]) -> f64 {
+    let mut square = [0.0];
+    if !entries.is_empty() {
+        square_rows(entries, entries.len(), &mut square);
+    }
+    square[0]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -411,7 +411,7 @@ impl Rows {
     }
 
     /// A, row after row.
-    pub(crate) fn coefficients(&self) -> &[f64] {
+    pub fn coefficients(&self) -> &[f64] {
         &self.matrix
     }
 

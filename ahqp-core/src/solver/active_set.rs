@@ -316,7 +316,7 @@ impl ActiveSet {
     pub(crate) fn multipliers_of(&mut self, level: Option<usize>, x: &[f64]) -> Vec<(usize, f64)> {
         let Self { data, factorisation, multipliers, value, activity, .. } = self;
         value[..data.n].copy_from_slice(x);
-        data.multiply(data.n..data.len(), x, value);
+        data.multiply_all(x, value);
         let is_of = |level| {
             move |group: &Group| group.level == level && group.purpose == Purpose::Minimised
         };

@@ -6,7 +6,7 @@ mod unchanged;
 use std::ops::Range;
 
 use crate::error::Error;
-use crate::linalg::kernels::{add_rows, multiply_rows, square_rows};
+use crate::linalg::kernels::{add_rows, multiply_rows, square, square_rows};
 use crate::linalg::vector::{norm, norm_max};
 use crate::problem::hierarchy::Hierarchy;
 use crate::problem::ids::LevelId;
@@ -15,7 +15,7 @@ use crate::problem::rows::Rows;
 use crate::problem::source::{ConstraintSource, Names};
 use crate::solver::activity::Activity;
 use crate::solver::quadratic_factor::QuadraticFactor;
-use crate::solver::tolerances::{MODERATE, NEAR_ONE, ROUNDING};
+use crate::solver::tolerances::{MODERATE, MODERATE_SQUARE, NEAR_ONE, ROUNDING};
 
 /// A row seen by the algebra: a unit vector for a bound, coefficients otherwise.
 #[derive(Debug, Clone, Copy)]
@@ -76,8 +76,11 @@ impl<'a> RowView<'a> {
 pub(crate) struct LevelRows {
     pub(crate) constraints: Range<usize>,
     pub(crate) objective: Range<usize>,
-    /// The rows of the objective in use: for a quadratic, the rank of its Hessian.
+    /// The rows of the objective in use: for a quadratic, the rank of its Hessian, else those up to the last
+    /// that bounds something. The others are zero and bound nothing.
     pub(crate) used: usize,
+    /// Whether any row of the objective was multiplied.
+    weighted: bool,
     pub(crate) quadratic: bool,
     /// Whether a part of the gradient lies outside the range of the Hessian.
     pub(crate) has_linear: bool,
@@ -115,9 +118,8 @@ pub(crate) struct ProblemData {
     /// but where some must be made to hold together, those of large ones would hide small ones. Rows
     /// of objectives by the roots of their weights.
     scales: Vec<f64>,
-    /// Whether any constraint, and any row of an objective, was multiplied.
+    /// Whether any constraint was multiplied.
     scaled: bool,
-    weighted: bool,
     pub(crate) sources: Vec<ConstraintSource>,
     pub(crate) levels: Vec<LevelRows>,
     factor: QuadraticFactor,
@@ -144,6 +146,7 @@ impl ProblemData {
                 constraints: start..middle,
                 objective: middle..middle + rows,
                 used: rows,
+                weighted: false,
                 quadratic,
                 has_linear: false,
                 linear: vec![0.0; if quadratic { n } else { 0 }],
@@ -160,7 +163,6 @@ impl ProblemData {
             bound_rounding: vec![0.0; count],
             scales: vec![1.0; count],
             scaled: false,
-            weighted: false,
             sources,
             levels,
             factor: QuadraticFactor::new(n),
@@ -197,6 +199,18 @@ impl ProblemData {
         multiply_rows(data, self.n, x, &mut out[ids]);
     }
 
+    /// The same of all rows in use.
+    pub(crate) fn multiply_all(&self, x: &[f64], out: &mut [f64]) {
+        let mut start = self.n;
+        for LevelRows { objective, used, .. } in &self.levels {
+            if *used < objective.len() {
+                self.multiply(start..objective.start + used, x, out);
+                start = objective.end;
+            }
+        }
+        self.multiply(start..self.len(), x, out);
+    }
+
     /// y ← y + Σ weight · row over the rows in `ids`, none of them a bound.
     pub(crate) fn add_rows(&self, ids: Range<usize>, weights: &[f64], y: &mut [f64]) {
         let data = &self.coefficients[(ids.start - self.n) * self.n..];
@@ -215,14 +229,16 @@ impl ProblemData {
         self.check_ranges(0..self.n)?;
         for (level, data) in hierarchy.levels().iter().enumerate() {
             let constraints = self.levels[level].constraints.start;
-            self.load_rows(constraints, data.constraints())?;
+            self.load_rows(constraints, data.constraints(), data.constraints().len())?;
             self.scale_rows(constraints..constraints + data.constraints().len())?;
             let start = self.levels[level].objective.start;
             match data.objective() {
                 Objective::None => {}
                 Objective::LeastSquares(rows) => {
-                    self.load_rows(start, rows)?;
-                    self.weigh_rows(start, rows)?;
+                    let used = used_rows(rows);
+                    self.leave_out_behind(level, used);
+                    self.load_rows(start, rows, used)?;
+                    self.weigh_rows(level, rows)?;
                 }
                 Objective::Quadratic { hessian, gradient } => {
                     self.factor.factorise(level, hessian, gradient)?;
@@ -265,31 +281,52 @@ impl ProblemData {
         Ok(())
     }
 
-    fn load_rows(&mut self, start: usize, rows: &Rows) -> Result<(), Error> {
-        let (ids, first) = (start..start + rows.len(), (start - self.n) * self.n);
-        let block = &mut self.coefficients[first..first + rows.len() * self.n];
-        block.copy_from_slice(rows.coefficients());
+    /// Leaves out all rows of an objective but the first `used`: they become zero.
+    fn leave_out_behind(&mut self, level: usize, used: usize) {
+        let (n, entry) = (self.n, &mut self.levels[level]);
+        let before = std::mem::replace(&mut entry.used, used);
+        if used < before {
+            let left_out = entry.objective.start + used..entry.objective.start + before;
+            self.coefficients[(left_out.start - n) * n..(left_out.end - n) * n].fill(0.0);
+            self.norms[left_out].fill(0.0);
+        }
+    }
+
+    /// Copies the first `used` rows and all bounds, and checks all.
+    fn load_rows(&mut self, start: usize, rows: &Rows, used: usize) -> Result<(), Error> {
+        let (all, ids) = (start..start + rows.len(), start..start + used);
+        let first = (start - self.n) * self.n;
+        let (coefficients, rest) = rows.coefficients().split_at(used * self.n);
+        let block = &mut self.coefficients[first..first + used * self.n];
+        block.copy_from_slice(coefficients);
         square_rows(block, self.n, &mut self.norms[ids.clone()]);
-        self.lower[ids.clone()].copy_from_slice(rows.lower());
-        self.upper[ids.clone()].copy_from_slice(rows.upper());
-        self.check_ranges(ids.clone())?;
-        for id in ids {
+        self.lower[all.clone()].copy_from_slice(rows.lower());
+        self.upper[all.clone()].copy_from_slice(rows.upper());
+        self.check_ranges(all)?;
+        for id in ids.clone() {
             let square = self.norms[id];
-            if !(square > 0.0 && square < MODERATE * MODERATE) {
-                self.check_row(id)?;
+            let is_moderate = square < MODERATE_SQUARE;
+            if !is_moderate {
+                self.check_row(id, self.coefficients(id))?;
             }
             self.norms[id] = square.sqrt();
+        }
+        let are_moderate = square(rest) < MODERATE_SQUARE;
+        if !are_moderate {
+            let mut left_out = (ids.end..).zip(rest.chunks_exact(self.n));
+            left_out.try_for_each(|(id, row)| self.check_row(id, row))?;
         }
         Ok(())
     }
 
     /// Multiplies rows of an objective, and their bounds, by the roots of their weights.
-    fn weigh_rows(&mut self, start: usize, rows: &Rows) -> Result<(), Error> {
-        if rows.weights().is_none() && !self.weighted {
+    fn weigh_rows(&mut self, level: usize, rows: &Rows) -> Result<(), Error> {
+        let LevelRows { objective, weighted, .. } = &mut self.levels[level];
+        if rows.weights().is_none() && !*weighted {
             return Ok(());
         }
-        self.weighted = true;
-        for (id, index) in (start..).zip(0..rows.len()) {
+        *weighted = true;
+        for (index, id) in objective.clone().enumerate() {
             let scale = rows.weight(index).sqrt();
             self.scale_row(id, scale);
             if scale == 0.0 {
@@ -297,7 +334,7 @@ impl ProblemData {
             }
             // What is as it was loaded has been checked.
             if scale != 1.0 {
-                self.check_row(id)?;
+                self.check_row(id, self.coefficients(id))?;
                 self.check_range(id)?;
             }
         }
@@ -338,10 +375,8 @@ impl ProblemData {
         self.scales[id]
     }
 
-    /// A row whose squares are zero, not finite or very large.
-    fn check_row(&mut self, id: usize) -> Result<(), Error> {
-        let start = (id - self.n) * self.n;
-        let row = &self.coefficients[start..start + self.n];
+    /// An error if an entry of a row is not finite or very large.
+    fn check_row(&self, id: usize, row: &[f64]) -> Result<(), Error> {
         if let Some(entry) = row.iter().position(|value| !value.is_finite()) {
             let source_of_row = self.sources[id];
             let (what, names) = ("the matrix", Names::default());
@@ -440,6 +475,15 @@ fn to_near_one(number: f64) -> f64 {
 
 fn shape_changed(level: usize) -> Error {
     Error::ShapeChanged { level: LevelId::new(level), names: Names::default() }
+}
+
+/// How many rows of an objective there are up to the last that bounds something.
+fn used_rows(rows: &Rows) -> usize {
+    let bounds = rows.lower().iter().zip(rows.upper()).enumerate();
+    let is_used = |(index, (&lower, &upper)): (usize, (&f64, &f64))| {
+        (lower != f64::NEG_INFINITY || upper != f64::INFINITY) && rows.weight(index) != 0.0
+    };
+    bounds.rev().find(|&row| is_used(row)).map_or(0, |(index, _)| index + 1)
 }
 
 fn objective_rows(objective: &Objective, variables: usize) -> usize {

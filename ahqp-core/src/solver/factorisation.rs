@@ -167,9 +167,10 @@ impl Factorisation {
                 self.push_active(data, activity, rows.constraints.clone());
             }
             let linear_of = rows.has_linear.then_some(level);
-            if !rows.objective.is_empty() || linear_of.is_some() {
+            let objective = rows.used_objective();
+            if !objective.is_empty() || linear_of.is_some() {
                 self.push_group(level, Purpose::Minimised, linear_of);
-                self.push_active(data, activity, rows.used_objective());
+                self.push_active(data, activity, objective);
             }
         }
         self.eliminate_from(0);
@@ -208,7 +209,11 @@ impl Factorisation {
             self.free[place] = variable;
         }
         // x is zero but for the variables at a bound.
-        data.multiply(self.n..data.len(), &self.x, &mut self.known);
+        if self.bounded.is_empty() {
+            self.known.fill(0.0);
+        } else {
+            data.multiply_all(&self.x, &mut self.known);
+        }
     }
 
     /// Makes hard rows of those in the last group, of an objective, if all of them are pivots: they are

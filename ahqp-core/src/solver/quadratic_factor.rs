@@ -3,11 +3,12 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
+use crate::linalg::kernels::square;
 use crate::linalg::list::List;
 use crate::linalg::vector::dot;
 use crate::problem::ids::LevelId;
 use crate::problem::source::{ConstraintSource, Names};
-use crate::solver::tolerances::{LINEAR, MODERATE, NO_CURVATURE, ROUNDING, SHAPE};
+use crate::solver::tolerances::{LINEAR, MODERATE, MODERATE_SQUARE, NO_CURVATURE, ROUNDING, SHAPE};
 
 /// What stands in the diagonal for a variable that is factored.
 const IS_PIVOT: f64 = f64::NEG_INFINITY;
@@ -102,9 +103,12 @@ impl QuadraticFactor {
                 names: Names::default(),
             });
         }
-        check_finite(level, hessian, gradient)?;
-        check_moderate(level, hessian.amax().max(gradient.amax()))?;
-        check_symmetric(level, hessian)?;
+        let squares = square(hessian.as_slice()) + square(gradient.as_slice());
+        let are_moderate = squares < MODERATE_SQUARE;
+        if !are_moderate {
+            check_finite(level, hessian, gradient)?;
+            check_moderate(level, hessian.amax().max(gradient.amax()))?;
+        }
         self.rank = 0;
         self.pivots.clear();
         for i in 0..n {
@@ -112,6 +116,13 @@ impl QuadraticFactor {
         }
         self.curved.clear();
         self.curved.extend((0..n).filter(|&i| hessian[(i, i)] > 0.0));
+        let is_block = self.is_block_of_curved(hessian);
+        if !is_block || !self.is_exactly_symmetric(hessian) {
+            check_symmetric(level, hessian)?;
+        }
+        if !is_block {
+            self.check_flat(level, hessian)?;
+        }
         while self.rank < n {
             let Some(pivot) = self.best_pivot(hessian) else { break };
             self.eliminate(hessian, pivot);
@@ -119,6 +130,32 @@ impl QuadraticFactor {
         self.check_remainder(level, hessian)?;
         self.split_gradient(gradient);
         Ok(())
+    }
+
+    /// Returns true if only variables with curvature have entries.
+    fn is_block_of_curved(&self, hessian: &DMatrix<f64>) -> bool {
+        let n = self.n;
+        let flat = |&i: &usize| self.diagonal[i] <= 0.0;
+        // A sum of squares that rounds to zero does not say that all are zero; bits do.
+        let bits = |bits: u64, entry: &f64| bits | (entry.to_bits() << 1);
+        let columns = hessian.as_slice().chunks_exact(n.max(1)).enumerate();
+        let all = columns.fold(0, |all, (column, entries)| {
+            if flat(&column) {
+                entries.iter().fold(all, bits)
+            } else {
+                let entries = (0..n).filter(flat).map(|row| &entries[row]);
+                entries.fold(all, bits)
+            }
+        });
+        all == 0
+    }
+
+    /// Returns true if the entries of variables with curvature are their own mirror image.
+    fn is_exactly_symmetric(&self, hessian: &DMatrix<f64>) -> bool {
+        let mut curved = self.curved.iter().enumerate();
+        curved.all(|(count, &i)| {
+            self.curved[..count].iter().all(|&j| hessian[(i, j)] == hessian[(j, i)])
+        })
     }
 
     /// The variable with the largest share of its curvature left, whatever its unit.
@@ -153,20 +190,21 @@ impl QuadraticFactor {
         self.rank += 1;
     }
 
-    /// What is left of a PSD matrix after its last positive pivot is zero.
-    fn check_remainder(&self, level: usize, hessian: &DMatrix<f64>) -> Result<(), Error> {
+    /// Where a PSD matrix has no curvature, all is zero.
+    fn check_flat(&self, level: usize, hessian: &DMatrix<f64>) -> Result<(), Error> {
         let n = self.n;
-        let indefinite = |variable: usize, pivot: f64| {
-            let (level, names) = (LevelId::new(level), Names::default());
-            Err(Error::IndefiniteHessian { level, variable, pivot, names })
-        };
-        // Where there is no curvature, all is zero.
         for i in (0..n).filter(|i| !self.curved.contains(i)) {
             let mut entries = std::iter::once(i).chain(0..n).map(|row| hessian[(row, i)]);
             if let Some(entry) = entries.find(|&entry| entry != 0.0) {
-                return indefinite(i, entry);
+                return Err(indefinite(level, i, entry));
             }
         }
+        Ok(())
+    }
+
+    /// What is left of a PSD matrix after its last positive pivot is zero.
+    fn check_remainder(&self, level: usize, hessian: &DMatrix<f64>) -> Result<(), Error> {
+        let n = self.n;
         let rest = || self.curved.iter().copied().filter(|&i| self.diagonal[i] != IS_PIVOT);
         for i in rest() {
             for j in rest().take_while(|&j| j <= i) {
@@ -174,7 +212,7 @@ impl QuadraticFactor {
                     self.factor[..self.rank * n].chunks_exact(n).map(|row| row[i] * row[j]).sum();
                 let remainder = hessian[(i, j)] - product;
                 if remainder.abs() > SHAPE * largest_entry(hessian, i, j) {
-                    return indefinite(i, remainder);
+                    return Err(indefinite(level, i, remainder));
                 }
             }
         }
@@ -203,6 +241,11 @@ impl QuadraticFactor {
             self.linear[j] = if is_linear { rest } else { 0.0 };
         }
     }
+}
+
+fn indefinite(level: usize, variable: usize, pivot: f64) -> Error {
+    let (level, names) = (LevelId::new(level), Names::default());
+    Error::IndefiniteHessian { level, variable, pivot, names }
 }
 
 fn check_finite(

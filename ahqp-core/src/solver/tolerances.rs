@@ -63,6 +63,8 @@ pub(crate) const SETTLED: f64 = 1e-9;
 
 /// Above this, products of the solver's numbers overflow.
 pub(crate) const MODERATE: f64 = 1e100;
+/// Numbers whose squares have a smaller sum are all finite and moderate.
+pub(crate) const MODERATE_SQUARE: f64 = MODERATE * MODERATE;
 /// Norms of hard constraints of which none hides another where they are made to hold together.
 pub(crate) const NEAR_ONE: Range<f64> = 0.0625..32.0;
 

@@ -1,7 +1,8 @@
 //! How a body of the robot moves.
 
-use nalgebra::{Const, MatrixView, Vector6};
+use nalgebra::{Vector3, Vector6};
 
+use super::joint_changes::JointChanges;
 use super::{JointMotion, RobotBody};
 
 /// How a body moves at the last commanded velocity: the twist of the point o as if fixed to it.
@@ -15,9 +16,9 @@ pub(super) struct BodyMotion {
     pub(super) fastest: f64,
     /// By no more than this it may come nearer faster within this tick \[m/s\].
     pub(super) change: f64,
+    /// Whether that is as little as can be told, which takes longer.
+    is_exact: bool,
 }
-
-type Column<'a> = MatrixView<'a, f64, Const<6>, Const<1>, Const<1>, Const<6>>;
 
 impl BodyMotion {
     /// Of a body of a robot of which the first joints are the base's; `before` is another one's in the same
@@ -26,6 +27,7 @@ impl BodyMotion {
         motion: &JointMotion<'_>,
         body: &RobotBody,
         base_joints: usize,
+        changes: &JointChanges,
         before: Option<&Self>,
     ) -> Self {
         // Bodies that the same joints move have the same twist.
@@ -38,17 +40,21 @@ impl BodyMotion {
         };
         let (linear, angular) = (twist.fixed_rows::<3>(0), twist.fixed_rows::<3>(3));
         let (arm, reach) = (body.capsule.middle() - motion.origin, body.capsule.reach());
-        let change = motion.change.map_or(f64::INFINITY, |change| {
-            let joints = motion.jacobian.column_iter().zip(change).take(body.joints);
-            let of_joint = |(column, change): (Column<'_>, &f64)| {
-                let (linear, angular) = (column.fixed_rows::<3>(0), column.fixed_rows::<3>(3));
-                let of_middle = linear + angular.cross(&arm);
-                change * (of_middle.norm() + angular.norm() * reach)
-            };
-            joints.map(of_joint).sum()
-        });
         let fastest = (linear + angular.cross(&arm)).norm() + angular.norm() * reach;
-        Self { joints: body.joints, twist, base, fastest, change }
+        let change = changes.most(motion, body);
+        Self { joints: body.joints, twist, base, fastest, change, is_exact: false }
+    }
+
+    /// Lowers the change to what each joint may do to this body.
+    pub(super) fn tell_change(&mut self, motion: &JointMotion<'_>, body: &RobotBody) {
+        let Some(change) = motion.change.filter(|_| !self.is_exact) else { return };
+        let (arm, reach) = (body.capsule.middle() - motion.origin, body.capsule.reach());
+        let of_joint = |([linear, angular], change): ([Vector3<f64>; 2], &f64)| {
+            let of_middle = linear + angular.cross(&arm);
+            change * (of_middle.norm() + angular.norm() * reach)
+        };
+        self.change = motion.columns(body.joints).zip(change).map(of_joint).sum();
+        self.is_exact = true;
     }
 
     /// How fast a point of the body moves along the force of a `wrench` about o \[m/s\].

@@ -38,9 +38,7 @@ impl Candidate {
     pub(super) fn write(&self, motion: &JointMotion<'_>, row: &mut [f64]) {
         let mut add = |joints: usize, point: &Vector3<f64>, normal: &Vector3<f64>| {
             let moment = (point - motion.origin).cross(normal);
-            let columns = motion.jacobian.column_iter().take(joints);
-            for (out, column) in row.iter_mut().zip(columns) {
-                let (linear, angular) = (column.fixed_rows::<3>(0), column.fixed_rows::<3>(3));
+            for (out, [linear, angular]) in row.iter_mut().zip(motion.columns(joints)) {
                 *out -= linear.dot(normal) + angular.dot(&moment);
             }
         };

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Matrix6xX, Vector3, Vector6};
 
-use crate::error::{Error, check_all, check_size};
+use crate::error::{Error, check_size, check_slice};
 
 /// How the robot moves with its joints now.
 #[derive(Debug, Clone, Copy)]
@@ -29,10 +29,21 @@ pub struct JointMotion<'a> {
 }
 
 impl JointMotion<'_> {
+    /// The columns of the Jacobian of the first `joints`: linear and angular parts.
+    pub(crate) fn columns(&self, joints: usize) -> impl Iterator<Item = [Vector3<f64>; 2]> {
+        let columns = self.jacobian.as_slice().as_chunks::<6>().0;
+        let part = |&[x, y, z, a, b, c]: &[f64; 6]| [Vector3::new(x, y, z), Vector3::new(a, b, c)];
+        columns.iter().take(joints).map(part)
+    }
+
     /// The twist of the point o as if fixed to a body that the first `joints` move, at a `velocity` of all.
     pub(super) fn twist(&self, velocity: &[f64], joints: usize) -> Vector6<f64> {
-        let columns = self.jacobian.column_iter().zip(velocity).take(joints);
-        columns.fold(Vector6::zeros(), |twist, (column, &velocity)| twist + column * velocity)
+        let [mut linear, mut angular] = [Vector3::zeros(); 2];
+        for ([of_linear, of_angular], &velocity) in self.columns(joints).zip(velocity) {
+            linear += of_linear * velocity;
+            angular += of_angular * velocity;
+        }
+        Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
     }
 
     pub(super) fn check(&self, joints: usize) -> Result<(), Error> {
@@ -40,13 +51,14 @@ impl JointMotion<'_> {
         check_size("the joint velocity", self.velocity.len(), joints)?;
         let braking = self.braking.unwrap_or(self.velocity);
         check_size("the braking velocity", braking.len(), joints)?;
-        check_all("the Jacobian", self.jacobian.iter())?;
-        check_all("the origin of the Jacobian", self.origin.iter())?;
+        check_slice("the Jacobian", self.jacobian.as_slice())?;
+        check_slice("the origin of the Jacobian", self.origin.as_slice())?;
         if let Some(inverse) = self.inverse_inertia {
             check_size("the rows of the inverse inertia", inverse.nrows(), joints)?;
             check_size("the columns of the inverse inertia", inverse.ncols(), joints)?;
-            check_all("the inverse inertia", inverse.iter())?;
+            check_slice("the inverse inertia", inverse.as_slice())?;
         }
-        check_all("a joint velocity", self.velocity.iter().chain(braking))
+        check_slice("a joint velocity", self.velocity)?;
+        check_slice("a joint velocity", braking)
     }
 }

@@ -1,7 +1,7 @@
 //! How far pairs matter.
 
-/// The distance beyond which a pair needs no row and has more room than is watched: it then has more
-/// headroom than all that are kept, or than can be used up.
+/// The distance beyond which a pair needs no row: it then has more headroom than all that are kept, or than can
+/// be used up.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reach {
     /// From a person who stands \[m\].

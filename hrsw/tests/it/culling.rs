@@ -2,10 +2,10 @@
 
 use ahqp_core::{AugmentedState, Rows};
 use hrsw::{
-    ApproachRows, Capsule, JointMotion, MeasuredVelocity, Nearest, PersonBody, RobotBody,
-    SeparationSettings, proximity,
+    ApproachRows, Capsule, Contact, ContactLimit, JointMotion, MeasuredVelocity, Nearest,
+    PersonBody, RobotBody, SeparationSettings, proximity,
 };
-use nalgebra::{Matrix6xX, Vector3, Vector6};
+use nalgebra::{DMatrix, Matrix6xX, Vector3, Vector6};
 use proptest::prelude::*;
 
 const JOINTS: usize = 4;
@@ -96,6 +96,121 @@ proptest! {
             prop_assert!((culled.least_distance() - least).abs() < 1e-9);
             if truly.is_some_and(|pair| pair.room() < watched) {
                 prop_assert_eq!(nearest, truly);
+            }
+        }
+    }
+
+    /// The same with parts that may be touched: neither contacts that permit all that may come, nor the robot's
+    /// mass where it is not asked for, change what bounds the next velocity.
+    #[test]
+    fn contacts_that_are_left_out_could_not_have_been_reached(
+        robot in capsules(4, 0.8), person in capsules(4, 0.8),
+        jacobian in prop::collection::vec(-1.0..1.0_f64, 6 * JOINTS),
+        steps in prop::collection::vec(
+            (vector(0.01), vector(0.005), prop::array::uniform4(-0.6..0.6_f64)), 1..20),
+        change in prop::array::uniform4(0.0..0.1_f64), walking in vector(0.3), uncertainty in 0.0..0.3_f64,
+        contacts in prop::collection::vec(prop::option::of((20.0..300.0_f64, 0.0..1.0_f64, any::<bool>())), 4),
+        lightness in 0.01..1.0_f64, watched in 0.0..0.5_f64,
+    ) {
+        let state = AugmentedState { joints: JOINTS, task: 6, slack: 6 };
+        let jacobian = Matrix6xX::from_vec(jacobian);
+        let inverse = DMatrix::identity(JOINTS, JOINTS) * lightness;
+        let rows = || ApproachRows::new(state, SeparationSettings::default(), 20).unwrap();
+        let (mut culled, mut unweighed) = (rows().watching(watched), rows().watching(watched));
+        let (mut block, mut without) = (culled.rows(), unweighed.rows());
+        let (mut robot, mut person) = (robot, person);
+        let measured = MeasuredVelocity { mean: walking, uncertainty };
+        for (robot_step, person_step, velocity) in steps {
+            robot.iter_mut().for_each(|capsule| *capsule = moved(capsule, &robot_step));
+            person.iter_mut().for_each(|capsule| *capsule = moved(capsule, &person_step));
+            let bodies: Vec<_> =
+                robot.iter().map(|&capsule| RobotBody { capsule, joints: JOINTS }).collect();
+            let part = |(&capsule, contact): (&Capsule, &Option<(f64, f64, bool)>)| PersonBody {
+                capsule,
+                velocity: contact.is_none_or(|(_, _, of_arm)| !of_arm).then_some(measured),
+                age: 0.0,
+                contact: contact.map(|(force, fastest, _)| Contact {
+                    limit: ContactLimit { force, stiffness: 3e4, mass: 3.0 },
+                    fastest,
+                    velocity: Some(measured),
+                }),
+            };
+            let parts: Vec<_> = person.iter().zip(&contacts).map(part).collect();
+            let all = JointMotion {
+                jacobian: &jacobian,
+                origin: Vector3::zeros(),
+                velocity: &velocity,
+                braking: None,
+                change: None,
+                inverse_inertia: Some(&inverse),
+            };
+            let motion = JointMotion { change: Some(&change), ..all };
+            let nearest = culled.write(&motion, &bodies, &parts, &mut block).unwrap();
+            let kept = bounding(&block);
+            let mut whole = rows();
+            let mut every = whole.rows();
+            let truly = whole.write(&all, &bodies, &parts, &mut every).unwrap();
+            for (row, upper) in bounding(&every) {
+                let fastest = along(&row, &velocity)
+                    + row.iter().zip(&change).map(|(a, b)| a.abs() * b).sum::<f64>();
+                if fastest > upper + 1e-9 {
+                    prop_assert!(kept.contains(&(row, upper)));
+                }
+            }
+            if truly.is_some_and(|pair| pair.room() < watched) {
+                prop_assert_eq!(nearest, truly);
+            }
+            let motion = JointMotion { inverse_inertia: None, ..motion };
+            prop_assert_eq!(unweighed.write(&motion, &bodies, &parts, &mut without).unwrap(), nearest);
+            prop_assert_eq!(unweighed.needs_inertia(), culled.needs_inertia());
+            if !culled.needs_inertia() {
+                prop_assert_eq!(bounding(&without), kept);
+            }
+        }
+    }
+
+    /// The same for the robot's own bodies, which some joints carry together.
+    #[test]
+    fn own_pairs_that_are_left_out_could_not_have_been_reached(
+        robot in capsules(5, 0.6), joints in prop::collection::vec(0..=JOINTS, 5),
+        jacobian in prop::collection::vec(-1.0..1.0_f64, 6 * JOINTS),
+        steps in prop::collection::vec((vector(0.01), prop::array::uniform4(-0.6..0.6_f64)), 1..30),
+        change in prop::array::uniform4(0.0..0.1_f64), origin in vector(0.5),
+    ) {
+        let state = AugmentedState { joints: JOINTS, task: 6, slack: 6 };
+        let settings = SeparationSettings::between_own_bodies(1e-3, 2.0, 0.03);
+        let jacobian = Matrix6xX::from_vec(jacobian);
+        let rows = || ApproachRows::new(state, settings, 20).unwrap();
+        let mut culled = rows();
+        let mut block = culled.rows();
+        let pairs: Vec<_> = (0..5).flat_map(|i| (0..i).map(move |j| (i, j))).collect();
+        let mut robot = robot;
+        for (step, velocity) in steps {
+            for (index, capsule) in robot.iter_mut().enumerate() {
+                *capsule = moved(capsule, &(step * f64::from(u8::try_from(index).unwrap())));
+            }
+            let body = |(&capsule, &joints)| RobotBody { capsule, joints };
+            let bodies: Vec<_> = robot.iter().zip(&joints).map(body).collect();
+            let all = JointMotion {
+                jacobian: &jacobian,
+                origin,
+                velocity: &velocity,
+                braking: None,
+                change: None,
+                inverse_inertia: None,
+            };
+            let motion = JointMotion { change: Some(&change), ..all };
+            culled.write_own(&motion, &bodies, &pairs, &mut block).unwrap();
+            let kept = bounding(&block);
+            let mut whole = rows();
+            let mut every = whole.rows();
+            whole.write_own(&all, &bodies, &pairs, &mut every).unwrap();
+            for (row, upper) in bounding(&every) {
+                let fastest = along(&row, &velocity)
+                    + row.iter().zip(&change).map(|(a, b)| a.abs() * b).sum::<f64>();
+                if fastest > upper + 1e-9 {
+                    prop_assert!(kept.contains(&(row, upper)));
+                }
             }
         }
     }

@@ -85,14 +85,22 @@ impl Kinematics {
     /// # Errors
     /// [`Error::Robot`] on q unless [`Model::is_configuration`]; all is then as before.
     pub fn update(&mut self, configuration: &[f64]) -> Result<(), Error> {
-        let mut posed = self.data.pose(&self.model, configuration)?;
+        let posed = self.data.pose(&self.model, configuration)?;
         self.world_from_tool = posed.world_from(self.tool)?;
         posed.jacobian_into(self.tool, Axes::World, &mut self.jacobian)?;
-        // Without bodies nothing is touched.
-        if !self.bodies.placed().is_empty() {
-            self.inertia.update(&mut posed);
-        }
+        self.inertia.forget();
         self.bodies.place(&posed)
+    }
+
+    /// Computes M⁻¹ at the present configuration, if it is not known yet. Allocates nothing.
+    ///
+    /// # Errors
+    /// None: there is a configuration from the beginning.
+    pub fn weigh(&mut self) -> Result<(), Error> {
+        if self.inertia.get().is_none() {
+            self.inertia.update(&mut self.data.posed(&self.model)?);
+        }
+        Ok(())
     }
 
     /// The tool holds an object from now on, instead of what it held before: its mass counts, and it is one
@@ -185,8 +193,8 @@ impl Kinematics {
         &self.jacobian
     }
 
-    /// M⁻¹, the inverse of the joint-space inertia, n × n \[1/kg, 1/(kg m²)\]; none for a robot without
-    /// bodies, or with a joint that moves no mass.
+    /// M⁻¹, the inverse of the joint-space inertia, n × n \[1/kg, 1/(kg m²)\]; none where it has not been
+    /// [computed](Self::weigh) at this configuration, and for a robot with a joint that moves no mass.
     pub fn inverse_inertia(&self) -> Option<&DMatrix<f64>> {
         self.inertia.get()
     }

@@ -130,7 +130,7 @@ impl ActiveSet {
         let n = self.data.n;
         self.violated.clear();
         self.value[..n].copy_from_slice(&self.factorisation.x);
-        self.data.multiply(n..self.data.len(), &self.factorisation.x, &mut self.value);
+        self.data.multiply_all(&self.factorisation.x, &mut self.value);
         let bounds = self.factorisation.bounds_in_stack();
         let constraints = self.data.levels.iter().flat_map(|level| level.constraints.clone());
         if bounds.chain(constraints).any(|id| self.is_missed(id, x_norm)) {

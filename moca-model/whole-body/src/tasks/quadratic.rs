@@ -77,8 +77,8 @@ pub struct TaskQuadratic<'a> {
 impl<'a> TaskQuadratic<'a> {
     /// The quadratic zero.
     pub(crate) fn cleared(hessian: &'a mut DMatrix<f64>, gradient: &'a mut DVector<f64>) -> Self {
-        hessian.fill(0.0);
-        gradient.fill(0.0);
+        hessian.as_mut_slice().fill(0.0);
+        gradient.as_mut_slice().fill(0.0);
         Self { hessian, gradient }
     }
 

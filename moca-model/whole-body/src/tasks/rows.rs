@@ -69,13 +69,18 @@ impl<'a> TaskRows<'a> {
         bounds: [&[f64]; 2],
         weights: &[f64],
     ) {
-        for (row, coefficients) in matrix.chunks_exact(columns.max(1)).enumerate() {
-            let own = self.row_mut(row);
-            if let Some(own) = own.get_mut(..coefficients.len()) {
-                own.copy_from_slice(coefficients);
+        let (first, count) = (self.first, self.count);
+        let whole = self.rows.coefficients_mut(first..first + count).unwrap_or_default();
+        if whole.len() == matrix.len() {
+            whole.copy_from_slice(matrix);
+        } else {
+            for (row, coefficients) in matrix.chunks_exact(columns.max(1)).enumerate() {
+                let own = self.row_mut(row);
+                if let Some(own) = own.get_mut(..coefficients.len()) {
+                    own.copy_from_slice(coefficients);
+                }
             }
         }
-        let (first, count) = (self.first, self.count);
         for (to, from) in [(self.rows.lower_mut(), bounds[0]), (&mut *self.weights, weights)] {
             to.iter_mut().skip(first).take(count).zip(from).for_each(|(to, from)| *to = *from);
         }

@@ -108,10 +108,7 @@ impl VelocityTask {
             self.columns = rows.columns();
             self.matrix.resize(self.lower.len() * self.columns, 0.0);
         }
-        for (own, (row, _, _)) in self.matrix.chunks_exact_mut(self.columns.max(1)).zip(rows.iter())
-        {
-            own.copy_from_slice(row);
-        }
+        self.matrix.copy_from_slice(rows.coefficients());
         self.lower.copy_from_slice(rows.lower());
         self.upper.copy_from_slice(rows.upper());
         match rows.weights() {

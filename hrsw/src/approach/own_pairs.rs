@@ -1,0 +1,68 @@
+//! Rows for pairs of the robot's own bodies.
+
+use ahqp_core::Rows;
+
+use super::candidate::{Candidate, PointId};
+use super::own_motion::OwnMotion;
+use super::{ApproachRows, JointMotion, Nearest, RobotBody, capsules};
+use crate::distance::proximity;
+use crate::error::Error;
+
+impl ApproachRows {
+    /// Writes the rows for pairs of the robot's own bodies, by their indices, as
+    /// [`write`](Self::write). Allocates nothing.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write); [`Error::Size`] for an index that is not of a body.
+    pub fn write_own(
+        &mut self,
+        motion: &JointMotion<'_>,
+        robot: &[RobotBody],
+        pairs: &[(usize, usize)],
+        rows: &mut Rows,
+    ) -> Result<Option<Nearest>, Error> {
+        self.check(motion, robot, rows)?;
+        self.clear();
+        self.bounds.advance_own(capsules(robot));
+        let any = OwnMotion::of_all(motion, robot);
+        let watched = self.watched_room;
+        let farthest = self.reach(any.fastest, any.change).sight(0.0) + watched;
+        for &(i, j) in pairs {
+            let (Some(first), Some(second)) = (robot.get(i), robot.get(j)) else {
+                let (found, expected) = (i.max(j), robot.len());
+                return Err(Error::Size { what: "an index of a body", found, expected });
+            };
+            let bound = self.bounds.get(i, j);
+            if bound > farthest {
+                continue;
+            }
+            let moves = OwnMotion::of_pair(motion, first, second);
+            if bound > self.reach(moves.fastest, moves.change).sight(0.0) + watched {
+                continue;
+            }
+            let near = proximity(&first.capsule, &second.capsule);
+            self.bounds.set(i, j, near.distance);
+            self.least_distance = self.least_distance.min(near.distance);
+            let twist = |body: &RobotBody| motion.twist(motion.velocity, body.joints);
+            let approach = -twist(first).dot(&near.gradient_first(&motion.origin))
+                - twist(second).dot(&near.gradient_second(&motion.origin));
+            let distance = near.distance;
+            let limit = self.settings.approach_limit(distance, 0.0);
+            let required = self.settings.protective_distance(0.0, approach);
+            self.see(Nearest { robot: i, other: j, distance, required, approach });
+            let candidate = Candidate {
+                id: PointId { robot: i, other: j, end: None },
+                normal: near.normal,
+                point: near.on_first,
+                joints: first.joints,
+                opposite: Some((near.on_second, second.joints)),
+                room: distance - self.settings.protective_distance(0.0, 0.0),
+                limit,
+                headroom: limit - approach,
+                contact: false,
+            };
+            self.consider(candidate, moves.change);
+        }
+        self.write_candidates(motion, rows)
+    }
+}
