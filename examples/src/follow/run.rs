@@ -89,7 +89,6 @@ impl<'a> Run<'a> {
         let settings = ControllerSettings { goal, ..scenario.settings.clone() };
         let (period, desired) = (settings.period, settings.desired);
         let start = &scenario.start;
-        let middle = scenario.comfort.minimiser().unwrap_or(Vector3::new(0.35, 0.0, 1.0));
         let controller =
             Controller::new(scenario.model.clone(), scenario.comfort, settings, start)?;
         let safety = &scenario.settings.safety;
@@ -98,7 +97,7 @@ impl<'a> Run<'a> {
         let plant = Plant::with_torques(scenario.drive, controller, torques, SEED)?;
         let mut run = Self {
             on_board: OnBoardEye::new(SEED),
-            scorer: Scorer::new(&scenario.map, middle),
+            scorer: Scorer::new(&scenario.map),
             assessor: Assessor::default(),
             measured: None,
             plant,

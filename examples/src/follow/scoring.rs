@@ -1,9 +1,9 @@
 //! The person's score with their hand at the tool.
 
-use ergo_map::{Conditions, ErgonomicsMap, PersonFrame};
+use ergo_map::{Conditions, ErgonomicsMap, PersonFrame, Region};
 use nalgebra::Vector3;
 
-/// Steps from the tool towards the middle of the reach in which the nearest reachable point is
+/// Steps from the tool towards the best posture in which the nearest reachable point is
 /// sought.
 const STEPS: u8 = 40;
 
@@ -24,12 +24,19 @@ pub struct HandScore {
 #[derive(Debug)]
 pub struct Scorer<'a> {
     map: &'a ErgonomicsMap,
+    /// Where the posture is best, in the person's frame \[m\].
     middle: Vector3<f64>,
 }
 
 impl<'a> Scorer<'a> {
-    /// `middle` is a point in the person's frame that they reach with ease \[m\].
-    pub fn new(map: &'a ErgonomicsMap, middle: Vector3<f64>) -> Self {
+    /// By this map, whatever the controller knows of it.
+    pub fn new(map: &'a ErgonomicsMap) -> Self {
+        let zone = Region::work_zone(map.stature(), map.side());
+        let best = map
+            .nodes()
+            .filter(|node| zone.contains(&node.position))
+            .min_by(|a, b| a.score.total_cmp(&b.score));
+        let middle = best.map_or((zone.min() + zone.max()) * 0.5, |node| node.position);
         Self { map, middle }
     }
 
