@@ -28,7 +28,7 @@ use candidate::{Candidate, PointId};
 use joint_changes::JointChanges;
 pub use joint_motion::JointMotion;
 pub use nearest::Nearest;
-use part_speeds::{PartSpeeds, watched_room};
+use part_speeds::PartSpeeds;
 use places::Places;
 use reach::Reach;
 use undercut::Undercut;

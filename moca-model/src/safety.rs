@@ -8,7 +8,7 @@ mod settings;
 use ahqp_core::{AugmentedState, Rows};
 use hrsw::{
     Age, ApproachRows, Fault, JointMotion, Nearest, Observation, PersonBody, RobotBody,
-    SafetyState, SeparationSettings, SpeedCap, Supervisor, SupervisorSettings,
+    SafetyState, SeparationSettings, SpeedCap, Supervisor, SupervisorSettings, proximity,
 };
 use nalgebra::Vector3;
 use vision_models::{Body, Percept, TrackedPerson};
@@ -69,6 +69,8 @@ pub struct Safety {
     velocity_change: Vec<f64>,
     contact_speed: f64,
     person_velocity: Vector3<f64>,
+    /// How fast the person comes towards the body of the robot that is nearest to its protective distance \[m/s\].
+    person_approach: f64,
     nearest: Option<Nearest>,
     supervisor: Supervisor,
     separation: ApproachRows,
@@ -115,6 +117,7 @@ impl Safety {
             velocity_change: limits.iter().map(|limits| limits.acceleration * period).collect(),
             contact_speed: 0.0,
             person_velocity: Vector3::zeros(),
+            person_approach: 0.0,
             nearest: None,
             supervisor: Supervisor::new(settings.supervisor)?,
             separation_rows: separation.rows(),
@@ -213,6 +216,7 @@ impl Safety {
         let change = Some(&*self.velocity_change);
         let motion = JointMotion { change, ..motion(robot, input.velocity, None) };
         self.own.write_own(&motion, robot.bodies(), &self.own_pairs, &mut self.own_rows)?;
+        self.person_approach = self.measure_approach(robot.bodies());
         let age = self.person.age(input.now);
         self.wait(if age > input.age { age } else { input.age }, input.elapsed);
         Ok(())
@@ -224,6 +228,19 @@ impl Safety {
         let (people, rows) = (&self.people, &mut self.separation_rows);
         self.nearest = self.separation.write(&motion, robot.bodies(), people, rows)?;
         Ok(())
+    }
+
+    /// How fast the person comes towards the body of the robot that is nearest to its protective distance, as
+    /// far as that is measured \[m/s\].
+    fn measure_approach(&self, bodies: &[RobotBody]) -> f64 {
+        let pair = self.nearest.and_then(|nearest| {
+            let (body, part) = (bodies.get(nearest.robot)?, self.people.get(nearest.other)?);
+            Some((body, part, part.velocity?))
+        });
+        pair.map_or(0.0, |(body, part, velocity)| {
+            let normal = proximity(&body.capsule, &part.capsule).normal;
+            velocity.mean.dot(&normal).max(0.0)
+        })
     }
 
     /// Tells the supervisor of a tick in which no distances could be measured: those of the last
@@ -271,8 +288,8 @@ impl Safety {
         if brakes {
             0.0
         } else if supervisor.state() == SafetyState::Retreat {
-            // From somebody who walks on it leaves as much faster as they walk.
-            (supervisor.speed_scale() + self.person_velocity.norm() / MOCA_AXIS_SPEED).min(1.0)
+            // From somebody who comes on it leaves as much faster as they come.
+            (supervisor.speed_scale() + self.person_approach / MOCA_AXIS_SPEED).min(1.0)
         } else {
             supervisor.speed_scale()
         }
