@@ -136,7 +136,7 @@ pub struct DesiredMotion {
 
 impl Default for DesiredMotion {
     fn default() -> Self {
-        Self { velocity: 1.0, acceleration: 4.5, angular_velocity: 1.0, angular_acceleration: 9.0 }
+        Self { velocity: 0.5, acceleration: 4.5, angular_velocity: 1.0, angular_acceleration: 9.0 }
     }
 }
 
