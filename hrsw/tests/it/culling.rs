@@ -121,8 +121,12 @@ proptest! {
         let (mut robot, mut person) = (robot, person);
         let measured = MeasuredVelocity { mean: walking, uncertainty };
         for (robot_step, person_step, velocity) in steps {
-            robot.iter_mut().for_each(|capsule| *capsule = moved(capsule, &robot_step));
-            person.iter_mut().for_each(|capsule| *capsule = moved(capsule, &person_step));
+            for capsule in &mut robot {
+                *capsule = moved(capsule, &robot_step);
+            }
+            for capsule in &mut person {
+                *capsule = moved(capsule, &person_step);
+            }
             let bodies: Vec<_> =
                 robot.iter().map(|&capsule| RobotBody { capsule, joints: JOINTS }).collect();
             let part = |(&capsule, contact): (&Capsule, &Option<(f64, f64, bool)>)| PersonBody {
