@@ -4,6 +4,8 @@ use hrsw::FrameFault;
 use thiserror::Error;
 use whole_body::{Base, Model};
 
+use crate::held_object::BoxSide;
+
 /// What was wrong, where, and what would be right.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -85,6 +87,13 @@ pub enum Error {
     /// The object has no side to work on.
     #[error("the object has no face to work on; give it at least one")]
     NoFace,
+
+    /// The object has two surfaces on one side.
+    #[error("the object has two surfaces on its side {side:?}; give it one for each side")]
+    TwoFacesOnOneSide {
+        /// The side.
+        side: BoxSide,
+    },
 
     /// A setting of the controller is out of its range.
     #[error("setting {name} is {value}; it must be {expected}")]

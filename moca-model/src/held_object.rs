@@ -144,7 +144,7 @@ impl HeldObject {
     ///
     /// # Errors
     /// [`Error::Setting`] for edges or a mass that are not positive, or a pose that is not finite;
-    /// [`Error::NoFace`] for an object that nobody can work on.
+    /// [`Error::NoFace`] for an object that nobody can work on; [`Error::TwoFacesOnOneSide`].
     pub fn validate(&self) -> Result<(), Error> {
         let edges = self.size.iter().map(|&edge| ("object.size", edge));
         for (name, value) in edges.chain([("object.mass", self.mass)]) {
@@ -158,7 +158,17 @@ impl HeldObject {
             let (name, expected) = ("object.tool_from_object", "finite");
             return Err(Error::Setting { name, value, expected });
         }
-        if self.faces.is_empty() { Err(Error::NoFace) } else { Ok(()) }
+        if self.faces.is_empty() {
+            return Err(Error::NoFace);
+        }
+        let mut sides = self.faces.iter().map(|face| face.side).enumerate();
+        let is_again = |index: usize, side: BoxSide| {
+            self.faces.iter().take(index).any(|face| face.side == side)
+        };
+        match sides.find(|&(index, side)| is_again(index, side)) {
+            Some((_, side)) => Err(Error::TwoFacesOnOneSide { side }),
+            None => Ok(()),
+        }
     }
 
     /// Where the hand is that works on the side that is shown, in the frame of the robot's tool \[m\].

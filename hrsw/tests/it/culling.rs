@@ -115,7 +115,7 @@ proptest! {
         let state = AugmentedState { joints: JOINTS, task: 6, slack: 6 };
         let jacobian = Matrix6xX::from_vec(jacobian);
         let inverse = DMatrix::identity(JOINTS, JOINTS) * lightness;
-        let rows = || ApproachRows::new(state, SeparationSettings::default(), 20).unwrap();
+        let rows = || ApproachRows::new(state, SeparationSettings::default(), 60).unwrap();
         let (mut culled, mut unweighed) = (rows().watching(watched), rows().watching(watched));
         let (mut block, mut without) = (culled.rows(), unweighed.rows());
         let (mut robot, mut person) = (robot, person);
@@ -168,7 +168,10 @@ proptest! {
             prop_assert_eq!(unweighed.write(&motion, &bodies, &parts, &mut without).unwrap(), nearest);
             prop_assert_eq!(unweighed.needs_inertia(), culled.needs_inertia());
             if !culled.needs_inertia() {
-                prop_assert_eq!(bounding(&without), kept);
+                // Which row a point has depends on the ticks before.
+                let without = bounding(&without);
+                prop_assert_eq!(without.len(), kept.len());
+                prop_assert!(without.iter().all(|row| kept.contains(row)));
             }
         }
     }

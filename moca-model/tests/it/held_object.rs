@@ -154,12 +154,19 @@ fn objects_that_are_none_are_named_and_change_nothing() {
     let mut controller = controller();
     controller.hold(HeldObject::default()).unwrap();
     let nan = Isometry3::translation(f64::NAN, 0.0, 0.0);
+    let face = |side, surface| WorkFace { side, surface };
+    let twice = vec![
+        face(BoxSide::Front, Surface::Drilled),
+        face(BoxSide::Back, Surface::Smooth),
+        face(BoxSide::Back, Surface::Drilled),
+    ];
     for (object, name) in [
         (HeldObject { mass: 0.0, ..HeldObject::default() }, "object.mass"),
         (HeldObject { mass: f64::NAN, ..HeldObject::default() }, "object.mass"),
         (HeldObject { size: Vector3::new(0.1, -0.1, 0.1), ..HeldObject::default() }, "object.size"),
         (HeldObject { tool_from_object: nan, ..HeldObject::default() }, "tool_from_object"),
         (HeldObject { faces: Vec::new(), ..HeldObject::default() }, "face"),
+        (HeldObject { faces: twice, ..HeldObject::default() }, "Back"),
     ] {
         let error = controller.hold(object).unwrap_err();
         assert!(error.to_string().contains(name), "{error}");
