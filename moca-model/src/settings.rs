@@ -197,8 +197,7 @@ pub struct ControllerSettings {
     /// When actions become intentions.
     pub intention: IntentionSettings,
     /// The body tracker. Default: that of vision-models with a position that is known to 0.02 m, to which Z_d of
-    /// [`SafetySettings`] belongs, and a person who walks alike whether covariances are known or not: with them
-    /// at 0.1 m²/s³, too.
+    /// [`SafetySettings`] belongs.
     pub tracker: TrackerSettings,
     /// How the person's frame follows the tracked body.
     pub follower: FollowerSettings,
@@ -236,11 +235,7 @@ impl Default for ControllerSettings {
             },
             budget: Budget::default(),
             intention: IntentionSettings::default(),
-            tracker: TrackerSettings {
-                position_sigma: 0.02,
-                measured_density: 0.1,
-                ..TrackerSettings::default()
-            },
+            tracker: TrackerSettings { position_sigma: 0.02, ..TrackerSettings::default() },
             follower: FollowerSettings::default(),
             stale: StaleSettings::default(),
             clock: ClockSettings::default(),
