@@ -9,26 +9,27 @@ mod nearest;
 mod own_motion;
 mod own_pairs;
 mod part_speeds;
+mod person_pairs;
 mod places;
 mod reach;
 mod undercut;
 
 use ahqp_core::{AugmentedState, Rows};
-use nalgebra::Vector6;
 
 use crate::contact::Mobility;
-use crate::distance::{Proximity, proximity};
+use crate::distance::proximity;
 use crate::distance_bounds::DistanceBounds;
 use crate::error::{Error, check_size};
 use crate::separation::SeparationSettings;
 use crate::shape::Capsule;
 pub use bodies::{PersonBody, RobotBody};
 use body_motion::BodyMotion;
-use candidate::{Candidate, PointId};
+use candidate::Candidate;
 use joint_changes::JointChanges;
 pub use joint_motion::JointMotion;
 pub use nearest::Nearest;
 use part_speeds::PartSpeeds;
+use person_pairs::Pair;
 use places::Places;
 use reach::Reach;
 use undercut::Undercut;
@@ -99,19 +100,8 @@ pub struct ApproachRows {
     undercut: Undercut,
 }
 
-/// A body of the robot and a part of the person, by their indices.
-#[derive(Debug, Clone, Copy)]
-struct Pair<'a> {
-    robot: (usize, &'a RobotBody),
-    other: (usize, &'a PersonBody),
-    near: Proximity,
-}
-
 /// What rounding may make of a speed of approach \[m/s\].
 const ROUNDING: f64 = 1e-7;
-
-/// An end of a capsule that is no farther from the nearest point than this is that point \[m\].
-const SAME_POINT: f64 = 1e-6;
 
 /// Bodies of robot and person of which the distances are remembered.
 const BODIES: usize = 32;
@@ -241,101 +231,6 @@ impl ApproachRows {
         let part = person.get(other)?;
         let speeds = PartSpeeds::of(part, &self.settings, self.watched_room);
         Some((other, part, speeds.farthest(moves, reach)))
-    }
-
-    /// Takes a pair in sight: what the supervisor has to know of it, and the points of the robot's capsule that
-    /// may get a row, the nearest one and the ends.
-    fn weigh(&mut self, motion: &JointMotion<'_>, moves: &mut BodyMotion, pair: &Pair<'_>) {
-        let Pair { robot: (robot, body), other: (other, part), near } = *pair;
-        if part.contact.is_none() {
-            let wrench = near.gradient_first(&motion.origin);
-            let approach = -moves.along(&wrench);
-            let speed = part.speed_towards(&near.normal);
-            let human_speed = self.settings.speed_towards_robot(speed.map(|speed| speed.measured));
-            let settings = self.braking(moves, approach, &wrench);
-            let required = settings.protective_distance(human_speed, approach);
-            self.see(Nearest { robot, other, distance: near.distance, required, approach });
-            let assumed = self.settings.speed_towards_robot(speed.map(|speed| speed.worst));
-            if near.distance < self.settings.protective_distance(assumed, 0.0) {
-                let may_approach =
-                    near.distance >= self.settings.protective_distance(human_speed, 0.0);
-                let distance = near.distance;
-                self.undercut.take((robot, body), part, distance, may_approach, &self.settings);
-            }
-        }
-        let id = PointId { robot, other, end: None };
-        self.weigh_point(motion, moves, (id, body, part), &near);
-        for (end, point) in body.capsule.ends().into_iter().enumerate() {
-            if (point - near.on_first).norm_squared() > SAME_POINT * SAME_POINT {
-                let near = proximity(&body.capsule.at(point), &part.capsule);
-                self.weigh_point(
-                    motion,
-                    moves,
-                    (PointId { end: Some(end), ..id }, body, part),
-                    &near,
-                );
-            }
-        }
-    }
-
-    /// Takes a point on the axis of a capsule of the robot, and the place where it is nearest to the part.
-    fn weigh_point(
-        &mut self,
-        motion: &JointMotion<'_>,
-        moves: &mut BodyMotion,
-        (id, body, part): (PointId, &RobotBody, &PersonBody),
-        near: &Proximity,
-    ) {
-        let wrench = near.gradient_first(&motion.origin);
-        let approach = -moves.along(&wrench);
-        let speed = part.speed_towards(&near.normal);
-        let assumed = self.settings.speed_towards_robot(speed.map(|speed| speed.worst));
-        // The same as in sight, but for how fast the two truly come nearer to each other.
-        if near.distance > self.reach(approach.max(0.0), moves.change).sight(assumed) {
-            return;
-        }
-        moves.tell_change(motion, body);
-        let settings = self.braking(moves, approach, &wrench);
-        let mut limit = settings.approach_limit(near.distance, assumed);
-        // Where the distance alone permits all that may come in this tick, what a contact permits does not
-        // matter.
-        if let Some(contact) = part.contact.filter(|_| limit - approach <= moves.change) {
-            let known = contact.velocity.map(|velocity| velocity.towards(&near.normal));
-            let speed = known.or(speed);
-            let (measured, worst) =
-                speed.map_or((assumed, assumed), |speed| (speed.measured, speed.worst));
-            limit = limit.max(contact.approach_limit(f64::INFINITY, measured, worst));
-            // No more is needed where so much is permitted even for a robot that does not give way.
-            if limit - approach <= moves.change {
-                self.needs_inertia = true;
-                let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
-                let mass = self.mobility.mass(jacobian, inverse, body.joints, &wrench);
-                limit = limit.max(contact.approach_limit(mass, measured, worst));
-            }
-        }
-        let candidate = Candidate {
-            id,
-            normal: near.normal,
-            point: near.on_first,
-            joints: body.joints,
-            opposite: None,
-            room: near.distance - self.settings.protective_distance(assumed, 0.0),
-            limit,
-            headroom: limit - approach,
-            contact: part.contact.is_some(),
-        };
-        self.consider(candidate, moves.change);
-    }
-
-    /// The settings with the deceleration of those joints that bring a pair nearer.
-    fn braking(
-        &self,
-        moves: &BodyMotion,
-        approach: f64,
-        wrench: &Vector6<f64>,
-    ) -> SeparationSettings {
-        let of_base = -moves.base_along(wrench);
-        self.settings.braking_by_parts(of_base, approach - of_base)
     }
 
     /// Keeps, of the pairs that may not touch, the one with the least room.

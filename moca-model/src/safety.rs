@@ -69,8 +69,8 @@ pub struct Safety {
     velocity_change: Vec<f64>,
     contact_speed: f64,
     person_velocity: Vector3<f64>,
-    /// How fast the person comes towards the body of the robot that is nearest to its protective distance \[m/s\].
-    person_approach: f64,
+    /// How much faster than the supervisor says a robot in retreat leaves: as fast as the person comes \[m/s\].
+    leaving_speed: f64,
     nearest: Option<Nearest>,
     supervisor: Supervisor,
     separation: ApproachRows,
@@ -117,7 +117,7 @@ impl Safety {
             velocity_change: limits.iter().map(|limits| limits.acceleration * period).collect(),
             contact_speed: 0.0,
             person_velocity: Vector3::zeros(),
-            person_approach: 0.0,
+            leaving_speed: 0.0,
             nearest: None,
             supervisor: Supervisor::new(settings.supervisor)?,
             separation_rows: separation.rows(),
@@ -216,9 +216,12 @@ impl Safety {
         let change = Some(&*self.velocity_change);
         let motion = JointMotion { change, ..motion(robot, input.velocity, None) };
         self.own.write_own(&motion, robot.bodies(), &self.own_pairs, &mut self.own_rows)?;
-        self.person_approach = self.measure_approach(robot.bodies());
         let age = self.person.age(input.now);
         self.wait(if age > input.age { age } else { input.age }, input.elapsed);
+        self.leaving_speed = match self.supervisor.state() {
+            SafetyState::Retreat => self.speed_of_who_comes(robot.bodies()),
+            _ => 0.0,
+        };
         Ok(())
     }
 
@@ -232,7 +235,7 @@ impl Safety {
 
     /// How fast the person comes towards the body of the robot that is nearest to its protective distance, as
     /// far as that is measured \[m/s\].
-    fn measure_approach(&self, bodies: &[RobotBody]) -> f64 {
+    fn speed_of_who_comes(&self, bodies: &[RobotBody]) -> f64 {
         let pair = self.nearest.and_then(|nearest| {
             let (body, part) = (bodies.get(nearest.robot)?, self.people.get(nearest.other)?);
             Some((body, part, part.velocity?))
@@ -277,21 +280,17 @@ impl Safety {
 
     /// The share of their speeds that the joints may use: at once zero in a stop for a fault, while the
     /// robot moves towards somebody who is too close, and where more pairs are at their limit than there
-    /// are rows or one is nearer than can be told; else the supervisor's, in retreat more by the speed of the
-    /// person. At most 1.
+    /// are rows or one is nearer than can be told; else the supervisor's, in retreat more by the speed at
+    /// which the person comes. At most 1.
     pub fn speed_scale(&self) -> f64 {
         let separation = &self.separation;
         let brakes = separation.is_crowded()
             || separation.is_too_near_to_tell()
             || self.supervisor.stops_at_once();
-        let supervisor = &self.supervisor;
         if brakes {
             0.0
-        } else if supervisor.state() == SafetyState::Retreat {
-            // From somebody who comes on it leaves as much faster as they come.
-            (supervisor.speed_scale() + self.person_approach / MOCA_AXIS_SPEED).min(1.0)
         } else {
-            supervisor.speed_scale()
+            (self.supervisor.speed_scale() + self.leaving_speed / MOCA_AXIS_SPEED).min(1.0)
         }
     }
 

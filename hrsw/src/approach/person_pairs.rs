@@ -1,0 +1,118 @@
+//! Pairs of a body of the robot and a part of a person.
+
+use nalgebra::Vector6;
+
+use super::body_motion::BodyMotion;
+use super::candidate::{Candidate, PointId};
+use super::{ApproachRows, JointMotion, Nearest, PersonBody, RobotBody};
+use crate::distance::{Proximity, proximity};
+use crate::separation::SeparationSettings;
+
+/// An end of a capsule that is no farther from the nearest point than this is that point \[m\].
+const SAME_POINT: f64 = 1e-6;
+
+/// A body of the robot and a part of the person, by their indices.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pair<'a> {
+    pub(super) robot: (usize, &'a RobotBody),
+    pub(super) other: (usize, &'a PersonBody),
+    pub(super) near: Proximity,
+}
+
+impl ApproachRows {
+    /// Takes a pair in sight: what the supervisor has to know of it, and the points of the robot's capsule that
+    /// may get a row, the nearest one and the ends.
+    pub(super) fn weigh(
+        &mut self,
+        motion: &JointMotion<'_>,
+        moves: &mut BodyMotion,
+        pair: &Pair<'_>,
+    ) {
+        let Pair { robot: (robot, body), other: (other, part), near } = *pair;
+        if part.contact.is_none() {
+            let wrench = near.gradient_first(&motion.origin);
+            let approach = -moves.along(&wrench);
+            let speed = part.speed_towards(&near.normal);
+            let human_speed = self.settings.speed_towards_robot(speed.map(|speed| speed.measured));
+            let settings = self.braking(moves, approach, &wrench);
+            let required = settings.protective_distance(human_speed, approach);
+            self.see(Nearest { robot, other, distance: near.distance, required, approach });
+            let assumed = self.settings.speed_towards_robot(speed.map(|speed| speed.worst));
+            if near.distance < self.settings.protective_distance(assumed, 0.0) {
+                let may_approach =
+                    near.distance >= self.settings.protective_distance(human_speed, 0.0);
+                let distance = near.distance;
+                self.undercut.take((robot, body), part, distance, may_approach, &self.settings);
+            }
+        }
+        let id = PointId { robot, other, end: None };
+        self.weigh_point(motion, moves, (id, body, part), &near);
+        for (end, point) in body.capsule.ends().into_iter().enumerate() {
+            if (point - near.on_first).norm_squared() > SAME_POINT * SAME_POINT {
+                let near = proximity(&body.capsule.at(point), &part.capsule);
+                let id = PointId { end: Some(end), ..id };
+                self.weigh_point(motion, moves, (id, body, part), &near);
+            }
+        }
+    }
+
+    /// Takes a point on the axis of a capsule of the robot, and the place where it is nearest to the part.
+    fn weigh_point(
+        &mut self,
+        motion: &JointMotion<'_>,
+        moves: &mut BodyMotion,
+        (id, body, part): (PointId, &RobotBody, &PersonBody),
+        near: &Proximity,
+    ) {
+        let wrench = near.gradient_first(&motion.origin);
+        let approach = -moves.along(&wrench);
+        let speed = part.speed_towards(&near.normal);
+        let assumed = self.settings.speed_towards_robot(speed.map(|speed| speed.worst));
+        // The same as in sight, but for how fast the two truly come nearer to each other.
+        if near.distance > self.reach(approach.max(0.0), moves.change).sight(assumed) {
+            return;
+        }
+        moves.tell_change(motion, body);
+        let settings = self.braking(moves, approach, &wrench);
+        let mut limit = settings.approach_limit(near.distance, assumed);
+        // Where the distance alone permits all that may come in this tick, what a contact permits does not
+        // matter.
+        if let Some(contact) = part.contact.filter(|_| limit - approach <= moves.change) {
+            let known = contact.velocity.map(|velocity| velocity.towards(&near.normal));
+            let speed = known.or(speed);
+            let (measured, worst) =
+                speed.map_or((assumed, assumed), |speed| (speed.measured, speed.worst));
+            limit = limit.max(contact.approach_limit(f64::INFINITY, measured, worst));
+            // No more is needed where so much is permitted even for a robot that does not give way.
+            if limit - approach <= moves.change {
+                self.needs_inertia = true;
+                let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
+                let mass = self.mobility.mass(jacobian, inverse, body.joints, &wrench);
+                limit = limit.max(contact.approach_limit(mass, measured, worst));
+            }
+        }
+        let candidate = Candidate {
+            id,
+            normal: near.normal,
+            point: near.on_first,
+            joints: body.joints,
+            opposite: None,
+            room: near.distance - self.settings.protective_distance(assumed, 0.0),
+            limit,
+            headroom: limit - approach,
+            contact: part.contact.is_some(),
+        };
+        self.consider(candidate, moves.change);
+    }
+
+    /// The settings with the deceleration of those joints that bring a pair nearer.
+    fn braking(
+        &self,
+        moves: &BodyMotion,
+        approach: f64,
+        wrench: &Vector6<f64>,
+    ) -> SeparationSettings {
+        let of_base = -moves.base_along(wrench);
+        self.settings.braking_by_parts(of_base, approach - of_base)
+    }
+}
