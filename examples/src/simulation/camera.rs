@@ -164,3 +164,34 @@ impl Camera {
         (!missing).then(|| Keypoint { position: joint + error, confidence })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rand_chacha::rand_core::SeedableRng;
+
+    use super::*;
+
+    /// Of the depth of somebody this far along x, the root mean square error (m).
+    fn error(x: f64, spacing: Option<f64>) -> f64 {
+        let settings = CameraSettings { drop: 0.0, spacing, ..CameraSettings::default() };
+        let mut camera = Camera::new(settings, 1.0, ChaCha8Rng::seed_from_u64(1));
+        let place = Point3::new(x, 0.0, 1.0);
+        let squares = (0..500).map(|_| {
+            let body = camera.see(0.0, &[place; Body25::COUNT]).unwrap();
+            (body.get(Body25::MidHip).unwrap().position.x - x).powi(2)
+        });
+        (squares.sum::<f64>() / 500.0).sqrt()
+    }
+
+    #[test]
+    fn a_row_of_cameras_sees_somebody_far_away_as_one_sees_somebody_near() {
+        let near = error(1.4, None);
+        assert!(near < 0.05, "{near}");
+        assert!(error(13.4, None) > 5.0 * near);
+        for x in [1.4, 4.0, 8.9, 13.4] {
+            assert!(error(x, Some(3.0)) < 2.5 * near, "at {x} m");
+        }
+        // Nobody who works at the workplace is seen otherwise.
+        assert_eq!(error(1.4, Some(3.0)).to_bits(), near.to_bits());
+    }
+}

@@ -9,6 +9,7 @@ mod fault_table;
 mod faults;
 mod golden;
 mod held_object;
+mod person_speed;
 mod properties;
 mod safety;
 mod several_people;

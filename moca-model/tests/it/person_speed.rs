@@ -1,0 +1,91 @@
+//! How fast a person is taken to be whom the camera misses, and what the noise of the joints is not.
+
+use hrsw::MeasuredVelocity;
+use nalgebra::Point3;
+use vision_models::{Body25, Confidence, Keypoint};
+
+use crate::drive::{Drive, FRAME, percept};
+
+/// Where somebody stands, about five metres before the robot \[m\].
+const AHEAD: f64 = 5.5;
+
+/// Of the trunk.
+fn speed(drive: &Drive) -> Option<MeasuredVelocity> {
+    drive.controller.safety().person_bodies().first().and_then(|body| body.velocity)
+}
+
+fn seen() -> Drive {
+    let mut drive = Drive::fast();
+    drive.person = Some(AHEAD);
+    drive.run(1.0);
+    assert!(speed(&drive).is_some());
+    drive
+}
+
+/// Who is missed may have begun to walk, and nobody is taken for faster at once.
+#[test]
+fn who_is_missed_is_as_fast_as_measured_with_an_uncertainty_that_grows() {
+    let mut drive = seen();
+    drive.person = None;
+    let last = drive.time().mul_add(20.0, -1e-9).floor() / 20.0;
+    let mut before = speed(&drive).unwrap();
+    while drive.time() - last < 0.48 {
+        drive.step();
+        let now = speed(&drive).unwrap();
+        assert_eq!(now.mean, before.mean);
+        let growth = now.uncertainty - before.uncertainty;
+        assert!((-1e-12..0.01).contains(&growth), "{growth} m/s in a tick");
+        // Somebody who begins to walk comes to speed with about 1 m/s².
+        assert!(now.uncertainty >= drive.time() - last - 1e-3, "{now:?}");
+        before = now;
+    }
+    // Seen again, they need not be got to know again.
+    let mut found = drive.clone();
+    found.person = Some(AHEAD);
+    for _ in 0..300 {
+        found.step();
+        assert!(speed(&found).is_some(), "{} s", found.time());
+    }
+    drive.run(0.1);
+    assert_eq!(speed(&drive), None);
+}
+
+/// In every other frame the joints of the trunk are elsewhere, each its own way; then all of them alike.
+#[test]
+fn joints_that_disagree_are_nobody_elsewhere() {
+    let errors = [
+        (Body25::Neck, 0.3),
+        (Body25::RightShoulder, 0.25),
+        (Body25::LeftShoulder, 0.2),
+        (Body25::MidHip, 0.16),
+        (Body25::RightHip, -0.1),
+        (Body25::LeftHip, -0.2),
+    ];
+    let parts_with = |error: &dyn Fn(f64) -> f64| {
+        let mut drive = seen();
+        let alone = drive.controller.safety().person_bodies().len();
+        let mut most = 0;
+        for tick in 0..600_u32 {
+            let mut percept = percept(drive.time(), Some(AHEAD));
+            let body = percept.body.as_mut().unwrap();
+            if (tick / FRAME).is_multiple_of(2) {
+                for (joint, own) in errors {
+                    let place = body.get(joint).unwrap().position;
+                    let position = Point3::new(place.x + error(own), place.y, place.z);
+                    body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
+                }
+            }
+            if tick.is_multiple_of(FRAME) {
+                drive.controller.observe(&percept).unwrap();
+            }
+            drive.camera = false;
+            drive.step();
+            most = most.max(drive.controller.safety().person_bodies().len());
+        }
+        (alone, most)
+    };
+    let (alone, noisy) = parts_with(&|own| own);
+    assert_eq!(noisy, alone);
+    let (alone, shifted) = parts_with(&|_| 0.2);
+    assert_eq!(shifted, 2 * alone, "where they were, and where they seem to be");
+}
