@@ -73,9 +73,7 @@ pub use person::{Person, Segments};
 pub use person_frame::PersonFrame;
 pub use posture::Posture;
 pub use predict::{EffortWeights, HandTarget, PosturePredictor, Prediction};
-pub use quadratic::{
-    ErgonomicsQuadratic, FitOptions, FitReport, Optimum, Regret, ScoredPoint, TaskTerms,
-};
+pub use quadratic::{ErgonomicsQuadratic, FitOptions, FitReport, Regret, ScoredPoint, TaskTerms};
 pub use reba::{
     ActionLevel, Conditions, ContinuousReba, Contributions, Coupling, LegSupport, Mode, Reba,
     RebaSubScores, Worksheet, ergonomics_score, ergonomics_score_gradient,

@@ -10,8 +10,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Error, Result, within};
 use crate::person_frame::PersonFrame;
+pub use fit::FitOptions;
 pub(crate) use fit::{FitInput, fit_weighted};
-pub use fit::{FitOptions, Optimum};
 pub use report::{FitReport, Regret};
 pub(crate) use report::{correlation, ranks};
 pub use scored_point::ScoredPoint;

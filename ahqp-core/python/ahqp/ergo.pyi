@@ -12,7 +12,6 @@ from .pictures import draw_person as draw_person
 _Array: TypeAlias = NDArray[np.float64]
 _Side: TypeAlias = Literal["left", "right"]
 _Mode: TypeAlias = Literal["graded", "faithful"]
-_Optimum: TypeAlias = Literal["fitted", "lowest score"]
 _Region: TypeAlias = tuple[ArrayLike, ArrayLike]
 
 __all__ = [
@@ -102,7 +101,6 @@ class ErgonomicsMap:
         region: _Region | None = None,
         temperature: float = 0.5,
         min_curvature: float = 1e-3,
-        optimum: _Optimum = "fitted",
     ) -> tuple[Quadratic, FitReport]: ...
 
 @final

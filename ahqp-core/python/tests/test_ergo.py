@@ -77,14 +77,6 @@ def test_quadratics_are_convex_and_know_their_minimum(small_map):
     assert report.eigenvalues == pytest.approx(np.linalg.eigvalsh(quadratic.hessian), abs=1e-9)
 
 
-def test_the_minimum_can_be_where_the_score_is_lowest(small_map):
-    (_, fitted), (quadratic, lowest) = (small_map.fit(optimum=o) for o in ("fitted", "lowest score"))
-    assert lowest.regret < fitted.regret
-    assert quadratic.minimiser() == pytest.approx(lowest.optimum, abs=1e-9)
-    with pytest.raises(ValueError, match="optimum is"):
-        small_map.fit(optimum="best")
-
-
 def test_maps_are_written_and_read(small_map, tmp_path):
     small_map.save(tmp_path / "one.map")
     read = ergo.ErgonomicsMap.load(tmp_path / "one.map")

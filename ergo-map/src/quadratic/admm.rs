@@ -21,23 +21,19 @@ pub(super) struct ConvexFit {
     pub(super) bound_active: bool,
 }
 
-/// minimise Σ w (½ xᵀHx + gᵀx + c - e)² subject to H ⪰ εI, and to g = -H a where there is an anchor a.
+/// minimise Σ w (½ xᵀHx + gᵀx + c - e)² subject to H ⪰ εI.
 ///
 /// Given points, scores and weights. In the coordinates y = (x - μ)/σ the bound reads
-/// `H_y` ⪰ ε σσᵀ (diagonal). μ is the mean, or the anchor: there the slope is zero. Without the bound this is a linear system; where its solution breaks
+/// `H_y` ⪰ ε σσᵀ (diagonal). Without the bound this is a linear system; where its solution breaks
 /// the bound, ADMM splits it: the linear system for the coefficients, an eigenvalue clip for the
 /// Hessian.
 pub(super) fn convex_fit(
     points: &[ScoredPoint],
     weights: &[f64],
     min_curvature: f64,
-    anchor: Option<Vector3<f64>>,
 ) -> Result<ConvexFit> {
-    let scaling = Scaling::of(points, weights, anchor)?;
-    let (mut normal, mut right) = normal_equations(points, weights, &scaling);
-    if anchor.is_some() {
-        hold_slope(&mut normal, &mut right);
-    }
+    let scaling = Scaling::of(points, weights)?;
+    let (normal, right) = normal_equations(points, weights, &scaling);
     let plain = Cholesky::new(normal).ok_or(Error::DegenerateSamples)?.solve(&right);
     let smallest = normal.symmetric_eigenvalues().min();
     if smallest.is_nan() || smallest < 1e-9 {
@@ -90,30 +86,29 @@ fn split(
     Ok(solution)
 }
 
-/// The middle of the points, or their anchor, and their spread about it.
+/// Mean and spread of the points.
 struct Scaling {
-    middle: Vector3<f64>,
+    mean: Vector3<f64>,
     sigma: Vector3<f64>,
 }
 
 impl Scaling {
-    fn of(points: &[ScoredPoint], weights: &[f64], anchor: Option<Vector3<f64>>) -> Result<Self> {
+    fn of(points: &[ScoredPoint], weights: &[f64]) -> Result<Self> {
         let total: f64 = weights.iter().sum();
         let pairs = || points.iter().zip(weights);
-        let mean = || pairs().map(|(p, w)| p.position * *w).sum::<Vector3<f64>>() / total;
-        let middle = anchor.unwrap_or_else(mean);
+        let mean = pairs().map(|(p, w)| p.position * *w).sum::<Vector3<f64>>() / total;
         let variance =
-            pairs().map(|(p, w)| (p.position - middle).map(|d| d * d) * *w).sum::<Vector3<f64>>()
+            pairs().map(|(p, w)| (p.position - mean).map(|d| d * d) * *w).sum::<Vector3<f64>>()
                 / total;
         let sigma = variance.map(f64::sqrt);
         if sigma.iter().any(|s| s.is_nan() || *s < 1e-9) {
             return Err(Error::DegenerateSamples);
         }
-        Ok(Self { middle, sigma })
+        Ok(Self { mean, sigma })
     }
 
     fn basis(&self, x: &Vector3<f64>) -> Coefficients {
-        let y = (x - self.middle).component_div(&self.sigma);
+        let y = (x - self.mean).component_div(&self.sigma);
         Coefficients::from_column_slice(&[
             0.5 * y.x * y.x,
             0.5 * y.y * y.y,
@@ -139,9 +134,9 @@ impl Scaling {
             scaled
         };
         let slope = inverse * coefficients.fixed_rows::<3>(6);
-        let gradient = slope - hessian * self.middle;
-        let constant = coefficients[9] - slope.dot(&self.middle)
-            + 0.5 * self.middle.dot(&(hessian * self.middle));
+        let gradient = slope - hessian * self.mean;
+        let constant =
+            coefficients[9] - slope.dot(&self.mean) + 0.5 * self.mean.dot(&(hessian * self.mean));
         ErgonomicsQuadratic { hessian, gradient, constant }
     }
 }
@@ -160,16 +155,6 @@ fn normal_equations(
         right += basis * (share * point.score);
     }
     (normal, right)
-}
-
-/// Takes the slope for zero.
-fn hold_slope(normal: &mut SMatrix<f64, N, N>, right: &mut Coefficients) {
-    for slope in 6..9 {
-        normal.fill_row(slope, 0.0);
-        normal.fill_column(slope, 0.0);
-        normal[(slope, slope)] = 1.0;
-        right[slope] = 0.0;
-    }
 }
 
 /// The Hessian that the first six coefficients stand for.

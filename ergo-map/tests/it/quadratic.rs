@@ -3,7 +3,7 @@
 use crate::support::{MAP, Random};
 use ergo_map::{
     Conditions, ContinuousReba, Contributions, ErgonomicsMap, ErgonomicsQuadratic, Error,
-    FitOptions, MapOptions, Mode, Optimum, Person, PersonFrame, Region, ScoredPoint, Side,
+    FitOptions, MapOptions, Mode, Person, PersonFrame, Region, ScoredPoint, Side,
 };
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
@@ -62,79 +62,14 @@ fn the_default_map_meets_the_floors_too() {
 
 #[test]
 fn the_fit_scales_with_stature() {
-    for options in [FitOptions::default(), LOWEST] {
-        let (a, _) = MAP.fit(&options).unwrap();
-        let scale = 1.94 / 1.75;
-        let tall = MAP.for_stature(1.94).unwrap();
-        let (b, _) = tall.fit(&options).unwrap();
-        let hessian = (a.hessian() / (scale * scale) - b.hessian()).amax();
-        let gradient = (a.gradient() / scale - b.gradient()).amax();
-        println!("H → H/s² to {hessian:.1e}, g → g/s to {gradient:.1e}");
-        assert!(hessian <= 1e-6 && gradient <= 1e-6);
-    }
-}
-
-/// The minimum where the score is lowest.
-const LOWEST: FitOptions = FitOptions {
-    region: None,
-    temperature: 0.5,
-    min_curvature: 1e-3,
-    optimum: Optimum::LowestScore,
-};
-
-#[test]
-fn a_minimum_at_the_lowest_score_costs_less_for_everyone() {
-    for (person, side) in [
-        (Person::average(), Side::Right),
-        (Person::short(), Side::Right),
-        (Person::tall(), Side::Left),
-    ] {
-        let zone = Region::work_zone(person.stature(), side);
-        for spacing in [0.05, 0.03] {
-            let options = MapOptions { spacing, side, region: Some(zone), ..MapOptions::default() };
-            let map = ErgonomicsMap::build(&person, &options, None).unwrap();
-            let (quadratic, report) = map.fit(&LOWEST).unwrap();
-            let regret = report.regret.unwrap();
-            let (_, fitted) = map.fit(&FitOptions::default()).unwrap();
-            let other = fitted.regret.unwrap();
-            println!(
-                "{} m, {side:?}, {spacing}: at optimum {:.3} ({:.3} fitted), boxes mean {:.3} \
-                 ({:.3}), p95 {:.3} ({:.3}), R² {:.3} ({:.3})",
-                person.stature(),
-                regret.at_optimum,
-                other.at_optimum,
-                regret.boxes_mean,
-                other.boxes_mean,
-                regret.boxes_p95,
-                other.boxes_p95,
-                report.r_squared,
-                fitted.r_squared,
-            );
-            assert!(regret.at_optimum <= 0.02 && regret.boxes_p95 <= 0.06);
-            assert!(regret.at_optimum < 0.5 * other.at_optimum);
-            assert!(regret.boxes_mean < 0.6 * other.boxes_mean);
-            assert!(regret.boxes_p95 < other.boxes_p95);
-            assert!((quadratic.minimiser().unwrap() - report.optimum).norm() < 1e-9);
-            assert!(!report.bound_active && report.eigenvalues.min() >= LOWEST.min_curvature);
-        }
-    }
-}
-
-/// A map of 1.76 m moves to another stature by that alone; so a person's own optimum is the better
-/// one by as much as they differ.
-#[test]
-fn ones_own_optimum_is_better_than_that_of_the_average() {
-    let usual = MAP.for_stature(1.76).unwrap().fit(&LOWEST).unwrap().0.minimiser().unwrap();
-    for centimetres in (158..=194).step_by(4) {
-        let map = MAP.for_stature(f64::from(centimetres) / 100.0).unwrap();
-        let best = map.fit(&LOWEST).unwrap().0.minimiser().unwrap();
-        let [own, average] = [best, usual].map(|at| map.sample(&at).unwrap().score);
-        println!("{centimetres} cm: own {own:.3}, average {average:.3}");
-        assert!(own <= average + 0.01);
-        if (f64::from(centimetres) - 176.0).abs() > 15.0 {
-            assert!(own < 0.7 * average);
-        }
-    }
+    let (a, _) = MAP.fit(&FitOptions::default()).unwrap();
+    let scale = 1.94 / 1.75;
+    let tall = MAP.for_stature(1.94).unwrap();
+    let (b, _) = tall.fit(&FitOptions::default()).unwrap();
+    let hessian = (a.hessian() / (scale * scale) - b.hessian()).amax();
+    let gradient = (a.gradient() / scale - b.gradient()).amax();
+    println!("H → H/s² to {hessian:.1e}, g → g/s to {gradient:.1e}");
+    assert!(hessian <= 1e-6 && gradient <= 1e-6);
 }
 
 #[test]
@@ -269,18 +204,6 @@ fn loss(points: &[ScoredPoint], h: &Matrix3<f64>, g: &Vector3<f64>, c: f64) -> f
     points.iter().map(|p| (e(&p.position) - p.score).powi(2)).sum()
 }
 
-/// Of points whose scores differ by about 0.01.
-fn middle_of_the_lowest(points: &[ScoredPoint]) -> Vector3<f64> {
-    let lowest = points.iter().map(|p| p.score).min_by(f64::total_cmp).unwrap();
-    let (mut middle, mut total) = (Vector3::zeros(), 0.0);
-    for point in points {
-        let weight = ((lowest - point.score) * 100.0).exp();
-        middle += point.position * weight;
-        total += weight;
-    }
-    middle / total
-}
-
 fn matrix() -> impl Strategy<Value = Matrix3<f64>> {
     proptest::array::uniform9(-3.0..3.0_f64).prop_map(|m| Matrix3::from_row_slice(&m))
 }
@@ -358,7 +281,7 @@ proptest! {
         let points = cloud(&(m + m.transpose()), &g, noise, seed);
         let min_curvature = 10_f64.powf(exponent);
         let temperature = if weighted { 1.0 } else { f64::INFINITY };
-        let options = FitOptions { temperature, min_curvature, ..FitOptions::default() };
+        let options = FitOptions { region: None, temperature, min_curvature };
         let (quadratic, report) = ErgonomicsQuadratic::fit(&points, &options).unwrap();
         let smallest = quadratic.hessian().symmetric_eigenvalues().min();
         prop_assert!(smallest >= min_curvature, "{smallest} {min_curvature}");
@@ -384,11 +307,7 @@ proptest! {
         way in vector(0.3), shift in -0.3..0.3_f64,
     ) {
         let points = cloud(&(m + m.transpose()), &g, 0.3, seed);
-        let options = FitOptions {
-            temperature: f64::INFINITY,
-            min_curvature: 0.01,
-            ..FitOptions::default()
-        };
+        let options = FitOptions { region: None, temperature: f64::INFINITY, min_curvature: 0.01 };
         let (fit, _) = ErgonomicsQuadratic::fit(&points, &options).unwrap();
         let best = loss(&points, fit.hessian(), fit.gradient(), fit.constant());
         // Towards any feasible Hessian, and any slope and constant.
@@ -417,68 +336,6 @@ proptest! {
         let g = a.cholesky().unwrap().solve(&b);
         let candidate = loss(&points, &h, &g, level - g.dot(&mean));
         prop_assert!(candidate >= best * (1.0 - 1e-7), "{candidate} {best}");
-    }
-
-    #[test]
-    fn the_minimum_is_where_scores_are_lowest_and_the_bound_is_kept(
-        m in matrix(), g in vector(5.0), noise in 0.0..2.0_f64, seed: u64, exponent in -6.0..1.0_f64,
-        weighted: bool,
-    ) {
-        let points = cloud(&(m + m.transpose()), &g, noise, seed);
-        let options = FitOptions {
-            temperature: if weighted { 1.0 } else { f64::INFINITY },
-            min_curvature: 10_f64.powf(exponent),
-            ..LOWEST
-        };
-        let (quadratic, report) = ErgonomicsQuadratic::fit(&points, &options).unwrap();
-        let smallest = quadratic.hessian().symmetric_eigenvalues().min();
-        prop_assert!(smallest >= options.min_curvature, "{smallest} {options:?}");
-        // The slope there is none, whatever the curvature.
-        let middle = middle_of_the_lowest(&points);
-        let slope = quadratic.gradient_at(&middle).amax();
-        prop_assert!(slope < 1e-9 * (1.0 + quadratic.gradient().amax()), "{slope}");
-        prop_assert!((report.eigenvalues.min() - smallest).abs() < 1e-9);
-    }
-
-    #[test]
-    fn no_convex_quadratic_with_that_minimum_fits_better(
-        m in matrix(), g in vector(3.0), seed: u64, other in matrix(), step in 1e-4..0.5_f64,
-    ) {
-        let points = cloud(&(m + m.transpose()), &g, 0.3, seed);
-        let options =
-            FitOptions { temperature: f64::INFINITY, min_curvature: 0.01, ..LOWEST };
-        let (fit, _) = ErgonomicsQuadratic::fit(&points, &options).unwrap();
-        let best = loss(&points, fit.hessian(), fit.gradient(), fit.constant());
-        let target = other * other.transpose() + Matrix3::identity() * 0.01;
-        let h = fit.hessian() * (1.0 - step) + target * step;
-        let g = -h * middle_of_the_lowest(&points);
-        // The best constant is the mean of what is left.
-        let left = points
-            .iter()
-            .map(|p| p.score - 0.5 * p.position.dot(&(h * p.position)) - g.dot(&p.position));
-        let candidate = loss(&points, &h, &g, left.sum::<f64>() / points.len() as f64);
-        prop_assert!(candidate >= best * (1.0 - 1e-7), "{candidate} {best}");
-    }
-
-    #[test]
-    fn a_convex_quadratic_about_its_minimum_is_found_again(
-        m in matrix(), minimum in vector(2.0), lowest in -2.0..2.0_f64, seed: u64,
-    ) {
-        let h = m * m.transpose() + Matrix3::identity() * 0.1;
-        // The middle of points on both sides is the minimum, however they are weighed.
-        let points: Vec<_> = cloud(&h, &Vector3::zeros(), 0.0, seed)
-            .into_iter()
-            .flat_map(|point| [1.0, -1.0].map(|side| ScoredPoint {
-                position: minimum + point.position * side,
-                score: point.score + lowest,
-            }))
-            .collect();
-        let options = FitOptions { temperature: f64::INFINITY, ..LOWEST };
-        let (quadratic, report) = ErgonomicsQuadratic::fit(&points, &options).unwrap();
-        prop_assert!((quadratic.hessian() - h).amax() < 1e-6);
-        prop_assert!((quadratic.minimiser().unwrap() - minimum).amax() < 1e-6);
-        prop_assert!((quadratic.value(&minimum) - lowest).abs() < 1e-6);
-        prop_assert!(report.r_squared > 1.0 - 1e-9 && !report.bound_active);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What the robot sees of a simulated person, and where the person truly is.
 
 use anyhow::Result;
-use ergo_map::{ErgonomicsMap, FitOptions, Optimum, Person};
+use ergo_map::{ErgonomicsMap, FitOptions, Person};
 use moca_model::MOCA_HOME;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -17,7 +17,7 @@ use crate::simulation::{Transport, Truth, Walker, WalkerSettings};
 /// lies above the best node of the map, for a person of 1.76 m by 0.16 m. The average map would be better
 /// for tall people than their own.
 pub(super) const FIT: FitOptions =
-    FitOptions { region: None, temperature: 0.05, min_curvature: 1e-3, optimum: Optimum::Fitted };
+    FitOptions { region: None, temperature: 0.05, min_curvature: 1e-3 };
 
 /// The stream of the way from the camera to the controller.
 const TRANSPORT: u64 = 200;

@@ -1,6 +1,6 @@
 //! Classes of plain fields, and words that stand for variants.
 
-use ergo_map::{Mode, Optimum, Side};
+use ergo_map::{Mode, Side};
 
 use crate::failure::{Failure, Result};
 
@@ -55,9 +55,4 @@ pub(super) fn side_name(side: Side) -> &'static str {
 
 pub(super) fn mode(value: &str) -> Result<Mode> {
     word("mode", value, &[("graded", Mode::Graded), ("faithful", Mode::FAITHFUL)])
-}
-
-pub(super) fn optimum(value: &str) -> Result<Optimum> {
-    let words = [("fitted", Optimum::Fitted), ("lowest score", Optimum::LowestScore)];
-    word("optimum", value, &words)
 }

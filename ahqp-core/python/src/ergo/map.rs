@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use super::keywords::{self, mode, side, side_name};
+use super::keywords::{mode, side, side_name};
 use super::person::Person;
 use super::posture::Posture;
 use crate::arrays::{Matrix, numbers, to_array, to_vector};
@@ -138,20 +138,15 @@ impl ErgonomicsMap {
     ///     T in the weight exp(-(e - min e)/T): the smaller, the more good postures count.
     /// min_curvature : float
     ///     Smallest eigenvalue of H [1/m²], positive.
-    /// optimum : {"fitted", "lowest score"}
-    ///     Where the minimum of the quadratic lies: where all points together are fitted best, or where
-    ///     the score is lowest.
-    #[pyo3(signature = (*, region=None, temperature=0.5, min_curvature=1e-3, optimum="fitted"))]
+    #[pyo3(signature = (*, region=None, temperature=0.5, min_curvature=1e-3))]
     fn fit(
         &self,
         py: Python<'_>,
         region: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>,
         temperature: f64,
         min_curvature: f64,
-        optimum: &str,
     ) -> Result<(Quadratic, FitReport)> {
-        let (region, optimum) = (read_region(region)?, keywords::optimum(optimum)?);
-        let options = FitOptions { region, temperature, min_curvature, optimum };
+        let options = FitOptions { region: read_region(region)?, temperature, min_curvature };
         let (quadratic, report) = py.detach(|| self.0.fit(&options))?;
         Ok((Quadratic(quadratic), FitReport(report)))
     }
