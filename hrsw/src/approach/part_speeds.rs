@@ -29,7 +29,9 @@ impl PartSpeeds {
             });
             contact.approach_limit(f64::INFINITY, measured, worst)
         });
-        Self { human, permitted, watched_room: watched_room(part, watched) }
+        // Pairs that may touch are nobody's nearest, and count only where they may need a row.
+        let watched_room = if part.contact.is_none() { watched } else { 0.0 };
+        Self { human, permitted, watched_room }
     }
 
     /// From where on the part is of no interest to a body of the robot that moves like this \[m\]: nowhere where
@@ -39,10 +41,4 @@ impl PartSpeeds {
         let sight = reach.sight(self.human) + self.watched_room;
         if is_free { f64::NEG_INFINITY } else { sight }
     }
-}
-
-/// How much room of a pair is watched \[m\]: pairs that may touch are nobody's nearest, and count only where they
-/// may need a row.
-pub(super) fn watched_room(part: &PersonBody, watched: f64) -> f64 {
-    if part.contact.is_none() { watched } else { 0.0 }
 }

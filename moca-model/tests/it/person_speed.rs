@@ -1,10 +1,15 @@
 //! How fast a person is taken to be whom the camera misses, and what the noise of the joints is not.
 
-use hrsw::MeasuredVelocity;
-use nalgebra::Point3;
-use vision_models::{Body25, Confidence, Keypoint};
+use hrsw::{Age, Capsule, MeasuredVelocity, SafetyState, proximity};
+use moca_model::{
+    CollaborationStack, Kinematics, MOCA_AXIS_SPEED, MOCA_HOME, MOCA_TOOL, Safety, SafetyInput,
+    SafetySettings,
+};
+use nalgebra::{Matrix2, Point2, Point3, Vector2, Vector3};
+use vision_models::{Body25, Confidence, Keypoint, TrackStatus, TrackedPerson};
 
-use crate::drive::{Drive, FRAME, percept};
+use crate::drive::{Drive, FRAME, PERIOD, percept};
+use crate::shared::MOCA;
 
 /// Where somebody stands, about five metres before the robot \[m\].
 const AHEAD: f64 = 5.5;
@@ -88,4 +93,62 @@ fn joints_that_disagree_are_nobody_elsewhere() {
     assert_eq!(noisy, alone);
     let (alone, shifted) = parts_with(&|_| 0.2);
     assert_eq!(shifted, 2 * alone, "where they were, and where they seem to be");
+}
+
+/// The share of its speeds at which the robot, at rest, may leave somebody who is too near, as fast as this
+/// towards it.
+fn share_in_retreat(towards: f64) -> f64 {
+    let settings = SafetySettings::default();
+    let retreat_scale = settings.supervisor.retreat_scale;
+    let mut robot = Kinematics::new(MOCA.clone(), MOCA_TOOL, &settings.bodies, &MOCA_HOME).unwrap();
+    let layout = CollaborationStack::layout(MOCA_HOME.len());
+    let mut safety = Safety::new(layout, settings, MOCA.limits(), PERIOD).unwrap();
+    // Where the trunk is a little nearer than somebody at 0.45 m/s asks for of a robot at rest.
+    let distance = |x: f64| {
+        let at = |z: f64| Vector3::new(x, 0.0, z);
+        let trunk = Capsule::new(at(1.45), at(0.93), 0.15).unwrap();
+        let distances = robot.bodies().iter().map(|body| proximity(&body.capsule, &trunk).distance);
+        distances.fold(f64::INFINITY, f64::min)
+    };
+    let x =
+        (0..3000).map(|step| 3.0 - 1e-3 * f64::from(step)).find(|&x| distance(x) < 0.165).unwrap();
+    let person = TrackedPerson {
+        floor: Point2::new(x, 0.0),
+        heading: std::f64::consts::PI,
+        velocity: Vector2::new(-towards, 0.0),
+        heading_rate: 0.0,
+        floor_covariance: Matrix2::zeros(),
+        velocity_covariance: Matrix2::zeros(),
+        age: 0.0,
+        heading_age: 0.0,
+        status: TrackStatus::Tracked,
+    };
+    for tick in 0..2000_u32 {
+        let now = f64::from(tick) * PERIOD;
+        if tick.is_multiple_of(FRAME) {
+            safety.observe(&percept(now, Some(x)), Some(&person));
+        }
+        let input = SafetyInput {
+            velocity: &[0.0; 10],
+            now,
+            elapsed: PERIOD,
+            age: Age::new(0.0).unwrap(),
+            person: Some(&person),
+            together: false,
+            feels: false,
+        };
+        safety.watch(&mut robot, &input).unwrap();
+    }
+    assert_eq!(safety.supervisor().state(), SafetyState::Retreat);
+    safety.speed_scale() - retreat_scale
+}
+
+/// Who is too near and comes on is left as much faster as they come.
+#[test]
+fn a_robot_in_retreat_leaves_as_much_faster_as_the_person_comes() {
+    for towards in [0.45, 0.5, 0.55] {
+        let more = share_in_retreat(towards) * MOCA_AXIS_SPEED;
+        assert!((more - towards).abs() < 0.05, "{more} m/s from somebody at {towards} m/s");
+        assert!(more <= towards + 1e-9);
+    }
 }
