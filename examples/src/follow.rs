@@ -8,6 +8,7 @@ mod scenario;
 mod scoring;
 mod seen;
 mod summary;
+mod true_person;
 mod work;
 mod working_hand;
 
@@ -16,3 +17,4 @@ pub use run::Run;
 pub use scenario::{Delivery, Scenario};
 pub use scoring::{HandScore, Scorer};
 pub use summary::{MeasuredReba, Summary};
+pub use true_person::TrueMotion;

@@ -40,7 +40,13 @@ fn bodies() -> (Vec<RobotBody>, Vec<PersonBody>) {
     let robot = arm.into_iter().enumerate();
     let robot = robot.map(|(i, capsule)| RobotBody { capsule, joints: 4 + 2 * i }).collect();
     let walking = Some(MeasuredVelocity::exact(Vector3::new(-0.5, 0.1, 0.0)));
-    let part = |capsule| PersonBody { capsule, velocity: walking, age: 0.0, contact: None };
+    let part = |capsule| PersonBody {
+        capsule,
+        velocity: walking,
+        age: 0.0,
+        uncertainty: 0.0,
+        contact: None,
+    };
     (robot, body.map(part).to_vec())
 }
 

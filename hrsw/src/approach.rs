@@ -68,7 +68,7 @@ use undercut::Undercut;
 /// let robot = [RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.1)?, joints: 1 }];
 /// let head = Capsule::sphere(Vector3::new(1.5, 0.0, 0.0), 0.1)?;
 /// let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
-/// let person = [PersonBody { capsule: head, velocity, age: 0.0, contact: None }];
+/// let person = [PersonBody { capsule: head, velocity, age: 0.0, uncertainty: 0.0, contact: None }];
 /// let nearest = separation.write(&motion, &robot, &person, &mut rows)?;
 /// assert!((nearest.map_or(0.0, |pair| pair.distance) - 1.3).abs() < 1e-12);
 /// let limit = SeparationSettings::default().approach_limit(1.3, 0.0);

@@ -134,6 +134,7 @@ impl Program for Options {
             occupation: if self.walk { Occupation::Walking } else { Occupation::Working },
             offer: self.offer,
             speed: self.speed,
+            arm_speed: None,
             duration: self.duration,
             seed: self.seed.seed,
             camera: CameraSettings {

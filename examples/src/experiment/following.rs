@@ -22,6 +22,7 @@ use super::player::Player;
 use super::recorded::{Needs, Recorded};
 use super::source::Source;
 use super::versus::Versus;
+use super::walk::ARM_SPEED;
 use crate::follow::Summary;
 use crate::program::{Ending, Quiet, Session};
 use crate::simulation::{WalkerSettings, WalkingPath};
@@ -76,6 +77,7 @@ pub fn cases(seed: u64, count: u64, duration: f64) -> Vec<Case> {
                 speed: Some(draw.random_range(0.2..0.6)),
                 duration,
                 seed: draw.random(),
+                arm_speed: Some(ARM_SPEED),
                 ..WalkerSettings::default()
             };
             Case { number, person: Source::Simulated(walker) }

@@ -87,7 +87,7 @@ impl Recorded {
         }
         let truth = known_best(&percepts)?;
         let arrivals = arrivals(&percepts, &timings);
-        let walk = Walk { percepts, arrivals, truth };
+        let walk = Walk { percepts, arrivals, truth, motion: None };
         Ok(Self { digest: digest.to_string(), stature, tool, facing_camera, walk })
     }
 }

@@ -23,6 +23,7 @@ use super::recorded::{Needs, Recorded};
 use super::source::Source;
 use super::spread::Spread;
 use super::versus::Versus;
+use super::walk::ARM_SPEED;
 use crate::follow::{Delivery, Summary};
 use crate::program::{Ending, Quiet, Session};
 use crate::simulation::{WalkerSettings, WalkingPath};
@@ -74,6 +75,7 @@ pub fn cases(seed: u64, count: u64) -> Vec<Case> {
                 offer: OFFER,
                 duration: DURATION,
                 seed: draw.random(),
+                arm_speed: Some(ARM_SPEED),
                 ..WalkerSettings::default()
             };
             Case { number, person: Source::Simulated(walker), front }

@@ -20,7 +20,7 @@ use super::player::Player;
 use super::recorded::{Needs, Recorded};
 use super::source::Source;
 use super::spread::{Duel, Spread};
-use super::walk::FIT;
+use super::walk::{ARM_SPEED, FIT};
 use crate::follow::Summary;
 use crate::program::{Ending, Quiet, Session};
 use crate::simulation::{WalkerSettings, WalkingPath};
@@ -98,6 +98,7 @@ pub fn cases(seed: u64, count: u64) -> Vec<Case> {
                 tool: if draw.random_bool(0.5) { Tool::Drill } else { Tool::Polisher },
                 duration: DURATION,
                 seed: draw.random(),
+                arm_speed: Some(ARM_SPEED),
                 ..WalkerSettings::default()
             };
             Case { subject, person: Source::Simulated(walker) }

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use vision_models::Percept;
 
 use super::sight::{FilmedPerson, Sight};
-use crate::follow::Scenario;
+use crate::follow::{Scenario, TrueMotion};
 use crate::plant::Drive;
 use crate::random;
 use crate::simulation::{Transport, Truth, Walker, WalkerSettings};
@@ -18,6 +18,10 @@ use crate::simulation::{Transport, Truth, Walker, WalkerSettings};
 /// for tall people than their own.
 pub(super) const FIT: FitOptions =
     FitOptions { region: None, temperature: 0.05, min_curvature: 1e-3 };
+
+/// How fast people move their arms at most \[m/s\]: no faster than the robot assumes of somebody of whom it measures
+/// no speed.
+pub(super) const ARM_SPEED: f64 = 1.5;
 
 /// The stream of the way from the camera to the controller.
 const TRANSPORT: u64 = 200;
@@ -31,6 +35,8 @@ pub struct Walk {
     pub arrivals: Vec<f64>,
     /// The truth, at every time at which a camera frame was due.
     pub truth: Vec<Truth>,
+    /// Where the joints truly are; none where that is not known.
+    pub motion: Option<TrueMotion>,
 }
 
 impl Walk {
@@ -46,8 +52,10 @@ impl Walk {
         let mut transport = Transport::new(random::generator(settings.seed, TRANSPORT));
         let mut walker = Walker::new(settings)?;
         let (mut percepts, mut arrivals, mut truth) = (Vec::new(), Vec::new(), Vec::new());
+        let mut motion = TrueMotion::default();
         while let Some((person, percept)) = walker.next_frame() {
             truth.push(person);
+            motion.push(person.time, walker.person().joints());
             let percept = match &mut film {
                 Some(film) => film.see(percept)?,
                 None => percept,
@@ -62,7 +70,7 @@ impl Walk {
         if let (Some(arrival), Some(first)) = (arrivals.first_mut(), percepts.first()) {
             *arrival = first.time;
         }
-        Ok(Self { percepts, arrivals, truth })
+        Ok(Self { percepts, arrivals, truth, motion: Some(motion) })
     }
 
     /// The robot somewhere near home, and this walk; the person has this map.
@@ -78,6 +86,7 @@ impl Walk {
         let person = Person::new(map.stature())?;
         let mut scenario = Scenario::new(self.percepts.clone(), &person, map.clone())?;
         scenario.arrivals.clone_from(&self.arrivals);
+        scenario.truth.clone_from(&self.motion);
         (scenario.comfort, _) = map.fit(&FIT)?;
         scenario.drive = drive;
         scenario.start = start(draw);

@@ -13,6 +13,7 @@ use super::scenario::{Delivery, Scenario};
 use super::scoring::Scorer;
 use super::seen::SeenPerson;
 use super::summary::{MeasuredReba, Summary};
+use super::true_person::TruePerson;
 use super::work::WorkForce;
 use super::working_hand::WorkingHand;
 use crate::limits::{LimitMonitor, Return};
@@ -43,6 +44,8 @@ pub struct Run<'a> {
     hand: WorkingHand,
     monitor: LimitMonitor,
     person: SeenPerson,
+    /// By whom distances are judged, where that is known.
+    true_person: Option<TruePerson<'a>>,
     separation: SeparationMonitor,
     period: f64,
     engaged: bool,
@@ -105,6 +108,7 @@ impl<'a> Run<'a> {
             hand: WorkingHand::new(scenario.map.stature(), scenario.map.side()),
             monitor: LimitMonitor::new(&scenario.model, desired, period, start),
             person: SeenPerson::default(),
+            true_person: scenario.truth.as_ref().map(|motion| TruePerson::new(motion, period)),
             separation,
             period,
             engaged: false,
@@ -172,6 +176,9 @@ impl<'a> Run<'a> {
                 if let Some(body) = &shown.body {
                     let person = self.scenario.settings.safety.person;
                     self.person.update(percept.time, body, person.least_confidence);
+                    if let Some(person) = &mut self.true_person {
+                        person.show(percept.time, &self.hand);
+                    }
                 }
                 self.measured = match &percept.body {
                     Some(body) => self.assessor.update(percept.time, body)?,
@@ -256,7 +263,11 @@ impl<'a> Run<'a> {
         let begins = |state| command.safety == state && self.state != state;
         let (stops, retreats) = (begins(SafetyState::ProtectiveStop), begins(SafetyState::Retreat));
         row.reba_measured = self.measured.map(|measured| measured.reba.reba);
+        self.move_person(now, &actual);
+        let too_near = self.is_too_near()?;
+        let command = self.plant.command();
         let tally = &mut self.tally;
+        tally.separation_violations += u64::from(too_near);
         if let (true, Some(reba)) = (self.engaged, row.reba_measured) {
             tally.measured += 1;
             tally.reba_measured += f64::from(reba);
@@ -267,17 +278,6 @@ impl<'a> Run<'a> {
         tally.jerk_violations += u64::from(breaches.jerk);
         tally.stops += u64::from(stops);
         tally.retreats += u64::from(retreats);
-        if self.scenario.has_separation()
-            && let Some(joints) = self.person.joints()
-        {
-            let before = self.person.before(&joints, self.period);
-            let person = (&joints, Some(&before));
-            let contact = self.plant.controller().safety().contact_speed() > 0.0;
-            let moment = Moment { person, known: Some(person), contact };
-            let (velocity, start) = (&command.joint_velocity, self.plant.reference());
-            let verdict = self.separation.check(velocity, start, &[moment])?;
-            tally.separation_violations += u64::from(verdict.violation.is_some());
-        }
         if let Some(breaks) = self.plant.breaks_torque_limits() {
             tally.torque_violations =
                 Some(tally.torque_violations.unwrap_or_default() + u64::from(breaks));
@@ -303,10 +303,44 @@ impl<'a> Run<'a> {
                 Vector3::new(actual.x - person.floor.x, actual.y - person.floor.y, 0.0)
             });
         let force = self.work.advance(towards.filter(|_| self.engaged), self.period);
-        self.hand.advance(now, self.period, Some(actual).filter(|_| self.engaged));
         self.plant.act(&force)?;
         self.grasp()?;
         Ok(row)
+    }
+
+    /// The person's hand follows the tool, at `actual` \[m\], as long as they work on it.
+    fn move_person(&mut self, now: f64, actual: &Vector3<f64>) {
+        if let Some(joints) = self.scenario.truth.as_ref().and_then(|motion| motion.at(now)) {
+            self.hand.follow(&joints);
+        }
+        self.hand.advance(now, self.period, Some(*actual).filter(|_| self.engaged));
+        if let Some(person) = &mut self.true_person {
+            person.advance(now, &self.hand);
+        }
+    }
+
+    /// Returns true if the robot comes nearer to the person than it may: to the true one, or where nobody knows
+    /// that, to the one whom the percepts show.
+    fn is_too_near(&mut self) -> anyhow::Result<bool> {
+        if !self.scenario.has_separation() {
+            return Ok(false);
+        }
+        let contact = self.plant.controller().safety().contact_speed() > 0.0;
+        let (velocity, start) = (&self.plant.command().joint_velocity, self.plant.reference());
+        let seen;
+        let moment = match &self.true_person {
+            Some(person) => person.moment(contact),
+            None => {
+                seen = self.person.joints().map(|now| (self.person.before(&now, self.period), now));
+                seen.as_ref().map(|(before, now)| {
+                    let person = (now, Some(before));
+                    Moment { person, known: Some(person), contact }
+                })
+            }
+        };
+        let Some(moment) = moment else { return Ok(false) };
+        let verdict = self.separation.check(velocity, start, &[moment])?;
+        Ok(verdict.violation.is_some())
     }
 
     #[expect(clippy::cast_precision_loss, reason = "ticks count far below 2^52")]

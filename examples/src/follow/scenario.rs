@@ -9,6 +9,7 @@ use moca_model::{
 };
 use vision_models::Percept;
 
+use super::true_person::TrueMotion;
 use crate::plant::Drive;
 use crate::recording::{Timing, arrivals};
 use crate::settings::{RobotSettings, SettingsError, SettingsFile};
@@ -20,6 +21,8 @@ pub struct Scenario {
     pub percepts: Vec<Percept>,
     /// When each is there to be acted on \[s\]: none before its time.
     pub arrivals: Vec<f64>,
+    /// Where the person truly is, by whom distances are judged; none if they are judged by what percepts show.
+    pub truth: Option<TrueMotion>,
     /// The person's map, which scores the postures.
     pub map: ErgonomicsMap,
     /// What the controller minimises.
@@ -79,6 +82,7 @@ impl Scenario {
         Ok(Self {
             percepts,
             arrivals,
+            truth: None,
             map,
             comfort,
             adapts_from,

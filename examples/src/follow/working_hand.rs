@@ -6,7 +6,7 @@ use ergo_map::Side;
 use nalgebra::Vector3;
 use vision_models::{Body, Body25, Keypoint, Percept};
 
-use crate::simulation::Arm;
+use crate::simulation::{Arm, Joints};
 
 /// How fast a hand goes to the object and back, and follows it at most \[m/s\].
 const SPEED: f64 = 1.0;
@@ -66,6 +66,22 @@ impl WorkingHand {
         }
     }
 
+    /// The person has their hand by themselves where these joints are \[m, world\].
+    pub(super) fn follow(&mut self, joints: &Joints) {
+        let [_, elbow, wrist, _] = self.joints.map(|joint| joints[joint.index()].coords);
+        self.recorded = Some(self.arm.grip(&elbow, &wrist));
+    }
+
+    /// The joints of somebody whose hand is where it is at a time \[m, world, s\].
+    pub(super) fn bend(&self, time: f64, mut joints: Joints) -> Joints {
+        if let Some(place) = self.place_at(time) {
+            let [shoulder, elbow, wrist, other] = self.joints.map(Body25::index);
+            let arm = self.arm_to(&place, &joints[shoulder].coords, &joints[other].coords);
+            [joints[elbow], joints[wrist]] = arm.map(Into::into);
+        }
+        joints
+    }
+
     /// What the camera sees of a person whose hand is there.
     pub(super) fn show(&mut self, percept: &Percept) -> Percept {
         let mut shown = percept.clone();
@@ -73,20 +89,33 @@ impl WorkingHand {
         let [shoulder, elbow, wrist, other] = self.joints.map(|joint| body.get(joint));
         let (Some(elbow), Some(wrist)) = (elbow, wrist) else { return shown };
         self.recorded = Some(self.arm.grip(&elbow.position.coords, &wrist.position.coords));
-        let place = self.past.iter().rev().find(|(time, _)| *time <= percept.time);
-        if let (Some((_, Some(place))), Some(shoulder), Some(other)) = (place, shoulder, other) {
-            let (shoulder, other) = (shoulder.position.coords, other.position.coords);
-            // Down, and away from the body.
-            let outwards = (shoulder - other).try_normalize(1e-9).unwrap_or_default();
-            let aside = outwards * 0.4 - Vector3::z();
-            let joints = self.arm.leading_to(place, &shoulder, &aside);
-            self.bend(body, [elbow, wrist], joints);
+        let place = self.place_at(percept.time);
+        if let (Some(place), Some(shoulder), Some(other)) = (place, shoulder, other) {
+            let arm = self.arm_to(&place, &shoulder.position.coords, &other.position.coords);
+            self.show_arm(body, [elbow, wrist], arm);
         }
         shown
     }
 
+    /// Where the hand was at a time \[m, s\]; none where the recording has it.
+    fn place_at(&self, time: f64) -> Option<Vector3<f64>> {
+        self.past.iter().rev().find(|(past, _)| *past <= time).and_then(|(_, place)| *place)
+    }
+
+    /// Elbow and wrist of an arm whose hand is at `place` \[m, world\]: the elbow down, and away from the body.
+    fn arm_to(
+        &self,
+        place: &Vector3<f64>,
+        shoulder: &Vector3<f64>,
+        other: &Vector3<f64>,
+    ) -> [Vector3<f64>; 2] {
+        let outwards = (shoulder - other).try_normalize(1e-9).unwrap_or_default();
+        let aside = outwards * 0.4 - Vector3::z();
+        self.arm.leading_to(place, shoulder, &aside)
+    }
+
     /// Puts elbow and wrist there, as well seen as they are.
-    fn bend(&self, body: &mut Body, seen: [Keypoint; 2], joints: [Vector3<f64>; 2]) {
+    fn show_arm(&self, body: &mut Body, seen: [Keypoint; 2], joints: [Vector3<f64>; 2]) {
         let [_, elbow, wrist, _] = self.joints;
         for ((joint, seen), place) in [elbow, wrist].into_iter().zip(seen).zip(joints) {
             body.set(joint, Some(Keypoint { position: place.into(), ..seen }));

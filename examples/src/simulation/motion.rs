@@ -30,8 +30,8 @@ pub struct Gait {
     pub stride: f64,
     /// How fast the hands move against the body at most, in statures a second.
     pub hand_speed: f64,
-    /// How fast any part moves at most (m/s): hands go on more slowly where an elbow would swing faster.
-    pub part_speed: f64,
+    /// How fast any part of the arms moves at most (m/s): hands go on more slowly where an elbow would swing faster.
+    pub arm_speed: f64,
 }
 
 impl Gait {
@@ -42,7 +42,7 @@ impl Gait {
         turning_acceleration: 4.0,
         stride: 1.0,
         hand_speed: f64::INFINITY,
-        part_speed: f64::INFINITY,
+        arm_speed: f64::INFINITY,
     };
 
     /// In small sliding steps and with quiet hands, so that hands and feet are not much faster than
@@ -53,7 +53,7 @@ impl Gait {
         turning_acceleration: 3.0,
         stride: 0.2,
         hand_speed: 0.06,
-        part_speed: 1.5,
+        arm_speed: 1.5,
     };
 }
 

@@ -19,6 +19,11 @@ pub struct Person {
     activity: Activity,
 }
 
+const LEFT_FOREARM: [Body25; 2] = [Body25::LeftElbow, Body25::LeftWrist];
+const RIGHT_FOREARM: [Body25; 2] = [Body25::RightElbow, Body25::RightWrist];
+/// From the wrist (m).
+const FINGERTIPS: f64 = 0.15;
+
 /// How often the step of the hands is halved before it is taken as it is.
 const MOST_HALVINGS: usize = 10;
 
@@ -37,12 +42,12 @@ impl Person {
 
     /// Goes on towards a goal for `dt` (s).
     pub(super) fn advance(&mut self, goal: &Goal, activity: Activity, dt: f64) {
-        let (before, hands) = (self.joints(), self.motion.hands);
+        let (before, hands) = (self.arms(), self.motion.hands);
         self.motion.advance(goal, activity.hands(), dt);
         self.activity = activity;
-        let most = self.motion.gait.part_speed * dt;
+        let most = self.motion.gait.arm_speed * dt;
         for _ in 0..MOST_HALVINGS {
-            let mut moved = before.iter().zip(self.joints()).map(|(from, to)| (to - from).norm());
+            let mut moved = before.iter().zip(self.arms()).map(|(from, to)| (to - from).norm());
             if moved.all(|moved| moved <= most) {
                 break;
             }
@@ -50,6 +55,18 @@ impl Person {
                 *hand = hand.lerp(&from, 0.5);
             }
         }
+    }
+
+    /// Elbows, wrists and fingertips (m, world).
+    fn arms(&self) -> [Vector3<f64>; 6] {
+        let joints = self.joints();
+        let of = |[elbow, wrist]: [Body25; 2]| {
+            let (elbow, wrist) = (joints[elbow.index()].coords, joints[wrist.index()].coords);
+            let along = (wrist - elbow).try_normalize(1e-9).unwrap_or_default();
+            [elbow, wrist, wrist + along * FINGERTIPS]
+        };
+        let (left, right) = (of(LEFT_FOREARM), of(RIGHT_FOREARM));
+        std::array::from_fn(|point| if point < 3 { left[point] } else { right[point - 3] })
     }
 
     /// The right hand is to be at an object (m, world) as long as the arm reaches it, or where the activity has it.
@@ -147,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn no_part_is_faster_than_the_gait_says() {
+    fn no_part_of_an_arm_is_faster_than_the_gait_says() {
         let (floor, works) = (Point2::origin(), Activity::Use(Tool::Drill));
         let goal = Goal { floor, heading: 0.0, speed: 0.5, stop: true };
         let mut person = Person::standing(1.75, floor, 0.0, Gait::CAREFUL, works);
@@ -159,14 +176,14 @@ mod tests {
             let across = Vector3::new(angle.cos(), angle.sin(), 0.0) * 0.25;
             let object = shoulder + across + skeleton::elbow_side(-1.0).normalize() * 0.35;
             for _ in 0..5000 {
-                let before = person.joints();
+                let before = person.arms();
                 person.reach_for(Some(&object));
                 person.advance(&goal, works, 1e-3);
-                let moved = before.iter().zip(person.joints()).map(|(from, to)| (to - from).norm());
+                let moved = before.iter().zip(person.arms()).map(|(from, to)| (to - from).norm());
                 fastest = moved.fold(fastest, |fastest, moved| fastest.max(moved / 1e-3));
             }
         }
-        let most = Gait::CAREFUL.part_speed;
+        let most = Gait::CAREFUL.arm_speed;
         assert!(fastest <= most + 1e-9, "{fastest}");
         assert!(fastest > 0.5 * most, "the hand never came to where elbows turn: {fastest}");
     }

@@ -37,6 +37,8 @@ pub struct WalkerSettings {
     pub offer: f64,
     /// How fast the person walks (m/s). By default 0.8 to come and go and 0.3 to lead the robot.
     pub speed: Option<f64>,
+    /// How fast any part of the arms moves at most (m/s). By default as fast as it takes.
+    pub arm_speed: Option<f64>,
     /// Of the recording (s). The person goes along the path again and again until it is time to
     /// leave. Default 56.
     pub duration: f64,
@@ -55,6 +57,7 @@ impl Default for WalkerSettings {
             occupation: Occupation::Working,
             offer: 3.0,
             speed: None,
+            arm_speed: None,
             duration: 56.0,
             seed: 1,
             camera: CameraSettings::default(),
@@ -78,6 +81,9 @@ impl WalkerSettings {
         in_range("stature", self.stature, 1.0, 2.3, "1 to 2.3 m")?;
         if let Some(speed) = self.speed {
             in_range("speed", speed, 0.1, 2.0, "0.1 to 2 m/s")?;
+        }
+        if let Some(speed) = self.arm_speed {
+            in_range("arm_speed", speed, 0.5, f64::INFINITY, "0.5 m/s or more")?;
         }
         in_range("offer", self.offer, 0.0, 3600.0, "0 to 3600 s")?;
         in_range("duration", self.duration, 0.0, 3600.0, "0 to 3600 s")?;

@@ -64,6 +64,7 @@ impl Walker {
             occupation: Occupation::Working,
             offer: 3.0,
             speed: None,
+            arm_speed: None,
             duration: 15.0,
             seed,
             camera: CameraSettings {
@@ -88,7 +89,7 @@ impl Walker {
                 settings.stature,
                 script::START,
                 script::TOWARDS_ROBOT,
-                Gait::NATURAL,
+                Gait { arm_speed: settings.arm_speed.unwrap_or(f64::INFINITY), ..Gait::NATURAL },
                 match settings.occupation {
                     Occupation::Working => Activity::CarryObject,
                     Occupation::Walking => Activity::Walk,

@@ -7,12 +7,16 @@ use examples::experiment::{
     Conditions, DistanceMonitor, Experiment, Job, Player, Sight, Spread, Versus, Walk, following,
     reorientation, subjects,
 };
+use examples::follow::{Run, TrueMotion};
 use examples::plant::Drive;
 use examples::program::Interrupt;
 use examples::report::TickRow;
 use examples::shards::Part;
 use examples::simulation::{Truth, WalkerSettings};
-use nalgebra::{Point2, Vector2};
+use moca_model::Goal;
+use nalgebra::{Point2, Vector2, Vector3};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 use vision_models::{Action, Body25};
 
 use crate::support::{Runs, average_map};
@@ -162,6 +166,27 @@ fn pixels_show_the_person_where_they_are() {
     assert_eq!(the_same, 0);
     let error = (squared / f64::from(count)).sqrt();
     assert!(error < 0.05, "the pelvis is {error} m from where it is");
+}
+
+/// Distances are judged by where the person is, not by where they are seen.
+#[test]
+fn who_is_nearer_than_seen_is_approached_too_near() {
+    let settings = WalkerSettings { duration: 14.0, offer: 0.0, ..Default::default() };
+    let walk = Walk::new(settings, Sight::Modelled).unwrap();
+    let too_near = |nearer: f64| {
+        let mut draw = ChaCha8Rng::seed_from_u64(1);
+        let mut scenario = walk.scenario(average_map(), Drive::Kinematic, &mut draw).unwrap();
+        let (seen, mut truth) = (scenario.truth.take().unwrap(), TrueMotion::default());
+        for time in walk.truth.iter().map(|truth| truth.time) {
+            let joints = seen.at(time).unwrap();
+            truth.push(time, joints.map(|joint| joint - Vector3::x() * nearer));
+        }
+        scenario.truth = Some(truth);
+        let run = Run::new(&scenario, Goal::Ergonomics).unwrap();
+        run.play(|_| Ok(())).unwrap().separation_violations
+    };
+    assert_eq!(too_near(0.0), 0);
+    assert!(too_near(0.5) > 100);
 }
 
 #[test]

@@ -28,6 +28,9 @@ pub struct PersonBody {
     /// How long ago it was seen there, as far as the reaction time covers that, and the shape does not: it has
     /// moved on since \[s\]. A robot that may come no nearer goes away from where it is now.
     pub age: f64,
+    /// How much of the shape's radius stands for not knowing where the part is \[m\], beyond
+    /// [`SeparationSettings::human_uncertainty`]: which direction leads away from it is the less certain.
+    pub uncertainty: f64,
     /// For a part that the robot may touch now: whatever the distance, the two may come nearer to each
     /// other as fast as their contact allows. None where only the distance counts.
     pub contact: Option<Contact>,
@@ -55,6 +58,7 @@ impl PersonBody {
     pub(super) fn check(&self) -> Result<(), Error> {
         self.capsule.check("a capsule of the person")?;
         not_negative("the age of a person's body", self.age)?;
+        not_negative("the uncertainty of a person's place", self.uncertainty)?;
         let of_contact = self.contact.and_then(|contact| contact.velocity);
         for velocity in self.velocity.iter().chain(&of_contact) {
             check_all("the velocity of a person's body", velocity.mean.iter())?;

@@ -71,6 +71,8 @@ impl Undercut {
             return;
         }
         let apart = (near.on_first - near.on_second).norm();
+        // The distance counts this as part of the shape.
+        let error = error + part.uncertainty;
         self.pairs.push(Pair {
             robot,
             joints: body.joints,

@@ -50,6 +50,7 @@ fn a_tick_allocates_nothing() {
             capsule: capsule(1.0 + 0.2 * f64::from(i)),
             velocity: None,
             age: 0.1,
+            uncertainty: 0.0,
             contact: ContactLimits::default()
                 .of(BodyRegion::ALL[3 + usize::from(i)])
                 .map(|limit| Contact { limit, fastest: 0.25, velocity: None }),

@@ -120,6 +120,7 @@ proptest! {
             capsule: Capsule::new(*at, at + Vector3::z() * 0.4, 0.2).unwrap(),
             velocity: Some(MeasuredVelocity::exact(Vector3::zeros())),
             age: 0.0,
+            uncertainty: 0.0,
             contact: None,
         };
         let person: Vec<PersonBody> = people.iter().map(still).collect();
@@ -160,12 +161,14 @@ proptest! {
                     capsule: Capsule::sphere(gantry.position + at, 0.3).unwrap(),
                     velocity: Some(MeasuredVelocity::exact(velocity)),
                     age: 0.0,
+                    uncertainty: 0.0,
                     contact: None,
                 },
                 PersonBody {
                     capsule: Capsule::new(at, goal, 0.1).unwrap(),
                     velocity: None,
                     age: 0.0,
+                    uncertainty: 0.0,
                     contact: None,
                 },
             ];

@@ -67,7 +67,7 @@ proptest! {
             let velocity_of_person = Some(MeasuredVelocity { mean: walking, uncertainty });
             let parts: Vec<_> = person
                 .iter()
-                .map(|&capsule| PersonBody { capsule, velocity: velocity_of_person, age: 0.0, contact: None })
+                .map(|&capsule| PersonBody { capsule, velocity: velocity_of_person, age: 0.0, uncertainty: 0.0, contact: None })
                 .collect();
             let all = JointMotion {
                 jacobian: &jacobian,
@@ -133,6 +133,7 @@ proptest! {
                 capsule,
                 velocity: contact.is_none_or(|(_, _, of_arm)| !of_arm).then_some(measured),
                 age: 0.0,
+                uncertainty: 0.0,
                 contact: contact.map(|(force, fastest, _)| Contact {
                     limit: ContactLimit { force, stiffness: 3e4, mass: 3.0 },
                     fastest,
@@ -254,7 +255,8 @@ fn a_turning_joint_keeps_what_it_can_reach() {
     let capsule = Capsule::sphere(Vector3::new(2.0, 0.0, 0.0), 0.1).unwrap();
     let head = Capsule::sphere(Vector3::new(2.0, 0.5, 0.0), 0.1).unwrap();
     let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
-    let person = [PersonBody { capsule: head, velocity, age: 0.0, contact: None }];
+    let person =
+        [PersonBody { capsule: head, velocity, age: 0.0, uncertainty: 0.0, contact: None }];
     let motion = JointMotion {
         jacobian: &jacobian,
         origin: Vector3::zeros(),

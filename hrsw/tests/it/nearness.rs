@@ -63,7 +63,7 @@ proptest! {
         let motion = flying(&jacobian, &twist);
         let body = RobotBody { capsule: robot, joints: JOINTS };
         let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
-        let part = PersonBody { capsule: person, velocity, age: 0.0, contact: None };
+        let part = PersonBody { capsule: person, velocity, age: 0.0, uncertainty: 0.0, contact: None };
         let mut separation = ApproachRows::new(STATE, settings, 3).unwrap();
         let mut rows = separation.rows();
         separation.write(&motion, &[body], &[part], &mut rows).unwrap();
@@ -90,15 +90,16 @@ proptest! {
         robot in capsule(0.5), person in capsule(0.5), away in 0.2..0.5_f64,
         leaving in prop::array::uniform6(-0.3..0.3_f64), speed in 0.05..0.8_f64,
         walking in prop::option::of((vector(0.8), 0.0..0.3_f64)), age in 0.0..0.15_f64,
-        beside in vector(1.0),
+        beside in vector(1.0), uncertainty in prop_oneof![Just(0.0), 0.0..0.2_f64],
     ) {
         let settings = SeparationSettings::default();
         let near = proximity(&robot, &person);
         prop_assume!((near.on_first - near.on_second).norm() > 1e-3);
-        // The person stands so far before the robot.
-        let person = moved(&person, &(near.normal * (near.distance - away)));
+        // The person stands so far before the robot, but for what is not known of their place.
+        let person = moved(&person, &(near.normal * (near.distance - away - uncertainty)));
+        let shape = Capsule::new(*person.start(), *person.end(), person.radius() + uncertainty).unwrap();
         let velocity = walking.map(|(mean, uncertainty)| MeasuredVelocity { mean, uncertainty });
-        let part = PersonBody { capsule: person, velocity, age, contact: None };
+        let part = PersonBody { capsule: shape, velocity, age, uncertainty, contact: None };
         let human = velocity.map_or(settings.human_speed, |v| v.mean.dot(&near.normal).max(0.0));
         prop_assume!(away < settings.protective_distance(human, 0.0));
 
@@ -118,7 +119,7 @@ proptest! {
             Some(v) => (v.mean * age, v.uncertainty * age),
             None => (Vector3::zeros(), settings.human_speed * age),
         };
-        let beside = beside.cap_magnitude(1.0) * (settings.human_uncertainty + spread);
+        let beside = beside.cap_magnitude(1.0) * (settings.human_uncertainty + spread + uncertainty);
         let person = moved(&person, &(mean + beside));
         prop_assume!(proximity(&robot, &person).distance > -0.5 * robot.radius());
         prop_assert!(approach(&robot, &twist, &person) <= 1e-5);
@@ -136,7 +137,8 @@ fn a_direction_away_from_where_the_person_was_is_none_away_from_where_they_are()
     let mut rows = separation.rows();
     let mut keeps = |away: f64, twist: [f64; JOINTS], age: f64| {
         let capsule = Capsule::sphere(Vector3::new(-0.15 - away, 0.0, 0.0), 0.1).unwrap();
-        let person = PersonBody { capsule, velocity: Some(walking), age, contact: None };
+        let person =
+            PersonBody { capsule, velocity: Some(walking), age, uncertainty: 0.0, contact: None };
         let motion = flying(&jacobian, &twist);
         separation.write(&motion, &[robot], &[person], &mut rows).unwrap();
         separation.is_kept_by(&motion, &rows, &twist, &[0.0; JOINTS])
@@ -162,6 +164,7 @@ fn a_point_keeps_its_row() {
                 capsule: Capsule::sphere(*at, 0.1).unwrap(),
                 velocity: Some(MeasuredVelocity::exact(Vector3::zeros())),
                 age: 0.0,
+                uncertainty: 0.0,
                 contact: None,
             })
             .collect();

@@ -69,6 +69,7 @@ fn person() -> impl Strategy<Value = Vec<PersonBody>> {
                 capsule,
                 velocity,
                 age,
+                uncertainty: 0.0,
                 contact,
             });
     prop::collection::vec(body, 1..6)
@@ -425,7 +426,8 @@ fn bad_safety_input_is_named() {
     assert!(matches!(wrong, Err(Error::Size { .. })));
     assert!(separation.write_own(&motion, &[], &[(0, 1)], &mut rows).is_err());
     let body = Capsule::sphere(origin, 0.1).unwrap();
-    let person = PersonBody { capsule: body, velocity: None, age: 0.0, contact: None };
+    let person =
+        PersonBody { capsule: body, velocity: None, age: 0.0, uncertainty: 0.0, contact: None };
     let adrift = |mean: f64, uncertainty: f64| PersonBody {
         velocity: Some(MeasuredVelocity { mean: Vector3::repeat(mean), uncertainty }),
         ..person
@@ -444,6 +446,8 @@ fn bad_safety_input_is_named() {
         adrift(0.0, -1.0),
         PersonBody { age: -0.1, ..person },
         PersonBody { age: f64::NAN, ..person },
+        PersonBody { uncertainty: -0.1, ..person },
+        PersonBody { uncertainty: f64::NAN, ..person },
         touched(0.0, 1.0, 0.2),
         touched(1.0, -1.0, 0.2),
         touched(1.0, 1.0, f64::INFINITY),

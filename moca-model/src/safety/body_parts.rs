@@ -1,6 +1,6 @@
 //! The parts of a person's body, as capsules between joints, and how far each reaches.
 
-use hrsw::{BodyRegion, Capsule};
+use hrsw::{BodyRegion, Capsule, SeparationSettings};
 use nalgebra::Vector3;
 use vision_models::Body25;
 
@@ -81,6 +81,23 @@ impl Part {
     ) -> Option<Capsule> {
         let beyond = (to - from).try_normalize(1e-9).unwrap_or_default() * self.beyond;
         Capsule::new(*from, to + beyond, self.radius + growth).ok()
+    }
+
+    /// How much less is known of its end beyond the second joint than of the joints \[m\]: it is as far off as
+    /// both make it, each with an error of its own.
+    pub(super) fn uncertainty_beyond(
+        &self,
+        from: &Vector3<f64>,
+        to: &Vector3<f64>,
+        separation: &SeparationSettings,
+    ) -> f64 {
+        let length = (to - from).norm();
+        if self.beyond == 0.0 || length == 0.0 {
+            return 2.0 * self.beyond;
+        }
+        let share = self.beyond / length;
+        let farther = (1.0 + share).hypot(share) - 1.0;
+        (separation.human_uncertainty * farther).min(2.0 * self.beyond)
     }
 }
 

@@ -217,7 +217,9 @@ impl PersonBodies {
             let fastest =
                 velocity.map_or(separation.human_speed, |v| v.mean.norm() + v.uncertainty);
             let growth = |seen: &Seen| fastest * beyond_reaction(now - seen.time, separation);
-            let grown = part.capsule(&from.place, &to.place, growth(&from).max(growth(&to)));
+            let beyond = part.uncertainty_beyond(&from.place, &to.place, separation);
+            let grown =
+                part.capsule(&from.place, &to.place, growth(&from).max(growth(&to)) + beyond);
             let within = self.within_reach(part, growth);
             let smaller = within
                 .filter(|reach| grown.is_none_or(|capsule| reach.radius() < capsule.radius()));
@@ -228,7 +230,8 @@ impl PersonBodies {
                     velocity: carried,
                 });
                 let age = covered_by_reaction(now - from.time.min(to.time), separation);
-                self.bodies.push(PersonBody { capsule, velocity, age, contact });
+                let uncertainty = capsule.radius() - part.radius;
+                self.bodies.push(PersonBody { capsule, velocity, age, uncertainty, contact });
             }
         }
     }
@@ -251,8 +254,15 @@ impl PersonBodies {
         for part in &PARTS {
             let ends = (seen.joints[part.from as usize], seen.joints[part.to as usize]);
             let (Some(from), Some(to)) = ends else { continue };
+            let growth = growth + part.uncertainty_beyond(&from, &to, separation);
             if let Some(capsule) = part.capsule(&from, &to, growth) {
-                self.bodies.push(PersonBody { capsule, velocity: None, age, contact: None });
+                self.bodies.push(PersonBody {
+                    capsule,
+                    velocity: None,
+                    age,
+                    uncertainty: growth,
+                    contact: None,
+                });
             }
         }
     }

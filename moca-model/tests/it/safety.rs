@@ -1,13 +1,16 @@
 //! The controller keeps its distance from people, and its bodies hold the robot.
 
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::{Attachment, Bounds, Cause, SafetyState};
+use hrsw::{Attachment, Bounds, Cause, PersonBody, SafetyState};
 use moca_model::whole_body;
 use moca_model::{
     Controller, ControllerSettings, Error, LinkCapsule, MOCA_HOME, SafetySettings, SimulatedRobot,
 };
 use nalgebra::{Isometry3, Matrix3, Vector3};
-use vision_models::{Action, Confidence, Percept, RecognisedAction};
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use vision_models::{Action, Body25, Confidence, Keypoint, Percept, RecognisedAction};
 
 use crate::drive::body;
 use crate::shared::MOCA;
@@ -82,6 +85,42 @@ fn a_person_in_the_way_is_not_touched() {
     let moved = run.robot.position()[0];
     assert!(moved > 0.3, "it goes as near as it may: {moved}");
     assert!(run.controller.command().joint_velocity.iter().all(|v| v.abs() < 0.05));
+}
+
+/// A hand is where the noise of elbow and wrist puts it: as much less is known of it than of these.
+#[test]
+fn a_hand_is_known_less_well_than_the_joints() {
+    let (elbow, wrist) = (Vector3::new(2.0, 0.25, 1.1), Vector3::new(1.8, 0.15, 1.15));
+    let mut run = Loop::new();
+    let mut seen = body(2.1);
+    for (joint, place) in [(Body25::RightElbow, elbow), (Body25::RightWrist, wrist)] {
+        let confidence = Confidence::ONE;
+        seen.set(joint, Some(Keypoint { position: place.into(), confidence }));
+    }
+    let percept = Percept { time: 0.0, body: Some(seen), action: None, surface: None };
+    run.controller.observe(&percept).unwrap();
+    run.controller.step(0.0, run.robot.position()).unwrap();
+    let parts = run.controller.safety().person_bodies();
+    let arm = parts.iter().filter(|part| (part.capsule.start() - elbow).norm() < 1e-9);
+    let forearm = arm.max_by(|a, b| a.uncertainty.total_cmp(&b.uncertainty)).unwrap();
+    let known = |part: &&PersonBody| part.uncertainty == 0.0;
+    assert!(parts.iter().filter(known).count() > 3, "the trunk goes from joint to joint");
+
+    let mut draw = ChaCha8Rng::seed_from_u64(1);
+    let mut error = || Vector3::from_fn(|_, _| 1e-3 * draw.random_range(-1.0..1.0_f64));
+    let (mut of_joint, mut of_hand) = (0.0, 0.0);
+    for _ in 0..20_000 {
+        let (e, w) = (error(), error());
+        let hand =
+            |elbow: Vector3<f64>, wrist: Vector3<f64>| wrist + (wrist - elbow).normalize() * 0.15;
+        of_joint += w.norm_squared();
+        of_hand += (hand(elbow + e, wrist + w) - hand(elbow, wrist)).norm_squared();
+    }
+    let known = SafetySettings::default().separation.human_uncertainty;
+    let farther = f64::sqrt(of_hand / of_joint) - 1.0;
+    // Along the forearm less: there the hand is off by no more than the wrist.
+    let counted = forearm.uncertainty / known;
+    assert!(counted > farther && counted < 1.5 * farther, "{counted}, {farther}");
 }
 
 #[test]
