@@ -327,16 +327,14 @@ impl<'a> Run<'a> {
         }
         let contact = self.plant.controller().safety().contact_speed() > 0.0;
         let (velocity, start) = (&self.plant.command().joint_velocity, self.plant.reference());
-        let seen;
-        let moment = match &self.true_person {
-            Some(person) => person.moment(contact),
-            None => {
-                seen = self.person.joints().map(|now| (self.person.before(&now, self.period), now));
-                seen.as_ref().map(|(before, now)| {
-                    let person = (now, Some(before));
-                    Moment { person, known: Some(person), contact }
-                })
-            }
+        let seen = self.person.joints().map(|now| (self.person.before(&now, self.period), now));
+        let moment = if let Some(person) = &self.true_person {
+            person.moment(contact)
+        } else {
+            seen.as_ref().map(|(before, now)| {
+                let person = (now, Some(before));
+                Moment { person, known: Some(person), contact }
+            })
         };
         let Some(moment) = moment else { return Ok(false) };
         let verdict = self.separation.check(velocity, start, &[moment])?;
