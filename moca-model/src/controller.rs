@@ -22,9 +22,11 @@ use crate::motion_limits::{
     Motion, admit_braking, braking_limits, joint_limits, nearest_to_rest, write_intervals,
 };
 use crate::robot::kinematics::Kinematics;
+use crate::robot::moca::MOCA_BASE_JOINTS;
 use crate::safety::{Safety, SafetyInput};
 use crate::settings::{ControllerSettings, DesiredMotion, Goal};
 use crate::shared_space::SharedSpace;
+use crate::singularity::manipulability;
 use crate::stack::{CollaborationStack, GoalTerms, StackInput, StackSettings};
 use looking::SeenSurface;
 use turning::HandTurn;
@@ -56,6 +58,8 @@ pub struct Controller {
     robot: Kinematics,
     settings: ControllerSettings,
     comfort: ErgonomicsQuadratic,
+    /// That of the posture.
+    usual_manipulability: f64,
     clock: LoopClock,
     leash: Leash,
     space: SharedSpace,
@@ -111,7 +115,7 @@ impl Controller {
     ) -> Result<Self, Error> {
         settings.validate()?;
         let bodies = &settings.safety.bodies;
-        let robot = Kinematics::new(model, &settings.tool, bodies, configuration)?;
+        let mut robot = Kinematics::new(model, &settings.tool, bodies, configuration)?;
         let n = configuration.len();
         let layout = CollaborationStack::layout(n);
         let limits = robot.model().limits();
@@ -134,6 +138,9 @@ impl Controller {
             budget: settings.budget,
         };
         let stack = CollaborationStack::new(&robot, &stack, safety.bound(&robot, &rest, &rest)?)?;
+        robot.update(&settings.posture.configuration)?;
+        let usual_manipulability = manipulability(robot.jacobian());
+        robot.update(configuration)?;
         let tool = *robot.world_from_tool();
         let joint_limits = joint_limits(robot.model())?;
         let desired_limits = desired_limits(&settings.desired)?;
@@ -162,6 +169,7 @@ impl Controller {
             feels: false,
             yaw: 0.0,
             speed: 1.0,
+            usual_manipulability,
             clock,
             robot,
             settings,
@@ -312,6 +320,7 @@ impl Controller {
 
     fn write_intervals(&mut self, elapsed: f64) {
         let times = [self.settings.period, elapsed];
+        let slowed = self.singularity_scale();
         let (joints, desired) = self.intervals.split_at_mut(self.reference.len());
         let motion = Motion {
             position: &self.reference,
@@ -319,7 +328,12 @@ impl Controller {
             acceleration: &self.acceleration,
         };
         let scale = self.speed.min(self.safety.speed_scale());
-        write_intervals(&self.joint_limits, motion, scale, times, joints);
+        let base = self.settings.base.map_or(0, |_| MOCA_BASE_JOINTS.min(joints.len()));
+        let (limits, (of_base, of_arm)) =
+            (self.joint_limits.split_at(base), joints.split_at_mut(base));
+        let (base, arm) = motion.split_at(base);
+        write_intervals(limits.0, base, scale, times, of_base);
+        write_intervals(limits.1, arm, scale * slowed, times, of_arm);
         let step = elapsed.min(self.settings.period);
         let limits = [&self.joint_limits[..], &self.joint_braking];
         admit_braking(limits, motion, step, joints, &mut self.returns);
@@ -330,6 +344,12 @@ impl Controller {
         let motion = Motion { position: &[0.0; 6], velocity: twist, acceleration: &[0.0; 6] };
         // Not slowed by safety: the desired pose goes along with a robot that stops.
         write_intervals(&self.desired_limits, motion, self.speed, times, desired);
+    }
+
+    /// The share of their speeds that the joints but the base's may use so near to a singular configuration.
+    fn singularity_scale(&self) -> f64 {
+        let now = || manipulability(self.robot.jacobian()) / self.usual_manipulability;
+        self.settings.singularity.map_or(1.0, |settings| settings.speed_scale(now()))
     }
 
     /// How fast q̇* changed, `time` \[s\] after the change before.

@@ -66,6 +66,7 @@ mod serial;
 mod settings;
 mod shared_space;
 mod simulation;
+mod singularity;
 mod stack;
 mod torque;
 
@@ -91,6 +92,7 @@ pub use safety::{PersonBodySettings, Safety, SafetyInput, SafetyRows, SafetySett
 pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings, StaleSettings};
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
+pub use singularity::{SingularitySettings, manipulability};
 pub use stack::{CollaborationStack, GoalTerms, PostureSettings, StackInput, StackSettings};
 pub use torque::{Measured, TorqueController, TorqueLoopSettings};
 pub use whole_body;

@@ -98,6 +98,14 @@ pub(crate) struct Motion<'a> {
 }
 
 impl Motion<'_> {
+    /// Those of the first `count` coordinates, and of the others.
+    pub(crate) fn split_at(&self, count: usize) -> (Self, Self) {
+        let [position, velocity, acceleration] =
+            [self.position, self.velocity, self.acceleration].map(|all| all.split_at(count));
+        let of = |position, velocity, acceleration| Self { position, velocity, acceleration };
+        (of(position.0, velocity.0, acceleration.0), of(position.1, velocity.1, acceleration.1))
+    }
+
     fn states(&self) -> impl Iterator<Item = AcceleratedState> {
         let motion = self.position.iter().zip(self.velocity).zip(self.acceleration);
         motion.map(|((&position, &velocity), &acceleration)| AcceleratedState {

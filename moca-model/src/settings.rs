@@ -13,6 +13,7 @@ use crate::leash::LeashSettings;
 use crate::motion_limits::MecanumBase;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_HOME, MOCA_TOOL};
 use crate::safety::SafetySettings;
+use crate::singularity::SingularitySettings;
 use crate::stack::PostureSettings;
 
 /// What the third level of the stack minimises while person and robot work together.
@@ -189,6 +190,8 @@ pub struct ControllerSettings {
     pub on_board_camera: Option<[f64; 3]>,
     /// The wheel limit, for robots whose first three joints are a mecanum base. Default MOCA's.
     pub base: Option<MecanumBase>,
+    /// How the joints but the base's slow down near singular configurations; none to let them race there.
+    pub singularity: Option<SingularitySettings>,
     /// The posture of the fourth level.
     pub posture: PostureSettings,
     /// What solving the stack may cost a tick; where it runs out, [`Fault::IterationLimit`](hrsw::Fault::IterationLimit) says so,
@@ -228,6 +231,7 @@ impl Default for ControllerSettings {
             hand: HandSettings::default(),
             on_board_camera: None,
             base: Some(MecanumBase::default()),
+            singularity: Some(SingularitySettings::default()),
             posture: PostureSettings {
                 configuration: MOCA_HOME.to_vec(),
                 gain: base(0.0, 1.0),
@@ -283,6 +287,9 @@ impl ControllerSettings {
             return Err(Error::Setting { name: "space.margin", value: space.margin, expected });
         }
         self.hand.validate()?;
+        if let Some(singularity) = &self.singularity {
+            singularity.validate()?;
+        }
         let camera = self.on_board_camera.unwrap_or_default();
         if let Some(&value) = camera.iter().find(|value| !value.is_finite()) {
             return Err(Error::Setting { name: "on_board_camera", value, expected: "finite" });

@@ -76,7 +76,7 @@ pub struct SafetySettings {
     /// How fast the robot and a person who works with it may come nearer to each other, where the limits
     /// of a contact allow it \[m/s\]. Default 0.25.
     pub contact_speed: f64,
-    /// How fast that comes and goes when working together begins and ends \[m/s²\]. Default 0.5.
+    /// How fast that comes and goes when working together begins and ends \[m/s²\]. Default 1.
     pub contact_acceleration: f64,
     /// The cap on the tool's speed relative to the person. Default that of hrsw.
     pub speed_cap: SpeedCap,
@@ -113,7 +113,7 @@ impl Default for SafetySettings {
             pairs: 40,
             contact: ContactLimits::default(),
             contact_speed: 0.25,
-            contact_acceleration: 0.5,
+            contact_acceleration: 1.0,
             speed_cap: SpeedCap::default(),
             supervisor: SupervisorSettings {
                 reduced_room: 0.0,

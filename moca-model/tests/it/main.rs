@@ -15,6 +15,7 @@ mod safety;
 mod several_people;
 mod shared;
 mod simulation;
+mod singular;
 mod stack_changes;
 mod states;
 mod torque;

@@ -1,0 +1,119 @@
+//! The robot slows down near singular configurations.
+
+use ergo_map::ErgonomicsQuadratic;
+use hrsw::Attachment;
+use moca_model::{
+    Controller, ControllerSettings, Error, MOCA_HOME, SafetySettings, SimulatedRobot,
+    SingularitySettings, manipulability,
+};
+use nalgebra::{Isometry3, Matrix3, Matrix6xX, Vector3};
+use proptest::prelude::*;
+
+use crate::drive::percept;
+use crate::shared::MOCA;
+
+const PERIOD: f64 = 1e-3;
+const BASE: usize = 3;
+
+/// The tool held out of reach.
+struct Reach {
+    /// In the last two seconds: the fastest joint of the arm \[rad/s\], and the highest place of the tool \[m\].
+    fastest: f64,
+    height: f64,
+    /// The least w = √det(J Jᵀ), from singular values.
+    least: f64,
+}
+
+/// w, from singular values.
+fn measure(jacobian: &Matrix6xX<f64>) -> f64 {
+    jacobian.clone().svd(false, false).singular_values.iter().product()
+}
+
+fn controller(singularity: Option<SingularitySettings>) -> Result<Controller, Error> {
+    let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+    let safety = SafetySettings::off();
+    let settings = ControllerSettings { safety, singularity, ..ControllerSettings::default() };
+    Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME)
+}
+
+/// Asks for the tool 2 m above what it reaches, for 8 s.
+fn reach(singularity: Option<SingularitySettings>) -> Reach {
+    let mut robot = SimulatedRobot::new(&MOCA, &MOCA_HOME).unwrap();
+    let mut controller = controller(singularity).unwrap();
+    let workspace = controller.space().workspace();
+    let (position, rotation) = (workspace.position(), workspace.world_from_workspace().rotation);
+    let middle = (position.min() + position.max()) * 0.5;
+    let place = Vector3::new(0.6, 0.0, 3.5);
+    let pose = Isometry3::from_parts((place - rotation * middle).into(), rotation);
+    controller.space_mut().assign(Some(Attachment::World(pose))).unwrap();
+    let mut reach = Reach { fastest: 0.0, height: 0.0, least: f64::INFINITY };
+    let mut before = vec![0.0; MOCA_HOME.len()];
+    for tick in 0..8000_u32 {
+        let time = f64::from(tick) * PERIOD;
+        if tick.is_multiple_of(50) {
+            controller.observe(&percept(time, None)).unwrap();
+        }
+        controller.step(time, robot.position()).unwrap();
+        let command = controller.command();
+        assert!(command.outcome.is_optimal(), "{:?}", command.outcome);
+        for ((now, before), limits) in command.joint_velocity.iter().zip(&before).zip(MOCA.limits())
+        {
+            assert!((now - before).abs() <= limits.acceleration * PERIOD * (1.0 + 1e-9));
+        }
+        before.clone_from(&command.joint_velocity);
+        robot.step(&command.joint_velocity, PERIOD).unwrap();
+        if tick >= 6000 {
+            let arm = before.iter().skip(BASE);
+            reach.fastest = arm.fold(reach.fastest, |fastest, v| fastest.max(v.abs()));
+            reach.height = reach.height.max(controller.actual().translation.z);
+            reach.least = reach.least.min(measure(controller.robot().jacobian()));
+        }
+    }
+    reach
+}
+
+/// An arm that cannot reach its workspace swings at the end of its reach; slowed down it hardly does, and is as
+/// near.
+#[test]
+fn an_arm_at_the_end_of_its_reach_is_slow() {
+    let settings = SingularitySettings::default();
+    let (with, without) = (reach(Some(settings)), reach(None));
+    assert!(with.least < 0.02 && without.least < 0.02);
+    let fastest = MOCA.limits().iter().skip(BASE).map(|limits| limits.velocity);
+    let slowest = fastest.fold(0.0, f64::max) * settings.slowest;
+    assert!(with.fastest <= slowest, "{} rad/s", with.fastest);
+    assert!(without.fastest > 5.0 * slowest, "{} rad/s", without.fastest);
+    assert!(with.height > without.height - 0.001, "{} m, {} m", with.height, without.height);
+}
+
+proptest! {
+    #[test]
+    fn manipulability_is_the_product_of_the_singular_values(
+        entries in prop::collection::vec(-1.0..1.0_f64, 60), shrunk in 0.0..1.0_f64,
+    ) {
+        let mut jacobian = Matrix6xX::from_vec(entries);
+        jacobian.row_mut(3).scale_mut(shrunk);
+        prop_assert!((manipulability(&jacobian) - measure(&jacobian)).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn shares_that_are_none_are_refused() {
+    let good = SingularitySettings::default();
+    for (bad, name) in [
+        (SingularitySettings { share: 0.0, ..good }, "singularity.share"),
+        (SingularitySettings { share: f64::INFINITY, ..good }, "singularity.share"),
+        (SingularitySettings { slowest: 0.0, ..good }, "singularity.slowest"),
+        (SingularitySettings { slowest: 1.1, ..good }, "singularity.slowest"),
+        (SingularitySettings { slowest: f64::NAN, ..good }, "singularity.slowest"),
+    ] {
+        let error = controller(Some(bad)).unwrap_err();
+        assert!(error.to_string().contains(name), "{error}");
+    }
+    assert_eq!(good.speed_scale(f64::NAN), good.slowest);
+    // Rows that depend on each other, and numbers that are none.
+    let mut jacobian = Matrix6xX::repeat(7, 1.0);
+    assert!(manipulability(&jacobian) < 1e-12);
+    jacobian[(0, 0)] = f64::NAN;
+    assert_eq!(manipulability(&jacobian), 0.0);
+}
