@@ -199,7 +199,7 @@ impl ApproachRows {
                 self.bounds.set(i, j, near.distance);
                 self.keep_closest((i, j), near.distance);
                 if near.distance <= farthest {
-                    let pair = Pair { robot: (i, body), other: (j, part), near };
+                    let pair = Pair { robot: (i, body), other: (j, part), near, farthest };
                     self.weigh(motion, &mut moves, &pair);
                     reach = self.reach(moves.fastest, moves.change);
                 }

@@ -17,6 +17,8 @@ pub(super) struct Pair<'a> {
     pub(super) robot: (usize, &'a RobotBody),
     pub(super) other: (usize, &'a PersonBody),
     pub(super) near: Proximity,
+    /// From where on points of the robot are of no interest \[m\].
+    pub(super) farthest: f64,
 }
 
 impl ApproachRows {
@@ -28,7 +30,7 @@ impl ApproachRows {
         moves: &mut BodyMotion,
         pair: &Pair<'_>,
     ) {
-        let Pair { robot: (robot, body), other: (other, part), near } = *pair;
+        let Pair { robot: (robot, body), other: (other, part), near, farthest } = *pair;
         if part.contact.is_none() {
             let wrench = near.gradient_first(&motion.origin);
             let approach = -moves.along(&wrench);
@@ -48,7 +50,10 @@ impl ApproachRows {
         let id = PointId { robot, other, end: None };
         self.weigh_point(motion, moves, (id, body, part), &near);
         for (end, point) in body.capsule.ends().into_iter().enumerate() {
-            if (point - near.on_first).norm_squared() > SAME_POINT * SAME_POINT {
+            let along = point - near.on_first;
+            // The part is beyond the plane through its nearest point across the normal.
+            let in_sight = near.distance + near.normal.dot(&along) <= farthest;
+            if in_sight && along.norm_squared() > SAME_POINT * SAME_POINT {
                 let near = proximity(&body.capsule.at(point), &part.capsule);
                 let id = PointId { end: Some(end), ..id };
                 self.weigh_point(motion, moves, (id, body, part), &near);
