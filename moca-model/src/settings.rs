@@ -200,7 +200,8 @@ pub struct ControllerSettings {
     /// When actions become intentions.
     pub intention: IntentionSettings,
     /// The body tracker. Default: that of vision-models with a position that is known to 0.02 m, to which Z_d of
-    /// [`SafetySettings`] belongs.
+    /// [`SafetySettings`] belongs, and a `measured_density` of 0.05 m²/s³: of somebody whose joints have covariances
+    /// the velocity is then about as well known, and who works with the robot may be touched.
     pub tracker: TrackerSettings,
     /// How the person's frame follows the tracked body.
     pub follower: FollowerSettings,
@@ -239,7 +240,11 @@ impl Default for ControllerSettings {
             },
             budget: Budget::default(),
             intention: IntentionSettings::default(),
-            tracker: TrackerSettings { position_sigma: 0.02, ..TrackerSettings::default() },
+            tracker: TrackerSettings {
+                position_sigma: 0.02,
+                measured_density: 0.05,
+                ..TrackerSettings::default()
+            },
             follower: FollowerSettings::default(),
             stale: StaleSettings::default(),
             clock: ClockSettings::default(),
