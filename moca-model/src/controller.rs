@@ -9,7 +9,7 @@ mod turning;
 
 use ahqp_core::{JerkLimits, Limits, Status, VelocityInterval, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::{Fault, LoopClock, Softening};
+use hrsw::{Fault, LoopClock, SafetyState, Softening};
 use nalgebra::{Isometry3, Vector3};
 use whole_body::{Following, Model};
 
@@ -26,7 +26,7 @@ use crate::robot::moca::MOCA_BASE_JOINTS;
 use crate::safety::{Safety, SafetyInput};
 use crate::settings::{ControllerSettings, DesiredMotion, Goal};
 use crate::shared_space::SharedSpace;
-use crate::singularity::manipulability;
+use crate::singularity::{SINGULAR, manipulability};
 use crate::stack::{CollaborationStack, GoalTerms, StackInput, StackSettings};
 use looking::SeenSurface;
 use turning::HandTurn;
@@ -58,8 +58,8 @@ pub struct Controller {
     robot: Kinematics,
     settings: ControllerSettings,
     comfort: ErgonomicsQuadratic,
-    /// That of the posture.
-    usual_manipulability: f64,
+    /// That of the posture; none where a robot is singular everywhere, or there.
+    usual_manipulability: Option<f64>,
     clock: LoopClock,
     leash: Leash,
     space: SharedSpace,
@@ -139,7 +139,8 @@ impl Controller {
         };
         let stack = CollaborationStack::new(&robot, &stack, safety.bound(&robot, &rest, &rest)?)?;
         robot.update(&settings.posture.configuration)?;
-        let usual_manipulability = manipulability(robot.jacobian());
+        let usual = manipulability(robot.jacobian());
+        let usual_manipulability = Some(usual).filter(|usual| *usual > SINGULAR);
         robot.update(configuration)?;
         let tool = *robot.world_from_tool();
         let joint_limits = joint_limits(robot.model())?;
@@ -346,10 +347,14 @@ impl Controller {
         write_intervals(&self.desired_limits, motion, self.speed, times, desired);
     }
 
-    /// The share of their speeds that the joints but the base's may use so near to a singular configuration.
+    /// The share of their speeds that the joints but the base's may use so near to a singular configuration; all of
+    /// them where the robot leaves somebody.
     fn singularity_scale(&self) -> f64 {
-        let now = || manipulability(self.robot.jacobian()) / self.usual_manipulability;
-        self.settings.singularity.map_or(1.0, |settings| settings.speed_scale(now()))
+        let leaves = self.command.safety == SafetyState::Retreat;
+        let known = self.settings.singularity.filter(|_| !leaves).zip(self.usual_manipulability);
+        known.map_or(1.0, |(settings, usual)| {
+            settings.speed_scale(manipulability(self.robot.jacobian()) / usual)
+        })
     }
 
     /// How fast q̇* changed, `time` \[s\] after the change before.

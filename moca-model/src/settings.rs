@@ -190,7 +190,8 @@ pub struct ControllerSettings {
     pub on_board_camera: Option<[f64; 3]>,
     /// The wheel limit, for robots whose first three joints are a mecanum base. Default MOCA's.
     pub base: Option<MecanumBase>,
-    /// How the joints but the base's slow down near singular configurations; none to let them race there.
+    /// How the joints but the base's, all without a [`base`](Self::base), slow down near singular configurations; none
+    /// to let them race there. Default that of [`SingularitySettings`].
     pub singularity: Option<SingularitySettings>,
     /// The posture of the fourth level.
     pub posture: PostureSettings,
@@ -200,8 +201,8 @@ pub struct ControllerSettings {
     /// When actions become intentions.
     pub intention: IntentionSettings,
     /// The body tracker. Default: that of vision-models with a position that is known to 0.02 m, to which Z_d of
-    /// [`SafetySettings`] belongs, and a `measured_density` of 0.05 m²/s³: of somebody whose joints have covariances
-    /// the velocity is then about as well known, and who works with the robot may be touched.
+    /// [`SafetySettings`] belongs, and a `measured_density` of 0.08 m²/s³: the velocity of somebody whose joints have
+    /// covariances is then about as certain as without, so that they may be touched while they work with the robot.
     pub tracker: TrackerSettings,
     /// How the person's frame follows the tracked body.
     pub follower: FollowerSettings,
@@ -242,7 +243,7 @@ impl Default for ControllerSettings {
             intention: IntentionSettings::default(),
             tracker: TrackerSettings {
                 position_sigma: 0.02,
-                measured_density: 0.05,
+                measured_density: 0.08,
                 ..TrackerSettings::default()
             },
             follower: FollowerSettings::default(),

@@ -4,11 +4,15 @@ use nalgebra::{Matrix6, Matrix6xX};
 
 use crate::error::Error;
 
+/// A posture with less manipulability is singular but for rounding.
+pub(crate) const SINGULAR: f64 = 1e-6;
+
 /// How the joints slow down near singular configurations, where a little motion of the tool takes much of theirs and
 /// the arm would swing at its limits.
 ///
-/// How near is said by [`manipulability`], as a share of that at the [posture](crate::PostureSettings): MOCA keeps
-/// three quarters and more where it works with people, and none with a stretched arm.
+/// How near is said by [`manipulability`], as a share of that at the [posture](crate::PostureSettings): MOCA has
+/// nearly none of it with a stretched arm. A robot that is singular at its
+/// posture, as one with fewer than six joints is everywhere, is not slowed down.
 ///
 /// ```
 /// use moca_model::SingularitySettings;

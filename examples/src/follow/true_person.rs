@@ -1,12 +1,10 @@
 //! A simulated person as they truly are.
 
-use vision_models::Body25;
-
 use super::working_hand::WorkingHand;
-use crate::separation::{Moment, body};
+use crate::separation::Moment;
 use crate::simulation::Joints;
 
-/// A part that moves faster than this between two ticks has jumped \[m/s\]: the hand that goes to the object bends
+/// A joint that moves faster than this between two ticks has jumped \[m/s\]: the hand that goes to the object bends
 /// the arm at once, and a jump has no speed.
 const FASTEST: f64 = 10.0;
 
@@ -40,8 +38,8 @@ impl TrueMotion {
     }
 }
 
-/// Joints at a time, and a period before; none after a jump.
-type Moving = (Joints, Option<Joints>);
+/// Joints at a time, and a period before; those that jumped were where they are.
+type Moving = (Joints, Joints);
 
 /// A simulated person with their hand at the object, for the judge of distances.
 #[derive(Debug)]
@@ -79,21 +77,27 @@ impl<'a> TruePerson<'a> {
         let joints = |time: f64| Some(hand.bend(time, self.motion.at(time)?));
         let (now, before) = (joints(time)?, joints(time - self.period)?);
         let most = FASTEST * self.period;
-        let jumped = body::joints()
-            .any(|joint: Body25| (now[joint.index()] - before[joint.index()]).norm() > most);
-        Some((now, (!jumped).then_some(before)))
+        let from = |joint: usize| {
+            let jumped = (now[joint] - before[joint]).norm() > most;
+            if jumped { now[joint] } else { before[joint] }
+        };
+        Some((now, std::array::from_fn(from)))
     }
 }
 
 fn moving_parts((now, before): &Moving) -> (&Joints, Option<&Joints>) {
-    (now, before.as_ref())
+    (now, Some(before))
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Point3;
+    use ergo_map::Side;
+    use nalgebra::{Point3, Vector3};
+    use vision_models::Body25;
 
     use super::*;
+
+    const PERIOD: f64 = 1e-3;
 
     #[test]
     fn joints_move_evenly_from_frame_to_frame() {
@@ -106,6 +110,58 @@ mod tests {
         for (time, x) in [(0.0, 0.0), (1.0, 0.0), (1.25, 0.1), (1.5, 0.2), (1.7, 0.2), (9.0, 0.2)] {
             let joints = motion.at(time).unwrap();
             assert!(joints.iter().all(|joint| (joint.x - x).abs() < 1e-12), "{time}");
+        }
+    }
+
+    /// Somebody who walks along y at 0.5 m/s, with an arm that is not stretched.
+    fn walk() -> TrueMotion {
+        let mut motion = TrueMotion::default();
+        for frame in 0..100 {
+            let time = 0.05 * f64::from(frame);
+            let mut joints = [Point3::new(1.0, 0.5 * time, 1.0); Body25::COUNT];
+            for (joint, [x, y, z]) in [
+                (Body25::LeftShoulder, [0.0, -0.2, 0.4]),
+                (Body25::RightShoulder, [0.0, 0.2, 0.4]),
+                (Body25::RightElbow, [0.0, 0.25, 0.1]),
+                (Body25::RightWrist, [-0.2, 0.2, 0.1]),
+            ] {
+                joints[joint.index()] += Vector3::new(x, y, z);
+            }
+            motion.push(time, joints);
+        }
+        motion
+    }
+
+    fn speed((now, before): &Moving, joint: Body25) -> f64 {
+        (now[joint.index()] - before[joint.index()]).norm() / PERIOD
+    }
+
+    /// In every tick, and at the times of frames, parts have the speeds that they have.
+    #[test]
+    fn who_walks_to_an_object_moves_at_their_speed() {
+        let (motion, mut hand) = (walk(), WorkingHand::new(1.75, Side::Right));
+        let mut person = TruePerson::new(&motion, PERIOD);
+        assert!(person.moment(false).is_none());
+        for tick in 0..3000 {
+            let time = PERIOD * f64::from(tick);
+            hand.follow(&motion.at(time).unwrap());
+            let object = (tick > 1000).then(|| Vector3::new(0.6, 0.3 + 0.4 * time, 1.2));
+            hand.advance(time, PERIOD, object);
+            person.advance(time, &hand);
+            if tick % 50 == 20 {
+                person.show(f64::from(tick / 50) * 0.05, &hand);
+            }
+            if tick < 100 {
+                continue;
+            }
+            for moving in [person.now.as_ref().unwrap(), person.known.as_ref().unwrap()] {
+                assert!((speed(moving, Body25::MidHip) - 0.5).abs() < 1e-6, "{tick}");
+                // The arm is bent to the object at once, in one tick: it jumps.
+                let wrist = speed(moving, Body25::RightWrist);
+                assert!(wrist < 1.3, "tick {tick}: {wrist} m/s");
+            }
+            let wrist = speed(person.now.as_ref().unwrap(), Body25::RightWrist);
+            assert!(tick < 2500 || (wrist - 0.4).abs() < 0.1, "tick {tick}: {wrist} m/s");
         }
     }
 }

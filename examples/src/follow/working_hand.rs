@@ -13,6 +13,9 @@ const SPEED: f64 = 1.0;
 /// No frame arrives later than this \[s\].
 const LATEST: f64 = 1.0;
 
+/// What rounding may make of the time of a tick \[s\].
+const ROUNDING: f64 = 1e-7;
+
 /// Shoulder, elbow and wrist of the working arm, and the other shoulder.
 const ARMS: [[Body25; 4]; 2] = {
     use Body25::{LeftElbow, LeftShoulder, LeftWrist, RightElbow, RightShoulder, RightWrist};
@@ -99,7 +102,8 @@ impl WorkingHand {
 
     /// Where the hand was at a time \[m, s\]; none where the recording has it.
     fn place_at(&self, time: f64) -> Option<Vector3<f64>> {
-        self.past.iter().rev().find(|(past, _)| *past <= time).and_then(|(_, place)| *place)
+        let there = |(past, _): &&(f64, _)| *past <= time + ROUNDING;
+        self.past.iter().rev().find(there).and_then(|(_, place)| *place)
     }
 
     /// Elbow and wrist of an arm whose hand is at `place` \[m, world\]: the elbow down, and away from the body.

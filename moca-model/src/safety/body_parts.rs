@@ -83,8 +83,8 @@ impl Part {
         Capsule::new(*from, to + beyond, self.radius + growth).ok()
     }
 
-    /// How much less is known of its end beyond the second joint than of the joints \[m\]: it is as far off as
-    /// both make it, each with an error of its own.
+    /// How much less is known of its end beyond the second joint than of the joints \[m\]: in the root mean square it
+    /// is as far off as both make it, each with an error of its own.
     pub(super) fn uncertainty_beyond(
         &self,
         from: &Vector3<f64>,

@@ -2,13 +2,18 @@
 
 use hrsw::{Age, Capsule, MeasuredVelocity, SafetyState, proximity};
 use moca_model::{
-    CollaborationStack, Kinematics, MOCA_AXIS_SPEED, MOCA_HOME, MOCA_TOOL, Safety, SafetyInput,
-    SafetySettings,
+    CollaborationStack, ControllerSettings, Kinematics, MOCA_AXIS_SPEED, MOCA_HOME, MOCA_TOOL,
+    Safety, SafetyInput, SafetySettings,
 };
-use nalgebra::{Matrix2, Point2, Point3, Vector2, Vector3};
-use vision_models::{Body25, Confidence, Keypoint, TrackStatus, TrackedPerson};
+use nalgebra::{Matrix2, Matrix3, Point2, Point3, Vector2, Vector3};
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use vision_models::{
+    Body, Body25, BodyTracker, Confidence, Keypoint, Percept, TrackStatus, TrackedPerson,
+};
 
-use crate::drive::{Drive, FRAME, PERIOD, percept};
+use crate::drive::{Drive, FRAME, PERIOD, body, percept};
 use crate::shared::MOCA;
 
 /// Where somebody stands, about five metres before the robot \[m\].
@@ -151,4 +156,48 @@ fn a_robot_in_retreat_leaves_as_much_faster_as_the_person_comes() {
         assert!((more - towards).abs() < 0.05, "{more} m/s from somebody at {towards} m/s");
         assert!(more <= towards + 1e-9);
     }
+}
+
+/// The velocity of somebody whose joints have covariances is within three of its standard deviations, also where
+/// they begin to walk, or stop, at 1.5 m/s².
+#[test]
+fn a_velocity_from_covariances_is_as_certain_as_it_says() {
+    let settings = ControllerSettings::default();
+    let deviations = settings.safety.person.speed_deviations;
+    let (mut beyond, mut frames, mut most) = (0, 0, 0.0_f64);
+    for seed in 0..40 {
+        let mut draw = ChaCha8Rng::seed_from_u64(seed);
+        let sigma = draw.random_range(0.01..0.05_f64);
+        let mut tracker = BodyTracker::new(settings.tracker.clone()).unwrap();
+        let (mut x, mut speed) = (0.0, 0.0_f64);
+        for frame in 0..200_u32 {
+            let time = 0.05 * f64::from(frame);
+            let wanted = if (60..120).contains(&frame) { 1.2 } else { 0.0 };
+            let change = (wanted - speed).clamp(-1.5 * 0.05, 1.5 * 0.05);
+            x += (speed + 0.5 * change) * 0.05;
+            speed += change;
+            let mut seen = Body::default();
+            for (joint, keypoint) in body(2.0 + x).iter() {
+                // Three uniform numbers of each axis: nearly normal.
+                let noise = Vector3::from_fn(|_, _| {
+                    sigma * (0..3).map(|_| draw.random_range(-1.0..1.0_f64)).sum::<f64>()
+                });
+                let position = keypoint.position + noise;
+                let covariance = Matrix3::identity() * (sigma * sigma);
+                seen.set_measured(joint, Keypoint { position, ..keypoint }, covariance);
+            }
+            let percept = Percept { time, body: Some(seen), action: None, surface: None };
+            tracker.update(&percept).unwrap();
+            let Some(person) = tracker.predict(time).filter(|_| frame > 40) else { continue };
+            let known = person.velocity_covariance.symmetric_eigenvalues().max().sqrt();
+            let error = (person.velocity - Vector2::new(speed, 0.0)).norm();
+            frames += 1;
+            beyond += u32::from(error > deviations * known);
+            most = most.max(error / known);
+        }
+    }
+    assert!(
+        beyond * 200 <= frames,
+        "{beyond} of {frames} frames beyond, by up to {most} deviations"
+    );
 }
