@@ -53,6 +53,10 @@ const DIRECTIONS: [[f64; 3]; 7] = {
 /// 1/√(1 + (√3 − 1)²): the distance from zero of the facets of the hull of ±dᵢ.
 const INNER: f64 = 0.806_898_221_355_073_5;
 
+/// How much more than braking needs is admitted \[m/s\]: rows that leave nothing but one velocity are kept no more exactly
+/// than the solver computes.
+const ROOM: f64 = 1e-6;
+
 impl SpeedCap {
     /// How many rows [`rows`](Self::rows) has.
     pub const ROWS: usize = DIRECTIONS.len();
@@ -95,8 +99,8 @@ impl SpeedCap {
 
     /// Writes ‖v − w‖ ≤ `speed` for the velocity v of the point that the Jacobian is of and that
     /// of the `person`, w, through directions that keep within it: 7 rows of both signs, relaxed
-    /// so that they admit rest, and as far as [`JointMotion::braking`] needs. An infinite speed
-    /// bounds nothing. Allocates nothing.
+    /// so that they admit rest, and as far as [`JointMotion::braking`] needs, with 1e-6 m/s to spare.
+    /// An infinite speed bounds nothing. Allocates nothing.
     ///
     /// # Errors
     /// [`Error::Size`] for what does not fit; [`Error::Parameter`] for a negative speed or NaN;
@@ -126,8 +130,8 @@ impl SpeedCap {
             let along = |rates: &[f64]| row.iter().zip(rates).map(|(a, b)| a * b).sum::<f64>();
             let braking = motion.braking.map_or(0.0, along);
             let (bound, carried) = (INNER * speed, direction.dot(person));
-            rows.upper_mut()[index] = (bound + carried).max(0.0).max(braking);
-            rows.lower_mut()[index] = (carried - bound).min(0.0).min(braking);
+            rows.upper_mut()[index] = (bound + carried).max(braking.max(0.0) + ROOM);
+            rows.lower_mut()[index] = (carried - bound).min(braking.min(0.0) - ROOM);
         }
         Ok(())
     }
