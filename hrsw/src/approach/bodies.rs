@@ -26,7 +26,8 @@ pub struct PersonBody {
     /// [`SeparationSettings::human_speed`].
     pub velocity: Option<MeasuredVelocity>,
     /// How long ago it was seen there, as far as the reaction time covers that, and the shape does not: it has
-    /// moved on since \[s\]. A robot that may come no nearer goes away from where it is now.
+    /// moved on since \[s\]. A robot that may come no nearer goes away from where it is now, and one that may
+    /// touch it is slow towards there.
     pub age: f64,
     /// How much of the shape's radius stands for not knowing where the part is \[m\], beyond
     /// [`SeparationSettings::human_uncertainty`]: which direction leads away from it is the less certain.
@@ -43,6 +44,13 @@ impl PersonBody {
             Some(velocity) => (velocity.mean * self.age, velocity.uncertainty * self.age),
             None => (Vector3::zeros(), settings.human_speed * self.age),
         }
+    }
+
+    /// How far a part that may be touched has gone since it was seen, if it went on as measured \[m\]; none for
+    /// others, and where that is not known.
+    pub(super) fn gone_if_touched(&self) -> Option<Vector3<f64>> {
+        let velocity = self.contact?.velocity.or(self.velocity)?;
+        Some(velocity.mean * self.age)
     }
 
     /// How fast the part comes nearer along a unit normal that points away from it, where that is known.

@@ -7,6 +7,7 @@ use super::candidate::{Candidate, PointId};
 use super::{ApproachRows, JointMotion, Nearest, PersonBody, RobotBody};
 use crate::distance::{Proximity, proximity};
 use crate::separation::SeparationSettings;
+use crate::shape::Capsule;
 
 /// An end of a capsule that is no farther from the nearest point than this is that point \[m\].
 const SAME_POINT: f64 = 1e-6;
@@ -48,34 +49,63 @@ impl ApproachRows {
             }
         }
         let id = PointId { robot, other, end: None };
-        self.weigh_point(motion, moves, (id, body, part), &near);
+        self.weigh_point(motion, moves, (id, body, part), (&body.capsule, near));
         for (end, point) in body.capsule.ends().into_iter().enumerate() {
             let along = point - near.on_first;
             // The part is beyond the plane through its nearest point across the normal.
             let in_sight = near.distance + near.normal.dot(&along) <= farthest;
             if in_sight && along.norm_squared() > SAME_POINT * SAME_POINT {
-                let near = proximity(&body.capsule.at(point), &part.capsule);
+                let at_end = body.capsule.at(point);
+                let near = proximity(&at_end, &part.capsule);
                 let id = PointId { end: Some(end), ..id };
-                self.weigh_point(motion, moves, (id, body, part), &near);
+                self.weigh_point(motion, moves, (id, body, part), (&at_end, near));
             }
         }
     }
 
-    /// Takes a point on the axis of a capsule of the robot, and the place where it is nearest to the part.
+    /// Takes a point on the axis of a capsule of the robot: where it is nearest to the part, of the capsule or of
+    /// its end.
     fn weigh_point(
+        &mut self,
+        motion: &JointMotion<'_>,
+        moves: &mut BodyMotion,
+        bodies: (PointId, &RobotBody, &PersonBody),
+        (capsule, seen): (&Capsule, Proximity),
+    ) {
+        let Some(mut candidate) = self.candidate(motion, moves, bodies, &seen) else { return };
+        let (_, _, part) = bodies;
+        // Of a part that may be touched and is too near only the direction counts: it is the one to where the
+        // part has gone since it was seen.
+        if let Some(gone) = part.gone_if_touched().filter(|_| candidate.room < 0.0) {
+            let apart = (seen.on_first - seen.on_second).norm();
+            // Moved by so much, the least vector between two convex sets turns by no more than twice that over
+            // its length.
+            let turned = (2.0 * gone.norm() / apart).min(2.0) * moves.fastest;
+            if candidate.headroom <= moves.change + turned {
+                let near = proximity(capsule, &part.capsule.moved(&gone));
+                let near = Proximity { distance: near.distance.min(seen.distance), ..near };
+                let Some(by_now) = self.candidate(motion, moves, bodies, &near) else { return };
+                candidate = by_now;
+            }
+        }
+        self.consider(candidate, moves.change);
+    }
+
+    /// What a point may do where it is so near to the part; none if it is too far away to matter.
+    fn candidate(
         &mut self,
         motion: &JointMotion<'_>,
         moves: &mut BodyMotion,
         (id, body, part): (PointId, &RobotBody, &PersonBody),
         near: &Proximity,
-    ) {
+    ) -> Option<Candidate> {
         let wrench = near.gradient_first(&motion.origin);
         let approach = -moves.along(&wrench);
         let speed = part.speed_towards(&near.normal);
         let assumed = self.settings.speed_towards_robot(speed.map(|speed| speed.worst));
         // The same as in sight, but for how fast the two truly come nearer to each other.
         if near.distance > self.reach(approach.max(0.0), moves.change).sight(assumed) {
-            return;
+            return None;
         }
         moves.tell_change(motion, body);
         let settings = self.braking(moves, approach, &wrench);
@@ -96,7 +126,7 @@ impl ApproachRows {
                 limit = limit.max(contact.approach_limit(mass, measured, worst));
             }
         }
-        let candidate = Candidate {
+        Some(Candidate {
             id,
             normal: near.normal,
             point: near.on_first,
@@ -106,8 +136,7 @@ impl ApproachRows {
             limit,
             headroom: limit - approach,
             contact: part.contact.is_some(),
-        };
-        self.consider(candidate, moves.change);
+        })
     }
 
     /// The settings with the deceleration of those joints that bring a pair nearer.

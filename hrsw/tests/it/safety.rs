@@ -206,7 +206,7 @@ proptest! {
     }
 
     /// Each row is how fast the nearest point of the robot's capsule, or one of its ends, comes nearer, by finite
-    /// differences of the distance.
+    /// differences of the distance: to where a part is by now, if it may be touched and is too near.
     #[test]
     fn rows_are_the_rate_of_approach(
         jacobian in jacobian(), q in joints(), origin in vector(0.5),
@@ -234,19 +234,32 @@ proptest! {
             let ends = [*body.capsule.start(), *body.capsule.end()];
             let both = ends.into_iter().filter(|end| (end - nearest).norm() > 1e-6);
             let both = both.take(if ends[0] == ends[1] { 1 } else { 2 });
-            for point in std::iter::once(nearest).chain(both) {
+            let points = std::iter::once((nearest, true)).chain(both.map(|end| (end, false)));
+            for (point, is_nearest) in points {
+                let ball = Capsule::sphere(point, body.capsule.radius()).unwrap();
+                let seen = proximity(&ball, &part.capsule);
+                degenerate |= (seen.on_first - seen.on_second).norm() < 1e-2;
+                let by_now = part.contact.and(part.velocity).filter(|velocity| {
+                    let human = velocity.mean.dot(&seen.normal) + velocity.uncertainty;
+                    seen.distance < settings.protective_distance(human, 0.0)
+                });
+                let moved = by_now.map_or(Vector3::zeros(), |velocity| velocity.mean * part.age);
+                let other = carried(&part.capsule, &Vector6::new(moved.x, moved.y, moved.z, 0.0, 0.0, 0.0), &origin, 1.0);
+                let again = proximity(&body.capsule, &other).on_first;
+                let point = if is_nearest { again } else { point };
                 let ball = Capsule::sphere(point, body.capsule.radius()).unwrap();
                 let body = RobotBody { capsule: ball, ..*body };
                 let rate = |q: &[f64]| {
-                    let at = |time| proximity(&moved_by(&body, q, time), &part.capsule).distance;
+                    let at = |time| proximity(&moved_by(&body, q, time), &other).distance;
                     (at(-step) - at(step)) / (2.0 * step)
                 };
-                let near = proximity(&ball, &part.capsule);
+                let near = proximity(&ball, &other);
                 degenerate |= (near.on_first - near.on_second).norm() < 1e-2;
                 let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
                 let worst = part.velocity.zip(measured).map(|(v, speed)| speed + v.uncertainty);
                 let human = worst.map_or(settings.human_speed, |speed| speed.max(0.0));
-                let mut limit = settings.approach_limit(near.distance, human);
+                let distance = near.distance.min(seen.distance);
+                let mut limit = settings.approach_limit(distance, human);
                 if let Some(Contact { limit: contact, fastest, velocity }) = part.contact {
                     prop_assert!(velocity.is_none());
                     // Joint by joint: how the robot gives way to a push along the normal.
