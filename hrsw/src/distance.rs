@@ -58,25 +58,48 @@ fn wrench(normal: &Vector3<f64>, arm: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(normal.x, normal.y, normal.z, turning.x, turning.y, turning.z)
 }
 
-/// minimise ‖(a + s u) − (b + t w)‖² over s, t in \[0, 1\]: a convex problem whose minimum lies
-/// within or on one of the four sides. Where several are as good, as for parallel segments, all
-/// between them are, and the middle moves least as the segments turn.
+/// minimise ‖(a + s u) − (b + t w)‖² over s, t in \[0, 1\], a convex problem.
 fn nearest_on_segments(first: &Capsule, second: &Capsule) -> (Vector3<f64>, Vector3<f64>) {
     let (a, b) = (first.start(), second.start());
     let (u, w) = (first.end() - a, second.end() - b);
     let between = a - b;
-    let (uu, uw, ww) = (u.norm_squared(), u.dot(&w), w.norm_squared());
-    let (ub, wb) = (u.dot(&between), w.dot(&between));
-    let determinant = uu * ww - uw * uw;
-    if determinant > 1e-9 * uu * ww {
-        let (s, t) = ((uw * wb - ww * ub) / determinant, (uu * wb - uw * ub) / determinant);
-        if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
-            return (a + u * s, b + w * t);
-        }
+    let (uu, ww) = (u.norm_squared(), w.norm_squared());
+    if uu == 0.0 {
+        return (*a, b + w * share(w.dot(&between), ww));
     }
-    let share = |along: f64, length_squared: f64| {
-        if length_squared > 0.0 { (along / length_squared).clamp(0.0, 1.0) } else { 0.5 }
+    let (uw, ub, wb) = (u.dot(&w), u.dot(&between), w.dot(&between));
+    let determinant = uu * ww - uw * uw;
+    if determinant <= 1e-9 * uu * ww {
+        let (s, t) = nearest_on_sides((a, &u), (b, &w));
+        return (a + u * s, b + w * t);
+    }
+    // The best s where t is free; then the best t for it, and the best s for that where t is bounded.
+    let s = ((uw * wb - ww * ub) / determinant).clamp(0.0, 1.0);
+    let t = (uw * s + wb) / ww;
+    let (s, t) = if t < 0.0 {
+        (share(-ub, uu), 0.0)
+    } else if t > 1.0 {
+        (share(uw - ub, uu), 1.0)
+    } else {
+        (s, t)
     };
+    (a + u * s, b + w * t)
+}
+
+/// Where a line of this squared length comes nearest to a point, as a share of it.
+fn share(along: f64, length_squared: f64) -> f64 {
+    if length_squared > 0.0 { (along / length_squared).clamp(0.0, 1.0) } else { 0.5 }
+}
+
+/// The same for parallel segments, or where one is a point: the minimum lies on one of the four sides. Where
+/// several are as good all between them are, and the middle moves least as the segments turn.
+fn nearest_on_sides(
+    (a, u): (&Vector3<f64>, &Vector3<f64>),
+    (b, w): (&Vector3<f64>, &Vector3<f64>),
+) -> (f64, f64) {
+    let between = a - b;
+    let (uu, uw, ww) = (u.norm_squared(), u.dot(w), w.norm_squared());
+    let (ub, wb) = (u.dot(&between), w.dot(&between));
     let sides = [
         (0.0, share(wb, ww)),
         (1.0, share(wb + uw, ww)),
@@ -94,7 +117,7 @@ fn nearest_on_segments(first: &Capsule, second: &Capsule) -> (Vector3<f64>, Vect
             count += 1.0;
         }
     }
-    (a + u * (s / count), b + w * (t / count))
+    (s / count, t / count)
 }
 
 /// A direction that separates capsules whose segments meet.

@@ -61,7 +61,8 @@ impl<'a> TaskRows<'a> {
         own.zip(coefficients).for_each(|(own, coefficient)| *own = *coefficient);
     }
 
-    /// Takes all rows: the first coefficients of each, bounds, weights.
+    /// Takes the bounds and weights of all rows, and the first coefficients of the first ones: of as many as the
+    /// matrix has.
     pub(crate) fn copy_from(
         &mut self,
         matrix: &[f64],
@@ -70,9 +71,9 @@ impl<'a> TaskRows<'a> {
         weights: &[f64],
     ) {
         let (first, count) = (self.first, self.count);
-        let whole = self.rows.coefficients_mut(first..first + count).unwrap_or_default();
-        if whole.len() == matrix.len() {
-            whole.copy_from_slice(matrix);
+        if columns == self.rows.columns() {
+            let own = self.rows.coefficients_mut(first..first + count).unwrap_or_default();
+            own.iter_mut().zip(matrix).for_each(|(own, coefficient)| *own = *coefficient);
         } else {
             for (row, coefficients) in matrix.chunks_exact(columns.max(1)).enumerate() {
                 let own = self.row_mut(row);

@@ -31,6 +31,8 @@ pub struct VelocityTask {
     lower: Vec<f64>,
     upper: Vec<f64>,
     weights: Vec<f64>,
+    /// Up to the last of these a row bounds something.
+    used: usize,
 }
 
 impl VelocityTask {
@@ -42,6 +44,7 @@ impl VelocityTask {
             lower: vec![f64::NEG_INFINITY; rows],
             upper: vec![f64::INFINITY; rows],
             weights: vec![1.0; rows],
+            used: 0,
         }
     }
 
@@ -76,7 +79,7 @@ impl VelocityTask {
             own.fill(0.0);
             own[..coefficients.len()].copy_from_slice(coefficients);
         }
-        (self.lower[row], self.upper[row]) = (lower, upper);
+        self.bound(row, lower, upper);
         Ok(())
     }
 
@@ -87,12 +90,19 @@ impl VelocityTask {
     pub fn set_range(&mut self, row: usize, lower: f64, upper: f64) -> Result<(), Error> {
         check_range(row, lower, upper)?;
         self.expect_row(row)?;
-        (self.lower[row], self.upper[row]) = (lower, upper);
+        self.bound(row, lower, upper);
         Ok(())
     }
 
+    /// Bounds a row that there is.
+    fn bound(&mut self, row: usize, lower: f64, upper: f64) {
+        (self.lower[row], self.upper[row]) = (lower, upper);
+        self.used = self.used.max(row + 1);
+    }
+
     /// Takes all rows, with their bounds and weights, from those of another crate, such as the
-    /// distances of `hrsw`. Allocates only where it had none of that size.
+    /// distances of `hrsw`. Those behind the last that bounds something become zero. Allocates only where it had
+    /// none of that size.
     ///
     /// # Errors
     /// [`Error::WrongSize`] unless there are as many; what is not finite is an error of the step.
@@ -108,7 +118,12 @@ impl VelocityTask {
             self.columns = rows.columns();
             self.matrix.resize(self.lower.len() * self.columns, 0.0);
         }
-        self.matrix.copy_from_slice(rows.coefficients());
+        let bounds = rows.lower().iter().zip(rows.upper());
+        let last = bounds.enumerate().rev().find(|(_, (lower, upper))| bounds_anything(**lower, **upper));
+        let before = std::mem::replace(&mut self.used, last.map_or(0, |(row, _)| row + 1));
+        let (used, before) = (self.used * self.columns, before.max(self.used) * self.columns);
+        self.matrix[..used].copy_from_slice(&rows.coefficients()[..used]);
+        self.matrix[used..before].fill(0.0);
         self.lower.copy_from_slice(rows.lower());
         self.upper.copy_from_slice(rows.upper());
         match rows.weights() {
@@ -154,6 +169,10 @@ impl VelocityTask {
     }
 }
 
+fn bounds_anything(lower: f64, upper: f64) -> bool {
+    lower != f64::NEG_INFINITY || upper != f64::INFINITY
+}
+
 /// An error unless the bounds leave something between them.
 fn check_range(row: usize, lower: f64, upper: f64) -> Result<(), Error> {
     if lower.is_nan() || upper.is_nan() || lower > upper || lower == f64::INFINITY {
@@ -184,7 +203,9 @@ impl Task for VelocityTask {
         if self.columns > size {
             check_size("a row", self.columns, size)?;
         }
-        rows.copy_from(&self.matrix, self.columns, [&self.lower, &self.upper], &self.weights);
+        // What stands in rows that bound nothing does not matter.
+        let matrix = &self.matrix[..self.used * self.columns];
+        rows.copy_from(matrix, self.columns, [&self.lower, &self.upper], &self.weights);
         Ok(())
     }
 }
