@@ -119,7 +119,8 @@ impl VelocityTask {
             self.matrix.resize(self.lower.len() * self.columns, 0.0);
         }
         let bounds = rows.lower().iter().zip(rows.upper());
-        let last = bounds.enumerate().rev().find(|(_, (lower, upper))| bounds_anything(**lower, **upper));
+        let last =
+            bounds.enumerate().rev().find(|(_, (lower, upper))| bounds_anything(**lower, **upper));
         let before = std::mem::replace(&mut self.used, last.map_or(0, |(row, _)| row + 1));
         let (used, before) = (self.used * self.columns, before.max(self.used) * self.columns);
         self.matrix[..used].copy_from_slice(&rows.coefficients()[..used]);

@@ -24,3 +24,4 @@ mod simulation;
 mod support;
 mod tasks;
 mod torque_control;
+mod velocity_rows;
