@@ -23,6 +23,7 @@ mod lanes;
 mod limit_use;
 mod map_grid;
 mod nearest;
+mod others_track;
 mod person_track;
 mod recorder;
 mod robot;

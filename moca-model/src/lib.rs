@@ -49,6 +49,7 @@
 //!
 //! This is not safety-rated software.
 
+mod camera_frame;
 mod command;
 mod controller;
 mod dynamic_robot;
@@ -70,6 +71,7 @@ mod singularity;
 mod stack;
 mod torque;
 
+pub use camera_frame::CameraFrame;
 pub use command::{Command, Outcome};
 pub use controller::Controller;
 pub use dynamic_robot::{DynamicRobot, DynamicRobotSettings};

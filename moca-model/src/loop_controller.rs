@@ -2,18 +2,18 @@
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-use vision_models::Percept;
 use whole_body::{ControlLaw, JointCommand, JointMeasurement};
 
+use crate::camera_frame::CameraFrame;
 use crate::error::Error;
 use crate::torque::{Measured, TorqueController};
 
-/// Percepts that may wait for the next tick: more than come within one.
+/// Camera frames that may wait for the next tick: more than come within one.
 const WAITING: usize = 8;
 
 /// [`TorqueController`] as the law of a [`ControlLoop`](whole_body::ControlLoop).
 ///
-/// Percepts come from another thread, by a channel that never makes the loop wait; their times are on the clock
+/// Camera frames come from another thread, by a channel that never makes the loop wait; their times are on the clock
 /// of the loop. Commands hold q* and q̇* of all joints and the torques of those that take them.
 ///
 /// ```
@@ -27,8 +27,8 @@ const WAITING: usize = 8;
 /// let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0)?;
 /// let controller = Controller::new(moca()?, comfort, ControllerSettings::default(), &MOCA_HOME)?;
 /// let controller = TorqueController::new(controller, TorqueLoopSettings::default())?;
-/// let (mut law, percepts) = LoopController::new(controller);
-/// // The thread of the camera: percepts.try_send(percept). The loop, each millisecond:
+/// let (mut law, frames) = LoopController::new(controller);
+/// // The thread of the camera: frames.try_send(CameraFrame::from(percept)). The loop, each millisecond:
 /// let measured = JointMeasurement {
 ///     position: MOCA_HOME.to_vec(),
 ///     velocity: vec![0.0; 10],
@@ -37,21 +37,21 @@ const WAITING: usize = 8;
 /// let mut command = JointCommand::at_rest(&measured);
 /// law.step(0.001, &measured, &mut command)?;
 /// assert!((command.torque[6] - 22.0).abs() < 0.5); // Nm carry the forearm
-/// # drop(percepts);
+/// # drop(frames);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
 pub struct LoopController {
     controller: TorqueController,
-    percepts: Receiver<Percept>,
+    frames: Receiver<CameraFrame>,
     stops: bool,
 }
 
 impl LoopController {
-    /// With a controller that has not made a step yet; and where its percepts go.
-    pub fn new(controller: TorqueController) -> (Self, SyncSender<Percept>) {
-        let (sender, percepts) = sync_channel(WAITING);
-        (Self { controller, percepts, stops: false }, sender)
+    /// With a controller that has not made a step yet; and where its camera frames go.
+    pub fn new(controller: TorqueController) -> (Self, SyncSender<CameraFrame>) {
+        let (sender, frames) = sync_channel(WAITING);
+        (Self { controller, frames, stops: false }, sender)
     }
 
     /// The controller.
@@ -74,10 +74,10 @@ impl ControlLaw for LoopController {
         measured: &JointMeasurement,
         command: &mut JointCommand,
     ) -> Result<(), Error> {
-        while let Ok(percept) = self.percepts.try_recv() {
-            // A frame that counts as no data is a fault, which the supervisor knows.
-            match self.controller.observe(&percept) {
-                Ok(()) | Err(Error::Frame { .. }) => {}
+        while let Ok(frame) = self.frames.try_recv() {
+            // A frame that counts as no data, or shows too many people, is a fault, which the supervisor knows.
+            match self.controller.observe_people(&frame.percept, frame.others()) {
+                Ok(()) | Err(Error::Frame { .. } | Error::TooManyPeople { .. }) => {}
                 Err(error) => return Err(error),
             }
         }

@@ -19,6 +19,7 @@ use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_AXIS_SPEED;
 use body_parts::PARTS;
 use bystanders::Bystanders;
+pub(crate) use bystanders::MOST as MOST_OTHERS;
 use person_bodies::PersonBodies;
 pub use settings::{PersonBodySettings, SafetySettings};
 
@@ -158,15 +159,15 @@ impl Safety {
         self.person.observe(percept, tracked);
     }
 
-    /// Takes the bodies of the other people in a frame of this time \[s\]: the robot keeps its distance from each.
+    /// Takes the bodies of the other people in the frame of a percept: the robot keeps its distance from each.
     ///
     /// # Errors
     /// [`Error::TooManyPeople`] for more than it has room for; those it does not know of.
-    pub fn observe_others(&mut self, time: f64, bodies: &[Body]) -> Result<(), Error> {
-        match self.others.observe(time, bodies) {
+    pub fn observe_others(&mut self, percept: &Percept, bodies: &[Body]) -> Result<(), Error> {
+        match self.others.observe(percept, bodies) {
             0 => Ok(()),
             left_out => {
-                let most = bystanders::MOST;
+                let most = MOST_OTHERS;
                 Err(Error::TooManyPeople { got: bodies.len(), left_out, most })
             }
         }

@@ -21,7 +21,7 @@ use examples::program::{self, Ending, Json, Program, Quiet, Session};
 use examples::recording::{self, IfPartial, Recording};
 #[cfg(feature = "ros2")]
 use examples::robot_side::ros2::{
-    JointInterface, RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPerson,
+    JointInterface, RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPeople,
     TopicReport,
 };
 use examples::robot_side::{SimulatedSide, UdpServer, UdpSide};
@@ -30,8 +30,9 @@ use moca_model::whole_body::{
     Clock, ControlLoop, DeadlineStatistics, JointMeasurement, LoopEnding, LoopSettings,
     MonotonicClock, RobotSide, Scheduling, StopCause, TimeHistogram,
 };
-use moca_model::{Controller, LoopController, TorqueController};
+use moca_model::{CameraFrame, Controller, LoopController, TorqueController};
 use serde::Serialize;
+#[cfg(feature = "ros2")]
 use vision_models::Percept;
 
 /// Stature where the recording gives none (m).
@@ -150,7 +151,7 @@ impl Program for Options {
             server.serve(period, &mut clock, || interrupt.requested())?;
             return Ok(Ending::Complete);
         }
-        let recorded = recorded(session, &scenario.percepts, clock);
+        let recorded = recorded(session, &scenario, clock);
         let (ending, statistics) = if let Some(address) = &self.robot {
             let mut robot = UdpSide::connect(address, scenario.start.len())
                 .with_context(|| format!("--robot {address}"))?;
@@ -168,7 +169,7 @@ impl Program for Options {
 impl Options {
     /// What `follow` plays, in real time.
     fn scenario(&self, session: &Session) -> Result<Scenario> {
-        let Recording { header, percepts, .. } = match &self.recording {
+        let Recording { header, percepts, others, .. } = match &self.recording {
             Some(path) => Recording::read(recording::open(path)?, IfPartial::Refuse)
                 .with_context(|| path.display().to_string())?,
             None => Recording::read(recording::shipped()?, IfPartial::Refuse)?,
@@ -181,7 +182,7 @@ impl Options {
             let map = build_map(session, &person, &MapOptions::default(), None)?;
             (person, map)
         };
-        let scenario = Scenario::new(percepts, &person, map)?;
+        let scenario = Scenario::new(percepts, &person, map)?.among(others);
         let Some(path) = &self.settings else { return Ok(scenario) };
         let settings = SettingsFile::read(path).and_then(|file| scenario.with_settings(&file));
         settings.with_context(|| path.display().to_string())
@@ -204,7 +205,8 @@ impl Options {
             writeln!(session.output(), "a robot on ROS 2; Ctrl-C ends it")?;
             session.output().flush()?;
             let interrupt = session.interrupt().clone();
-            server.serve(period, &scenario.percepts, &mut clock, || interrupt.requested())?;
+            server
+                .serve(period, &scenario.camera_frames(), &mut clock, || interrupt.requested())?;
             for topic in &server.statistics() {
                 writeln!(session.output(), "{}", TopicReport::from(topic))?;
             }
@@ -228,7 +230,7 @@ impl Options {
         scenario: &Scenario,
         robot: &mut R,
         mut clock: MonotonicClock,
-        camera: impl FnOnce(&SyncSender<Percept>, &AtomicBool),
+        camera: impl FnOnce(&SyncSender<CameraFrame>, &AtomicBool),
     ) -> Result<(LoopEnding, DeadlineStatistics)>
     where
         R: RobotSide + Send,
@@ -237,7 +239,7 @@ impl Options {
         let Scenario { model, comfort, settings, torques, start, .. } = scenario;
         let controller = Controller::new(model.clone(), *comfort, settings.clone(), start)?;
         let controller = TorqueController::new(controller, torques.clone())?;
-        let (mut law, percepts) = LoopController::new(controller);
+        let (mut law, frames) = LoopController::new(controller);
         let times = LoopSettings { period: settings.period, ..LoopSettings::default() };
         let mut control = ControlLoop::new(times, JointMeasurement::at_rest(model))?;
         let scheduling = Scheduling { priority: self.priority, lock_memory: self.lock_memory };
@@ -260,33 +262,36 @@ impl Options {
                 ended.store(true, Ordering::Release);
                 ending
             });
-            camera(&percepts, &ended);
+            camera(&frames, &ended);
             looping.join().map_err(|_| anyhow!("the loop panicked"))?
         })
         .map(|ending| (ending, control.statistics().clone()))
     }
 }
 
-/// A camera that plays percepts at the pace of their recording, stamped with the present.
+/// A camera that plays what was recorded at its pace, stamped with the present.
 fn recorded(
     session: &Session,
-    recorded: &[Percept],
+    scenario: &Scenario,
     mut clock: MonotonicClock,
-) -> impl FnOnce(&SyncSender<Percept>, &AtomicBool) {
+) -> impl FnOnce(&SyncSender<CameraFrame>, &AtomicBool) {
+    let recorded = scenario.camera_frames();
     let progress = session.open_progress("drive");
-    move |percepts, ended| {
+    move |frames, ended| {
         let mut seen = 0;
         loop {
             let (begin, first) =
-                (clock.now(), recorded.first().map_or(0.0, |percept| percept.time));
-            for percept in recorded {
-                clock.sleep_until(begin + percept.time - first);
+                (clock.now(), recorded.first().map_or(0.0, |frame| frame.percept.time));
+            for frame in &recorded {
+                clock.sleep_until(begin + frame.percept.time - first);
                 if ended.load(Ordering::Acquire) {
                     progress.finish();
                     return;
                 }
                 // A loop that takes none for a while misses these, as it would miss a camera's.
-                let _ = percepts.try_send(Percept { time: clock.now(), ..percept.clone() });
+                let mut now = frame.clone();
+                now.percept.time = clock.now();
+                let _ = frames.try_send(now);
                 seen += 1;
                 progress.set(seen);
             }
@@ -297,17 +302,18 @@ fn recorded(
 /// A camera somewhere on the ROS 2 graph.
 #[cfg(feature = "ros2")]
 fn seen_by_others(
-    persons: &Receiver<SeenPerson>,
+    persons: &Receiver<SeenPeople>,
     clock: MonotonicClock,
-) -> impl FnOnce(&SyncSender<Percept>, &AtomicBool) {
-    move |percepts, ended| {
+) -> impl FnOnce(&SyncSender<CameraFrame>, &AtomicBool) {
+    move |frames, ended| {
         while !ended.load(Ordering::Acquire) {
-            let Ok(SeenPerson { taken, body, action }) = persons.recv_timeout(WAKES) else {
+            let Ok(SeenPeople { taken, body, others, action }) = persons.recv_timeout(WAKES) else {
                 continue;
             };
             let age = taken.elapsed().map_or(0.0, |age| age.as_secs_f64());
             let time = clock.now() - age;
-            let _ = percepts.try_send(Percept { time, body: Some(body), action, surface: None });
+            let percept = Percept { time, body, action, surface: None };
+            let _ = frames.try_send(CameraFrame::from(percept).with_others(&others));
         }
     }
 }

@@ -191,7 +191,7 @@ impl Program for Options {
 impl Options {
     /// What is to be played, and whether it is the whole of what was recorded.
     fn load(&self, session: &Session) -> Result<(Scenario, Ending)> {
-        let Recording { header, percepts, timings, completeness } = match &self.recording {
+        let Recording { header, percepts, others, timings, completeness } = match &self.recording {
             Some(path) => self.read(path)?,
             None => Recording::read(recording::shipped()?, IfPartial::Refuse)?,
         };
@@ -211,7 +211,7 @@ impl Options {
             }
         };
         let (person, map) = self.person(session, &header)?;
-        let scenario = Scenario::new(percepts, &person, map)?.arriving(&timings);
+        let scenario = Scenario::new(percepts, &person, map)?.among(others).arriving(&timings);
         let scenario = match self.settings()? {
             Some((path, file)) => scenario.with_settings(&file).context(path)?,
             None => scenario,

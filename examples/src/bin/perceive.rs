@@ -23,7 +23,7 @@ use examples::recording::{Header, MeasuredSegments, Timing, Writer};
 use examples::vision::choices;
 use serde::Serialize;
 use vision_models::{
-    LiftingSettings, Passes, Percept, PersonTrack, ResNetDepth, SlowOnlyForm, StatureEstimate,
+    Body, LiftingSettings, Passes, Percept, PersonTrack, ResNetDepth, SlowOnlyForm, StatureEstimate,
 };
 
 /// Makes a recording, as `follow` plays it, of a folder of camera frames with depth.
@@ -177,6 +177,7 @@ impl Program for Options {
             reader,
             pipeline,
             percepts: Vec::new(),
+            others: Vec::new(),
             truth,
             tally: Tally::default(),
             started: Instant::now(),
@@ -261,6 +262,8 @@ struct Work {
     reader: FramesReader,
     pipeline: Pipeline,
     percepts: Vec<(Percept, Timing)>,
+    /// The people beside the one of each percept.
+    others: Vec<Vec<Body>>,
     truth: Option<Vec<Percept>>,
     tally: Tally,
     started: Instant,
@@ -282,6 +285,7 @@ impl Work {
             let perceived = self.pipeline.perceive(&self.reader, &entry)?;
             self.tally.push(&perceived);
             self.percepts.push((perceived.percept, perceived.timing));
+            self.others.push(perceived.others);
             progress.set(self.tally.frames());
             if interrupt.requested() {
                 break;
@@ -313,8 +317,8 @@ impl Options {
         let rate_of_camera = rate(&work.percepts);
         let header = Header { rate: rate_of_camera, stature, segments, ..Header::default() };
         let mut writer = Writer::new(file, &header)?;
-        for (percept, timing) in &work.percepts {
-            writer.write_timed(percept, timing)?;
+        for ((percept, timing), others) in work.percepts.iter().zip(&work.others) {
+            writer.write_people(percept, others, timing)?;
         }
         let output = match ending {
             Ending::Partial => writer.finish_partial()?.keep_partial()?,

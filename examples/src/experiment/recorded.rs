@@ -75,7 +75,7 @@ impl Recorded {
     }
 
     fn new(recording: Recording, digest: Digest, needs: Needs) -> Result<Self> {
-        let Recording { header, percepts, timings, .. } = recording;
+        let Recording { header, percepts, others, timings, .. } = recording;
         let stature = header.stature.ok_or(UnfitRecording::Stature)?;
         if percepts.iter().all(|percept| percept.body.is_none()) {
             return Err(UnfitRecording::Nobody.into());
@@ -87,7 +87,7 @@ impl Recorded {
         }
         let truth = known_best(&percepts)?;
         let arrivals = arrivals(&percepts, &timings);
-        let walk = Walk { percepts, arrivals, truth, motion: None };
+        let walk = Walk { percepts, others, arrivals, truth, motion: None };
         Ok(Self { digest: digest.to_string(), stature, tool, facing_camera, walk })
     }
 }

@@ -5,7 +5,7 @@ use ergo_map::{ErgonomicsMap, FitOptions, Person};
 use moca_model::MOCA_HOME;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use vision_models::Percept;
+use vision_models::{Body, Percept};
 
 use super::sight::{FilmedPerson, Sight};
 use crate::follow::{Scenario, TrueMotion};
@@ -31,6 +31,8 @@ const TRANSPORT: u64 = 200;
 pub struct Walk {
     /// Camera frames in the order of their times.
     pub percepts: Vec<Percept>,
+    /// The people beside the person, frame by frame; none where the list ends.
+    pub others: Vec<Vec<Body>>,
     /// When each arrives \[s\].
     pub arrivals: Vec<f64>,
     /// The truth, at every time at which a camera frame was due.
@@ -70,7 +72,7 @@ impl Walk {
         if let (Some(arrival), Some(first)) = (arrivals.first_mut(), percepts.first()) {
             *arrival = first.time;
         }
-        Ok(Self { percepts, arrivals, truth, motion: Some(motion) })
+        Ok(Self { percepts, others: Vec::new(), arrivals, truth, motion: Some(motion) })
     }
 
     /// The robot somewhere near home, and this walk; the person has this map.
@@ -85,6 +87,7 @@ impl Walk {
     ) -> Result<Scenario> {
         let person = Person::new(map.stature())?;
         let mut scenario = Scenario::new(self.percepts.clone(), &person, map.clone())?;
+        scenario.others.clone_from(&self.others);
         scenario.arrivals.clone_from(&self.arrivals);
         scenario.truth.clone_from(&self.motion);
         (scenario.comfort, _) = map.fit(&FIT)?;

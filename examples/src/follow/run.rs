@@ -6,12 +6,12 @@ use ergo_map::PersonFrame;
 use hrsw::{SafetyState, Workspace};
 use moca_model::{Command, Controller, ControllerSettings, Goal, HeldObject, Phase};
 use nalgebra::Vector3;
-use vision_models::Percept;
+use vision_models::{Body, Percept};
 
 use super::on_board::OnBoardEye;
 use super::scenario::{Delivery, Scenario};
 use super::scoring::Scorer;
-use super::seen::SeenPerson;
+use super::seen::{SeenOthers, SeenPerson};
 use super::summary::{MeasuredReba, Summary};
 use super::true_person::TruePerson;
 use super::work::WorkForce;
@@ -46,6 +46,7 @@ pub struct Run<'a> {
     person: SeenPerson,
     /// By whom distances are judged, where that is known.
     true_person: Option<TruePerson<'a>>,
+    others: SeenOthers,
     separation: SeparationMonitor,
     period: f64,
     engaged: bool,
@@ -109,6 +110,7 @@ impl<'a> Run<'a> {
             monitor: LimitMonitor::new(&scenario.model, desired, period, start),
             person: SeenPerson::default(),
             true_person: scenario.truth.as_ref().map(|motion| TruePerson::new(motion, period)),
+            others: SeenOthers::default(),
             separation,
             period,
             engaged: false,
@@ -160,7 +162,8 @@ impl<'a> Run<'a> {
     ) -> anyhow::Result<Summary> {
         let begin = self.scenario.percepts.first().map_or(0.0, |percept| percept.time);
         let duration = self.scenario.duration();
-        let mut percepts = self.scenario.percepts.iter().zip(&self.scenario.arrivals).peekable();
+        let percepts = self.scenario.percepts.iter().zip(&self.scenario.arrivals);
+        let mut percepts = percepts.enumerate().peekable();
         let started = Instant::now();
         let mut elapsed = 0.0;
         let mut ending = Ending::Complete;
@@ -169,13 +172,15 @@ impl<'a> Run<'a> {
                 ending = Ending::Partial;
                 break;
             }
-            while let Some((percept, _)) = percepts.next_if(|(_, at)| **at <= begin + elapsed) {
-                let shown = self.hand.show(percept);
-                self.observe(&shown)?;
+            let has_come = |(_, (_, at)): &(usize, (&Percept, &f64))| **at <= begin + elapsed;
+            while let Some((frame, (percept, _))) = percepts.next_if(has_come) {
+                let (shown, others) = (self.hand.show(percept), self.scenario.others(frame));
+                self.observe(&shown, others)?;
                 self.adapt()?;
+                let least_confidence = self.scenario.settings.safety.person.least_confidence;
+                self.others.update(percept.time, others, least_confidence);
                 if let Some(body) = &shown.body {
-                    let person = self.scenario.settings.safety.person;
-                    self.person.update(percept.time, body, person.least_confidence);
+                    self.person.update(percept.time, body, least_confidence);
                     if let Some(person) = &mut self.true_person {
                         person.show(percept.time, &self.hand);
                     }
@@ -185,7 +190,7 @@ impl<'a> Run<'a> {
                     None => None,
                 };
                 if let Some(recorder) = &mut self.recorder {
-                    recorder.observe(&shown, self.measured.as_ref());
+                    recorder.observe(&shown, others, self.measured.as_ref());
                 }
             }
             let row = self.tick(begin + elapsed)?;
@@ -198,14 +203,19 @@ impl<'a> Run<'a> {
         Ok(self.summary(elapsed.min(duration), wall, ending))
     }
 
-    fn observe(&mut self, percept: &Percept) -> anyhow::Result<()> {
-        match &self.scenario.delivery {
-            Delivery::Held => self.plant.observe(percept),
+    fn observe(&mut self, percept: &Percept, others: &[Body]) -> anyhow::Result<()> {
+        let taken = match &self.scenario.delivery {
+            Delivery::Held => self.plant.observe_people(percept, others),
             Delivery::HandedOver { .. } => {
                 let surface = self.on_board.look(&mut self.plant, self.scenario)?;
-                self.plant.observe(&Percept { surface, ..percept.clone() })
+                self.plant.observe_people(&Percept { surface, ..percept.clone() }, others)
             }
-        }
+        };
+        // Too many people stop the robot; the run goes on.
+        taken.or_else(|error| match error.downcast_ref() {
+            Some(moca_model::Error::TooManyPeople { .. }) => Ok(()),
+            _ => Err(error),
+        })
     }
 
     /// Closes the gripper when the object is there.
@@ -319,8 +329,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Returns true if the robot comes nearer to the person than it may: to the true one, or where nobody knows
-    /// that, to the one whom the percepts show.
+    /// Returns true if the robot comes nearer to anybody than it may: to the true person, or where nobody knows
+    /// that, to the one whom the percepts show; to others as they are seen.
     fn is_too_near(&mut self) -> anyhow::Result<bool> {
         if !self.scenario.has_separation() {
             return Ok(false);
@@ -336,8 +346,16 @@ impl<'a> Run<'a> {
                 Moment { person, known: Some(person), contact }
             })
         };
-        let Some(moment) = moment else { return Ok(false) };
-        let verdict = self.separation.check(velocity, start, &[moment])?;
+        let others = self.others.joints(self.period);
+        let others = others.iter().map(|(before, now)| {
+            let person = (now, Some(before));
+            Moment { person, known: Some(person), contact: false }
+        });
+        let people: Vec<Moment<'_>> = moment.into_iter().chain(others).collect();
+        if people.is_empty() {
+            return Ok(false);
+        }
+        let verdict = self.separation.check(velocity, start, &people)?;
         Ok(verdict.violation.is_some())
     }
 

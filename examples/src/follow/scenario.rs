@@ -4,10 +4,10 @@ use anyhow::{Context, ensure};
 use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, Person};
 use moca_model::whole_body::Model;
 use moca_model::{
-    ControllerSettings, HeldObject, MOCA_HOME, SafetySettings, SpaceSettings, TorqueLoopSettings,
-    moca,
+    CameraFrame, ControllerSettings, HeldObject, MOCA_HOME, SafetySettings, SpaceSettings,
+    TorqueLoopSettings, moca,
 };
-use vision_models::Percept;
+use vision_models::{Body, Percept};
 
 use super::true_person::TrueMotion;
 use crate::plant::Drive;
@@ -19,6 +19,8 @@ use crate::settings::{RobotSettings, SettingsError, SettingsFile};
 pub struct Scenario {
     /// Camera frames in the order of their times.
     pub percepts: Vec<Percept>,
+    /// The people beside the one who works with the robot, frame by frame; none where the list ends.
+    pub others: Vec<Vec<Body>>,
     /// When each is there to be acted on \[s\]: none before its time.
     pub arrivals: Vec<f64>,
     /// Where the person truly is, by whom distances are judged; none if they are judged by what percepts show.
@@ -81,6 +83,7 @@ impl Scenario {
         let adapts_from = None;
         Ok(Self {
             percepts,
+            others: Vec::new(),
             arrivals,
             truth: None,
             map,
@@ -101,6 +104,27 @@ impl Scenario {
     pub fn arriving(mut self, timings: &[Timing]) -> Self {
         self.arrivals = arrivals(&self.percepts, timings);
         self
+    }
+
+    /// The same, with these other people in view, frame by frame.
+    #[must_use]
+    pub fn among(mut self, others: Vec<Vec<Body>>) -> Self {
+        self.others = others;
+        self
+    }
+
+    /// The other people in view of a frame.
+    pub fn others(&self, frame: usize) -> &[Body] {
+        self.others.get(frame).map_or(&[], Vec::as_slice)
+    }
+
+    /// The camera frames with everybody in view.
+    pub fn camera_frames(&self) -> Vec<CameraFrame> {
+        let frames = self.percepts.iter().enumerate();
+        let frame = |(index, percept): (usize, &Percept)| {
+            CameraFrame::from(percept.clone()).with_others(self.others(index))
+        };
+        frames.map(frame).collect()
     }
 
     /// The same with what a file of settings says in place of the settings so far. The goal is that of

@@ -1,4 +1,4 @@
-//! The person as the recording shows them.
+//! People as the recording shows them.
 
 use std::collections::VecDeque;
 
@@ -55,5 +55,53 @@ impl SeenPerson {
     pub(super) fn joints(&self) -> Option<Joints> {
         let all = body::joints().all(|joint| self.joints[joint.index()].is_some());
         all.then(|| self.joints.map(Option::unwrap_or_default))
+    }
+}
+
+/// Nobody goes farther from one frame to the next than this speed takes them \[m/s\], and than noise \[m\].
+const FASTEST: f64 = 3.0;
+const NOISE: f64 = 0.3;
+
+/// How long somebody counts who is not seen again \[s\].
+const REMEMBERED: f64 = 1.0;
+
+/// The people beside the one who works with the robot.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SeenOthers {
+    /// Each with when and where they were seen last \[s, m\].
+    people: Vec<(f64, Point3<f64>, SeenPerson)>,
+}
+
+impl SeenOthers {
+    /// Takes the bodies of a frame: each is whoever was nearest, if they can have gone there.
+    pub(super) fn update(&mut self, time: f64, bodies: &[Body], least_confidence: f64) {
+        self.people.retain(|(last, ..)| time - last <= REMEMBERED);
+        for body in bodies {
+            let Some(place) = body.get(Body25::MidHip).map(|seen| seen.position) else { continue };
+            let ways = self.people.iter_mut().filter(|(last, ..)| *last < time);
+            let nearest = ways.min_by(|(_, one, _), (_, other, _)| {
+                (one - place).norm().total_cmp(&(other - place).norm())
+            });
+            let same = nearest.filter(|(last, before, _)| {
+                (place - *before).norm() <= FASTEST * (time - *last) + NOISE
+            });
+            if let Some((last, before, person)) = same {
+                (*last, *before) = (time, place);
+                person.update(time, body, least_confidence);
+            } else {
+                let mut person = SeenPerson::default();
+                person.update(time, body, least_confidence);
+                self.people.push((time, place, person));
+            }
+        }
+    }
+
+    /// Of everybody, a `period` \[s\] before and now.
+    pub(super) fn joints(&self, period: f64) -> Vec<(Joints, Joints)> {
+        let joints = self.people.iter().filter_map(|(_, _, person)| {
+            let now = person.joints()?;
+            Some((person.before(&now, period), now))
+        });
+        joints.collect()
     }
 }

@@ -25,6 +25,8 @@ struct PerceptLine {
     time: f64,
     /// x, y, z \[m\] and confidence of BODY_25's joints; null for one that was not seen.
     keypoints: Option<Vec<Option<[f64; 4]>>>,
+    /// The same of each other person in view.
+    others: Option<Vec<Vec<Option<[f64; 4]>>>>,
     /// What the person does.
     action: Option<serde_json::Value>,
     /// The surface before the on-board camera.
@@ -44,10 +46,10 @@ pub fn from_json_lines(text: &[u8]) -> Result<Vec<u8>, McapFileError> {
 
 /// Writes a recording into a file.
 pub(super) fn write_recording(sink: &mut Sink, text: &[u8]) -> Result<(), McapFileError> {
-    let percepts = percepts(text)?;
+    let seen = frames(text)?;
     let lines: Vec<&[u8]> = text.split_inclusive(|byte| *byte == b'\n').collect();
     let Some((header, lines)) = lines.split_first() else { return Ok(()) };
-    let frames = lines.len().min(percepts.len());
+    let frames = lines.len().min(seen.len());
     let (frames, closing) = lines.split_at(frames);
     let as_text = |bytes: &[u8]| String::from_utf8(bytes.to_vec());
     let entries = [
@@ -59,36 +61,42 @@ pub(super) fn write_recording(sink: &mut Sink, text: &[u8]) -> Result<(), McapFi
     sink.metadata(RECORDING, BTreeMap::from(entries))?;
     let channel = sink.channel_of::<PerceptLine>(PERCEPTS, PERCEPT)?;
     let scene = sink.channel::<SceneUpdate>("/person")?;
-    for (line, percept) in frames.iter().zip(&percepts) {
-        sink.write_bytes(channel, percept.time, line)?;
-        if let Some(body) = &percept.body {
-            sink.write(scene, percept.time, &drawn(percept.time, body))?;
+    for (line, (percept, others)) in frames.iter().zip(&seen) {
+        let time = percept.time;
+        sink.write_bytes(channel, time, line)?;
+        let person = percept.body.iter().map(|body| drawn(time, "person", body));
+        let others = others.iter().zip(1..);
+        let others = others.map(|(body, number)| drawn(time, &format!("other {number}"), body));
+        let everybody: Vec<Entity> = person.chain(others).collect();
+        if !everybody.is_empty() {
+            sink.write(scene, time, &SceneUpdate::from(everybody))?;
         }
     }
     Ok(())
 }
 
-/// The frames of a recording, as far as it goes.
-fn percepts(text: &[u8]) -> Result<Vec<Percept>, RecordingError> {
-    let mut percepts = Vec::new();
-    for percept in Reader::new(text)? {
+/// The frames of a recording with the other people in view, as far as it goes.
+fn frames(text: &[u8]) -> Result<Vec<(Percept, Vec<Body>)>, RecordingError> {
+    let mut reader = Reader::new(text)?;
+    let mut frames = Vec::new();
+    while let Some(percept) = reader.next() {
         match percept {
-            Ok(percept) => percepts.push(percept),
+            Ok(percept) => frames.push((percept, reader.others().to_vec())),
             Err(error) if error.is_early_end() => break,
             Err(error) => return Err(error),
         }
     }
-    Ok(percepts)
+    Ok(frames)
 }
 
 /// A body as spheres.
-fn drawn(time: f64, body: &Body) -> SceneUpdate {
-    let mut person = Entity::new("person", Time::new(time), LIFETIME);
+fn drawn(time: f64, name: &str, body: &Body) -> Entity {
+    let mut entity = Entity::new(name, Time::new(time), LIFETIME);
     let seen = Body25::ALL.into_iter().filter_map(|joint| body.get(joint));
     let size = Vector3::repeat(DIAMETER);
     let sphere = |point: Vector3<f64>| Shape::new(point.map(millimetres), size, Colour::PERSON);
-    person.spheres = seen.map(|keypoint| sphere(keypoint.position.coords)).collect();
-    vec![person].into()
+    entity.spheres = seen.map(|keypoint| sphere(keypoint.position.coords)).collect();
+    entity
 }
 
 /// What is drawn need not be finer.

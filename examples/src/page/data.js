@@ -80,6 +80,7 @@ class Run {
     this.solids = data.solids;
     this.samples = new Table(data.samples);
     this.person = new Table(data.person);
+    this.others = data.others ? new Table(data.others) : null;
     this.lanes = data.lanes;
     this.begin = this.samples.times[0];
     this.end = this.samples.times[this.samples.count - 1];

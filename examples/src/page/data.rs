@@ -52,6 +52,8 @@ struct RunData<'a> {
     solids: Vec<SolidData<'a>>,
     samples: TableData<'a>,
     person: TableData<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    others: Option<TableData<'a>>,
     lanes: &'a [Lane],
 }
 
@@ -132,6 +134,7 @@ fn run_data(run: &Replay) -> RunData<'_> {
         solids: run.stage.solids().iter().map(solid).collect(),
         samples: table(&run.samples),
         person: table(&run.person),
+        others: run.others.as_ref().map(table),
         lanes: &run.lanes,
     }
 }

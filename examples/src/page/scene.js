@@ -76,11 +76,22 @@ class Scene {
       const side = run.person.groups.side.get(seen.row, 0);
       const recent = time - run.person.times[seen.row] < 0.5;
       if (recent) this.addBody(run.person.groups.body, seen, scores(run.person.groups.parts, seen.row), side);
+      if (run.others) this.addOthers(run.others, time);
     }
     if (shown.posture) {
       const side = this.page.side === "left" ? 1 : -1;
       const parts = scores(run.samples.groups.parts, at.row);
       this.addBody(run.samples.groups.body, at, parts, side);
+    }
+  }
+
+  /** Other people, as the newest frame shows them: their order may change from frame to frame. */
+  addOthers(others, time) {
+    const { row } = others.locate(time);
+    const age = time - others.times[row];
+    if (age < 0 || age >= 0.5) return;
+    for (const group of Object.values(others.groups)) {
+      this.addBody(group, { row, next: row, share: 0 }, [], 0);
     }
   }
 
@@ -94,7 +105,7 @@ class Scene {
       if (!pointAt(group, 3 * limb.ends[0], at, begin)) continue;
       if (!pointAt(group, 3 * limb.ends[1], at, end)) continue;
       const score = scores[limb.part];
-      const scored = !Number.isNaN(score) && (limb.side === 0 || limb.side === side);
+      const scored = Number.isFinite(score) && (limb.side === 0 || limb.side === side);
       const colour = scored ? partColour(limb.part, score) : GREY_PART;
       this.rods.push(...begin, limb.radii[0] * stature, ...end, limb.radii[1] * stature, ...colour, 1);
     }

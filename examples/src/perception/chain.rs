@@ -119,6 +119,13 @@ impl Perceiver {
         self.engaged().filter(|person| person.is_in_frame()).map(PersonTrack::body)
     }
 
+    /// The joints of everybody else in the newest frame.
+    pub fn others(&self) -> impl Iterator<Item = &Body> {
+        let engaged = self.engaged().map(PersonTrack::id);
+        let others = self.people.tracks().iter().filter(move |person| Some(person.id()) != engaged);
+        others.filter(|person| person.is_in_frame()).map(PersonTrack::body)
+    }
+
     /// How long lifting and tracking took for the newest frame.
     pub fn time_taken(&self) -> Duration {
         self.time_taken

@@ -50,6 +50,8 @@ struct Seen<T> {
 pub struct Perceived {
     /// What is recorded.
     pub percept: Percept,
+    /// The people in the frame beside the one of the percept.
+    pub others: Vec<Body>,
     /// When its parts were seen and known.
     pub timing: Timing,
     /// The posture of the person who works with the robot.
@@ -155,6 +157,7 @@ impl Pipeline {
         self.perceiver.see(entry.time, &people.unwrap_or_default(), &depth)?;
         times.tracking = self.perceiver.time_taken();
         let body = self.perceiver.body().cloned();
+        let others = self.perceiver.others().cloned().collect();
         let posture = self.assess(entry.time, body.as_ref())?;
         let stature = self.perceiver.engaged().and_then(PersonTrack::stature);
         self.stature = stature.or(self.stature);
@@ -190,7 +193,7 @@ impl Pipeline {
             surface: surface.map(|seen| seen.what),
         };
         times.whole = started.elapsed();
-        Ok(Perceived { percept, timing, posture, has_skeletons, times })
+        Ok(Perceived { percept, others, timing, posture, has_skeletons, times })
     }
 
     /// The posture of who works with the robot, followed from frame to frame; anew for another person.

@@ -73,7 +73,7 @@ impl Tally {
 
     /// Takes a frame in.
     pub fn push(&mut self, perceived: &Perceived) {
-        let Perceived { percept, timing, posture, has_skeletons, times } = perceived;
+        let Perceived { percept, timing, posture, has_skeletons, times, .. } = perceived;
         self.frames += 1;
         self.without_skeletons += u64::from(!has_skeletons);
         self.with_body += u64::from(percept.body.is_some());

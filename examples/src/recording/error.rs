@@ -32,6 +32,14 @@ pub enum RecordingError {
         /// How many lines there are.
         lines: usize,
     },
+    /// Something is wrong with the keypoints of a person beside the one who works with the robot.
+    #[error("{source} (of other person {person} in the frame)")]
+    Other {
+        /// Which of them, from 1.
+        person: usize,
+        /// What is wrong.
+        source: Box<RecordingError>,
+    },
     /// Something was known before it was seen, or seen after its frame, or long before.
     #[error(
         "line {line}: the {of} of the frame of {time} s was captured at {captured} s and arrived at \

@@ -88,6 +88,8 @@ pub(super) struct FrameLine {
     pub(super) time: f64,
     pub(super) arrived: Option<f64>,
     pub(super) keypoints: Vec<Value>,
+    #[serde(default)]
+    pub(super) others: Vec<Vec<Value>>,
     pub(super) action: Option<Label>,
     pub(super) surface: Option<Label>,
 }
@@ -101,13 +103,18 @@ pub(super) struct Label {
     pub(super) arrived: Option<f64>,
 }
 
+/// x, y, z (m) and confidence of the keypoints that were seen.
+pub(super) type KeypointsOut = [Option<[f64; 4]>; 25];
+
 /// [`FrameLine`] as it is written.
 #[derive(Serialize)]
 pub(super) struct FrameLineOut {
     pub(super) time: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) arrived: Option<f64>,
-    pub(super) keypoints: [Option<[f64; 4]>; 25],
+    pub(super) keypoints: KeypointsOut,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) others: Vec<KeypointsOut>,
     pub(super) action: Option<LabelOut>,
     pub(super) surface: Option<LabelOut>,
 }

@@ -41,6 +41,7 @@ pub struct Reader<R> {
     version: u32,
     frames: u64,
     previous: Option<f64>,
+    others: Vec<Body>,
     timing: Timing,
     /// None before the end.
     end: Option<Completeness>,
@@ -64,6 +65,7 @@ impl<R: BufRead> Reader<R> {
             version,
             frames: 0,
             previous: None,
+            others: Vec::new(),
             timing: Timing::default(),
             end: None,
         })
@@ -85,6 +87,11 @@ impl<R: BufRead> Reader<R> {
         self.timing
     }
 
+    /// The people in the frame that came last beside the person of the percept.
+    pub fn others(&self) -> &[Body] {
+        &self.others
+    }
+
     fn read(&mut self) -> Result<Option<Percept>, RecordingError> {
         let Some(line) = self.lines.next()? else {
             return self.end_of_input();
@@ -97,8 +104,8 @@ impl<R: BufRead> Reader<R> {
             let number = line.number;
             return self.close(number, end.frames, end.complete);
         }
-        let (percept, timing) = parse_frame(&line, self.frames, self.previous)?;
-        self.timing = timing;
+        let (percept, others, timing) = parse_frame(&line, self.frames, self.previous)?;
+        (self.others, self.timing) = (others, timing);
         self.previous = Some(percept.time);
         self.frames += 1;
         Ok(Some(percept))
@@ -208,7 +215,7 @@ fn parse_frame(
     line: &Line<'_>,
     frames: u64,
     previous: Option<f64>,
-) -> Result<(Percept, Timing), RecordingError> {
+) -> Result<(Percept, Vec<Body>, Timing), RecordingError> {
     let number = line.number;
     let frame: FrameLine = parse(line, frames, |column, problem| RecordingError::Json {
         line: number,
@@ -217,13 +224,13 @@ fn parse_frame(
     })?;
     let line = number;
     let time = check::time(line, frame.time, previous)?;
-    if frame.keypoints.len() != Body25::COUNT {
-        return Err(RecordingError::KeypointCount { line, found: frame.keypoints.len() });
-    }
-    let mut body = Body::default();
-    for (joint, value) in Body25::ALL.into_iter().zip(&frame.keypoints) {
-        body.set(joint, keypoint(line, joint, value)?);
-    }
+    let body = body(line, &frame.keypoints)?;
+    let others = frame
+        .others
+        .iter()
+        .zip(1..)
+        .map(|(keypoints, person)| body_of_other(line, keypoints, person));
+    let others: Vec<Option<Body>> = others.collect::<Result<_, _>>()?;
     let stamp = |of, label: &Option<Label>| {
         let stamp = label.as_ref().map(|label| (label.captured, label.arrived)).unwrap_or_default();
         check::stamp(line, of, Stamp { captured: stamp.0, arrived: stamp.1 }, time)
@@ -236,11 +243,32 @@ fn parse_frame(
     };
     let percept = Percept {
         time,
-        body: Some(body).filter(|body| body.iter().next().is_some()),
+        body,
         action: frame.action.map(|label| action(line, &label)).transpose()?,
         surface: frame.surface.map(|label| surface(line, &label)).transpose()?,
     };
-    Ok((percept, timing))
+    Ok((percept, others.into_iter().flatten().collect(), timing))
+}
+
+/// The body with these keypoints; none of nobody.
+fn body(line: usize, keypoints: &[Value]) -> Result<Option<Body>, RecordingError> {
+    if keypoints.len() != Body25::COUNT {
+        return Err(RecordingError::KeypointCount { line, found: keypoints.len() });
+    }
+    let mut body = Body::default();
+    for (joint, value) in Body25::ALL.into_iter().zip(keypoints) {
+        body.set(joint, keypoint(line, joint, value)?);
+    }
+    Ok(Some(body).filter(|body| body.iter().next().is_some()))
+}
+
+fn body_of_other(
+    line: usize,
+    keypoints: &[Value],
+    person: usize,
+) -> Result<Option<Body>, RecordingError> {
+    body(line, keypoints)
+        .map_err(|source| RecordingError::Other { person, source: Box::new(source) })
 }
 
 fn keypoint(line: usize, joint: Body25, value: &Value) -> Result<Option<Keypoint>, RecordingError> {

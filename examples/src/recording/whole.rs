@@ -2,7 +2,7 @@
 
 use std::io::BufRead;
 
-use vision_models::Percept;
+use vision_models::{Body, Percept};
 
 use super::{Header, Reader, RecordingError, Timing};
 
@@ -41,6 +41,8 @@ pub struct Recording {
     pub header: Header,
     /// Its camera frames, at least one.
     pub percepts: Vec<Percept>,
+    /// The people beside the one of the percept, frame by frame.
+    pub others: Vec<Vec<Body>>,
     /// When the parts of each were seen and known.
     pub timings: Vec<Timing>,
     /// Whether it is complete.
@@ -57,11 +59,12 @@ impl Recording {
         mut reader: Reader<R>,
         if_partial: IfPartial,
     ) -> Result<Self, RecordingError> {
-        let (mut percepts, mut timings) = (Vec::new(), Vec::new());
+        let (mut percepts, mut others, mut timings) = (Vec::new(), Vec::new(), Vec::new());
         while let Some(percept) = reader.next() {
             match percept {
                 Ok(percept) => {
                     percepts.push(percept);
+                    others.push(reader.others().to_vec());
                     timings.push(reader.timing());
                 }
                 Err(error) => {
@@ -73,6 +76,6 @@ impl Recording {
             }
         }
         let (header, completeness) = (*reader.header(), reader.completeness());
-        Ok(Self { header, percepts, timings, completeness })
+        Ok(Self { header, percepts, others, timings, completeness })
     }
 }

@@ -7,7 +7,9 @@ use vision_models::{Body, Body25, Confidence, Percept};
 
 use super::{
     RecordingError, check,
-    format::{End, EndLine, FORMAT, FrameLineOut, Header, HeaderLine, LabelOut, VERSION},
+    format::{
+        End, EndLine, FORMAT, FrameLineOut, Header, HeaderLine, KeypointsOut, LabelOut, VERSION,
+    },
     timing::{Stamp, Timing},
 };
 
@@ -66,14 +68,31 @@ impl<W: Write> Writer<W> {
         percept: &Percept,
         timing: &Timing,
     ) -> Result<(), RecordingError> {
+        self.write_people(percept, &[], timing)
+    }
+
+    /// The same with the other people in the frame. Of whom no joint was seen is left out.
+    ///
+    /// # Errors
+    /// As of [`write`](Self::write).
+    pub fn write_people(
+        &mut self,
+        percept: &Percept,
+        others: &[Body],
+        timing: &Timing,
+    ) -> Result<(), RecordingError> {
         let line = self.line + 1;
         let time = check::time(line, rounded(percept.time, 1e6), self.previous)?;
-        let mut keypoints = [None; Body25::COUNT];
-        for (joint, keypoint) in percept.body.iter().flat_map(Body::iter) {
-            let position = check::position(line, joint, keypoint.position)?;
-            let [x, y, z] = position.coords.map(|value| rounded(value, 1e4)).into();
-            keypoints[joint.index()] = Some([x, y, z, plain(keypoint.confidence)]);
-        }
+        let keypoints = match &percept.body {
+            Some(body) => written(line, body)?,
+            None => [None; Body25::COUNT],
+        };
+        let seen = others.iter().filter(|body| body.iter().next().is_some());
+        let others = seen.zip(1..).map(|(body, person)| {
+            written(line, body)
+                .map_err(|source| RecordingError::Other { person, source: Box::new(source) })
+        });
+        let others = others.collect::<Result<_, _>>()?;
         let stamp = |of, stamp: Stamp| {
             let round = |time: Option<f64>| time.map(|time| rounded(time, 1e6));
             let Stamp { captured, arrived } = stamp;
@@ -90,6 +109,7 @@ impl<W: Write> Writer<W> {
             time,
             arrived,
             keypoints,
+            others,
             action: percept
                 .action
                 .map(|seen| label(seen.action.name(), seen.confidence, of_action)),
@@ -132,6 +152,17 @@ impl<W: Write> Writer<W> {
         text.push(b'\n');
         self.output.write_all(&text).map_err(fail)
     }
+}
+
+/// The keypoints of a body.
+fn written(line: usize, body: &Body) -> Result<KeypointsOut, RecordingError> {
+    let mut keypoints = [None; Body25::COUNT];
+    for (joint, keypoint) in body.iter() {
+        let position = check::position(line, joint, keypoint.position)?;
+        let [x, y, z] = position.coords.map(|value| rounded(value, 1e4)).into();
+        keypoints[joint.index()] = Some([x, y, z, plain(keypoint.confidence)]);
+    }
+    Ok(keypoints)
 }
 
 /// Rounded to `1 / scale`, and never a negative zero.

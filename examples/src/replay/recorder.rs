@@ -5,12 +5,13 @@ use hrsw::Capsule;
 use moca_model::whole_body::{Data, FrameId, Model};
 use moca_model::{Controller, ControllerSettings, HeldObject, SafetySettings};
 use nalgebra::{Isometry3, Translation3, Vector3};
-use vision_models::{Percept, TrackedPerson};
+use vision_models::{Body, Percept, TrackedPerson};
 
 use super::body::{self, BODY_POINTS, BodyPart, POINT_COUNT, Points};
 use super::lanes::{self, Lane, Tone};
 use super::limit_use::{self, LimitUse};
 use super::nearest::nearest;
+use super::others_track::OthersTrack;
 use super::person_track::{PARTS, PersonTrack, points_at, write_parts, write_points};
 use super::stage::{Role, Shape, Stage};
 use super::table::{Encoding, Group, Table};
@@ -75,6 +76,8 @@ pub struct Replay {
     pub samples: Table,
     /// Camera frame by camera frame: the body that was seen and its scores.
     pub person: Table,
+    /// The bodies of other people, frame by frame; none if there was never anybody.
+    pub others: Option<Table>,
     /// States.
     pub lanes: Vec<Lane>,
     /// Of the person \[m\].
@@ -109,6 +112,7 @@ pub struct Recorder {
     object: Option<FrameSlot>,
     samples: Option<Table>,
     person: PersonTrack,
+    others: OthersTrack,
     limits: LimitUse,
     /// Ticks between two samples, and up to the next.
     stride: u32,
@@ -160,6 +164,7 @@ impl Recorder {
             object: None,
             samples: None,
             person: PersonTrack::new(map.stature()),
+            others: OthersTrack::new(map.stature()),
             limits: LimitUse::new(model, settings.desired, settings.period),
             left: 0,
             phase: Lane::new("phase"),
@@ -225,9 +230,15 @@ impl Recorder {
         Ok(())
     }
 
-    /// Takes a camera frame, and the scores of the posture in it.
-    pub fn observe(&mut self, percept: &Percept, measured: Option<&MeasuredAssessment>) {
+    /// Takes a camera frame with the other people in it, and the scores of the person's posture.
+    pub fn observe(
+        &mut self,
+        percept: &Percept,
+        others: &[Body],
+        measured: Option<&MeasuredAssessment>,
+    ) {
         self.person.observe(percept, measured);
+        self.others.observe(percept.time, others);
         let (action, tone) = percept.action.map_or(("none", Tone::Quiet), |seen| {
             let works = seen.action.is_collaborative();
             let walks = seen.action.walking_direction().is_some();
@@ -338,7 +349,7 @@ impl Recorder {
     /// The run up to here.
     #[expect(clippy::cast_possible_truncation, reason = "f32 is what is kept")]
     pub fn finish(self) -> Replay {
-        let Self { title, stage, map, model, capsules, person, samples, .. } = self;
+        let Self { title, stage, map, model, capsules, person, others, samples, .. } = self;
         let person = person.smoothed();
         let mut samples = samples.unwrap_or_else(|| Table::new(groups(&stage, &model)));
         let times = samples.times().to_vec();
@@ -364,6 +375,7 @@ impl Recorder {
             stage,
             samples,
             person,
+            others: others.finish(),
             lanes: lanes.into_iter().filter(|lane| !lane.spans.is_empty()).collect(),
             stature: map.stature(),
             side: map.side(),

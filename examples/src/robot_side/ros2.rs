@@ -28,7 +28,7 @@ pub use commands::Commands;
 pub use domain::RosDomain;
 pub use error::Ros2Error;
 pub use measurements::{Measurements, RobotJoints};
-pub use perceived::{Perceived, SeenPerson};
+pub use perceived::{Perceived, SeenPeople};
 pub use refusal::Refusal;
 pub use report::{Ros2Report, TopicReport};
 pub use server::Ros2Server;

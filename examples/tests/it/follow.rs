@@ -7,7 +7,8 @@ use examples::follow::{Run, Scenario, Summary};
 use examples::recording;
 use examples::simulation::Walker;
 use moca_model::Goal;
-use vision_models::Percept;
+use nalgebra::Vector3;
+use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
 
 use crate::support::{Runs, average_map, cases};
 
@@ -61,6 +62,40 @@ fn ergonomics_pay_on_the_shipped_recording() {
     assert!(on.outside <= 0.15 * on.together, "outside for {} s of {}", on.outside, on.together);
     assert_eq!((on.separation_violations, off.separation_violations), (0, 0));
     assert_eq!(off.protective_stops, 0);
+}
+
+/// Somebody else stands where the robot begins to follow the person to: it keeps away from them, too, and
+/// more of them than it has room for stop it.
+#[test]
+fn others_in_a_recording_are_kept_away_from() {
+    let mut scenario = shipped();
+    scenario.percepts.truncate(300);
+    scenario.arrivals.truncate(300);
+    let alone = play(&scenario, Goal::Ergonomics);
+    assert!(alone.together > 3.0);
+    let first = scenario.percepts.iter().find_map(|percept| percept.body.as_ref()).unwrap();
+    let pelvis = first.get(Body25::MidHip).unwrap().position;
+    let standing_at = |x: f64, y: f64| {
+        let mut body = Body::default();
+        for (joint, seen) in first.iter() {
+            let place = seen.position - pelvis + Vector3::new(x, y, pelvis.z);
+            body.set(joint, Some(Keypoint { position: place.into(), confidence: Confidence::ONE }));
+        }
+        body
+    };
+    let among = |bodies: &[Body]| {
+        let scenario = Scenario { percepts: scenario.percepts.clone(), ..shipped() };
+        let others = vec![bodies.to_vec(); scenario.percepts.len()];
+        play(&scenario.among(others), Goal::Ergonomics)
+    };
+    let beside = among(&[standing_at(0.7, 0.9)]);
+    assert_sound(&beside, "somebody beside the tool");
+    assert_eq!(beside.separation_violations, 0);
+    assert!(beside.retreats > alone.retreats, "{} {}", beside.retreats, alone.retreats);
+    let crowd: Vec<_> = (0..5).map(|place| standing_at(-6.0, f64::from(place))).collect();
+    let (four, five) = (among(&crowd[..4]), among(&crowd));
+    assert_eq!((four.protective_stops, five.protective_stops), (0, 1));
+    assert_eq!((four.together, four.retreats), (alone.together, alone.retreats));
 }
 
 #[test]

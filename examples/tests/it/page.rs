@@ -9,8 +9,9 @@ use examples::replay::{Recorder, Replay, ReplayError, Role, Shape, Table};
 use examples::report::TickRow;
 use examples::simulation::Walker;
 use moca_model::{Goal, MOCA_URDF};
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use serde_json::Value;
+use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
 
 use crate::support::coarse_map;
 
@@ -141,6 +142,34 @@ fn the_page_needs_nothing_from_elsewhere_and_a_minute_of_two_runs_is_small() {
     let a_run = (two.len() - one.len()) as f64;
     let minute = one.len() as f64 - a_run + 2.0 * a_run * 60_000.0 / rows.len() as f64;
     assert!(minute < 8e6, "{minute} bytes");
+}
+
+/// A frame before the run shows two people beside the person.
+#[test]
+fn other_people_are_in_the_page_where_they_were_seen() {
+    let at = |x: f64| {
+        let mut body = Body::default();
+        let position = Point3::new(x, -1.0, 0.9);
+        body.set(Body25::MidHip, Some(Keypoint { position, confidence: Confidence::ONE }));
+        body
+    };
+    let percept = Percept { time: -0.05, body: None, action: None, surface: None };
+    let (replay, _) = recorded(|recorder| recorder.observe(&percept, &[at(2.0), at(3.0)], None));
+    let data = data_of(&page("Others", &[&replay], &Results::default()).unwrap());
+    let others = &data["runs"][0]["others"];
+    assert_eq!(others["count"], 121);
+    let pelvis = column(others, "other 1", "pelvis");
+    for (name, x) in [("other 1", 2.0), ("other 2", 3.0)] {
+        let rows = numbers(others, name);
+        let seen = Vector3::from_row_slice(&rows[0][pelvis..pelvis + 3]);
+        assert!((seen - Vector3::new(x, -1.0, 0.9)).norm() < 1e-4, "{seen}");
+        assert!(rows[1][pelvis].is_nan(), "who is not seen again is not shown");
+    }
+    assert!(numbers(others, "other 3")[0][pelvis].is_nan());
+    // Where there was nobody nothing is said.
+    let (alone, _) = recorded(|_| ());
+    let data = data_of(&page("Alone", &[&alone], &Results::default()).unwrap());
+    assert!(data["runs"][0]["others"].is_null());
 }
 
 #[test]

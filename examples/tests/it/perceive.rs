@@ -10,7 +10,10 @@ use crate::support::{Ran, Runs, cases};
 use examples::perception::{Assessor, Perceiver, PerceiverSettings, assess};
 use examples::rendering::{Film, Viewpoint};
 use examples::simulation::{CameraSettings, Occupation, WalkerSettings, WalkingPath};
-use vision_models::{Body25, BodyTracker, LiftingSettings, Percept, TrackStatus, TrackerSettings};
+use vision_models::{
+    Body, Body25, BodyTracker, DepthImage, ImageBody, LiftingSettings, Percept, TrackStatus,
+    TrackerSettings,
+};
 
 /// What came out, against the truth: root mean squares.
 #[derive(Debug, Default)]
@@ -210,6 +213,48 @@ fn rendered_frames_become_a_recording() {
     let errors: Vec<f64> = pairs.map(|error| error.norm()).collect();
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     assert!(mean < 0.1, "{mean} m in small images");
+}
+
+/// Two people in the images: the second is the first once more, farther to the right.
+#[test]
+fn everybody_else_in_a_frame_is_an_other() {
+    const ASIDE: usize = 40;
+    let size = [160, 120];
+    let settings = WalkerSettings {
+        path: WalkingPath::Circle,
+        occupation: Occupation::Walking,
+        duration: 3.0,
+        ..WalkerSettings::default()
+    };
+    let film = Film::new(settings, Viewpoint::Facing, size, 0.0).unwrap();
+    let mut perceiver = Perceiver::new(*film.camera(), PerceiverSettings::default()).unwrap();
+    let mut frames = 0;
+    for shot in film {
+        let shot = shot.unwrap();
+        let Some(image) = shot.skeleton else { continue };
+        let mut second = ImageBody::default();
+        for (joint, mut keypoint) in image.iter() {
+            keypoint.position.x += ASIDE as f64;
+            second.set(joint, Some(keypoint));
+        }
+        let depth = |column: usize, row: usize| shot.depth.depth(column, row);
+        let nearest = (0..size[0] * size[1]).map(|index| {
+            let (column, row) = (index % size[0], index / size[0]);
+            let moved = column.checked_sub(ASIDE).and_then(|column| depth(column, row));
+            [depth(column, row), moved].into_iter().flatten().reduce(f32::min).unwrap_or(0.0)
+        });
+        let depth = DepthImage::from_metres(size, nearest.collect()).unwrap();
+        perceiver.see(shot.entry.time, &[image, second], &depth).unwrap();
+        let people = usize::from(perceiver.body().is_some()) + perceiver.others().count();
+        assert!(people <= 2);
+        frames += usize::from(people == 2);
+        let neck = |body: &Body| body.get(Body25::Neck).map(|neck| neck.position);
+        if let (Some(body), Some(other)) = (perceiver.body(), perceiver.others().next()) {
+            let apart = neck(body).zip(neck(other)).map(|(one, other)| (one - other).norm());
+            assert!(apart.is_none_or(|apart| apart > 0.3), "{apart:?}");
+        }
+    }
+    assert!(frames > 30, "both are seen in {frames} frames");
 }
 
 #[test]

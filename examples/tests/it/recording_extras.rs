@@ -3,7 +3,8 @@
 use examples::recording::{
     Header, IfPartial, MeasuredSegments, Reader, Recording, Stamp, Timing, Writer,
 };
-use vision_models::{Action, Confidence, Percept, RecognisedAction};
+use nalgebra::Point3;
+use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
 
 /// When parts of a percept were seen and known is kept; recordings without it read as before.
 #[test]
@@ -50,4 +51,30 @@ fn measured_segments_are_kept_and_checked() {
     let text = String::from_utf8(bytes).unwrap().replace("0.25", "250.0");
     let error = Reader::new(text.as_bytes()).unwrap_err().to_string();
     assert!(error.contains("the length of the forearm is 250"), "{error}");
+}
+
+#[test]
+fn what_is_wrong_with_another_person_is_said_of_them() {
+    let header = r#"{"format":"moca-recording","version":2,"frame":"world","rate":20.0}"#;
+    let nobody = ["null"; 25].join(",");
+    let error = |others: &str| {
+        let frame = format!(
+            r#"{{"time":0.0,"keypoints":[{nobody}],"others":[[{nobody}],[{others}]],"action":null,"surface":null}}"#
+        );
+        let text = format!("{header}\n{frame}\n");
+        let mut reader = Reader::new(text.as_bytes()).unwrap();
+        reader.next().unwrap().unwrap_err().to_string()
+    };
+    let few = error("null,null");
+    assert!(few.starts_with("line 2: 2 keypoints") && few.contains("other person 2"), "{few}");
+    let far = error(&nobody.replacen("null", "[0.0,1500.0,0.9,0.5]", 1));
+    assert!(far.contains("1500") && far.ends_with("(of other person 2 in the frame)"), "{far}");
+    // As the writer says it.
+    let mut body = Body::default();
+    let position = Point3::new(0.0, f64::NAN, 1.0);
+    body.set(Body25::Neck, Some(Keypoint { position, confidence: Confidence::ONE }));
+    let percept = Percept { time: 0.0, body: None, action: None, surface: None };
+    let mut writer = Writer::new(Vec::new(), &Header::default()).unwrap();
+    let error = writer.write_people(&percept, &[body], &Timing::default()).unwrap_err().to_string();
+    assert!(error.contains("NaN") && error.contains("other person 1"), "{error}");
 }

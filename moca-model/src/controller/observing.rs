@@ -32,7 +32,7 @@ impl Controller {
         self.safety.observe(percept, self.space.person_at(percept.time).as_ref());
         self.look(percept);
         self.turn_to_camera()?;
-        let kept = self.safety.observe_others(percept.time, others);
+        let kept = self.safety.observe_others(percept, others);
         if kept.is_err() {
             self.report(Fault::TooManyPeople);
         }

@@ -1,13 +1,13 @@
 //! The people beside the one who works with the robot.
 
 use hrsw::{PersonBody, SeparationSettings};
-use vision_models::Body;
+use vision_models::{Body, Percept};
 
 use super::body_parts::PARTS;
 use super::person_bodies::PersonBodies;
 
 /// How many there is room for.
-pub(super) const MOST: usize = 4;
+pub(crate) const MOST: usize = 4;
 
 /// Everybody in view but the person who works with the robot. Nobody of them is tracked, so that their speed is not
 /// measured, and nobody may be touched. Who is missed in a frame, or leaves the view, counts as long as the
@@ -34,8 +34,10 @@ impl Bystanders {
     }
 
     /// Takes the bodies of a frame: each goes to the nearest of those who can have gone there and have none of this
-    /// frame yet, or is somebody new. Returns how many there is no room for.
-    pub(super) fn observe(&mut self, time: f64, bodies: &[Body]) -> usize {
+    /// frame yet, or is somebody new. Who works with the robot from now on is nobody of them any more. Returns how
+    /// many there is no room for.
+    pub(super) fn observe(&mut self, percept: &Percept, bodies: &[Body]) -> usize {
+        let time = percept.time;
         let mut taken = [false; MOST];
         let mut left_out = 0;
         for body in bodies {
@@ -55,6 +57,12 @@ impl Bystanders {
                     *taken = !person.is_empty();
                 }
                 None => left_out += 1,
+            }
+        }
+        let unseen = self.people.iter_mut().zip(taken).filter(|(_, taken)| !taken);
+        for (person, _) in unseen {
+            if percept.body.as_ref().is_some_and(|body| person.is_where(time, body)) {
+                person.forget();
             }
         }
         left_out

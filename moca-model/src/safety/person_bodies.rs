@@ -125,6 +125,11 @@ impl PersonBodies {
         moved.is_within(self.reach(time - self.newest)).then(|| moved.median.norm())
     }
 
+    /// Returns true if a body of a frame of this time is where the person was seen last.
+    pub(super) fn is_where(&self, time: f64, body: &Body) -> bool {
+        self.way_to(time, body).is_some_and(|way| way <= self.settings.agreement)
+    }
+
     /// How far a person may go in this time [s] \[m\].
     fn reach(&self, elapsed: f64) -> f64 {
         self.settings.jump_speed * elapsed

@@ -2,7 +2,7 @@
 
 use hrsw::Fault;
 use nalgebra::Vector3;
-use vision_models::Percept;
+use vision_models::{Body, Percept};
 use whole_body::{
     ContactForce, Data, JointImpedance, JointState, Model, MomentumObserver, ObserverSettings,
     Payload, PayloadId,
@@ -156,6 +156,14 @@ impl TorqueController {
     /// Those of [`Controller::observe`].
     pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
         self.controller.observe(percept)
+    }
+
+    /// The same where other people are in view; see [`Controller::observe_people`].
+    ///
+    /// # Errors
+    /// Those of [`Controller::observe_people`].
+    pub fn observe_people(&mut self, percept: &Percept, others: &[Body]) -> Result<(), Error> {
+        self.controller.observe_people(percept, others)
     }
 
     /// The command for the period that begins at `now` \[s\], with the robot as `measured`; the torques of

@@ -85,3 +85,75 @@ fn people_are_told_apart_by_where_they_are() {
     let error = look(&[body(20.0)]).unwrap_err();
     assert!(matches!(error, Error::TooManyPeople { got: 1, left_out: 1, most: 4 }), "{error}");
 }
+
+/// Who stood among the others and then comes to work is not kept away from as one of them.
+#[test]
+fn who_begins_to_work_is_nobody_else_any_more() {
+    let mut drive = Drive::new();
+    drive.camera = false;
+    let mut look = |work: bool| {
+        let time = drive.time();
+        let (percept, others) = if work {
+            (doing(Action::Using(Tool::Drill), time, Some(3.0)), vec![body(5.0)])
+        } else {
+            (percept(time, None), vec![body(5.0), body(3.0)])
+        };
+        drive.controller.observe_people(&percept, &others).unwrap();
+        drive.controller.feel(0.0);
+        drive.step();
+        let safety = drive.controller.safety();
+        let of_person = safety.person_bodies().len();
+        safety.all_bodies().len() - of_person
+    };
+    let of_two = look(false);
+    assert_eq!(look(true) * 2, of_two, "one of them is left");
+    // And who stops working is one of them again.
+    assert_eq!(look(false), of_two);
+}
+
+/// Frames come from another thread.
+mod from_another_thread {
+    use hrsw::SafetyState;
+    use moca_model::whole_body::{ControlLaw, JointCommand, JointMeasurement};
+    use moca_model::{
+        CameraFrame, LoopController, MOCA_HOME, TorqueController, TorqueLoopSettings,
+    };
+
+    use super::{Drive, body, percept};
+
+    fn state_with(others: &[f64]) -> SafetyState {
+        let controller = Drive::new().controller;
+        let controller = TorqueController::new(controller, TorqueLoopSettings::default()).unwrap();
+        let (mut law, frames) = LoopController::new(controller);
+        let measured = JointMeasurement {
+            position: MOCA_HOME.to_vec(),
+            velocity: vec![0.0; 10],
+            torque: vec![0.0; 10],
+        };
+        let mut command = JointCommand::at_rest(&measured);
+        for tick in 0..20_u32 {
+            let now = f64::from(tick) * 1e-3;
+            let bodies: Vec<_> = others.iter().map(|&x| body(x)).collect();
+            let frame = CameraFrame::from(percept(now, None)).with_others(&bodies);
+            assert_eq!(frame.others(), &bodies[..bodies.len().min(5)]);
+            frames.send(frame).unwrap();
+            law.step(now, &measured, &mut command).unwrap();
+        }
+        law.controller().controller().command().safety
+    }
+
+    #[test]
+    fn others_are_kept_away_from() {
+        assert_eq!(state_with(&[9.0]), SafetyState::Normal);
+        let tool = Drive::new().controller.actual().translation.x;
+        assert_eq!(state_with(&[tool + 0.2]), SafetyState::Retreat);
+    }
+
+    #[test]
+    fn too_many_stop_the_robot() {
+        let many = [9.0, 11.0, 13.0, 15.0, 17.0, 19.0];
+        assert_eq!(state_with(&many[..4]), SafetyState::Normal);
+        assert_eq!(state_with(&many[..5]), SafetyState::ProtectiveStop);
+        assert_eq!(state_with(&many), SafetyState::ProtectiveStop);
+    }
+}

@@ -15,7 +15,7 @@ use crate::experiment::job::Job;
 use crate::experiment::options::Conditions;
 use crate::experiment::player::Player;
 use crate::experiment::spread::Spread;
-use crate::experiment::walk::Walk;
+use crate::experiment::walk::{ARM_SPEED, Walk};
 use crate::follow::{Scenario, Summary};
 use crate::simulation::{CameraSettings, WalkerSettings, WalkingPath};
 
@@ -152,6 +152,7 @@ fn walker(speed: f64, draw: &mut impl Rng) -> WalkerSettings {
         speed: Some(speed),
         duration: APPROACH / speed + BEFORE + WALK + AFTER,
         seed: draw.random(),
+        arm_speed: Some(ARM_SPEED),
         camera: CameraSettings { spacing: Some(CAMERAS), ..CameraSettings::default() },
         ..WalkerSettings::default()
     }

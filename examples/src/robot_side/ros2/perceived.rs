@@ -7,21 +7,23 @@ use vision_models::{Action, Body, Body25, Confidence, Keypoint, RecognisedAction
 
 use super::WORLD_FRAME;
 use super::measurements::check_frame;
-use super::messages::{PoseArray, Text};
+use super::messages::{Pose, PoseArray, Text};
 use super::refusal::Refusal;
 use super::stamps::Stamps;
 
 /// For how long an action holds after it was published \[s\].
 const ACTION_HOLDS: f64 = 1.0;
 
-/// A person as somebody else's camera has seen them.
+/// People as somebody else's camera has seen them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SeenPerson {
+pub struct SeenPeople {
     /// When the camera took the frame.
     pub taken: SystemTime,
-    /// In the frame of the odometry.
-    pub body: Body,
-    /// What they do, if that was published within the last second.
+    /// The person who works with the robot, if they are in view, in the frame of the odometry.
+    pub body: Option<Body>,
+    /// The other people in view, likewise.
+    pub others: Vec<Body>,
+    /// What the person does, if that was published within the last second.
     pub action: Option<RecognisedAction>,
 }
 
@@ -40,27 +42,20 @@ impl Default for Perceived {
 
 impl Perceived {
     /// Takes body joints that have come `now`: a pose for each of [`Body25::ALL`], in this order, in the frame of the
-    /// odometry. A joint that was not seen has three NaN. Orientations mean nothing.
+    /// odometry. A joint that was not seen has three NaN. Orientations mean nothing. Behind those of the person who
+    /// works with the robot there may be those of others, as many each.
     ///
     /// # Errors
     /// Why they are refused.
-    pub fn take_body(&mut self, poses: &PoseArray, now: SystemTime) -> Result<SeenPerson, Refusal> {
+    pub fn take_body(&mut self, poses: &PoseArray, now: SystemTime) -> Result<SeenPeople, Refusal> {
         check_frame(&poses.header.frame_id, WORLD_FRAME)?;
         let (found, expected) = (poses.poses.len(), Body25::COUNT);
-        if found != expected {
+        if found == 0 || found % expected != 0 {
             return Err(Refusal::Size { what: "body joints", found, expected });
         }
-        let mut body = Body::default();
-        for (joint, pose) in Body25::ALL.into_iter().zip(&poses.poses) {
-            let position = Point3::new(pose.position.x, pose.position.y, pose.position.z);
-            if position.iter().all(|number| number.is_nan()) {
-                continue;
-            }
-            if !position.iter().all(|number| number.is_finite()) {
-                return Err(Refusal::NotFinite { what: "body joints" });
-            }
-            body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
-        }
+        let people = poses.poses.chunks_exact(expected).map(body);
+        let mut people = people.collect::<Result<Vec<_>, _>>()?.into_iter();
+        let (body, others) = (people.next().flatten(), people.flatten().collect());
         let age = self.stamps.admit(poses.header.stamp, now)?;
         let taken = std::time::Duration::try_from_secs_f64(age)
             .ok()
@@ -70,7 +65,7 @@ impl Perceived {
             now.duration_since(at).map_or(true, |since| since.as_secs_f64() <= ACTION_HOLDS)
         };
         let action = self.action.filter(|(_, at)| holds(*at)).map(|(action, _)| action);
-        Ok(SeenPerson { taken, body, action })
+        Ok(SeenPeople { taken, body, others, action })
     }
 
     /// Takes an action by its name that has come `now`.
@@ -83,4 +78,20 @@ impl Perceived {
         self.action = Some((RecognisedAction { action, confidence: Confidence::ONE }, now));
         Ok(())
     }
+}
+
+/// The body with these joints; none of nobody.
+fn body(poses: &[Pose]) -> Result<Option<Body>, Refusal> {
+    let mut body = Body::default();
+    for (joint, pose) in Body25::ALL.into_iter().zip(poses) {
+        let position = Point3::new(pose.position.x, pose.position.y, pose.position.z);
+        if position.iter().all(|number| number.is_nan()) {
+            continue;
+        }
+        if !position.iter().all(|number| number.is_finite()) {
+            return Err(Refusal::NotFinite { what: "body joints" });
+        }
+        body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
+    }
+    Ok(Some(body).filter(|body| body.iter().next().is_some()))
 }

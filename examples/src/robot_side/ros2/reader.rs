@@ -13,7 +13,7 @@ use super::inbox::Inbox;
 use super::measurements::Measurements;
 use super::messages::{JointState, Odometry, PoseArray, Text};
 use super::node::{Peers, RosNode};
-use super::perceived::{Perceived, SeenPerson};
+use super::perceived::{Perceived, SeenPeople};
 use super::side::WAKES;
 use super::statistics::TopicStatistics;
 use super::topic::{JointInterface, Topic};
@@ -29,7 +29,7 @@ pub(super) struct Reader {
     measurements: Measurements,
     perceived: Perceived,
     measured: Giver,
-    persons: SyncSender<SeenPerson>,
+    persons: SyncSender<SeenPeople>,
 }
 
 impl Reader {
@@ -38,7 +38,7 @@ impl Reader {
         measurements: Measurements,
         interface: JointInterface,
         measured: Giver,
-        persons: SyncSender<SeenPerson>,
+        persons: SyncSender<SeenPeople>,
     ) -> Result<Self, Ros2Error> {
         let topics = [
             Topic::JointStates,

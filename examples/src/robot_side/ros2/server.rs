@@ -4,11 +4,12 @@ use std::fmt;
 use std::time::SystemTime;
 
 use anyhow::Result;
+use moca_model::CameraFrame;
 use moca_model::MOCA_BASE_JOINTS;
 use moca_model::whole_body::{Clock, JointCommand, JointMeasurement, RobotSide};
 use nalgebra::UnitQuaternion;
 use ros2_client::Publisher;
-use vision_models::Percept;
+use vision_models::Body;
 
 use super::commands::{Commands, base_velocity};
 use super::domain::RosDomain;
@@ -83,20 +84,20 @@ impl Ros2Server {
         })
     }
 
-    /// Runs until `stop` returns true, and shows these percepts again and again.
+    /// Runs until `stop` returns true, and shows these camera frames again and again.
     ///
     /// # Errors
     /// A topic that cannot be read, and commands that the simulation refuses.
     pub fn serve(
         &mut self,
         period: f64,
-        percepts: &[Percept],
+        frames: &[CameraFrame],
         clock: &mut impl Clock,
         mut stop: impl FnMut() -> bool,
     ) -> Result<()> {
         let mut due = clock.now();
-        let first = percepts.first().map_or(0.0, |percept| percept.time);
-        let (mut begun, mut coming) = (due, percepts.iter().peekable());
+        let first = frames.first().map_or(0.0, |frame| frame.percept.time);
+        let (mut begun, mut coming) = (due, frames.iter().peekable());
         while !stop() {
             due = (due + period).max(clock.now() - period);
             clock.sleep_until(due);
@@ -108,11 +109,12 @@ impl Ros2Server {
                 self.robot.send(&self.command)?;
             }
             self.silent.iter_mut().for_each(|silent| *silent = silent.saturating_add(1));
-            if let Some(seen) = coming.next_if(|percept| begun + percept.time - first <= due) {
-                self.publish_seen(seen);
+            let is_due = |frame: &&CameraFrame| begun + frame.percept.time - first <= due;
+            if let Some(frame) = coming.next_if(is_due) {
+                self.publish_seen(frame);
             }
             if coming.peek().is_none() {
-                (begun, coming) = (due, percepts.iter().peekable());
+                (begun, coming) = (due, frames.iter().peekable());
             }
         }
         Ok(())
@@ -173,13 +175,18 @@ impl Ros2Server {
     }
 
     /// Publishes what the camera sees.
-    fn publish_seen(&self, percept: &Percept) {
+    fn publish_seen(&self, frame: &CameraFrame) {
+        let (percept, others) = (&frame.percept, frame.others());
         if let Some(seen) = &percept.action {
             let _ = self.actions.publish(Text { data: seen.action.name().to_owned() });
         }
-        let Some(body) = &percept.body else { return };
+        if percept.body.is_none() && others.is_empty() {
+            return;
+        }
+        let nobody = Body::default();
+        let people = std::iter::once(percept.body.as_ref().unwrap_or(&nobody)).chain(others);
         let unseen = Vector3 { x: f64::NAN, y: f64::NAN, z: f64::NAN };
-        let poses = body.keypoints().iter().map(|keypoint| {
+        let poses = people.flat_map(Body::keypoints).map(|keypoint| {
             let place = |at: nalgebra::Point3<f64>| Vector3 { x: at.x, y: at.y, z: at.z };
             let position = keypoint.map_or(unseen, |keypoint| place(keypoint.position));
             Pose { position, ..Pose::default() }

@@ -16,7 +16,7 @@ use super::hand_over::{Giver, Taker, hand_over};
 use super::measurements::{Measurements, RobotJoints};
 use super::node::RosNode;
 use super::outbox::{Outbox, Publishing};
-use super::perceived::SeenPerson;
+use super::perceived::SeenPeople;
 use super::reader::Reader;
 use super::statistics::TopicStatistics;
 use super::topic::JointInterface;
@@ -83,7 +83,7 @@ impl Ros2Side {
         domain: RosDomain,
         joints: RobotJoints,
         interface: JointInterface,
-    ) -> Result<(Self, Receiver<SeenPerson>), Ros2Error> {
+    ) -> Result<(Self, Receiver<SeenPeople>), Ros2Error> {
         let mut node = RosNode::join(domain, "moca_control")?;
         let (count, arm_joints) = (joints.count(), joints.arm().len());
         let (measured, taken) = hand_over(3 * count);

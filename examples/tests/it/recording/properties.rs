@@ -1,5 +1,7 @@
 //! What holds of every recording: what is written is read, a cut is seen, and no input makes a reader panic.
 
+use examples::recording::Timing;
+
 use super::*;
 
 fn any_confidence() -> impl Strategy<Value = Confidence> {
@@ -72,6 +74,38 @@ proptest! {
             }
         }
         prop_assert_eq!(written(&header, &back), bytes);
+    }
+
+    /// So are the other people in a frame, but for those of whom no joint was seen; a frame without any says nothing
+    /// of them.
+    #[test]
+    fn other_people_are_kept(
+        percepts in any_percepts(),
+        others in prop::collection::vec(prop::collection::vec(any_body(), 0..4), 8),
+    ) {
+        let others = others.into_iter().map(|bodies| {
+            bodies.into_iter().map(Option::unwrap_or_default).collect::<Vec<_>>()
+        });
+        let others: Vec<_> = others.collect();
+        let mut writer = Writer::new(Vec::new(), &Header::default()).unwrap();
+        for (percept, others) in percepts.iter().zip(&others) {
+            writer.write_people(percept, others, &Timing::default()).unwrap();
+        }
+        let text = String::from_utf8(writer.finish().unwrap()).unwrap();
+        let recording = whole(&text, IfPartial::Refuse).unwrap();
+        for ((back, others), line) in recording.others.iter().zip(&others).zip(text.lines().skip(1)) {
+            let seen: Vec<_> = others.iter().filter(|body| body.iter().next().is_some()).collect();
+            prop_assert_eq!(back.len(), seen.len());
+            prop_assert_eq!(line.contains("others"), !seen.is_empty());
+            for (back, body) in back.iter().zip(seen) {
+                for joint in Body25::ALL {
+                    let (back, joint) = (back.get(joint), body.get(joint));
+                    prop_assert_eq!(back.is_some(), joint.is_some());
+                    let apart = back.zip(joint).map(|(back, joint)| back.position - joint.position);
+                    prop_assert!(apart.is_none_or(|apart| apart.amax() <= 0.51e-4));
+                }
+            }
+        }
     }
 
     /// Wherever a file is cut, it is refused, and the frames that are whole can be taken.

@@ -100,7 +100,7 @@ fn bytes_of_cyclone_dds_are_the_messages_that_it_wrote() {
     let mut perceived = Perceived::default();
     perceived.take_action(&same("String"), after(1)).unwrap();
     let seen = perceived.take_body(&same("PoseArray"), after(1)).unwrap();
-    assert_eq!(seen.body.keypoints()[24].unwrap().position.y, 0.24);
+    assert_eq!(seen.body.unwrap().keypoints()[24].unwrap().position.y, 0.24);
     assert!(seen.action.is_some());
 
     let mut commands = Commands::new(7);

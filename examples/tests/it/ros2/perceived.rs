@@ -11,12 +11,42 @@ fn poses_are_joints_in_the_order_of_body_25() {
     let unseen = &mut poses.poses[Body25::LeftEar.index()].position;
     (unseen.x, unseen.y, unseen.z) = (f64::NAN, f64::NAN, f64::NAN);
     let seen = Perceived::default().take_body(&poses, after(80)).unwrap();
-    assert_eq!(seen.body.get(Body25::LeftEar), None);
-    assert_eq!(seen.body.iter().count(), 24);
-    let wrist = seen.body.get(Body25::LeftWrist).unwrap();
+    let person = seen.body.unwrap();
+    assert_eq!(person.get(Body25::LeftEar), None);
+    assert_eq!(person.iter().count(), 24);
+    assert!(seen.others.is_empty());
+    let wrist = person.get(Body25::LeftWrist).unwrap();
     assert!((wrist.position - Point3::new(2.0, 0.0, 0.7)).norm() < 1e-12);
     let taken = seen.taken.duration_since(after(0)).unwrap_or_else(|before| before.duration());
     assert!(taken.as_secs_f64() < 1e-6 && seen.action.is_none(), "{taken:?}");
+}
+
+/// Behind the joints of the person come those of others; who was not seen is nobody.
+#[test]
+fn there_may_be_others() {
+    let mut poses = body();
+    let mut other = body().poses;
+    for pose in &mut other {
+        pose.position.x += 3.0;
+    }
+    poses.poses.extend(other.clone());
+    let seen = Perceived::default().take_body(&poses, after(80)).unwrap();
+    assert!(seen.body.is_some());
+    let [far] = &seen.others[..] else { panic!("{} others", seen.others.len()) };
+    assert_eq!(far.get(Body25::Neck).unwrap().position.x, 5.0);
+
+    for pose in &mut poses.poses[..25] {
+        (pose.position.x, pose.position.y, pose.position.z) = (f64::NAN, f64::NAN, f64::NAN);
+    }
+    let seen = Perceived::default().take_body(&poses, after(80)).unwrap();
+    assert_eq!((seen.body.is_none(), seen.others.len()), (true, 1));
+
+    poses.poses.truncate(49);
+    let cut = Perceived::default().take_body(&poses, after(80)).unwrap_err();
+    assert_eq!(cut, Refusal::Size { what: "body joints", found: 49, expected: 25 });
+    poses.poses.clear();
+    let none = Perceived::default().take_body(&poses, after(80)).unwrap_err();
+    assert_eq!(none, Refusal::Size { what: "body joints", found: 0, expected: 25 });
 }
 
 #[test]

@@ -1,0 +1,44 @@
+//! The people beside the one who works with the robot, as the camera saw them.
+
+use vision_models::Body;
+
+use super::body::{self, BODY_POINTS, POINT_COUNT, Points};
+use super::person_track::write_points;
+use super::table::{Encoding, Group, Table};
+
+/// One more than the robot can keep away from.
+const NAMES: [&str; 5] = ["other 1", "other 2", "other 3", "other 4", "other 5"];
+
+/// Frame by frame, from the first that shows anybody.
+#[derive(Clone, Debug)]
+pub(super) struct OthersTrack {
+    table: Table,
+    stature: f64,
+}
+
+impl OthersTrack {
+    /// Of people of whom no more is known than that they are about as tall as the person \[m\].
+    pub(super) fn new(stature: f64) -> Self {
+        let group = |name| Group::new(name, &BODY_POINTS, 3, Encoding::Steps);
+        Self { table: Table::new(NAMES.map(group).into()), stature }
+    }
+
+    /// Takes a camera frame.
+    pub(super) fn observe(&mut self, time: f64, bodies: &[Body]) {
+        if self.table.is_empty() && bodies.is_empty() {
+            return;
+        }
+        let unseen: Points = [None; POINT_COUNT];
+        let mut row = Vec::with_capacity(NAMES.len() * 3 * POINT_COUNT);
+        for place in 0..NAMES.len() {
+            let points = bodies.get(place).map_or(unseen, |body| body::seen(body, self.stature));
+            write_points(&points, &mut row);
+        }
+        self.table.push(time, &row);
+    }
+
+    /// All frames; none if there was never anybody.
+    pub(super) fn finish(self) -> Option<Table> {
+        (!self.table.is_empty()).then_some(self.table)
+    }
+}
