@@ -238,7 +238,9 @@ impl Controller {
         if !self.robot.model().is_configuration(configuration) {
             return false;
         }
-        let Ok(following) = self.leash.hold(&mut self.command, configuration) else {
+        let Ok(following) =
+            self.leash.hold(&mut self.command, configuration, &self.follows_position)
+        else {
             return false;
         };
         self.reference.copy_from_slice(configuration);

@@ -66,7 +66,8 @@ impl LeashSettings {
 ///
 /// Within the leash q* is the integral of q̇*. Once it is reached the commanded state starts anew
 /// from the measured one, tick by tick until the robot is at rest, while the velocities brake within
-/// their limits: so nothing is left that could be released.
+/// their limits: so nothing is left that could be released. Of a robot with joints that follow positions
+/// these have to rest: without their springs the arm would sag for as long as the base brakes.
 #[derive(Debug, Clone)]
 pub(crate) struct Leash {
     settings: LeashSettings,
@@ -83,7 +84,8 @@ impl Leash {
         Ok(Self { settings, joints: Resynchronisation::new(lengths)? })
     }
 
-    /// Holds the commanded configuration to the measured one.
+    /// Holds the commanded configuration to the measured one; `follow` says of each joint whether it follows
+    /// positions.
     ///
     /// # Errors
     /// [`Error::Robot`] for a configuration of the wrong size.
@@ -91,9 +93,12 @@ impl Leash {
         &mut self,
         command: &mut Command,
         configuration: &[f64],
+        follow: &[bool],
     ) -> Result<Following, Error> {
         let stops = command.safety == SafetyState::ProtectiveStop;
-        let rests = command.joint_velocity.iter().all(|&velocity| velocity == 0.0);
+        let all = !follow.contains(&true);
+        let mut velocities = command.joint_velocity.iter().zip(follow);
+        let rests = velocities.all(|(&velocity, &follows)| velocity == 0.0 || !(all || follows));
         Ok(self.joints.hold(&mut command.joint_position, configuration, rests || !stops)?)
     }
 

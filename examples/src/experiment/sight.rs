@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
-use vision_models::Percept;
+use vision_models::{Body, Percept};
 
 use crate::perception::{Perceiver, PerceiverSettings};
 use crate::rendering::{Film, Viewpoint};
@@ -47,5 +47,10 @@ impl FilmedPerson {
         let people: Vec<_> = shot.skeleton.into_iter().collect();
         self.perceiver.see(shot.entry.time, &people, &shot.depth)?;
         Ok(Some(Percept { body: self.perceiver.body().cloned(), ..percept }))
+    }
+
+    /// Who is found in that frame beside the person who works with the robot: before they engage, themselves.
+    pub(super) fn others(&self) -> Vec<Body> {
+        self.perceiver.others().cloned().collect()
     }
 }

@@ -53,7 +53,8 @@ impl Walk {
         };
         let mut transport = Transport::new(random::generator(settings.seed, TRANSPORT));
         let mut walker = Walker::new(settings)?;
-        let (mut percepts, mut arrivals, mut truth) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut percepts, mut others) = (Vec::new(), Vec::new());
+        let (mut arrivals, mut truth) = (Vec::new(), Vec::new());
         let mut motion = TrueMotion::default();
         while let Some((person, percept)) = walker.next_frame() {
             truth.push(person);
@@ -62,6 +63,10 @@ impl Walk {
                 Some(film) => film.see(percept)?,
                 None => percept,
             };
+            // None overtakes another on the way.
+            if percept.is_some() {
+                others.push(film.as_ref().map(FilmedPerson::others).unwrap_or_default());
+            }
             transport.send(percept, 0.0);
         }
         for (at, percept) in transport {
@@ -72,7 +77,7 @@ impl Walk {
         if let (Some(arrival), Some(first)) = (arrivals.first_mut(), percepts.first()) {
             *arrival = first.time;
         }
-        Ok(Self { percepts, others: Vec::new(), arrivals, truth, motion: Some(motion) })
+        Ok(Self { percepts, others, arrivals, truth, motion: Some(motion) })
     }
 
     /// The robot somewhere near home, and this walk; the person has this map.

@@ -130,6 +130,42 @@ fn the_tool_comes_to_its_place_under_torque() {
     assert!(gap < 5e-3, "{gap} m");
 }
 
+/// The commanded state starts anew from the measured one until the arm rests, not for as long as the base brakes:
+/// its arm would have no spring, and sag.
+#[test]
+fn an_arm_keeps_its_place_while_the_base_still_brakes() {
+    let mut settings = ControllerSettings::default();
+    settings.desired.velocity = 1.4;
+    settings.horizon = 5.0;
+    settings.safety.supervisor.contact_force = 1e6;
+    let mut robot = Loop::new(settings);
+    let middle = robot.tool() + Vector3::new(5.0, 0.0, 0.0);
+    robot.assign(middle);
+    robot.run(3.5);
+    let speed = |robot: &Loop| robot.robot.simulation().velocity()[0];
+    assert!(speed(&robot) > 0.8, "{} m/s", speed(&robot));
+    // Something holds the tool back for a moment.
+    robot.push(Vector3::new(-250.0, 0.0, 0.0));
+    while robot.state() != SafetyState::ProtectiveStop {
+        robot.step();
+    }
+    assert_eq!(robot.cause(), Some(Fault::FollowingError));
+    robot.external.clear();
+    robot.run(0.4);
+    let arm = |robot: &Loop| Vec::from(&robot.robot.simulation().position()[3..]);
+    let before = arm(&robot);
+    assert!(speed(&robot) > 0.4, "{} m/s", speed(&robot));
+    // As somebody who works on the object pushes.
+    robot.push(Vector3::new(15.0, 0.0, -15.0));
+    robot.run(2.0);
+    assert_eq!(robot.state(), SafetyState::ProtectiveStop);
+    assert!(speed(&robot).abs() < 1e-3);
+    for (joint, (before, after)) in before.iter().zip(arm(&robot)).enumerate() {
+        // 11 Nm on a spring of 600 Nm/rad.
+        assert!((after - before).abs() < 0.04, "joint {joint} from {before} to {after}");
+    }
+}
+
 #[test]
 fn a_push_that_is_too_hard_stops_the_arm_which_gives_way() {
     let mut robot = Loop::new(ControllerSettings::default());
