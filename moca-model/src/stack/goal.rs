@@ -19,6 +19,9 @@ pub struct GoalTerms<'a> {
 }
 
 /// activation · e_s(x_d + τ (ẋ_d − drift)) + (1 − activation) ‖ẋ_d‖², over ẋ_d.
+///
+/// One level whose weights change, so that its solution does not jump: as two levels of a
+/// [`ContinuousStack`](ahqp_core::ContinuousStack) that change places, a tick would solve two hierarchies.
 #[derive(Debug, Clone)]
 pub(super) struct GoalTask {
     desired_twist: Variables,
