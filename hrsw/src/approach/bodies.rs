@@ -47,10 +47,11 @@ impl PersonBody {
     }
 
     /// How far a part that may be touched has gone since it was seen, if it went on as measured \[m\]; none for
-    /// others, and where that is not known.
+    /// others, and of somebody who may as well stand.
     pub(super) fn gone_if_touched(&self) -> Option<Vector3<f64>> {
         let velocity = self.contact?.velocity.or(self.velocity)?;
-        Some(velocity.mean * self.age)
+        let moves = velocity.mean.norm() > velocity.uncertainty;
+        moves.then(|| velocity.mean * self.age)
     }
 
     /// How fast the part comes nearer along a unit normal that points away from it, where that is known.

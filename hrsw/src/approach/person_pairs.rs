@@ -75,7 +75,7 @@ impl ApproachRows {
         let Some(mut candidate) = self.candidate(motion, moves, bodies, &seen) else { return };
         let (_, _, part) = bodies;
         // Of a part that may be touched and is too near only the direction counts: it is the one to where the
-        // part has gone since it was seen.
+        // part has gone since it was seen, if it surely moves.
         if let Some(gone) = part.gone_if_touched().filter(|_| candidate.room < 0.0) {
             let apart = (seen.on_first - seen.on_second).norm();
             // Moved by so much, the least vector between two convex sets turns by no more than twice that over

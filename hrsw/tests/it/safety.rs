@@ -206,7 +206,7 @@ proptest! {
     }
 
     /// Each row is how fast the nearest point of the robot's capsule, or one of its ends, comes nearer, by finite
-    /// differences of the distance: to where a part is by now, if it may be touched and is too near.
+    /// differences of the distance: to where a part is by now, if it may be touched, is too near, and surely moves.
     #[test]
     fn rows_are_the_rate_of_approach(
         jacobian in jacobian(), q in joints(), origin in vector(0.5),
@@ -241,7 +241,8 @@ proptest! {
                 degenerate |= (seen.on_first - seen.on_second).norm() < 1e-2;
                 let by_now = part.contact.and(part.velocity).filter(|velocity| {
                     let human = velocity.mean.dot(&seen.normal) + velocity.uncertainty;
-                    seen.distance < settings.protective_distance(human, 0.0)
+                    let moves = velocity.mean.norm() > velocity.uncertainty;
+                    moves && seen.distance < settings.protective_distance(human, 0.0)
                 });
                 let moved = by_now.map_or(Vector3::zeros(), |velocity| velocity.mean * part.age);
                 let other = carried(&part.capsule, &Vector6::new(moved.x, moved.y, moved.z, 0.0, 0.0, 0.0), &origin, 1.0);
