@@ -112,7 +112,7 @@ impl Safety {
         }
         let person = PersonBodies::new(settings.person, &settings.contact);
         Ok(Self {
-            others: Bystanders::new(&person),
+            others: Bystanders::new(settings.person, &settings.contact),
             people: Vec::with_capacity(2 * PARTS.len() + Bystanders::room()),
             person,
             velocity_change: limits.iter().map(|limits| limits.acceleration * period).collect(),

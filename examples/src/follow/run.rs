@@ -178,7 +178,8 @@ impl<'a> Run<'a> {
                 self.observe(&shown, others)?;
                 self.adapt()?;
                 let least_confidence = self.scenario.settings.safety.person.least_confidence;
-                self.others.update(percept.time, others, least_confidence);
+                let person = percept.body.as_ref();
+                self.others.update(percept.time, person, others, least_confidence);
                 if let Some(body) = &shown.body {
                     self.person.update(percept.time, body, least_confidence);
                     if let Some(person) = &mut self.true_person {

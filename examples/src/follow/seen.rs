@@ -73,8 +73,15 @@ pub(super) struct SeenOthers {
 }
 
 impl SeenOthers {
-    /// Takes the bodies of a frame: each is whoever was nearest, if they can have gone there.
-    pub(super) fn update(&mut self, time: f64, bodies: &[Body], least_confidence: f64) {
+    /// Takes the bodies of a frame: each is whoever was nearest, if they can have gone there. Who works with the
+    /// robot from now on, at `person`, is nobody of them any more.
+    pub(super) fn update(
+        &mut self,
+        time: f64,
+        person: Option<&Body>,
+        bodies: &[Body],
+        least_confidence: f64,
+    ) {
         self.people.retain(|(last, ..)| time - last <= REMEMBERED);
         for body in bodies {
             let Some(place) = body.get(Body25::MidHip).map(|seen| seen.position) else { continue };
@@ -93,6 +100,11 @@ impl SeenOthers {
                 person.update(time, body, least_confidence);
                 self.people.push((time, place, person));
             }
+        }
+        if let Some(pelvis) = person.and_then(|body| body.get(Body25::MidHip)) {
+            self.people.retain(|(last, place, _)| {
+                *last == time || (pelvis.position - place).norm() > NOISE
+            });
         }
     }
 

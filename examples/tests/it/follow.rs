@@ -92,6 +92,22 @@ fn others_in_a_recording_are_kept_away_from() {
     assert_sound(&beside, "somebody beside the tool");
     assert_eq!(beside.separation_violations, 0);
     assert!(beside.retreats > alone.retreats, "{} {}", beside.retreats, alone.retreats);
+    // Until they engage, the person is one of the others.
+    let work = scenario
+        .percepts
+        .iter()
+        .position(|percept| percept.action.is_some_and(|seen| seen.action.is_collaborative()));
+    let (mut late, mut others) = (scenario.percepts.clone(), vec![Vec::new(); 300]);
+    for (percept, others) in late.iter_mut().zip(&mut others).take(work.unwrap()) {
+        others.extend(percept.body.take());
+    }
+    let late = Scenario { percepts: late, ..shipped() }.among(others);
+    let frames = late.camera_frames();
+    assert_eq!((frames[0].others(), &frames[0].percept), (late.others(0), &late.percepts[0]));
+    let late = play(&late, Goal::Ergonomics);
+    assert_sound(&late, "the person is one of the others at first");
+    assert_eq!(late.separation_violations, 0);
+    assert!(late.together > 0.8 * alone.together, "{} {}", late.together, alone.together);
     let crowd: Vec<_> = (0..5).map(|place| standing_at(-6.0, f64::from(place))).collect();
     let (four, five) = (among(&crowd[..4]), among(&crowd));
     assert_eq!((four.protective_stops, five.protective_stops), (0, 1));

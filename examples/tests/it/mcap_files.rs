@@ -3,11 +3,13 @@
 use std::fs;
 
 use examples::mcap_files::{McapFileError, RobotLog, from_json_lines, to_json_lines};
-use examples::recording::shipped_bytes;
+use examples::recording::{Header, Timing, Writer, shipped_bytes};
 use examples::report::TickRow;
 use mcap::MessageStream;
 use moca_model::{MOCA_HOME, moca};
+use nalgebra::Point3;
 use proptest::prelude::*;
+use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
 
 use crate::support::Runs;
 
@@ -38,6 +40,38 @@ fn what_was_cut_off_or_written_otherwise_comes_back_as_it_was() {
     let windows = String::from_utf8(beginning(3)).unwrap().replace('\n', "\r\n");
     let file = from_json_lines(windows.as_bytes()).unwrap();
     assert_eq!(to_json_lines(&file).unwrap(), windows.as_bytes());
+}
+
+/// Other people in view come back, too, and are drawn beside the person.
+#[test]
+fn other_people_are_kept_and_drawn() {
+    let at = |x: f64| {
+        let mut body = Body::default();
+        let position = Point3::new(x, 0.5, 0.9);
+        body.set(Body25::MidHip, Some(Keypoint { position, confidence: Confidence::ONE }));
+        body
+    };
+    let percept = Percept { time: 0.0, body: None, action: None, surface: None };
+    let mut writer = Writer::new(Vec::new(), &Header::default()).unwrap();
+    writer.write_people(&percept, &[at(2.0), at(3.0)], &Timing::default()).unwrap();
+    let both = Percept { time: 0.05, body: Some(at(1.0)), ..percept };
+    writer.write_people(&both, &[at(2.0)], &Timing::default()).unwrap();
+    let text = writer.finish().unwrap();
+    let file = from_json_lines(&text).unwrap();
+    assert_eq!(to_json_lines(&file).unwrap(), text);
+    let mut drawn = Vec::new();
+    for message in MessageStream::new(&file).unwrap() {
+        let message = message.unwrap();
+        if message.channel.topic == "/person" {
+            let value: serde_json::Value = serde_json::from_slice(&message.data).unwrap();
+            for entity in value["entities"].as_array().unwrap() {
+                let x = entity["spheres"][0]["pose"]["position"]["x"].as_f64().unwrap();
+                drawn.push((entity["id"].as_str().unwrap().to_owned(), x));
+            }
+        }
+    }
+    let expected = [("other 1", 2.0), ("other 2", 3.0), ("person", 1.0), ("other 1", 2.0)];
+    assert_eq!(drawn, expected.map(|(name, x)| (name.to_owned(), x)));
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! The people beside the one who works with the robot.
 
-use hrsw::{PersonBody, SeparationSettings};
+use hrsw::{ContactLimits, PersonBody, SeparationSettings};
 use vision_models::{Body, Percept};
 
 use super::body_parts::PARTS;
 use super::person_bodies::PersonBodies;
+use super::settings::PersonBodySettings;
 
 /// How many there is room for.
 pub(crate) const MOST: usize = 4;
@@ -18,9 +19,10 @@ pub(super) struct Bystanders {
 }
 
 impl Bystanders {
-    /// Nobody, each to be like `person`, of whom nothing is known yet.
-    pub(super) fn new(person: &PersonBodies) -> Self {
-        Self { people: std::array::from_fn(|_| person.clone()) }
+    /// Nobody, of whom these settings and limits hold.
+    pub(super) fn new(settings: PersonBodySettings, limits: &ContactLimits) -> Self {
+        // A clone would have no room for the parts, and get it in the control loop.
+        Self { people: std::array::from_fn(|_| PersonBodies::new(settings, limits)) }
     }
 
     /// Room for the bodies of all of them.

@@ -1,15 +1,16 @@
 //! Nothing on the control path allocates after construction.
 
 use ergo_map::ErgonomicsQuadratic;
-use moca_model::whole_body::Data;
+use moca_model::whole_body::{ControlLaw, Data, JointCommand, JointMeasurement};
 use moca_model::{
-    Controller, ControllerSettings, HeldObject, ImpedanceSettings, JointImpedance, JointState,
-    Kinematics, MOCA_HOME, MOCA_TOOL, SafetySettings, SimulatedRobot, moca,
+    CameraFrame, Controller, ControllerSettings, HeldObject, ImpedanceSettings, JointImpedance,
+    JointState, Kinematics, LoopController, MOCA_HOME, MOCA_TOOL, SafetySettings, SimulatedRobot,
+    TorqueController, TorqueLoopSettings, moca,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, Tool};
 
-use crate::drive::{Drive, percept};
+use crate::drive::{Drive, body, percept};
 
 /// How often `action` allocates on this thread.
 fn allocations(action: impl FnOnce()) -> u64 {
@@ -96,6 +97,35 @@ fn a_tick_of_the_controller_allocates_nothing() {
     });
     assert_eq!(count, 0);
     assert!(controller.command().joint_velocity.iter().any(|v| v.abs() > 1e-3), "it moves");
+}
+
+/// Frames of several people come from another thread and are dropped in the loop, which allocates and frees nothing,
+/// from the first tick on.
+#[test]
+fn camera_frames_of_several_people_allocate_and_free_nothing() {
+    let controller = Drive::new().controller;
+    let controller = TorqueController::new(controller, TorqueLoopSettings::default()).unwrap();
+    let (mut law, frames) = LoopController::new(controller);
+    let measured = JointMeasurement {
+        position: MOCA_HOME.to_vec(),
+        velocity: vec![0.0; 10],
+        torque: vec![0.0; 10],
+    };
+    let mut command = JointCommand::at_rest(&measured);
+    let others = [6.0, 8.0].map(body);
+    let counted = allocation_counter::measure(|| {
+        for tick in 0..200_u32 {
+            let now = f64::from(tick) * 1e-3;
+            if tick.is_multiple_of(50) {
+                let frame = CameraFrame::from(percept(now, Some(4.0))).with_others(&others);
+                frames.try_send(frame).unwrap();
+            }
+            law.step(now, &measured, &mut command).unwrap();
+        }
+    });
+    assert_eq!((counted.count_total, counted.count_current), (0, 0));
+    let safety = law.controller().controller().safety();
+    assert!(safety.all_bodies().len() > safety.person_bodies().len(), "others are known");
 }
 
 #[test]

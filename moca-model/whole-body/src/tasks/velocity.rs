@@ -116,6 +116,7 @@ impl VelocityTask {
     fn take(&mut self, rows: &Rows) {
         if self.columns != rows.columns() {
             self.columns = rows.columns();
+            self.matrix.clear();
             self.matrix.resize(self.lower.len() * self.columns, 0.0);
         }
         let bounds = rows.lower().iter().zip(rows.upper());

@@ -84,8 +84,18 @@ proptest! {
 
     /// A row behind the last that bounds something is zero, whatever stood there before.
     #[test]
-    fn a_row_that_bounded_nothing_is_zero_when_it_is_bounded(before in tick(), after in tick()) {
+    fn a_row_that_bounded_nothing_is_zero_when_it_is_bounded(
+        before in tick(), after in tick(), were_longer in any::<bool>(),
+    ) {
         let mut task = VelocityTask::from_rows(&rows(&before));
+        if were_longer {
+            // Rows that took other places in memory.
+            task = VelocityTask::new(ROWS);
+            for (index, asked) in before.iter().enumerate().take(ROWS - 1) {
+                let longer: Vec<f64> = asked.0.iter().chain(&asked.0).copied().collect();
+                task.set_row(index, &longer, 0.0, 0.0).unwrap();
+            }
+        }
         let mut after = after;
         after[ROWS - 1].1 = false;
         task.copy_from(&rows(&after)).unwrap();
