@@ -20,6 +20,9 @@ const THERE: f64 = 0.02;
 /// Shares of the largest below this do not make another joint's axis nearer to that of a turn.
 const NEARLY: f64 = 0.9;
 
+/// By how much less the shorter of two ways is where that counts \[rad\].
+const SHORTER: f64 = 0.04;
+
 /// The way of the hand around an object that turns below it, in the tool's axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct HandTurn {
@@ -106,9 +109,9 @@ impl Controller {
         let way = self.space.workspace().reference().inverse() * goal;
         self.shown = side;
         let Some((axis, angle)) = way.axis_angle() else { return Ok(()) };
-        // Two ways are as long only about half a turn.
-        let free = angle > PI - 1e-3 && !self.has_more_room(&axis);
-        let axis = if free { -axis } else { axis };
+        // For the workspace two ways are as long only about half a turn.
+        let other = angle > PI - 1e-3 && !self.goes_about(&axis);
+        let axis = if other { -axis } else { axis };
         self.space.moving_mut().reorient(goal, &axis)?;
         // Seen from the tool, the person goes round the object the other way.
         self.hand_turn.axis = -axis;
@@ -121,24 +124,59 @@ impl Controller {
         Ok(())
     }
 
-    /// Whether the joint nearest to the tool whose axis is about that of a turn, in the tool's axes, has
-    /// more room in that sense than in the other.
-    fn has_more_room(&self, axis: &Unit<Vector3<f64>>) -> bool {
+    /// Whether a half turn goes about this axis, in the tool's axes, and not about the opposite one. It goes the
+    /// way that is shorter for the desired pose, if the joint nearest to the tool about that axis has room for it
+    /// or one without limits can help; else the way in which that joint has more room.
+    fn goes_about(&self, axis: &Unit<Vector3<f64>>) -> bool {
+        let rooms = self.rooms_about(axis);
+        let done = self.turned_about(axis);
+        let room = if done > 0.0 { rooms.about } else { rooms.against };
+        let is_free = rooms.is_free || room >= PI - done.abs();
+        if 2.0 * done.abs() > SHORTER && is_free {
+            done > 0.0
+        } else {
+            rooms.about >= rooms.against
+        }
+    }
+
+    /// How far the desired pose is turned about an axis, in the tool's axes, from the middle of the room for
+    /// orientations \[rad\].
+    fn turned_about(&self, axis: &Unit<Vector3<f64>>) -> f64 {
+        let workspace = self.space.workspace();
+        let middle = workspace.world_from_workspace().rotation * workspace.reference();
+        (middle.inverse() * self.command.desired.rotation).scaled_axis().dot(axis)
+    }
+
+    /// How far the joints can turn the tool about an axis, in its own axes.
+    fn rooms_about(&self, axis: &Unit<Vector3<f64>>) -> Rooms {
         let axis = self.robot.world_from_tool().rotation * **axis;
         let jacobian = self.robot.jacobian();
         let along = |joint: usize| jacobian.fixed_view::<3, 1>(3, joint).dot(&axis);
         let limits = self.robot.model().limits();
-        let bounded = |joint: &usize| {
+        let is_bounded = |joint: &usize| {
             limits.get(*joint).is_some_and(|limit| (limit.upper - limit.lower).is_finite())
         };
-        let joints = || (0..self.reference.len()).filter(bounded);
+        let joints = || 0..self.reference.len();
         let most = joints().map(|joint| along(joint).abs()).fold(0.0, f64::max);
-        let nearest = joints().rev().find(|joint| along(*joint).abs() >= NEARLY * most);
-        let Some(joint) = nearest else { return true };
-        let (Some(limit), Some(q)) = (limits.get(joint), self.reference.get(joint)) else {
-            return true;
-        };
-        let (above, below) = (limit.upper - q, q - limit.lower);
-        if along(joint) >= 0.0 { above >= below } else { below >= above }
+        let mut about = joints().rev().filter(|joint| along(*joint).abs() >= NEARLY * most);
+        let is_free = most > 0.0 && about.clone().any(|joint| !is_bounded(&joint));
+        let nearest = about.find(is_bounded).and_then(|joint| {
+            let (limit, q) = (limits.get(joint)?, self.reference.get(joint)?);
+            let (above, below) = (limit.upper - q, q - limit.lower);
+            Some(if along(joint) >= 0.0 { (above, below) } else { (below, above) })
+        });
+        let (about, against) = nearest.unwrap_or_default();
+        Rooms { about, against, is_free }
     }
+}
+
+/// How far the joints can turn the tool.
+#[derive(Debug, Clone, Copy)]
+struct Rooms {
+    /// About the axis, by the nearest joint with limits \[rad\].
+    about: f64,
+    /// The other way \[rad\].
+    against: f64,
+    /// Whether a joint without limits turns the tool about the axis, too.
+    is_free: bool,
 }

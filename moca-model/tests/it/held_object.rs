@@ -1,10 +1,13 @@
 //! The object between robot and person: where the hand is, what it weighs, and what is refused.
 
 use ergo_map::ErgonomicsQuadratic;
-use moca_model::whole_body::Data;
+use std::f64::consts::{PI, TAU};
+
+use moca_model::whole_body::{Data, Model};
 use moca_model::{
-    BoxSide, Controller, ControllerSettings, Error, HandSettings, HeldObject, MOCA_HOME, Phase,
-    Reason, SimulatedRobot, TorqueController, TorqueLoopSettings, WorkFace,
+    BoxSide, Controller, ControllerSettings, Error, HandSettings, HeldObject, MOCA_HOME, MOCA_URDF,
+    Phase, Reason, SafetySettings, SimulatedRobot, TorqueController, TorqueLoopSettings, WorkFace,
+    moca_description,
 };
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use proptest::prelude::*;
@@ -178,6 +181,67 @@ fn objects_that_are_none_are_named_and_change_nothing() {
     ] {
         let settings = ControllerSettings { hand, ..ControllerSettings::default() };
         assert!(matches!(settings.validate(), Err(Error::Setting { .. })));
+    }
+}
+
+/// How far the tool turns about the vertical while it shows the far side of the object to a person, who uses a tool
+/// for that, by a robot whose wrist is `turned` from home and whose base has so much room to turn either way \[rad\].
+fn half_turn(turned: f64, room: f64) -> f64 {
+    let mut description = moca_description();
+    for (_, limits) in description.limits.iter_mut().filter(|(joint, _)| joint == "base_yaw") {
+        limits.position = Some((-room, room));
+    }
+    let model = Model::from_urdf(MOCA_URDF, &description).unwrap();
+    let best = Vector3::new(0.4, -0.1, 1.1);
+    let comfort =
+        ErgonomicsQuadratic::new(Matrix3::identity(), -best, 0.5 * best.norm_squared()).unwrap();
+    let mut start = MOCA_HOME;
+    start[9] -= turned;
+    let mut settings =
+        ControllerSettings { safety: SafetySettings::off(), ..ControllerSettings::default() };
+    settings.posture.configuration = start.to_vec();
+    let mut controller = Controller::new(model.clone(), comfort, settings, &start).unwrap();
+    controller.hold(HeldObject::default()).unwrap();
+    let mut robot = SimulatedRobot::new(&model, &start).unwrap();
+    let mut data = Data::new(&model);
+    let mut yaw = |q: &[f64]| {
+        let tool = data.pose(&model, q).unwrap().world_from(controller.robot().tool()).unwrap();
+        let x = tool * Vector3::x();
+        x.y.atan2(x.x)
+    };
+    let (mut way, mut before) = (0.0, yaw(&start));
+    let mut controller = controller.clone();
+    for tick in 0..10_000_u32 {
+        let now = f64::from(tick) * PERIOD;
+        if tick.is_multiple_of(50) {
+            let tool = if now < 3.0 { Tool::Drill } else { Tool::Polisher };
+            controller.observe(&doing(Action::Using(tool), now, Some(0.8))).unwrap();
+        }
+        controller.feel(0.0);
+        controller.step(now, robot.position()).unwrap();
+        robot.step(&controller.command().joint_velocity, PERIOD).unwrap();
+        let yaw = yaw(robot.position());
+        if now > 3.0 {
+            way += (yaw - before + PI).rem_euclid(TAU) - PI;
+        }
+        before = yaw;
+    }
+    assert_eq!(controller.phase(), Phase::Working, "from {turned}");
+    assert_eq!(controller.shown(), BoxSide::Back, "from {turned}");
+    way
+}
+
+/// Of two ways to turn by half a turn the object goes the shorter one, if the wrist can or the base can help.
+#[test]
+fn half_a_turn_goes_the_shorter_way_if_it_can() {
+    for turned in [-0.25, -0.1, 0.1, 0.25_f64] {
+        let way = half_turn(turned, f64::INFINITY);
+        assert_eq!(way.signum(), turned.signum(), "from {turned}: {way}");
+        // To the edge of the room for orientations, 0.35 rad, from where it stands.
+        assert!(way.abs() < PI - 0.3, "from {turned}: {way}");
+        // The wrist alone has room for that way only.
+        let way = half_turn(turned, 0.3);
+        assert!(way > 0.0 && way < PI, "from {turned}: {way}");
     }
 }
 

@@ -38,13 +38,6 @@ pub(super) struct Motion {
     pub(super) max_speed: f64,
 }
 
-impl<const D: usize> Measurement<D> {
-    /// The same standard deviation on each axis.
-    pub(super) fn isotropic(position: SVector<f64, D>, sigma: f64) -> Self {
-        Self { position, covariance: SMatrix::identity() * sigma.powi(2) }
-    }
-}
-
 impl<const D: usize> ConstantVelocity<D> {
     /// At rest where it was measured.
     pub(super) fn starting_at(measured: &Measurement<D>, motion: &Motion) -> Self {
@@ -171,7 +164,8 @@ mod tests {
 
     #[test]
     fn follows_a_ramp_without_lag() {
-        let at = |position| Measurement::isotropic(position, 0.03);
+        let covariance = Matrix2::identity() * 0.03_f64.powi(2);
+        let at = |position| Measurement { position, covariance };
         let mut filter = ConstantVelocity::starting_at(&at(vector![1.0, 2.0]), &MOTION);
         let velocity = vector![0.8, -0.3];
         for k in 1..=200 {

@@ -28,8 +28,10 @@ const VAGUE: f64 = 10.0;
 pub(super) struct Seen<'body> {
     body: &'body Body,
     least_confidence: f64,
-    /// Where no covariance is known (m).
-    position_sigma: f64,
+    /// Whether joints come with covariances.
+    measured: bool,
+    /// Of a joint of which no covariance is known (m²).
+    assumed: Matrix3<f64>,
     /// What errors that last from frame to frame make of a covariance.
     inflation: f64,
 }
@@ -62,11 +64,14 @@ pub(super) struct Facing {
 impl<'body> Seen<'body> {
     /// `interval` is the time since the frame before (s).
     pub(super) fn new(body: &'body Body, settings: &TrackerSettings, interval: f64) -> Self {
+        let measured = Body25::ALL.into_iter().any(|joint| body.covariance(joint).is_some());
         Self {
             body,
             least_confidence: settings.least_confidence,
-            position_sigma: settings.position_sigma,
-            inflation: settings.inflation(interval),
+            measured,
+            assumed: Matrix3::identity() * settings.position_sigma.powi(2),
+            // What is assumed counts that already.
+            inflation: if measured { settings.inflation(interval) } else { 1.0 },
         }
     }
 
@@ -80,9 +85,16 @@ impl<'body> Seen<'body> {
         trusted.then_some(Joint { position, covariance })
     }
 
+    /// The same, with the covariance that is assumed where none is known of any joint.
+    fn place(&self, joint: Body25) -> Option<Joint> {
+        let assumed = (!self.measured).then_some(self.assumed);
+        let joint = self.joint(joint)?;
+        Some(Joint { covariance: joint.covariance.or(assumed), ..joint })
+    }
+
     /// Returns true if joints come with covariances.
     pub(super) fn is_measured(&self) -> bool {
-        Body25::ALL.into_iter().any(|joint| self.body.covariance(joint).is_some())
+        self.measured
     }
 
     /// What errors that last from frame to frame make of a covariance.
@@ -91,8 +103,9 @@ impl<'body> Seen<'body> {
     }
 
     /// The floor below the pelvis (m): below mid hip and hips, and below neck and shoulders, which are above
-    /// the pelvis but for the person's lean. Both where their covariances are known, else the first. With
-    /// the way that the person faces, one hip or shoulder tells where the middle is.
+    /// the pelvis but for the person's lean. Both where their covariances are known, else the first; of a body
+    /// without any, all are taken for equally sure. With the way that the person faces, one hip or shoulder
+    /// tells where the middle is.
     pub(super) fn floors(
         &self,
         lean: &LeanInWorld,
@@ -147,7 +160,7 @@ impl<'body> Seen<'body> {
         aside: f64,
         facing: Option<Facing>,
     ) -> Option<Joint> {
-        let (middle, pair) = (self.joint(middle), pair.map(|joint| self.joint(joint)));
+        let (middle, pair) = (self.place(middle), pair.map(|joint| self.place(joint)));
         let [left, right] = pair;
         let alone = middle.or_else(|| Some(Joint::middle(&left?, &right?)));
         let Some(Facing { angle, variance }) = facing.filter(Facing::is_known) else {
@@ -178,14 +191,9 @@ impl<'body> Seen<'body> {
     }
 
     fn floor(&self, joint: &Joint) -> Measurement<2> {
-        let position = joint.position.xy();
-        match joint.covariance {
-            None => Measurement::isotropic(position, self.position_sigma),
-            Some(covariance) => {
-                let covariance = covariance.fixed_view::<2, 2>(0, 0) * self.inflation;
-                Measurement { position, covariance }
-            }
-        }
+        let covariance = joint.covariance.map_or(self.assumed, |known| known * self.inflation);
+        let covariance = covariance.fixed_view::<2, 2>(0, 0).into_owned();
+        Measurement { position: joint.position.xy(), covariance }
     }
 
     /// The person's forward direction: left is from the right to the left shoulder plus from the

@@ -20,8 +20,8 @@ use crate::Error;
 pub struct TrackerSettings {
     /// Keypoints with less confidence are as good as missing. Default 0.3.
     pub least_confidence: f64,
-    /// Standard deviation of the pelvis' measured floor position, each axis, where its covariance is
-    /// not known (m). Default 0.03.
+    /// Standard deviation of a joint's measured position, each axis, where no covariances are known (m).
+    /// Default 0.03.
     pub position_sigma: f64,
     /// Spectral density of the person's acceleration (m²/s³), where covariances are not known: more
     /// follows sooner, less smooths more. Default 0.1, which with the other defaults is a bandwidth
