@@ -1,5 +1,7 @@
 //! How well the robot keeps its place beside a walking person.
 
+use std::collections::VecDeque;
+
 use nalgebra::{Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -12,6 +14,9 @@ const SETTLE: f64 = 2.0;
 const CHANGE: f64 = 0.03;
 /// Slower than this, people stand \[m/s\].
 const STANDING: f64 = 0.02;
+/// Where the hand is when the person stands is the mean of so long before they walk \[s\]: by then the robot has
+/// come to them.
+const BESIDE: f64 = 1.5;
 
 /// How far the hand is from where it is when the person stands, in the person's own frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,7 +33,10 @@ pub struct DistanceMonitor<'a> {
     truth: &'a [Truth],
     /// Of the velocity that is kept, and since when \[m/s, s\].
     kept: (Vector2<f64>, f64),
-    standing: Mean,
+    /// Where the hand has been since the person stands, and when \[m, s\].
+    standing: VecDeque<(f64, Vector2<f64>)>,
+    /// Its place beside the standing person, once they walk \[m\].
+    usual: Option<Vector2<f64>>,
     walking: Mean,
     largest: f64,
 }
@@ -57,7 +65,8 @@ impl<'a> DistanceMonitor<'a> {
         Self {
             truth,
             kept: (Vector2::zeros(), f64::INFINITY),
-            standing: Mean::default(),
+            standing: VecDeque::new(),
+            usual: None,
             walking: Mean::default(),
             largest: 0.0,
         }
@@ -76,14 +85,22 @@ impl<'a> DistanceMonitor<'a> {
         let hand = Rotation2::new(-heading) * hand;
         let settled = row.time - self.kept.1 >= SETTLE;
         if velocity.norm() > STANDING {
-            if let Some(usual) = self.standing.value() {
+            if !self.standing.is_empty() {
+                let mut mean = Mean::default();
+                self.standing.drain(..).for_each(|(_, hand)| mean.push(hand));
+                self.usual = self.usual.or(mean.value());
+            }
+            if let Some(usual) = self.usual {
                 self.largest = self.largest.max((hand - usual).norm());
             }
             if settled {
                 self.walking.push(hand);
             }
         } else if settled {
-            self.standing.push(hand);
+            self.standing.push_back((row.time, hand));
+            while self.standing.front().is_some_and(|(time, _)| row.time - time > BESIDE) {
+                self.standing.pop_front();
+            }
         }
     }
 
@@ -101,7 +118,7 @@ impl<'a> DistanceMonitor<'a> {
 
     /// What it came to.
     pub fn error(&self) -> DistanceError {
-        let steady = match (self.standing.value(), self.walking.value()) {
+        let steady = match (self.usual, self.walking.value()) {
             (Some(standing), Some(walking)) => Some((walking - standing).norm()),
             _ => None,
         };

@@ -17,7 +17,7 @@ use vision_models::Tool;
 use super::cases::generator;
 use super::chart::{Panel, Series, Style, chart};
 use super::job::{Experiment, Job, run};
-use super::options::{Common, Conditions};
+use super::options::{Common, Conditions, case_duration};
 use super::player::Player;
 use super::recorded::{Needs, Recorded};
 use super::source::Source;
@@ -38,13 +38,8 @@ pub struct Following {
     #[command(flatten)]
     common: Common,
     /// Of each case (s).
-    #[arg(long, value_name = "SECONDS", default_value_t = 35.0, value_parser = seconds, conflicts_with = "recording")]
+    #[arg(long, value_name = "SECONDS", default_value_t = 35.0, value_parser = case_duration, conflicts_with = "recording")]
     duration: f64,
-}
-
-fn seconds(text: &str) -> Result<f64, &'static str> {
-    let value = text.parse().ok();
-    value.filter(|value| (20.0..=600.0).contains(value)).ok_or("give 20 to 600 seconds")
 }
 
 /// A person who leads the robot along a path.

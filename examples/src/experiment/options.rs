@@ -88,6 +88,15 @@ impl Common {
     }
 }
 
+/// How long a case takes \[s\].
+///
+/// # Errors
+/// Anything but a number of seconds in which the person gets to work, and leaves.
+pub(super) fn case_duration(text: &str) -> Result<f64, &'static str> {
+    let value = text.parse().ok();
+    value.filter(|value| (20.0..=600.0).contains(value)).ok_or("give 20 to 600 seconds")
+}
+
 /// Makes a folder, if it is not there.
 ///
 /// # Errors

@@ -15,7 +15,7 @@ use vision_models::Tool;
 use super::cases::generator;
 use super::chart::{Panel, Series, Style, chart};
 use super::job::{Experiment, Job, run};
-use super::options::{Common, Conditions};
+use super::options::{Common, Conditions, case_duration};
 use super::player::Player;
 use super::recorded::{Needs, Recorded};
 use super::source::Source;
@@ -31,8 +31,6 @@ const SUBJECTS: u64 = 10;
 const STATURES: [f64; 2] = [1.58, 1.94];
 /// Of the average map: the middle of the statures \[m\].
 const AVERAGE: f64 = 0.5 * (STATURES[0] + STATURES[1]);
-/// Of each case \[s\].
-const DURATION: f64 = 30.0;
 
 /// Experiment 5: people of ten statures lead the robot, which knows their own ergonomics map, chooses
 /// it by the stature that it measures, knows only the average map, or none.
@@ -43,6 +41,10 @@ const DURATION: f64 = 30.0;
 pub struct Subjects {
     #[command(flatten)]
     common: Common,
+    /// Of each case (s). People who work longer with the robot gain more by their own map: while it comes to them,
+    /// all maps are alike.
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, value_parser = case_duration, conflicts_with = "recording")]
+    duration: f64,
 }
 
 /// What the robot knows of the person's ergonomics.
@@ -82,7 +84,7 @@ pub struct Case {
 }
 
 /// The cases of a seed: each person as many times, at least once.
-pub fn cases(seed: u64, count: u64) -> Vec<Case> {
+pub fn cases(seed: u64, count: u64, duration: f64) -> Vec<Case> {
     let each = count.div_ceil(SUBJECTS);
     (0..SUBJECTS * each)
         .map(|number| {
@@ -96,7 +98,7 @@ pub fn cases(seed: u64, count: u64) -> Vec<Case> {
                     WalkingPath::Directions
                 },
                 tool: if draw.random_bool(0.5) { Tool::Drill } else { Tool::Polisher },
-                duration: DURATION,
+                duration,
                 seed: draw.random(),
                 arm_speed: Some(ARM_SPEED),
                 ..WalkerSettings::default()
@@ -316,7 +318,7 @@ impl Experiment for Subjects {
 
     fn cases(job: &Job, recordings: &[Arc<Recorded>]) -> Vec<Case> {
         if recordings.is_empty() {
-            return cases(job.seed, job.cases);
+            return cases(job.seed, job.cases, job.duration);
         }
         let people = Source::of_recordings(recordings, job.seed).into_iter();
         people.map(|(subject, person)| Case { subject, person }).collect()
@@ -352,6 +354,6 @@ impl Subjects {
     /// # Errors
     /// A folder that cannot be written; a case that cannot be played.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
-        run::<Self>(&self.common, DURATION, session)
+        run::<Self>(&self.common, self.duration, session)
     }
 }

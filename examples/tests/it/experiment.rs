@@ -39,7 +39,9 @@ fn cases_do_not_depend_on_how_many_there_are() {
         assert_eq!((few.number, few.front, &few.person), (more.number, more.front, &more.person));
     }
     // Ten people, each as often.
-    let of = |subject| subjects::cases(1, 21).iter().filter(|case| case.subject == subject).count();
+    let of = |subject| {
+        subjects::cases(1, 21, 30.0).iter().filter(|case| case.subject == subject).count()
+    };
     assert!((0..10).all(|subject| of(subject) == 3));
 }
 
@@ -109,7 +111,7 @@ fn the_same_case_twice_gives_the_same_bits() {
     assert_eq!(play(), play());
 }
 
-/// Who walks at 0.5 m/s has the hand 0.1 m behind its usual place.
+/// Who walks at 0.5 m/s has the hand 0.1 m behind its usual place, which it reached while they stood.
 #[test]
 fn a_hand_that_lags_is_a_steady_error() {
     let speed = |time: f64| if time < 5.0 { 0.0 } else { 0.5 };
@@ -129,8 +131,8 @@ fn a_hand_that_lags_is_a_steady_error() {
     let mut monitor = DistanceMonitor::new(&truth);
     for tick in 0..9900_u32 {
         let time = 1e-3 * f64::from(tick);
-        let lag = 0.2 * speed(time);
-        let hand = floor(time) + Vector2::new(0.4 + lag, -0.1);
+        let (coming, lag) = (0.2 * (3.0 - time).max(0.0), 0.2 * speed(time));
+        let hand = floor(time) + Vector2::new(0.4 + coming + lag, -0.1);
         let actual = [hand.x, hand.y, 1.0];
         monitor.push(&TickRow { time, actual, collaborating: true, ..TickRow::default() });
     }

@@ -1,16 +1,15 @@
 //! Nothing on the control path allocates after construction.
 
 use ergo_map::ErgonomicsQuadratic;
-use moca_model::whole_body::{ControlLaw, Data, JointCommand, JointMeasurement};
+use moca_model::whole_body::{ControlLaw, Data, JointCommand};
 use moca_model::{
     CameraFrame, Controller, ControllerSettings, HeldObject, ImpedanceSettings, JointImpedance,
-    JointState, Kinematics, LoopController, MOCA_HOME, MOCA_TOOL, SafetySettings, SimulatedRobot,
-    TorqueController, TorqueLoopSettings, moca,
+    JointState, Kinematics, MOCA_HOME, MOCA_TOOL, SafetySettings, SimulatedRobot, moca,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, Tool};
 
-use crate::drive::{Drive, body, percept};
+use crate::drive::{Drive, body, loop_controller, percept};
 
 /// How often `action` allocates on this thread.
 fn allocations(action: impl FnOnce()) -> u64 {
@@ -103,14 +102,7 @@ fn a_tick_of_the_controller_allocates_nothing() {
 /// from the first tick on.
 #[test]
 fn camera_frames_of_several_people_allocate_and_free_nothing() {
-    let controller = Drive::new().controller;
-    let controller = TorqueController::new(controller, TorqueLoopSettings::default()).unwrap();
-    let (mut law, frames) = LoopController::new(controller);
-    let measured = JointMeasurement {
-        position: MOCA_HOME.to_vec(),
-        velocity: vec![0.0; 10],
-        torque: vec![0.0; 10],
-    };
+    let (mut law, frames, measured) = loop_controller();
     let mut command = JointCommand::at_rest(&measured);
     let others = [6.0, 8.0].map(body);
     let counted = allocation_counter::measure(|| {

@@ -2,11 +2,15 @@
 //! wrong.
 
 use std::sync::LazyLock;
+use std::sync::mpsc::SyncSender;
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Attachment, Capsule, Cause, Fault, SafetyState, proximity};
-use moca_model::whole_body::{Data, Model};
-use moca_model::{Controller, ControllerSettings, Error, MOCA_HOME, SimulatedRobot};
+use moca_model::whole_body::{Data, JointMeasurement, Model};
+use moca_model::{
+    CameraFrame, Controller, ControllerSettings, Error, LoopController, MOCA_HOME, SimulatedRobot,
+    TorqueController, TorqueLoopSettings,
+};
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
 
@@ -40,6 +44,19 @@ pub(crate) fn percept(time: f64, person: Option<f64>) -> Percept {
 pub(crate) fn doing(action: Action, time: f64, person: Option<f64>) -> Percept {
     let action = RecognisedAction { action, confidence: Confidence::ONE };
     Percept { time, body: person.map(body), action: Some(action), surface: None }
+}
+
+/// A controller that takes frames from another thread, its way in, and joints at rest.
+pub(crate) fn loop_controller() -> (LoopController, SyncSender<CameraFrame>, JointMeasurement) {
+    let controller = Drive::new().controller;
+    let controller = TorqueController::new(controller, TorqueLoopSettings::default()).unwrap();
+    let (law, frames) = LoopController::new(controller);
+    let measured = JointMeasurement {
+        position: MOCA_HOME.to_vec(),
+        velocity: vec![0.0; 10],
+        torque: vec![0.0; 10],
+    };
+    (law, frames, measured)
 }
 
 pub(crate) type Clock = fn(f64) -> f64;

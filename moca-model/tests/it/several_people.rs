@@ -114,22 +114,14 @@ fn who_begins_to_work_is_nobody_else_any_more() {
 /// Frames come from another thread.
 mod from_another_thread {
     use hrsw::SafetyState;
-    use moca_model::whole_body::{ControlLaw, JointCommand, JointMeasurement};
-    use moca_model::{
-        CameraFrame, LoopController, MOCA_HOME, TorqueController, TorqueLoopSettings,
-    };
+    use moca_model::CameraFrame;
+    use moca_model::whole_body::{ControlLaw, JointCommand};
 
     use super::{Drive, body, percept};
+    use crate::drive::loop_controller;
 
     fn state_with(others: &[f64]) -> SafetyState {
-        let controller = Drive::new().controller;
-        let controller = TorqueController::new(controller, TorqueLoopSettings::default()).unwrap();
-        let (mut law, frames) = LoopController::new(controller);
-        let measured = JointMeasurement {
-            position: MOCA_HOME.to_vec(),
-            velocity: vec![0.0; 10],
-            torque: vec![0.0; 10],
-        };
+        let (mut law, frames, measured) = loop_controller();
         let mut command = JointCommand::at_rest(&measured);
         for tick in 0..20_u32 {
             let now = f64::from(tick) * 1e-3;
