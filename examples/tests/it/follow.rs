@@ -42,7 +42,9 @@ fn assert_sound_and_worth_it(scenario: &Scenario) -> [Summary; 2] {
     assert!(on.together > 30.0 && off.together > 30.0, "{} s, {} s", on.together, off.together);
     assert!(on.score_mean <= 0.3, "e_s with ergonomics: {}", on.score_mean);
     assert!(off.score_mean >= 3.0 * on.score_mean, "{} {}", off.score_mean, on.score_mean);
-    assert!(off.reba_max > on.reba_max);
+    // Both begin to work together in the same place, which may be the worst.
+    assert!(off.reba_max >= on.reba_max, "{} {}", off.reba_max, on.reba_max);
+    assert!(off.reba_mean >= 2.0 * on.reba_mean, "{} {}", off.reba_mean, on.reba_mean);
     assert_eq!((on.protective_stops, on.torque_violations), (0, Some(0)));
     [on, off]
 }
@@ -88,10 +90,12 @@ fn others_in_a_recording_are_kept_away_from() {
         let others = vec![bodies.to_vec(); scenario.percepts.len()];
         play(&scenario.among(others), Goal::Ergonomics)
     };
-    let beside = among(&[standing_at(0.7, 0.9)]);
+    let beside = among(&[standing_at(0.7, 0.7)]);
     assert_sound(&beside, "somebody beside the tool");
     assert_eq!(beside.separation_violations, 0);
-    assert!(beside.retreats > alone.retreats, "{} {}", beside.retreats, alone.retreats);
+    // It does not come to the person as long as somebody is in the way.
+    assert!(beside.outside > 2.0 * alone.outside, "{} {}", beside.outside, alone.outside);
+    assert!(beside.together < 0.8 * alone.together, "{} {}", beside.together, alone.together);
     // Until they engage, the person is one of the others.
     let work = scenario
         .percepts
