@@ -131,8 +131,8 @@ impl Controller {
         let rooms = self.rooms_about(axis);
         let done = self.turned_about(axis);
         let room = if done > 0.0 { rooms.about } else { rooms.against };
-        let is_free = rooms.is_free || room >= PI - done.abs();
-        if 2.0 * done.abs() > SHORTER && is_free {
+        let can_be_gone = rooms.is_free || room >= PI - done.abs();
+        if 2.0 * done.abs() > SHORTER && can_be_gone {
             done > 0.0
         } else {
             rooms.about >= rooms.against
@@ -156,11 +156,12 @@ impl Controller {
         let is_bounded = |joint: &usize| {
             limits.get(*joint).is_some_and(|limit| (limit.upper - limit.lower).is_finite())
         };
-        let joints = || 0..self.reference.len();
-        let most = joints().map(|joint| along(joint).abs()).fold(0.0, f64::max);
-        let mut about = joints().rev().filter(|joint| along(*joint).abs() >= NEARLY * most);
-        let is_free = most > 0.0 && about.clone().any(|joint| !is_bounded(&joint));
-        let nearest = about.find(is_bounded).and_then(|joint| {
+        let bounded = || (0..self.reference.len()).filter(is_bounded);
+        let most = bounded().map(|joint| along(joint).abs()).fold(0.0, f64::max);
+        let mut others = (0..self.reference.len()).filter(|joint| !is_bounded(joint));
+        let is_free = others.any(|joint| along(joint).abs() > NEARLY * most);
+        let nearest = bounded().rev().find(|joint| along(*joint).abs() >= NEARLY * most);
+        let nearest = nearest.and_then(|joint| {
             let (limit, q) = (limits.get(joint)?, self.reference.get(joint)?);
             let (above, below) = (limit.upper - q, q - limit.lower);
             Some(if along(joint) >= 0.0 { (above, below) } else { (below, above) })
