@@ -13,11 +13,15 @@ pub(super) enum Limb {
     Arm,
 }
 
-/// Where a part is that is not seen, by a joint that is \[m\].
+/// Where a part is that is not seen, by joints that are \[m\].
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Reach {
     /// No point of its axis is farther from the joint.
     About(Body25, f64),
+    /// No point of its axis is farther from the line between the joints.
+    Between(Body25, Body25, f64),
+    /// No point of its axis is farther from the joint, or above it.
+    Under(Body25, f64),
     /// The joint is a hip, or between them, of somebody who stands, walks or sits: below the height of the knee,
     /// and no farther aside.
     Below(Body25, f64),
@@ -25,6 +29,10 @@ pub(super) enum Reach {
 
 /// The height of the knee over that of the hip (Drillis and Contini, 1966).
 const KNEE_HEIGHT: f64 = 0.285 / 0.530;
+
+/// How much lower than its edge the middle is of what holds everything below a height \[m\]: the lower, the less of it
+/// is above that height, and the wider it is.
+const LOWER: f64 = 0.2;
 
 /// A capsule between two joints, continued past the second by a length \[m\].
 #[derive(Clone, Copy)]
@@ -52,20 +60,29 @@ const fn part(
 }
 
 impl Reach {
-    pub(super) fn joint(self) -> Body25 {
+    /// The joints, the same twice if it is one.
+    pub(super) fn joints(self) -> [Body25; 2] {
         match self {
-            Self::About(joint, _) | Self::Below(joint, _) => joint,
+            Self::About(joint, _) | Self::Under(joint, _) | Self::Below(joint, _) => [joint; 2],
+            Self::Between(one, other, _) => [one, other],
         }
     }
 
-    /// What holds the part, of this radius, if the joint is at `place` in the world \[m\].
-    pub(super) fn capsule(self, place: &Vector3<f64>, radius: f64) -> Option<Capsule> {
+    /// What holds the part, of this radius, if the joints are at `places` in the world \[m\].
+    pub(super) fn capsule(self, places: &[Vector3<f64>; 2], radius: f64) -> Option<Capsule> {
+        let [place, other] = places;
+        // A circle, and what is within its sphere and below it, is within any sphere through it that is centred lower.
+        let through = |circle: f64| radius + circle.hypot(LOWER);
         match self {
             Self::About(_, reach) => Capsule::sphere(*place, radius + reach).ok(),
+            Self::Between(_, _, aside) => Capsule::new(*place, *other, radius + aside).ok(),
+            Self::Under(_, reach) => {
+                Capsule::sphere(place - Vector3::z() * LOWER, through(reach)).ok()
+            }
             Self::Below(_, aside) => {
-                let [knee, floor] = [KNEE_HEIGHT * place.z, 0.0]
+                let [knee, floor] = [KNEE_HEIGHT * place.z - LOWER, 0.0]
                     .map(|height| Vector3::new(place.x, place.y, height));
-                Capsule::new(knee, floor, radius + aside).ok()
+                Capsule::new(knee, floor, through(aside)).ok()
             }
         }
     }
@@ -110,12 +127,12 @@ pub(super) const PARTS: [Part; 12] = {
         RightAnkle, RightElbow, RightHip, RightKnee, RightShoulder, RightWrist,
     };
     use Limb::{Arm, Body};
-    use Reach::{About, Below};
+    use Reach::{About, Below, Between, Under};
     use hrsw::BodyRegion::{Back, Chest, Face, Forearm, LowerLeg, Pelvis, Thigh, UpperArm};
     const HEAD: &[Reach] = &[About(Neck, 0.33), About(MidHip, 0.96)];
     const TRUNK: &[Reach] = &[About(MidHip, 0.66), About(Neck, 0.66)];
     const SHOULDERS: &[Reach] = &[About(Neck, 0.3), About(MidHip, 0.75)];
-    const HIPS: &[Reach] = &[About(MidHip, 0.25), About(Neck, 0.75)];
+    const HIPS: &[Reach] = &[About(MidHip, 0.15), About(Neck, 0.75)];
     [
         part([Neck, Nose], (0.0, 0.13), Body, Face, HEAD),
         part([Neck, MidHip], (0.0, 0.15), Body, Chest, TRUNK),
@@ -154,14 +171,14 @@ pub(super) const PARTS: [Part; 12] = {
             (0.0, 0.09),
             Body,
             Thigh,
-            &[About(LeftHip, 0.52), About(MidHip, 0.77)],
+            &[Between(MidHip, LeftKnee, 0.15), Under(LeftHip, 0.52), Under(MidHip, 0.67)],
         ),
         part(
             [RightHip, RightKnee],
             (0.0, 0.09),
             Body,
             Thigh,
-            &[About(RightHip, 0.52), About(MidHip, 0.77)],
+            &[Between(MidHip, RightKnee, 0.15), Under(RightHip, 0.52), Under(MidHip, 0.67)],
         ),
         part(
             [LeftKnee, LeftAnkle],

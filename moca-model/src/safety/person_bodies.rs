@@ -241,11 +241,13 @@ impl PersonBodies {
         }
     }
 
-    /// The thinnest capsule about a joint within which a part is that hangs on it.
+    /// The thinnest capsule about joints within which a part is that hangs on them.
     fn within_reach(&self, part: &Part, growth: impl Fn(&Seen) -> f64) -> Option<Capsule> {
         let capsules = part.reaches.iter().filter_map(|&reach| {
-            let seen = self.joints[reach.joint() as usize]?;
-            reach.capsule(&seen.place, part.radius + growth(&seen))
+            let [one, other] = reach.joints().map(|joint| self.joints[joint as usize]);
+            let [one, other] = [one?, other?];
+            let growth = growth(&one).max(growth(&other));
+            reach.capsule(&[one.place, other.place], part.radius + growth)
         });
         capsules.min_by(|a, b| a.radius().total_cmp(&b.radius()))
     }

@@ -9,6 +9,7 @@ mod fault_table;
 mod faults;
 mod golden;
 mod held_object;
+mod hidden_legs;
 mod person_speed;
 mod properties;
 mod safety;
