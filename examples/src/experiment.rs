@@ -22,7 +22,7 @@ mod versus;
 mod walk;
 
 pub use cases::generator;
-pub use distance::{DistanceError, DistanceMonitor};
+pub use distance::{DistanceError, DistanceMonitor, FollowingDistance};
 pub use job::{Experiment, Job, merge};
 pub use options::{Common, Conditions, make_folder};
 pub use player::{Player, ShownRun};

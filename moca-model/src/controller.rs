@@ -371,7 +371,7 @@ impl Controller {
     }
 
     fn solve(&mut self) -> Result<Status, Error> {
-        let comfort = self.comfort.placed(&self.space.person_frame()?);
+        let comfort = self.comfort.placed(&self.space.working_frame()?);
         let ergonomics = self.space.person().map(|_| &comfort);
         let velocity = &self.command.joint_velocity;
         let safety = self.safety.bound(&self.robot, velocity, &self.braking)?;

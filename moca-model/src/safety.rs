@@ -17,7 +17,6 @@ use whole_body::JointLimits;
 use crate::error::Error;
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_AXIS_SPEED;
-use body_parts::PARTS;
 use bystanders::Bystanders;
 pub(crate) use bystanders::MOST as MOST_OTHERS;
 use person_bodies::PersonBodies;
@@ -113,7 +112,7 @@ impl Safety {
         let person = PersonBodies::new(settings.person, &settings.contact);
         Ok(Self {
             others: Bystanders::new(settings.person, &settings.contact),
-            people: Vec::with_capacity(2 * PARTS.len() + Bystanders::room()),
+            people: Vec::with_capacity(PersonBodies::ROOM + Bystanders::room()),
             person,
             velocity_change: limits.iter().map(|limits| limits.acceleration * period).collect(),
             contact_speed: 0.0,

@@ -67,6 +67,10 @@ pub struct SpaceSettings {
     /// How far the workspace leads the person in the direction in which they walk \[m\].
     /// Default 0.08.
     pub lead: f64,
+    /// How far the robot, where it works with somebody who stands, is from the nearest part of them that it may
+    /// not touch \[m\]. When they walk away from the robot, and its separation asks for more at their speed, the
+    /// workspace falls behind by the difference ([`Headway`](hrsw::Headway)). Default 0.25.
+    pub clearance: f64,
     /// How far within the workspace the tool is kept \[m or rad\], so that what is not known of the person's
     /// place does not carry it out; at most half of the narrowest range. Default 0.02.
     pub margin: f64,
@@ -95,6 +99,7 @@ impl Default for SpaceSettings {
             tool: UnitQuaternion::from_axis_angle(&Vector3::y_axis(), half_turn),
             turn: Vector3::repeat(0.35),
             lead: 0.08,
+            clearance: 0.25,
             margin: 0.02,
             position_rows: 6,
             orientation_rows: 6,
@@ -280,10 +285,12 @@ impl ControllerSettings {
                 return Err(Error::Setting { name, value, expected: "positive and finite" });
             }
         }
-        if !(self.space.lead >= 0.0 && self.space.lead.is_finite()) {
-            let value = self.space.lead;
-            let expected = "finite and not negative";
-            return Err(Error::Setting { name: "space.lead", value, expected });
+        for (name, value) in
+            [("space.lead", self.space.lead), ("space.clearance", self.space.clearance)]
+        {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(Error::Setting { name, value, expected: "finite and not negative" });
+            }
         }
         let space = &self.space;
         Bounds::new(space.min, space.max)?;

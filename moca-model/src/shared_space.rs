@@ -2,7 +2,7 @@
 
 use ergo_map::PersonFrame;
 use hrsw::{
-    Attachment, Bounds, FrameFollower, MovingSettings, MovingWorkspace, OrientationShape,
+    Attachment, Bounds, FrameFollower, Headway, MovingSettings, MovingWorkspace, OrientationShape,
     PositionShape, Workspace,
 };
 use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
@@ -19,7 +19,8 @@ const IN_PLACE: f64 = 0.05;
 /// Tracks the person, filters their intention, and moves the shared workspace with them.
 ///
 /// While person and robot work together the workspace is attached to the person and leads them
-/// in the direction in which they walk. Apart, or with the person lost, it stays where it is,
+/// in the direction in which they walk. Of who walks away faster than the robot may come after them it falls
+/// behind. Apart, or with the person lost, it stays where it is,
 /// unless it was [assigned](Self::assign) another place.
 #[derive(Debug, Clone)]
 pub struct SharedSpace {
@@ -32,6 +33,10 @@ pub struct SharedSpace {
     carrier: Carrier,
     room: (usize, usize),
     lead: f64,
+    /// Behind who walks away; none where nobody is kept at a distance.
+    headway: Option<Headway>,
+    /// From the person to the workspace, in their axes, level and of length 1.
+    bearing: Vector3<f64>,
 }
 
 /// What carries the workspace.
@@ -57,6 +62,9 @@ impl SharedSpace {
         let frame = Isometry3::from_parts(Translation3::from(origin), rotation);
         let workspace = Workspace::new(frame, bounds, turn)?.with_reference(space.tool);
         let moving = MovingSettings { frame: settings.follower, ..MovingSettings::default() };
+        let separation = Some(&settings.safety.separation).filter(|_| settings.safety.pairs > 0);
+        let headway = separation.map(|terms| Headway::new(*terms, space.clearance)).transpose()?;
+        let level = Vector3::new(centre.x, centre.y, 0.0);
         Ok(Self {
             tracker: BodyTracker::new(settings.tracker.clone())?,
             intention: IntentionFilter::new(settings.intention)?,
@@ -67,6 +75,8 @@ impl SharedSpace {
             carrier: Carrier::Nothing,
             room: (space.position_rows, space.orientation_rows),
             lead: space.lead,
+            headway,
+            bearing: level.try_normalize(1e-9).unwrap_or_else(Vector3::x),
         })
     }
 
@@ -155,9 +165,23 @@ impl SharedSpace {
             self.frame.hold();
         }
         self.frame.advance(period);
+        self.follow(period)?;
         self.carry(usable.is_some())?;
         self.moving.advance(period)?;
         Ok(())
+    }
+
+    /// Falls behind who walks away while they work with the robot, and catches up with who does not.
+    fn follow(&mut self, period: f64) -> Result<(), Error> {
+        let Some(headway) = &mut self.headway else { return Ok(()) };
+        let person = self
+            .person
+            .filter(|person| person.status.is_usable() && self.intention.intention().is_together());
+        let away = person.map_or(0.0, |person| {
+            let outward = person.world_from_person().rotation * self.bearing;
+            -person.velocity.dot(&outward.xy())
+        });
+        Ok(headway.advance(away, period)?)
     }
 
     /// Hands the workspace over when working together begins or ends.
@@ -191,7 +215,8 @@ impl SharedSpace {
             let unit = direction.unit();
             Vector3::new(unit.x, unit.y, 0.0) * self.lead
         });
-        Ok(self.moving.set_lead(lead)?)
+        let behind = if together && usable { self.headway() } else { Vector3::zeros() };
+        Ok(self.moving.set_lead(lead + behind)?)
     }
 
     /// The shared workspace.
@@ -222,9 +247,8 @@ impl SharedSpace {
     /// Returns true if the workspace is the person's and has come to where they are.
     pub fn is_in_place(&self) -> bool {
         let way = self.frame.pose().inv_mul(self.workspace().world_from_workspace());
-        self.is_shared()
-            && way.translation.vector.norm() <= self.lead + IN_PLACE
-            && way.rotation.angle() <= IN_PLACE
+        let off = way.translation.vector - self.headway();
+        self.is_shared() && off.norm() <= self.lead + IN_PLACE && way.rotation.angle() <= IN_PLACE
     }
 
     /// The person as tracked, if anybody was seen.
@@ -258,14 +282,21 @@ impl SharedSpace {
         }
     }
 
-    /// The person's frame as the controller sees it: smooth in time.
+    /// How far the workspace stays behind who walks away, in the person's axes \[m\].
+    pub fn headway(&self) -> Vector3<f64> {
+        self.bearing * self.headway.map_or(0.0, |headway| headway.distance())
+    }
+
+    /// The person's frame as the controller sees it, smooth in time, moved out by the headway: the tool keeps its
+    /// place in the workspace that falls behind them.
     ///
     /// # Errors
     /// None while the frame is finite, which it always is.
-    pub fn person_frame(&self) -> Result<PersonFrame, Error> {
+    pub fn working_frame(&self) -> Result<PersonFrame, Error> {
         let pose = self.frame.pose();
         let forward = pose.rotation * Vector3::x();
-        Ok(PersonFrame::new(pose.translation.vector, forward.y.atan2(forward.x))?)
+        let origin = pose.translation.vector + pose.rotation * self.headway();
+        Ok(PersonFrame::new(origin, forward.y.atan2(forward.x))?)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use moca_model::ControllerSettings;
 use nalgebra::{Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -18,19 +19,56 @@ const STANDING: f64 = 0.02;
 /// come to them.
 const BESIDE: f64 = 1.5;
 
-/// How far the hand is from where it is when the person stands, in the person's own frame.
+/// How far the hand is from where it should be, in the person's own frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DistanceError {
-    /// Length of the mean displacement while the person walks evenly \[m\]; none if they never did.
+    /// From its place at the person's speed, in the mean while they walk evenly \[m\]; none if they never did.
     pub steady: Option<f64>,
-    /// The largest while they walk at all \[m\].
+    /// From where it is when they stand, likewise \[m\].
+    pub behind: Option<f64>,
+    /// The largest distance from where it is when they stand while they walk at all \[m\].
     pub largest: f64,
+}
+
+/// How far the hand is to stay behind somebody who walks away from it, by S_p.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FollowingDistance {
+    /// From the person to the workspace, in their axes, of length 1.
+    outward: Vector2<f64>,
+    /// T_r and a of the base \[s, m/s²\].
+    reaction_time: f64,
+    deceleration: f64,
+    /// How much less than C + Z_d + Z_r is there when they stand, negative \[m\].
+    constant: f64,
+}
+
+impl FollowingDistance {
+    /// By these settings; none where people are not kept at a distance.
+    pub fn new(settings: &ControllerSettings) -> Option<Self> {
+        let (space, terms) = (&settings.space, &settings.safety.separation);
+        (settings.safety.pairs > 0).then(|| Self {
+            outward: (space.min + space.max).xy().normalize(),
+            reaction_time: terms.reaction_time,
+            deceleration: terms.base.map_or(terms.deceleration, |base| base.deceleration),
+            constant: terms.intrusion + terms.human_uncertainty + terms.robot_uncertainty
+                - space.clearance,
+        })
+    }
+
+    /// Where the hand is to be, from its place beside a standing person, behind one who walks at this velocity
+    /// in their own axes \[m\].
+    pub fn displacement(&self, velocity: &Vector2<f64>) -> Vector2<f64> {
+        let speed = (-velocity.dot(&self.outward)).max(0.0);
+        let needed = speed * self.reaction_time + speed * speed / (2.0 * self.deceleration);
+        self.outward * (needed + self.constant).max(0.0)
+    }
 }
 
 /// Watches the true person and the true hand.
 #[derive(Clone, Debug)]
 pub struct DistanceMonitor<'a> {
     truth: &'a [Truth],
+    following: Option<FollowingDistance>,
     /// Of the velocity that is kept, and since when \[m/s, s\].
     kept: (Vector2<f64>, f64),
     /// Where the hand has been since the person stands, and when \[m, s\].
@@ -38,6 +76,8 @@ pub struct DistanceMonitor<'a> {
     /// Its place beside the standing person, once they walk \[m\].
     usual: Option<Vector2<f64>>,
     walking: Mean,
+    /// How far from there it was to be meanwhile \[m\].
+    asked: Mean,
     largest: f64,
 }
 
@@ -60,14 +100,16 @@ impl Mean {
 }
 
 impl<'a> DistanceMonitor<'a> {
-    /// For a person who truly moves so.
-    pub fn new(truth: &'a [Truth]) -> Self {
+    /// For a person who truly moves so, and a robot that is to keep this distance.
+    pub fn new(truth: &'a [Truth], following: Option<FollowingDistance>) -> Self {
         Self {
             truth,
+            following,
             kept: (Vector2::zeros(), f64::INFINITY),
             standing: VecDeque::new(),
             usual: None,
             walking: Mean::default(),
+            asked: Mean::default(),
             largest: 0.0,
         }
     }
@@ -95,6 +137,9 @@ impl<'a> DistanceMonitor<'a> {
             }
             if settled {
                 self.walking.push(hand);
+                let velocity = Rotation2::new(-heading) * velocity;
+                let asked = |following: FollowingDistance| following.displacement(&velocity);
+                self.asked.push(self.following.map_or(Vector2::zeros(), asked));
             }
         } else if settled {
             self.standing.push_back((row.time, hand));
@@ -118,10 +163,14 @@ impl<'a> DistanceMonitor<'a> {
 
     /// What it came to.
     pub fn error(&self) -> DistanceError {
-        let steady = match (self.usual, self.walking.value()) {
-            (Some(standing), Some(walking)) => Some((walking - standing).norm()),
-            _ => None,
-        };
-        DistanceError { steady, largest: self.largest }
+        let displacement = self.usual.zip(self.walking.value());
+        let displacement = displacement.map(|(standing, walking)| walking - standing);
+        DistanceError {
+            steady: displacement
+                .zip(self.asked.value())
+                .map(|(found, asked)| (found - asked).norm()),
+            behind: displacement.map(|found| found.norm()),
+            largest: self.largest,
+        }
     }
 }

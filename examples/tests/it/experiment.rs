@@ -4,8 +4,8 @@ use std::fs;
 
 use examples::experiment::reorientation::{Reorientation, ReorientationResult, Trial};
 use examples::experiment::{
-    Conditions, DistanceMonitor, Experiment, Job, Player, Sight, Spread, Versus, Walk, following,
-    reorientation, subjects,
+    Conditions, DistanceError, DistanceMonitor, Experiment, FollowingDistance, Job, Player, Sight,
+    Spread, Versus, Walk, following, reorientation, subjects,
 };
 use examples::follow::{Run, TrueMotion};
 use examples::plant::Drive;
@@ -13,7 +13,7 @@ use examples::program::Interrupt;
 use examples::report::TickRow;
 use examples::shards::Part;
 use examples::simulation::{Truth, WalkerSettings};
-use moca_model::Goal;
+use moca_model::{ControllerSettings, Goal, SafetySettings};
 use nalgebra::{Point2, Vector2, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -111,9 +111,27 @@ fn the_same_case_twice_gives_the_same_bits() {
     assert_eq!(play(), play());
 }
 
-/// Who walks at 0.5 m/s has the hand 0.1 m behind its usual place, which it reached while they stood.
+/// Who walks at 0.5 m/s has the hand 0.1 m behind its usual place, which it reached while they stood: all of it is
+/// an error without separation, and with it what the protective distance does not ask for.
 #[test]
 fn a_hand_that_lags_is_a_steady_error() {
+    let on = ControllerSettings::default();
+    let off = ControllerSettings { safety: SafetySettings::off(), ..on.clone() };
+    let outward = (on.space.min + on.space.max).xy().normalize();
+    // 0.25 m are there; T_r = 0.15 s, a = 0.5 m/s², C + Z_d + Z_r = 0.11 m.
+    let away = 0.5 * outward.x;
+    let asked = outward * (0.15 * away + away * away + 0.11 - 0.25);
+    let rest = (Vector2::new(0.1, 0.0) - asked).norm();
+    for (settings, steady) in [(on, rest), (off, 0.1)] {
+        let error = lagging(FollowingDistance::new(&settings));
+        assert!((error.steady.unwrap() - steady).abs() < 1e-3, "{error:?}, not {steady}");
+        assert!((error.behind.unwrap() - 0.1).abs() < 1e-3, "{error:?}");
+        assert!((error.largest - 0.1).abs() < 0.03, "{error:?}");
+    }
+}
+
+/// Of a hand that lags so, with this distance asked for.
+fn lagging(following: Option<FollowingDistance>) -> DistanceError {
     let speed = |time: f64| if time < 5.0 { 0.0 } else { 0.5 };
     let floor = |time: f64| Vector2::new(-0.5 * (time - 5.0).max(0.0), 1.0);
     let truth: Vec<Truth> = (0..200_u32)
@@ -128,7 +146,7 @@ fn a_hand_that_lags_is_a_steady_error() {
             }
         })
         .collect();
-    let mut monitor = DistanceMonitor::new(&truth);
+    let mut monitor = DistanceMonitor::new(&truth, following);
     for tick in 0..9900_u32 {
         let time = 1e-3 * f64::from(tick);
         let (coming, lag) = (0.2 * (3.0 - time).max(0.0), 0.2 * speed(time));
@@ -136,9 +154,7 @@ fn a_hand_that_lags_is_a_steady_error() {
         let actual = [hand.x, hand.y, 1.0];
         monitor.push(&TickRow { time, actual, collaborating: true, ..TickRow::default() });
     }
-    let error = monitor.error();
-    assert!((error.steady.unwrap() - 0.1).abs() < 1e-3, "{error:?}");
-    assert!((error.largest - 0.1).abs() < 0.03, "{error:?}");
+    monitor.error()
 }
 
 /// A person who is filmed is seen where they are, by other joints than those that a model of the camera

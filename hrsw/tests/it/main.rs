@@ -6,6 +6,7 @@ mod clock;
 mod closed_loop;
 mod contact;
 mod culling;
+mod headway;
 mod motion;
 mod nearness;
 mod properties;

@@ -3,7 +3,6 @@
 use hrsw::{ContactLimits, PersonBody, SeparationSettings};
 use vision_models::{Body, Percept};
 
-use super::body_parts::PARTS;
 use super::person_bodies::PersonBodies;
 use super::settings::PersonBodySettings;
 
@@ -27,7 +26,7 @@ impl Bystanders {
 
     /// Room for the bodies of all of them.
     pub(super) const fn room() -> usize {
-        MOST * 2 * PARTS.len()
+        MOST * PersonBodies::ROOM
     }
 
     /// Forgets everybody.

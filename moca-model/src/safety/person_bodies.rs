@@ -32,21 +32,29 @@ type Places = [Option<Vector3<f64>>; Body25::COUNT];
 #[derive(Debug, Clone, Copy)]
 struct Seen {
     place: Vector3<f64>,
+    /// Where the frame before that one showed it, moved along with the trunk.
+    before: Vector3<f64>,
     time: f64,
     /// Where it was seen in the newest frame, too far away to believe at once.
     doubtful: Option<Vector3<f64>>,
 }
 
 impl Seen {
+    /// A joint that was not seen before.
+    fn first(place: Vector3<f64>, time: f64) -> Self {
+        Self { place, before: place, time, doubtful: None }
+    }
+
     /// Takes where the joint is in a frame, if it is there; `moved` is how far the trunk moved
     /// since the frame before. A joint that is missing or doubted moves along with the trunk.
     fn update(&mut self, place: Option<Vector3<f64>>, time: f64, moved: &Vector3<f64>, gate: f64) {
         self.place += moved;
+        self.before += moved;
         let expected = self.doubtful.take().map(|doubtful| doubtful + moved);
         let Some(place) = place else { return };
         let near = |other: &Vector3<f64>| (place - other).norm() <= gate;
         if near(&self.place) || expected.as_ref().is_some_and(near) {
-            *self = Self { place, time, doubtful: None };
+            *self = Self { place, before: self.place, time, doubtful: None };
         } else {
             self.doubtful = Some(place);
         }
@@ -72,6 +80,9 @@ pub(super) struct PersonBodies {
 }
 
 impl PersonBodies {
+    /// Bodies of one person at most: each part as believed, as the frame before showed it, and as doubted.
+    pub(super) const ROOM: usize = 3 * PARTS.len();
+
     pub(super) fn new(settings: PersonBodySettings, limits: &ContactLimits) -> Self {
         Self {
             settings,
@@ -81,7 +92,7 @@ impl PersonBodies {
             newest: f64::NEG_INFINITY,
             plausible: f64::NEG_INFINITY,
             agrees_since: None,
-            bodies: Vec::with_capacity(2 * PARTS.len()),
+            bodies: Vec::with_capacity(Self::ROOM),
         }
     }
 
@@ -161,7 +172,7 @@ impl PersonBodies {
             let place = place(body, joint, self.settings.least_confidence);
             match seen {
                 Some(seen) => seen.update(place, time, &moved, self.settings.limb_gate),
-                None => *seen = place.map(|place| Seen { place, time, doubtful: None }),
+                None => *seen = place.map(|place| Seen::first(place, time)),
             }
             if seen.is_some_and(|seen| seen.time == time) {
                 self.newest = time;
@@ -228,7 +239,11 @@ impl PersonBodies {
             let within = self.within_reach(part, growth);
             let smaller = within
                 .filter(|reach| grown.is_none_or(|capsule| reach.radius() < capsule.radius()));
-            if let Some(capsule) = smaller.or(grown) {
+            // Of what may not be touched one frame alone is not believed: it may show it too far away.
+            let before = part
+                .capsule(&from.before, &to.before, growth(&from).max(growth(&to)) + beyond)
+                .filter(|_| limit.is_none() && smaller.is_none());
+            for capsule in smaller.or(grown).into_iter().chain(before) {
                 let contact = limit.filter(|_| contact_speed > 0.0).map(|limit| Contact {
                     limit,
                     fastest: contact_speed,

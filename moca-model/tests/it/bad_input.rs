@@ -123,8 +123,9 @@ fn bad_settings_of_space_clock_and_leash_are_named() {
     check(&|s| s.leash.position = -0.1, "leash.position");
     check(&|s| s.leash.rotation = 4.0, "leash.rotation");
     check(&|s| s.space.lead = -0.1, "space.lead");
+    check(&|s| s.space.clearance = f64::NAN, "space.clearance");
     check(&|s| s.space.margin = -1e-3, "space.margin");
     check(&|s| s.space.margin = f64::NAN, "space.margin");
     check(&|s| s.space.turn.y = 0.01, "space.margin");
-    assert_eq!(named.len(), 12);
+    assert_eq!(named.len(), 13);
 }

@@ -10,7 +10,7 @@ use rand::Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::experiment::cases::generator;
-use crate::experiment::distance::{DistanceError, DistanceMonitor};
+use crate::experiment::distance::{DistanceError, DistanceMonitor, FollowingDistance};
 use crate::experiment::job::Job;
 use crate::experiment::options::Conditions;
 use crate::experiment::player::Player;
@@ -54,9 +54,11 @@ pub struct SpeedResult {
     /// Whether people are kept at a distance, which slows the robot near them.
     pub(super) separation: bool,
     cases: usize,
-    /// Displacement of the hand in the person's frame while the person walks evenly \[m\].
+    /// How far the hand is from its place at this speed while the person walks evenly \[m\].
     pub(super) steady_m: Spread,
-    /// The largest on the way \[m\].
+    /// How far it is from its place beside the standing person meanwhile \[m\].
+    pub(super) behind_m: Spread,
+    /// The largest of the latter on the way \[m\].
     pub(super) largest_m: Spread,
     /// Outside of the workspace while working together \[s\].
     outside_s: Spread,
@@ -120,7 +122,8 @@ impl Stroll {
         let map = average.for_stature(stature)?;
         let scenario = quick(walk.scenario(&map, conditions.drive, &mut draw)?);
         let scenario = if separation { scenario } else { scenario.without_separation() };
-        let mut monitor = DistanceMonitor::new(&walk.truth);
+        let mut monitor =
+            DistanceMonitor::new(&walk.truth, FollowingDistance::new(&scenario.settings));
         let title = format!("{speed} m/s{}", if separation { "" } else { ", NO SEPARATION" });
         let summary = player.play(&title, &scenario, Goal::Ergonomics, |row, _| {
             monitor.push(row);
@@ -176,6 +179,7 @@ fn row(speed: f64, separation: bool, trials: &[&StrollTrial]) -> SpeedResult {
         separation,
         cases: trials.len(),
         steady_m: Spread::of(trials.iter().filter_map(|trial| trial.error.steady)),
+        behind_m: Spread::of(trials.iter().filter_map(|trial| trial.error.behind)),
         largest_m: Spread::of(trials.iter().map(|trial| trial.error.largest)),
         outside_s: Spread::of(trials.iter().map(|trial| trial.summary.outside)),
         protective_m: terms.protective_distance(0.0, speed),
@@ -190,13 +194,14 @@ impl fmt::Display for Speeds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{:<12}{:<12}{:>6}{:>9}{:>26}{:>26}{:>26}{:>8}{:>8}{:>8}{:>10}",
+            "{:<12}{:<12}{:>6}{:>9}{:>26}{:>26}{:>26}{:>26}{:>8}{:>8}{:>8}{:>10}",
             "speed [m/s]",
             "separation",
             "cases",
             "S_p [m]",
             "steady error [m]",
-            "largest error [m]",
+            "behind [m]",
+            "most behind [m]",
             "outside [s]",
             "limits",
             "near",
@@ -209,7 +214,9 @@ impl fmt::Display for Speeds {
             let protective =
                 if row.separation { format!("{:.2}", row.protective_m) } else { "-".to_owned() };
             write!(f, "{protective:>9}")?;
-            for Spread { mean, worst, .. } in [row.steady_m, row.largest_m, row.outside_s] {
+            for Spread { mean, worst, .. } in
+                [row.steady_m, row.behind_m, row.largest_m, row.outside_s]
+            {
                 write!(f, "{:>14}", format!("mean {mean:.3}"))?;
                 write!(f, "{:>12}", format!("worst {worst:.3}"))?;
             }

@@ -1,0 +1,74 @@
+//! How far a shared workspace falls behind somebody who walks away from the robot.
+
+use crate::error::{Error, check_all, not_negative, positive};
+use crate::separation::SeparationSettings;
+
+/// How far a robot that follows somebody stays behind, beyond where it works with them.
+///
+/// At speed v it needs S_p(v) in front of it, to stop in time if they stand still. As much of that as is not there
+/// where it works, its `clearance`, it keeps as headway h: it comes after them no faster than S_p allows at its
+/// distance, dh/dt = v − v_r with S_p(v_r) = `clearance` + h. So a workspace that is moved out by h never asks for a
+/// motion that the separation forbids, nor for one away from the person.
+///
+/// ```
+/// use hrsw::{Headway, SeparationSettings};
+///
+/// let separation = SeparationSettings { deceleration: 0.5, ..SeparationSettings::default() };
+/// let mut headway = Headway::new(separation, 0.3)?;
+/// for _tick in 0..10_000 {
+///     headway.advance(1.0, 1e-3)?;
+/// }
+/// let expected = separation.protective_distance(0.0, 1.0) - 0.3;
+/// assert!((headway.distance() - expected).abs() < 1e-2);
+/// # Ok::<(), hrsw::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Headway {
+    separation: SeparationSettings,
+    clearance: f64,
+    distance: f64,
+}
+
+impl Headway {
+    /// None yet. The first joints of a robot with a base are what follows, so that their braking counts.
+    /// `clearance` is how far the robot, where it works, is from the nearest part that it may not touch \[m\].
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for terms out of range.
+    pub fn new(separation: SeparationSettings, clearance: f64) -> Result<Self, Error> {
+        separation.validate()?;
+        not_negative("the clearance of a headway", clearance)?;
+        let separation = match separation.base {
+            Some(base) => SeparationSettings { deceleration: base.deceleration, ..separation },
+            None => separation,
+        };
+        Ok(Self { separation, clearance, distance: 0.0 })
+    }
+
+    /// Goes on by `period` \[s\], with the person going away from the robot at `speed` \[m/s\]; coming nearer
+    /// counts as standing. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], or [`Error::Parameter`] for a period that is not positive; the headway then stays.
+    pub fn advance(&mut self, speed: f64, period: f64) -> Result<(), Error> {
+        check_all("the speed of a person", [&speed].into_iter())?;
+        positive("the period", period)?;
+        let speed = speed.max(0.0);
+        let settled = self.at(speed);
+        let follows = self.separation.approach_limit(self.clearance + self.distance, 0.0);
+        let next = self.distance + (speed - follows) * period;
+        // It comes to rest where the two are as fast as each other, however long the period.
+        self.distance = if self.distance < settled { next.min(settled) } else { next.max(settled) };
+        Ok(())
+    }
+
+    /// How far the robot stays behind, beyond where it works \[m\].
+    pub fn distance(&self) -> f64 {
+        self.distance
+    }
+
+    /// The same behind somebody who goes away at `speed` \[m/s\] all the time \[m\].
+    pub fn at(&self, speed: f64) -> f64 {
+        (self.separation.protective_distance(0.0, speed) - self.clearance).max(0.0)
+    }
+}
