@@ -41,9 +41,9 @@ const AVERAGE: f64 = 0.5 * (STATURES[0] + STATURES[1]);
 pub struct Subjects {
     #[command(flatten)]
     common: Common,
-    /// Of each case (s). People who work longer with the robot gain more by their own map: while it comes to them,
-    /// all maps are alike.
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, value_parser = case_duration, conflicts_with = "recording")]
+    /// Of each case (s), by default a minute. While the robot comes to them all maps are alike, so that people gain less
+    /// by their own in a shorter time.
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = case_duration, conflicts_with = "recording")]
     duration: f64,
 }
 
