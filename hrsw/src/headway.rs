@@ -8,7 +8,8 @@ use crate::separation::SeparationSettings;
 /// At speed v it needs S_p(v) in front of it, to stop in time if they stand still. As much of that as is not there
 /// where it works, its `clearance`, it keeps as headway h: it comes after them no faster than S_p allows at its
 /// distance, dh/dt = v − v_r with S_p(v_r) = `clearance` + h. So a workspace that is moved out by h never asks for a
-/// motion that the separation forbids, nor for one away from the person.
+/// speed that S_p forbids at the true distance, nor for a motion away from the person. A person who is seen late seems to
+/// be nearer than they are; that is not counted here.
 ///
 /// ```
 /// use hrsw::{Headway, SeparationSettings};
