@@ -6,10 +6,10 @@ use crate::separation::SeparationSettings;
 /// How far a robot that follows somebody stays behind, beyond where it works with them.
 ///
 /// At speed v it needs S_p(v) in front of it, to stop in time if they stand still. As much of that as is not there
-/// where it works, its `clearance`, it keeps as headway h: it comes after them no faster than S_p allows at its
-/// distance, dh/dt = v − v_r with S_p(v_r) = `clearance` + h. So a workspace that is moved out by h never asks for a
-/// speed that S_p forbids at the true distance, nor for a motion away from the person. A person who is seen late seems to
-/// be nearer than they are; that is not counted here.
+/// where it works, its `clearance`, it keeps as headway h. Who walks away seems to be nearer than they are, by as much
+/// as v T_r, as T_r is how late the robot may know of them. It comes after them no faster than S_p allows at that
+/// distance: dh/dt = v − v_r with S_p(v_r) = `clearance` + h − v T_r. So a workspace that is moved out by h never asks
+/// for a speed that S_p forbids behind somebody with an even pace, nor for a motion away from the person.
 ///
 /// ```
 /// use hrsw::{Headway, SeparationSettings};
@@ -19,7 +19,8 @@ use crate::separation::SeparationSettings;
 /// for _tick in 0..10_000 {
 ///     headway.advance(1.0, 1e-3)?;
 /// }
-/// let expected = separation.protective_distance(0.0, 1.0) - 0.3;
+/// let seen_late = 1.0 * separation.reaction_time;
+/// let expected = separation.protective_distance(0.0, 1.0) + seen_late - 0.3;
 /// assert!((headway.distance() - expected).abs() < 1e-2);
 /// # Ok::<(), hrsw::Error>(())
 /// ```
@@ -56,7 +57,8 @@ impl Headway {
         positive("the period", period)?;
         let speed = speed.max(0.0);
         let settled = self.at(speed);
-        let follows = self.separation.approach_limit(self.clearance + self.distance, 0.0);
+        let seen = self.clearance + self.distance - self.seen_nearer(speed);
+        let follows = self.separation.approach_limit(seen, 0.0);
         let next = self.distance + (speed - follows) * period;
         // It comes to rest where the two are as fast as each other, however long the period.
         self.distance = if self.distance < settled { next.min(settled) } else { next.max(settled) };
@@ -70,6 +72,12 @@ impl Headway {
 
     /// The same behind somebody who goes away at `speed` \[m/s\] all the time \[m\].
     pub fn at(&self, speed: f64) -> f64 {
-        (self.separation.protective_distance(0.0, speed) - self.clearance).max(0.0)
+        let needed = self.separation.protective_distance(0.0, speed) + self.seen_nearer(speed);
+        (needed - self.clearance).max(0.0)
+    }
+
+    /// How much nearer than they are somebody may seem to be who goes away at `speed` \[m\].
+    fn seen_nearer(&self, speed: f64) -> f64 {
+        speed.max(0.0) * self.separation.reaction_time
     }
 }

@@ -67,9 +67,11 @@ pub struct SpaceSettings {
     /// How far the workspace leads the person in the direction in which they walk \[m\].
     /// Default 0.08.
     pub lead: f64,
-    /// How far the robot, where it works with somebody who stands, is from the nearest part of them that it may
-    /// not touch \[m\]. When they walk away from the robot, and its separation asks for more at their speed, the
-    /// workspace falls behind by the difference ([`Headway`](hrsw::Headway)). Default 0.25.
+    /// How far the robot, where it works with somebody who stands, counts as being from the nearest part of them
+    /// that it may not touch \[m\]. When they walk away from the robot, and its separation asks for more at their
+    /// speed, the workspace falls behind by the difference ([`Headway`](hrsw::Headway)). The larger it is, the
+    /// nearer to them the workspace stays, and the farther back in it the robot. Default 0.4; as the robot sees
+    /// it, the head is 0.25 to 0.4 m away.
     pub clearance: f64,
     /// How far within the workspace the tool is kept \[m or rad\], so that what is not known of the person's
     /// place does not carry it out; at most half of the narrowest range. Default 0.02.
@@ -99,7 +101,7 @@ impl Default for SpaceSettings {
             tool: UnitQuaternion::from_axis_angle(&Vector3::y_axis(), half_turn),
             turn: Vector3::repeat(0.35),
             lead: 0.08,
-            clearance: 0.25,
+            clearance: 0.4,
             margin: 0.02,
             position_rows: 6,
             orientation_rows: 6,

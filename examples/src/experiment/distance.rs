@@ -30,7 +30,7 @@ pub struct DistanceError {
     pub largest: f64,
 }
 
-/// How far the hand is to stay behind somebody who walks away from it, by S_p.
+/// How far the hand is to stay behind somebody who walks away from it, by S_p, and is seen T_r late.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FollowingDistance {
     /// From the person to the workspace, in their axes, of length 1.
@@ -59,7 +59,9 @@ impl FollowingDistance {
     /// in their own axes \[m\].
     pub fn displacement(&self, velocity: &Vector2<f64>) -> Vector2<f64> {
         let speed = (-velocity.dot(&self.outward)).max(0.0);
-        let needed = speed * self.reaction_time + speed * speed / (2.0 * self.deceleration);
+        // Once for the way until it brakes, once for the person's way until it knows of it.
+        let reaction = 2.0 * speed * self.reaction_time;
+        let needed = reaction + speed * speed / (2.0 * self.deceleration);
         self.outward * (needed + self.constant).max(0.0)
     }
 }

@@ -112,15 +112,16 @@ fn the_same_case_twice_gives_the_same_bits() {
 }
 
 /// Who walks at 0.5 m/s has the hand 0.1 m behind its usual place, which it reached while they stood: all of it is
-/// an error without separation, and with it what the protective distance does not ask for.
+/// an error without separation, and with it what the protective distance, of who is seen T_r late, does not ask for.
 #[test]
 fn a_hand_that_lags_is_a_steady_error() {
-    let on = ControllerSettings::default();
+    let mut on = ControllerSettings::default();
+    on.space.clearance = 0.25;
     let off = ControllerSettings { safety: SafetySettings::off(), ..on.clone() };
     let outward = (on.space.min + on.space.max).xy().normalize();
     // 0.25 m are there; T_r = 0.15 s, a = 0.5 m/s², C + Z_d + Z_r = 0.11 m.
     let away = 0.5 * outward.x;
-    let asked = outward * (0.15 * away + away * away + 0.11 - 0.25);
+    let asked = outward * (2.0 * 0.15 * away + away * away + 0.11 - 0.25);
     let rest = (Vector2::new(0.1, 0.0) - asked).norm();
     for (settings, steady) in [(on, rest), (off, 0.1)] {
         let error = lagging(FollowingDistance::new(&settings));

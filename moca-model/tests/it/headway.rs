@@ -51,9 +51,9 @@ fn the_workspace_falls_behind_who_walks_away() {
     let space = &settings.space;
     let outward = (space.min + space.max).xy().normalize();
     for speed in [0.2, 0.4, 0.6, 0.8] {
-        // S_p with T_r = 0.15 s, a = 0.5 m/s² and C + Z_d + Z_r = 0.11 m.
+        // S_p with T_r = 0.15 s, a = 0.5 m/s² and C + Z_d + Z_r = 0.11 m, of who is seen T_r late.
         let away = speed * outward.x;
-        let needed = 0.15 * away + away * away + 0.11 - space.clearance;
+        let needed = 2.0 * 0.15 * away + away * away + 0.11 - space.clearance;
         let expected = (outward * needed.max(0.0)).push(0.0);
         let [walking, standing] = places(&settings, [-speed, 0.0]);
         assert!((walking - expected).norm() < 0.02, "{speed} m/s: {walking:?}, not {expected:?}");
