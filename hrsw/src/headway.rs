@@ -6,10 +6,10 @@ use crate::separation::SeparationSettings;
 /// How far a robot that follows somebody stays behind, beyond where it works with them.
 ///
 /// At speed v it needs S_p(v) in front of it, to stop in time if they stand still. As much of that as is not there
-/// where it works, its `clearance`, it keeps as headway h. Who walks away seems to be nearer than they are, by as much
-/// as v T_r, as T_r is how late the robot may know of them. It comes after them no faster than S_p allows at that
-/// distance: dh/dt = v − v_r with S_p(v_r) = `clearance` + h − v T_r. So a workspace that is moved out by h never asks
-/// for a speed that S_p forbids behind somebody with an even pace, nor for a motion away from the person.
+/// where it works, its `clearance`, it keeps as headway h. The robot may learn T_r late where the person is, so that
+/// who walks away seems to be nearer by up to v T_r. It follows no faster than S_p allows at the distance that it
+/// sees: dh/dt = v − v_r with S_p(v_r) = `clearance` + h − v T_r. So a workspace that is moved out by h never asks for
+/// a motion away from the person, nor, behind somebody with an even pace, for a speed that S_p forbids.
 ///
 /// ```
 /// use hrsw::{Headway, SeparationSettings};
@@ -76,7 +76,7 @@ impl Headway {
         (needed - self.clearance).max(0.0)
     }
 
-    /// How much nearer than they are somebody may seem to be who goes away at `speed` \[m\].
+    /// How much nearer somebody who goes away at `speed` may seem to be than they are \[m\].
     fn seen_nearer(&self, speed: f64) -> f64 {
         speed.max(0.0) * self.separation.reaction_time
     }

@@ -70,8 +70,8 @@ pub struct SpaceSettings {
     /// How far the robot, where it works with somebody who stands, counts as being from the nearest part of them
     /// that it may not touch \[m\]. When they walk away from the robot, and its separation asks for more at their
     /// speed, the workspace falls behind by the difference ([`Headway`](hrsw::Headway)). The larger it is, the
-    /// nearer to them the workspace stays, and the farther back in it the robot. Default 0.4; as the robot sees
-    /// it, the head is 0.25 to 0.4 m away.
+    /// nearer to them the workspace stays, and the farther back in it the robot. Default 0.4, with which the robot
+    /// kept its place best in the walks of `experiment following`.
     pub clearance: f64,
     /// How far within the workspace the tool is kept \[m or rad\], so that what is not known of the person's
     /// place does not carry it out; at most half of the narrowest range. Default 0.02.

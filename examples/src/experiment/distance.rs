@@ -59,7 +59,7 @@ impl FollowingDistance {
     /// in their own axes \[m\].
     pub fn displacement(&self, velocity: &Vector2<f64>) -> Vector2<f64> {
         let speed = (-velocity.dot(&self.outward)).max(0.0);
-        // Once for the way until it brakes, once for the person's way until it knows of it.
+        // The robot's way until it brakes, and the person's until the robot knows of it.
         let reaction = 2.0 * speed * self.reaction_time;
         let needed = reaction + speed * speed / (2.0 * self.deceleration);
         self.outward * (needed + self.constant).max(0.0)

@@ -112,7 +112,8 @@ fn the_same_case_twice_gives_the_same_bits() {
 }
 
 /// Who walks at 0.5 m/s has the hand 0.1 m behind its usual place, which it reached while they stood: all of it is
-/// an error without separation, and with it what the protective distance, of who is seen T_r late, does not ask for.
+/// an error without separation. With it the error is what the protective distance from somebody who is seen T_r late
+/// does not ask for.
 #[test]
 fn a_hand_that_lags_is_a_steady_error() {
     let mut on = ControllerSettings::default();
