@@ -115,6 +115,8 @@ pub struct DynamicRobot {
     /// Where a robot is that brakes by itself, and its gravity.
     position: Vec<f64>,
     gravity: Vec<f64>,
+    /// As measured last, of the arm.
+    torque: Vec<Option<f64>>,
 }
 
 impl DynamicRobot {
@@ -145,6 +147,7 @@ impl DynamicRobot {
             model: model.clone(),
             position: position.to_vec(),
             gravity: vec![0.0; n],
+            torque: vec![None; n],
             obeyed: command.clone(),
             command,
         })
@@ -155,7 +158,10 @@ impl DynamicRobot {
     /// # Errors
     /// None.
     pub fn measure(&mut self, random: &mut impl RandomSource) -> Result<(), Error> {
-        Ok(self.sensors.measure(&self.simulation, random)?)
+        self.sensors.measure(&self.simulation, random)?;
+        let arm = self.torque.iter_mut().zip(self.sensors.torque()).skip(self.base_joints);
+        arm.for_each(|(own, torque)| *own = Some(*torque));
+        Ok(())
     }
 
     /// What was measured last.
@@ -163,7 +169,8 @@ impl DynamicRobot {
         Measured {
             position: self.sensors.position(),
             velocity: self.sensors.velocity(),
-            torque: self.sensors.torque(),
+            torque: &self.torque,
+            age: 0.0,
         }
     }
 

@@ -29,11 +29,8 @@ const WAITING: usize = 8;
 /// let controller = TorqueController::new(controller, TorqueLoopSettings::default())?;
 /// let (mut law, frames) = LoopController::new(controller);
 /// // The thread of the camera: frames.try_send(CameraFrame::from(percept)). The loop, each millisecond:
-/// let measured = JointMeasurement {
-///     position: MOCA_HOME.to_vec(),
-///     velocity: vec![0.0; 10],
-///     torque: vec![0.0; 10],
-/// };
+/// let mut measured = JointMeasurement::resting(MOCA_HOME.to_vec(), 10);
+/// measured.torque.fill(Some(0.0));
 /// let mut command = JointCommand::at_rest(&measured);
 /// law.step(0.001, &measured, &mut command)?;
 /// assert!((command.torque[6] - 22.0).abs() < 0.5); // Nm carry the forearm
@@ -85,8 +82,9 @@ impl ControlLaw for LoopController {
             // Nobody can acknowledge a stop that is asked for in every tick.
             self.controller.controller_mut().request_stop();
         }
-        let JointMeasurement { position, velocity, torque } = measured;
-        let told = self.controller.step(now, &Measured { position, velocity, torque })?;
+        let JointMeasurement { position, velocity, torque, age, .. } = measured;
+        let measured = Measured { position, velocity, torque, age: *age };
+        let told = self.controller.step(now, &measured)?;
         command.position.copy_from_slice(&told.joint_position);
         command.velocity.copy_from_slice(&told.joint_velocity);
         for (joint, torque) in self.controller.joints().iter().zip(self.controller.torque()) {

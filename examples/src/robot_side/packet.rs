@@ -107,8 +107,9 @@ impl Packet {
 
     /// Becomes a measurement.
     pub fn write_measurement(&mut self, sequence: u64, measured: &JointMeasurement) {
-        let JointMeasurement { position, velocity, torque } = measured;
-        self.write(PacketKind::Measurement, sequence, [position, velocity, torque]);
+        let JointMeasurement { position, velocity, torque, .. } = measured;
+        let torque: Vec<_> = torque.iter().map(|torque| torque.unwrap_or_default()).collect();
+        self.write(PacketKind::Measurement, sequence, [position, velocity, &torque]);
     }
 
     /// Takes the bytes of a packet that has come; its kind and its sequence number.

@@ -79,12 +79,11 @@ impl RobotSide for UdpSide {
                     }
                     self.newest = Some(sequence);
                     received = Received::Fresh;
-                    let JointMeasurement { position, velocity, torque } = measured;
-                    for (own, numbers) in
-                        [position, velocity, torque].into_iter().zip(self.incoming.numbers())
-                    {
-                        own.iter_mut().zip(numbers).for_each(|(own, number)| *own = number);
-                    }
+                    let JointMeasurement { position, velocity, torque, .. } = measured;
+                    let [positions, velocities, torques] = self.incoming.numbers();
+                    position.iter_mut().zip(positions).for_each(|(own, number)| *own = number);
+                    velocity.iter_mut().zip(velocities).for_each(|(own, number)| *own = number);
+                    torque.iter_mut().zip(torques).for_each(|(own, number)| *own = Some(number));
                 }
                 Ok(_) | Err(_) => self.refused += 1,
             }

@@ -41,9 +41,7 @@ impl UdpServer {
     ) -> io::Result<Self> {
         let socket = UdpSocket::bind(address)?;
         socket.set_nonblocking(true)?;
-        let none = vec![0.0; start.len()];
-        let measured =
-            JointMeasurement { position: start.to_vec(), velocity: none.clone(), torque: none };
+        let measured = JointMeasurement::resting(start.to_vec(), start.len());
         Ok(Self {
             command: JointCommand::at_rest(&measured),
             packet: Packet::new(start.len()),

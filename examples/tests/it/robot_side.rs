@@ -15,11 +15,7 @@ use proptest::prelude::*;
 use crate::support::{Runs, coarse_map_file};
 
 pub(crate) fn at_rest(joints: usize) -> JointMeasurement {
-    JointMeasurement {
-        position: vec![0.0; joints],
-        velocity: vec![0.0; joints],
-        torque: vec![0.0; joints],
-    }
+    JointMeasurement::resting(vec![0.0; joints], joints)
 }
 
 proptest! {
@@ -81,7 +77,10 @@ fn only_the_newest_measurement_of_this_robot_counts() {
         thread::sleep(std::time::Duration::from_millis(1));
         tries += 1;
     }
-    assert_eq!((measured.position[0], measured.velocity[0], measured.torque[0]), (0.7, 1.0, 2.0));
+    assert_eq!(
+        (measured.position[0], measured.velocity[0], measured.torque[0]),
+        (0.7, 1.0, Some(2.0))
+    );
     assert_eq!(side.receive(&mut measured).unwrap(), Received::Nothing);
 }
 
@@ -98,7 +97,9 @@ impl ControlLaw for Turn {
         command: &mut JointCommand,
     ) -> Result<(), Self::Error> {
         command.velocity[2] = self.0;
-        command.torque.copy_from_slice(&measured.torque);
+        for (own, torque) in command.torque.iter_mut().zip(&measured.torque) {
+            *own = torque.unwrap_or_default();
+        }
         Ok(())
     }
 

@@ -21,9 +21,11 @@ pub struct Measured<'a> {
     pub position: &'a [f64],
     /// q̇ \[m/s or rad/s\]; the base's x and y in the world's axes.
     pub velocity: &'a [f64],
-    /// The torques that act on the links, behind the gears \[N or Nm\]; only those of the joints driven
-    /// by torque are read.
-    pub torque: &'a [f64],
+    /// The torques that act on the links, behind the gears \[N or Nm\], none where they are not measured; only
+    /// those of the joints driven by torque are read.
+    pub torque: &'a [Option<f64>],
+    /// How long ago it was measured \[s\].
+    pub age: f64,
 }
 
 /// A [`Controller`] down to torque: τ = `K_d` (q̇* − q̇) + `K_p` (q* − q) + g(q) for the arm, within torque
@@ -46,7 +48,8 @@ pub struct Measured<'a> {
 /// let controller = Controller::new(moca()?, comfort, ControllerSettings::default(), &MOCA_HOME)?;
 /// let mut controller = TorqueController::new(controller, TorqueLoopSettings::default())?;
 /// // In the loop: controller.observe(&percept) at each camera frame, and each millisecond
-/// let measured = Measured { position: &MOCA_HOME, velocity: &[0.0; 10], torque: &[0.0; 10] };
+/// let measured =
+///     Measured { position: &MOCA_HOME, velocity: &[0.0; 10], torque: &[Some(0.0); 10], age: 0.0 };
 /// let command = controller.step(0.001, &measured)?;
 /// let [_forward, _left, _turn] = command.base_twist; // to the base
 /// assert!(controller.torque()[3] > 20.0); // Nm, to the arm: the elbow carries itself
@@ -198,9 +201,9 @@ impl TorqueController {
 
     /// Takes of what is measured what can be used.
     fn take(&mut self, measured: &Measured<'_>) -> Usable {
-        let Measured { position, velocity, torque } = *measured;
-        let driven = self.joints.iter().map(|joint| torque.get(*joint));
-        let is_known = |torque: Option<&f64>| torque.is_some_and(|torque| is_sensible(*torque));
+        let Measured { position, velocity, torque, .. } = *measured;
+        let driven = self.joints.iter().map(|joint| torque.get(*joint).copied().flatten());
+        let is_known = |torque: Option<f64>| torque.is_some_and(is_sensible);
         let usable = Usable {
             position: self.controller.robot().model().is_configuration(position),
             velocity: velocity.len() == self.velocity.len()
@@ -217,7 +220,7 @@ impl TorqueController {
         }
         if usable.torque {
             for (sensed, joint) in self.law.sensed.iter_mut().zip(&self.joints) {
-                *sensed = torque.get(*joint).copied().unwrap_or_default();
+                *sensed = torque.get(*joint).copied().flatten().unwrap_or_default();
             }
         }
         usable

@@ -51,11 +51,8 @@ pub(crate) fn loop_controller() -> (LoopController, SyncSender<CameraFrame>, Joi
     let controller = Drive::new().controller;
     let controller = TorqueController::new(controller, TorqueLoopSettings::default()).unwrap();
     let (law, frames) = LoopController::new(controller);
-    let measured = JointMeasurement {
-        position: MOCA_HOME.to_vec(),
-        velocity: vec![0.0; 10],
-        torque: vec![0.0; 10],
-    };
+    let mut measured = JointMeasurement::resting(MOCA_HOME.to_vec(), 10);
+    measured.torque.fill(Some(0.0));
     (law, frames, measured)
 }
 

@@ -127,8 +127,12 @@ fn the_arm_carries_what_it_holds() {
     let mut empty = TorqueController::new(controller(), settings).unwrap();
     let object = HeldObject { mass: 1.5, ..HeldObject::default() };
     held.hold(object.clone()).unwrap();
-    let measured =
-        moca_model::Measured { position: &MOCA_HOME, velocity: &[0.0; 10], torque: &[0.0; 10] };
+    let measured = moca_model::Measured {
+        position: &MOCA_HOME,
+        velocity: &[0.0; 10],
+        torque: &[Some(0.0); 10],
+        age: 0.0,
+    };
     // The torque's rate is limited.
     for tick in 0..200_u32 {
         for controller in [&mut held, &mut empty] {

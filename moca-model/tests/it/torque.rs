@@ -250,7 +250,7 @@ fn a_bad_measurement_leaves_an_arm_that_carries_itself() {
             let measured = match part {
                 0 => Measured { position: &nan, ..truth },
                 1 => Measured { velocity: &nan, ..truth },
-                _ => Measured { torque: &nan, ..truth },
+                _ => Measured { torque: &[Some(f64::NAN); 10], ..truth },
             };
             let now = f64::from(robot.tick + tick) * PERIOD;
             let last = controller.torque().to_vec();

@@ -97,7 +97,9 @@ pub use ahqp_core::{
 pub use control_loop::clock::{Clock, ManualClock, MonotonicClock};
 pub use control_loop::deadlines::{DeadlineStatistics, TimeHistogram};
 pub use control_loop::law::ControlLaw;
-pub use control_loop::robot_side::{JointCommand, JointMeasurement, Received, RobotSide};
+pub use control_loop::robot_side::{
+    JointCommand, JointMeasurement, Received, RobotMode, RobotSide, RobotStatus,
+};
 pub use control_loop::run::{ControlLoop, LoopEnding, LoopError, StopCause};
 #[cfg(all(feature = "real-time", target_os = "linux"))]
 pub use control_loop::scheduling::Scheduling;

@@ -62,9 +62,8 @@ impl Ros2Server {
     /// [`Ros2Error::Create`]
     pub fn join(domain: RosDomain, robot: SimulatedSide, start: &[f64]) -> Result<Self, Ros2Error> {
         let mut node = RosNode::join(domain, "moca_robot")?;
-        let (joints, none) = (RobotJoints::moca(), vec![0.0; start.len()]);
-        let measured =
-            JointMeasurement { position: start.to_vec(), velocity: none.clone(), torque: none };
+        let joints = RobotJoints::moca();
+        let measured = JointMeasurement::resting(start.to_vec(), start.len());
         let efforts = Topic::JointCommands(JointInterface::Effort);
         Ok(Self {
             peers: node.peers(vec![Topic::BaseTwist, efforts]),

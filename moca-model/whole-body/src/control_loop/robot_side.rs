@@ -2,15 +2,49 @@
 
 use crate::robot::model::Model;
 
-/// What a robot measures, one element an entry of q and q̇.
+/// What a robot measures, one element an entry of q and q̇, and what it says of itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointMeasurement {
     /// q \[m or rad\].
     pub position: Vec<f64>,
     /// q̇ \[m/s or rad/s\].
     pub velocity: Vec<f64>,
-    /// Of joints that measure none zero \[N or Nm\].
-    pub torque: Vec<f64>,
+    /// Torques behind the gears \[N or Nm\]; none for a joint that measures none.
+    pub torque: Vec<Option<f64>>,
+    /// What the robot says of itself.
+    pub robot: RobotStatus,
+    /// Time since this came from the robot \[s\]: zero for a measurement of this tick. The loop writes it.
+    pub age: f64,
+}
+
+/// What a robot says of itself; none for what it does not say.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct RobotStatus {
+    /// Whether it takes commands, or why it does not.
+    pub mode: Option<RobotMode>,
+    /// Whether it took the command before this measurement.
+    pub took_command: Option<bool>,
+}
+
+/// Whether a robot takes commands, or why it does not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum RobotMode {
+    /// It takes commands.
+    Running,
+    /// It stopped by itself, for lost commands or an error of its own.
+    Stopped,
+    /// It stopped by itself for a contact or a limit.
+    Reflex,
+    /// Somebody stopped it, by an enabling device or an emergency stop.
+    UserStop,
+}
+
+impl RobotStatus {
+    /// Returns true if the robot says that it takes no commands.
+    pub fn is_stopped(self) -> bool {
+        self.mode.is_some_and(|mode| mode != RobotMode::Running)
+    }
 }
 
 /// What a robot is told, one element an entry of q and q̇. Which of them a joint follows is the robot's.
@@ -25,10 +59,20 @@ pub struct JointCommand {
 }
 
 impl JointMeasurement {
-    /// At rest at the neutral configuration.
+    /// At rest at the neutral configuration, without torques.
     pub fn at_rest(model: &Model) -> Self {
-        let none = vec![0.0; model.velocity_count()];
-        Self { position: model.neutral(), velocity: none.clone(), torque: none }
+        Self::resting(model.neutral(), model.velocity_count())
+    }
+
+    /// At rest at `position`, with `joints` entries of q̇, without torques and without a word of the robot's.
+    pub fn resting(position: Vec<f64>, joints: usize) -> Self {
+        Self {
+            position,
+            velocity: vec![0.0; joints],
+            torque: vec![None; joints],
+            robot: RobotStatus::default(),
+            age: 0.0,
+        }
     }
 }
 

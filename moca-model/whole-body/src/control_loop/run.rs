@@ -104,7 +104,7 @@ pub enum LoopError<R, L> {
 /// }
 ///
 /// let (mut wheel, mut turn) = (Wheel(0.0), Turn(1.0));
-/// let measured = JointMeasurement { position: vec![0.0], velocity: vec![0.0], torque: vec![0.0] };
+/// let measured = JointMeasurement::resting(vec![0.0], 1);
 /// let mut control = ControlLoop::new(LoopSettings::default(), measured)?;
 /// let mut ticks = 0;
 /// let ending = control.run(&mut wheel, &mut turn, &mut ManualClock::default(), || {
@@ -199,6 +199,7 @@ impl ControlLoop {
                 Received::Fresh => progress.fresh = now,
                 Received::Nothing => self.statistics.unmeasured += 1,
             }
+            self.measured.age = now - progress.fresh;
             if progress.stopping.is_none()
                 && let Some(cause) = self.reason_to_stop(&progress, now, law, stop)
             {

@@ -119,7 +119,7 @@ impl ControlLaw for Law {
 }
 
 fn control(settings: LoopSettings) -> ControlLoop {
-    let measured = JointMeasurement { position: vec![0.0], velocity: vec![0.0], torque: vec![0.0] };
+    let measured = JointMeasurement::resting(vec![0.0], 1);
     ControlLoop::new(settings, measured).unwrap()
 }
 
