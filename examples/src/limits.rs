@@ -225,9 +225,11 @@ impl LimitMonitor {
 ///
 /// ```
 /// use examples::limits::TorqueMonitor;
+/// use moca_model::whole_body::Compensation;
 /// use moca_model::{TorqueLoopSettings, moca};
 ///
-/// let mut monitor = TorqueMonitor::new(&moca()?, &TorqueLoopSettings::default(), 0.001);
+/// let settings = TorqueLoopSettings::new(Compensation::BARE);
+/// let mut monitor = TorqueMonitor::new(&moca()?, &settings, 0.001);
 /// assert!(!monitor.check(&[80.0; 7][..4])); // the first counts as reached
 /// assert!(!monitor.check(&[81.0; 7][..4]));
 /// assert!(monitor.check(&[83.0; 7][..4])); // 2 Nm in a millisecond

@@ -20,7 +20,9 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use moca_model::whole_body::{Data, ExternalWrench, Model, RandomSource};
+use moca_model::whole_body::{
+    Compensation, Data, ExternalWrench, JointMeasurement, Model, RandomSource,
+};
 use moca_model::{
     Command, Controller, DynamicRobot, DynamicRobotSettings, HeldObject, Measured, SimulatedRobot,
     TorqueController, TorqueLoopSettings,
@@ -49,8 +51,20 @@ pub enum Drive {
 /// The stream of a plant's random numbers.
 const STREAM: u64 = 100;
 
+/// What the controller hears of the robot in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Heard {
+    /// A measurement.
+    #[default]
+    Measurement,
+    /// Nothing.
+    Nothing,
+    /// The measurement of the tick before, as if it were new.
+    Frozen,
+}
+
 /// The closed loop.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Plant {
     robot: Robot,
     model: Model,
@@ -59,22 +73,22 @@ pub struct Plant {
     period: f64,
     /// Where the command begins \[m, rad\].
     reference: Vec<f64>,
-    /// The positions that the controller was given \[m, rad\].
-    measured: Vec<f64>,
+    /// What the controller was given.
+    measured: JointMeasurement,
     monitor: TorqueMonitor,
     breaks_torque: bool,
     /// Where the object is pushed, in the tool's frame \[m\].
     face: Vector3<f64>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Robot {
     Torque(Box<(TorqueController, DynamicRobot)>),
     Kinematic(Box<(Controller, SimulatedRobot)>),
 }
 
 /// The noise of a simulated robot.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct RobotNoise(ChaCha8Rng);
 
 impl RobotNoise {
@@ -99,7 +113,7 @@ impl Plant {
     /// # Errors
     /// A robot that cannot be simulated.
     pub fn new(drive: Drive, controller: Controller, seed: u64) -> Result<Self> {
-        Self::with_torques(drive, controller, TorqueLoopSettings::default(), seed)
+        Self::with_torques(drive, controller, TorqueLoopSettings::new(Compensation::BARE), seed)
     }
 
     /// The same with other settings of the loop of torques, which a kinematic robot has no use for.
@@ -128,7 +142,7 @@ impl Plant {
         Ok(Self {
             data: Data::new(&model),
             random: RobotNoise::new(seed),
-            measured: start.clone(),
+            measured: JointMeasurement::resting(start.clone(), model.velocity_count()),
             reference: start,
             breaks_torque: false,
             face: Vector3::zeros(),
@@ -193,15 +207,22 @@ impl Plant {
     /// # Errors
     /// Those of the controller.
     pub fn step(&mut self, now: f64) -> Result<f64> {
-        self.step_measuring(now, |_| {})
+        self.step_measuring(now, Heard::Measurement, |_| {})
     }
 
-    /// The same, where `spoil` changes the measured positions \[m, rad\].
+    /// The same, where the controller hears something else, and `spoil` changes the measured positions \[m, rad\].
+    /// Only a controller of torques knows how old a measurement is.
     ///
     /// # Errors
     /// Those of the controller.
-    pub fn step_measuring(&mut self, now: f64, spoil: impl FnOnce(&mut [f64])) -> Result<f64> {
-        let position = &mut self.measured;
+    pub fn step_measuring(
+        &mut self,
+        now: f64,
+        heard: Heard,
+        spoil: impl FnOnce(&mut [f64]),
+    ) -> Result<f64> {
+        let told = &mut self.measured;
+        told.age = if heard == Heard::Nothing { told.age + self.period } else { 0.0 };
         let started = match &mut self.robot {
             Robot::Torque(both) => {
                 let (controller, robot) = &mut **both;
@@ -209,21 +230,28 @@ impl Plant {
                 if robot.is_stopped() {
                     controller.controller_mut().robot_stopped();
                 }
-                let measured = robot.measured();
-                position.copy_from_slice(measured.position);
-                spoil(position);
+                if heard == Heard::Measurement {
+                    let measured = robot.measured();
+                    told.position.copy_from_slice(measured.position);
+                    told.velocity.copy_from_slice(measured.velocity);
+                    told.torque.copy_from_slice(measured.torque);
+                    spoil(&mut told.position);
+                }
                 let started = Instant::now();
-                controller.step(now, &Measured { position, ..measured })?;
+                let JointMeasurement { position, velocity, torque, age, .. } = &*told;
+                controller.step(now, &Measured { position, velocity, torque, age: *age })?;
                 started
             }
             Robot::Kinematic(both) => {
                 let (controller, robot) = &mut **both;
-                position.copy_from_slice(robot.position());
-                spoil(position);
+                if heard == Heard::Measurement {
+                    told.position.copy_from_slice(robot.position());
+                    spoil(&mut told.position);
+                }
                 let started = Instant::now();
                 // Nothing pushes a robot that has no mass.
                 controller.feel(0.0);
-                controller.step(now, position)?;
+                controller.step(now, &told.position)?;
                 started
             }
         };
@@ -303,6 +331,14 @@ impl Plant {
         match &self.robot {
             Robot::Torque(both) => both.1.simulation().position(),
             Robot::Kinematic(both) => both.1.position(),
+        }
+    }
+
+    /// How fast its joints truly are \[m/s, rad/s\]; none for a robot that follows exactly.
+    pub fn velocity(&self) -> Option<&[f64]> {
+        match &self.robot {
+            Robot::Torque(both) => Some(both.1.simulation().velocity()),
+            Robot::Kinematic(_) => None,
         }
     }
 

@@ -73,8 +73,14 @@ pub enum Fault {
     /// The measured state is not finite, or of the wrong size.
     #[error("bad measurement")]
     BadMeasurement,
+    /// The robot measures nothing: what is known of it is too old to control it by.
+    #[error("measurement missing")]
+    MissingMeasurement,
+    /// What the robot measures does not change although it must.
+    #[error("measurement frozen")]
+    FrozenMeasurement,
     /// The robot does not follow: measured and commanded state are farther apart than they may be,
-    /// because it is held or pushed, or its measurement is frozen.
+    /// because it is held or pushed.
     #[error("following error")]
     FollowingError,
     /// The robot says that it takes no commands: it stopped by itself, for packets that were lost, say.
@@ -102,7 +108,7 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 23] = [
         Self::Clock(ClockFault::NotFinite),
         Self::Clock(ClockFault::StandsStill),
         Self::Clock(ClockFault::SetBack),
@@ -116,6 +122,8 @@ impl Fault {
         Self::Frame(FrameFault::OutOfOrder),
         Self::TooManyPeople,
         Self::BadMeasurement,
+        Self::MissingMeasurement,
+        Self::FrozenMeasurement,
         Self::FollowingError,
         Self::RobotStopped,
         Self::ContactForce,
@@ -149,9 +157,11 @@ impl Fault {
             | Self::LateTick
             | Self::IterationLimit
             | Self::Frame(_)
-            | Self::TooManyPeople => false,
+            | Self::TooManyPeople
+            | Self::MissingMeasurement => false,
             Self::Clock(_)
             | Self::BadMeasurement
+            | Self::FrozenMeasurement
             | Self::FollowingError
             | Self::RobotStopped
             | Self::ContactForce

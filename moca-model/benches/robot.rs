@@ -86,7 +86,7 @@ mod tick {
 
     use divan::{Bencher, black_box};
     use ergo_map::ErgonomicsQuadratic;
-    use moca_model::whole_body::RandomSource;
+    use moca_model::whole_body::{Compensation, RandomSource};
     use moca_model::{
         Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, MOCA_HOME, Measured,
         SimulatedRobot, TorqueController, TorqueLoopSettings, moca,
@@ -161,7 +161,8 @@ mod tick {
         let settings = DynamicRobotSettings::ideal();
         let robot = DynamicRobot::new(&moca().unwrap(), &settings, &MOCA_HOME).unwrap();
         let controller =
-            TorqueController::new(controller(), TorqueLoopSettings::default()).unwrap();
+            TorqueController::new(controller(), TorqueLoopSettings::new(Compensation::BARE))
+                .unwrap();
         let state = RefCell::new((controller, robot, 0_u32));
         let next = || {
             let (controller, robot, tick) = &mut *state.borrow_mut();

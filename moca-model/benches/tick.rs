@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use divan::black_box;
 use ergo_map::ErgonomicsQuadratic;
-use moca_model::whole_body::RandomSource;
+use moca_model::whole_body::{Compensation, RandomSource};
 use moca_model::{
     Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, HeldObject, MOCA_HOME,
     MOCA_TOOL, SafetySettings, SimulatedRobot, TorqueController, TorqueLoopSettings, moca,
@@ -93,7 +93,7 @@ impl Everything {
     fn new() -> Self {
         let controller = controller(SafetySettings::default());
         let mut controller =
-            TorqueController::new(controller, TorqueLoopSettings::default()).unwrap();
+            TorqueController::new(controller, TorqueLoopSettings::new(Compensation::BARE)).unwrap();
         controller.hold(HeldObject::default()).unwrap();
         let settings = DynamicRobotSettings::ideal();
         let model = moca().unwrap();

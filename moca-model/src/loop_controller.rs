@@ -18,7 +18,7 @@ const WAITING: usize = 8;
 ///
 /// ```
 /// use ergo_map::ErgonomicsQuadratic;
-/// use moca_model::whole_body::{ControlLaw, JointCommand, JointMeasurement};
+/// use moca_model::whole_body::{Compensation, ControlLaw, JointCommand, JointMeasurement};
 /// use moca_model::{
 ///     Controller, ControllerSettings, LoopController, MOCA_HOME, TorqueController, TorqueLoopSettings, moca,
 /// };
@@ -26,7 +26,7 @@ const WAITING: usize = 8;
 ///
 /// let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0)?;
 /// let controller = Controller::new(moca()?, comfort, ControllerSettings::default(), &MOCA_HOME)?;
-/// let controller = TorqueController::new(controller, TorqueLoopSettings::default())?;
+/// let controller = TorqueController::new(controller, TorqueLoopSettings::new(Compensation::BARE))?;
 /// let (mut law, frames) = LoopController::new(controller);
 /// // The thread of the camera: frames.try_send(CameraFrame::from(percept)). The loop, each millisecond:
 /// let mut measured = JointMeasurement::resting(MOCA_HOME.to_vec(), 10);

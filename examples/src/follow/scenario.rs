@@ -2,7 +2,7 @@
 
 use anyhow::{Context, ensure};
 use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, Person};
-use moca_model::whole_body::Model;
+use moca_model::whole_body::{Compensation, Model};
 use moca_model::{
     CameraFrame, ControllerSettings, HeldObject, MOCA_HOME, SafetySettings, SpaceSettings,
     TorqueLoopSettings, moca,
@@ -79,7 +79,7 @@ impl Scenario {
         let settings = ControllerSettings { space, ..ControllerSettings::default() };
         let arrivals = percepts.iter().map(|percept| percept.time).collect();
         let (start, drive, object) = (MOCA_HOME.to_vec(), Drive::default(), HeldObject::default());
-        let torques = TorqueLoopSettings::default();
+        let torques = TorqueLoopSettings::new(Compensation::BARE);
         let adapts_from = None;
         Ok(Self {
             percepts,

@@ -1,5 +1,6 @@
 //! The settings that a file holds.
 
+use moca_model::whole_body::Compensation;
 use moca_model::{ControllerSettings, TorqueLoopSettings};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -11,13 +12,21 @@ use super::text;
 pub const SETTINGS_VERSION: i64 = 1;
 
 /// The settings of the controller and of the loop of torques below it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotSettings {
     /// The controller, from percepts to velocities.
     pub controller: ControllerSettings,
     /// What turns the velocities of the arm into torques, and torques into who pushes.
     pub torque: TorqueLoopSettings,
+}
+
+/// Those of the simulated robot, whose motors compensate nothing.
+impl Default for RobotSettings {
+    fn default() -> Self {
+        let torque = TorqueLoopSettings::new(Compensation::BARE);
+        Self { controller: ControllerSettings::default(), torque }
+    }
 }
 
 impl RobotSettings {

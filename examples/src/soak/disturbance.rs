@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use vision_models::Percept;
 
-use crate::plant::Drive;
+use crate::plant::{Drive, Heard};
 
 /// Something that goes wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -42,6 +42,10 @@ pub enum Disturbance {
     CameraMoved,
     /// A joint's measured position is NaN.
     MeasurementNan,
+    /// The robot measures nothing.
+    MeasurementMissing,
+    /// The robot measures the same again and again.
+    MeasurementFrozen,
     /// Every tenth tick comes some milliseconds late.
     TicksLate,
     /// The loop's time is NaN.
@@ -82,7 +86,7 @@ const ANYWHERE: f64 = 30.0;
 
 impl Disturbance {
     /// Every one.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 22] = [
         Self::FramesLost,
         Self::FramesFrozen,
         Self::FramesLate,
@@ -95,6 +99,8 @@ impl Disturbance {
         Self::CameraStands,
         Self::CameraMoved,
         Self::MeasurementNan,
+        Self::MeasurementMissing,
+        Self::MeasurementFrozen,
         Self::TicksLate,
         Self::TimeNan,
         Self::TimeStands,
@@ -141,7 +147,14 @@ impl Disturbance {
 
     /// Returns true if only a robot under torques has it: it has a mass, and a line to its controller.
     fn is_of_torques(self) -> bool {
-        matches!(self, Self::ArmPushed | Self::CommandsThinned | Self::CommandsLost)
+        matches!(
+            self,
+            Self::ArmPushed
+                | Self::CommandsThinned
+                | Self::CommandsLost
+                | Self::MeasurementMissing
+                | Self::MeasurementFrozen
+        )
     }
 
     /// Returns true if the controller has no time, or no measurement, for which it could solve anything.
@@ -170,6 +183,8 @@ impl Disturbance {
             Self::CameraAhead
             | Self::CameraEpoch
             | Self::MeasurementNan
+            | Self::MeasurementMissing
+            | Self::MeasurementFrozen
             | Self::TimeNan
             | Self::TimeStands
             | Self::TimeBack
@@ -285,6 +300,15 @@ impl Disturbances {
             Some(Disturbance::TimeBack) => time - 1.0,
             Some(Disturbance::TimeAhead) => time + 3600.0,
             _ => time,
+        }
+    }
+
+    /// What the controller hears of the robot.
+    pub(super) fn heard(&self) -> Heard {
+        match self.now {
+            Some(Disturbance::MeasurementMissing) => Heard::Nothing,
+            Some(Disturbance::MeasurementFrozen) => Heard::Frozen,
+            _ => Heard::Measurement,
         }
     }
 

@@ -174,7 +174,7 @@ impl Episode {
         let time = self.disturbances.time(now, self.last);
         let disturbance = self.disturbances.present(now);
         let is_nan = matches!(disturbance, Some((Disturbance::MeasurementNan, _)));
-        let tick_us = self.plant.step_measuring(time, |position| {
+        let tick_us = self.plant.step_measuring(time, self.disturbances.heard(), |position| {
             if is_nan {
                 position[4] = f64::NAN;
             }

@@ -35,6 +35,7 @@ mod robot_side;
 mod ros2;
 mod settings;
 mod shards;
+mod silence;
 mod soak;
 mod support;
 mod surface;

@@ -36,6 +36,11 @@ impl Controller {
         self.report(Fault::RobotStopped);
     }
 
+    /// The commanded state starts anew from where the robot is in the coming tick.
+    pub(crate) fn resynchronise(&mut self) {
+        self.leash.resynchronise();
+    }
+
     /// Tells the supervisor what went wrong.
     pub(crate) fn report(&mut self, fault: Fault) {
         self.safety.report(fault);

@@ -4,8 +4,9 @@ use hrsw::Fault;
 use nalgebra::Vector3;
 use vision_models::{Body, Percept};
 use whole_body::{
-    ContactForce, Data, JointImpedance, JointState, Model, MomentumObserver, ObserverSettings,
-    Payload, PayloadId,
+    ContactForce, Data, JointImpedance, JointState, MeasurementFault, MeasurementWatch, Model,
+    MomentumObserver, ObserverSettings, Payload, PayloadId, StatePrediction, SupportTorque,
+    SupportedMotion,
 };
 
 use super::settings::TorqueLoopSettings;
@@ -24,12 +25,13 @@ pub struct Measured<'a> {
     /// The torques that act on the links, behind the gears \[N or Nm\], none where they are not measured; only
     /// those of the joints driven by torque are read.
     pub torque: &'a [Option<f64>],
-    /// How long ago it was measured \[s\].
+    /// How long ago this came from the robot \[s\]: zero for a measurement of this tick.
     pub age: f64,
 }
 
 /// A [`Controller`] down to torque: τ = `K_d` (q̇* − q̇) + `K_p` (q* − q) + g(q) for the arm, within torque
-/// and torque-rate limits, and velocities for the base.
+/// and torque-rate limits, and velocities for the base; g(q) where the robot does not add it itself
+/// ([`Compensation`](whole_body::Compensation)).
 ///
 /// Tasks are computed with the base where it is measured and the arm where it is commanded, q* being
 /// within the leash of q: so the arm's spring and damper do not close a loop with the tasks, and the tool
@@ -42,11 +44,12 @@ pub struct Measured<'a> {
 /// use moca_model::{
 ///     Controller, ControllerSettings, MOCA_HOME, Measured, TorqueController, TorqueLoopSettings, moca,
 /// };
+/// use moca_model::whole_body::Compensation;
 /// use nalgebra::{Matrix3, Vector3};
 ///
 /// let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::new(-0.4, 0.1, -1.1), 0.8)?;
 /// let controller = Controller::new(moca()?, comfort, ControllerSettings::default(), &MOCA_HOME)?;
-/// let mut controller = TorqueController::new(controller, TorqueLoopSettings::default())?;
+/// let mut controller = TorqueController::new(controller, TorqueLoopSettings::new(Compensation::BARE))?;
 /// // In the loop: controller.observe(&percept) at each camera frame, and each millisecond
 /// let measured =
 ///     Measured { position: &MOCA_HOME, velocity: &[0.0; 10], torque: &[Some(0.0); 10], age: 0.0 };
@@ -68,8 +71,16 @@ pub struct TorqueController {
     /// As measured last, if that could be used.
     position: Vec<f64>,
     velocity: Vec<f64>,
-    /// Of the whole robot.
-    gravity: Vec<f64>,
+    watch: MeasurementWatch,
+    /// Where the robot is now, by what was measured last.
+    prediction: StatePrediction,
+    /// Whether that was not known well enough in the last tick.
+    is_lost: bool,
+    /// How late measurements come and commands act \[s\].
+    delay: f64,
+    /// The time since the observer's last update \[s\].
+    unobserved: f64,
+    support: SupportTorque,
     /// What the tool holds.
     held: Option<PayloadId>,
     law: LawInput,
@@ -81,14 +92,27 @@ pub struct TorqueController {
 struct Usable {
     position: bool,
     velocity: bool,
-    torque: bool,
+    torque: Torques,
+}
+
+/// What is known of the torques that act on the driven joints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Torques {
+    Measured,
+    /// At least one joint measures none.
+    NotMeasured,
+    /// At least one is no number.
+    Bad,
 }
 
 impl Usable {
-    fn all(self) -> bool {
-        self.position && self.velocity && self.torque
+    fn is_bad(self) -> bool {
+        !(self.position && self.velocity) || self.torque == Torques::Bad
     }
 }
+
+/// Torques older than this do not say who pushes the robot now \[s\].
+const FELT: f64 = 5e-3;
 
 /// What the law sees, one element a joint driven by torque.
 #[derive(Debug, Clone)]
@@ -97,7 +121,8 @@ struct LawInput {
     desired_velocity: Vec<f64>,
     measured: Vec<f64>,
     measured_velocity: Vec<f64>,
-    gravity: Vec<f64>,
+    /// Beside spring and damper \[Nm\].
+    support: Vec<f64>,
     sensed: Vec<f64>,
 }
 
@@ -133,14 +158,19 @@ impl TorqueController {
             contact: ContactForce::new(&model, tool, names)?,
             force: Vector3::zeros(),
             velocity: vec![0.0; position.len()],
-            gravity: vec![0.0; position.len()],
+            watch: MeasurementWatch::new(position.len()),
+            prediction: StatePrediction::new(&position, &joints),
+            is_lost: false,
+            delay: 0.0,
+            unobserved: 0.0,
+            support: SupportTorque::new(&model, settings.compensation, settings.rotor_inertia)?,
             held: None,
             law: LawInput {
                 desired: none.clone(),
                 desired_velocity: none.clone(),
                 measured: none.clone(),
                 measured_velocity: none.clone(),
-                gravity: none.clone(),
+                support: none.clone(),
                 sensed: none.clone(),
             },
             torque: none,
@@ -148,9 +178,15 @@ impl TorqueController {
             joints,
             controller,
         };
-        torque_controller.carry()?;
-        torque_controller.torque.copy_from_slice(&torque_controller.law.gravity);
+        torque_controller.support()?;
+        torque_controller.torque.copy_from_slice(&torque_controller.law.support);
         Ok(torque_controller)
+    }
+
+    /// Tells how late measurements are beyond their age \[s\]: from a command to what it changes in a measurement, less
+    /// the one period that every loop takes.
+    pub fn set_delay(&mut self, delay: f64) {
+        self.delay = delay.max(0.0);
     }
 
     /// Takes a camera frame; see [`Controller::observe`].
@@ -172,43 +208,92 @@ impl TorqueController {
     /// The command for the period that begins at `now` \[s\], with the robot as `measured`; the torques of
     /// the arm are [`torque`](Self::torque). Allocates nothing.
     ///
+    /// Between measurements the state is predicted ([`StatePrediction`]): spring and damper act on the prediction, and
+    /// fade with its age until the arm only carries itself. What is missing for 9 ms, or frozen
+    /// ([`MeasurementWatch`]), is a [`Fault::MissingMeasurement`] or [`Fault::FrozenMeasurement`].
+    ///
     /// A measurement of which any number cannot be used is a [`Fault::BadMeasurement`], and the command
     /// brakes. Joints without a position count as moved by their velocities since they had one. Without
     /// these too the arm has no spring, and carries itself as where it was measured last; without a velocity
-    /// it has no damper.
+    /// it has no damper. Without measured torques nobody is felt, so that nobody may be touched.
     ///
     /// # Errors
     /// [`Error::WrongSize`] for a configuration of the wrong size, as [`Controller::step`].
     pub fn step(&mut self, now: f64, measured: &Measured<'_>) -> Result<&Command, Error> {
         let usable = self.take(measured);
-        if !(usable.all() && self.feel().is_ok()) {
-            self.controller.report(Fault::BadMeasurement);
-            self.observer.reset();
-            self.carry()?;
-        }
-        let outcome = self.controller.step(now, measured.position).map(|_| ());
+        self.predict(measured.age);
+        self.feel(usable, self.watch.age() == 0.0);
+        let configuration =
+            if usable.position { self.prediction.position() } else { measured.position };
+        let outcome = self.controller.step(now, configuration).map(|_| ());
         self.write_law(usable);
         let law = &self.law;
         let desired = JointState { position: &law.desired, velocity: &law.desired_velocity };
         let state = JointState { position: &law.measured, velocity: &law.measured_velocity };
         let period = self.controller.settings().period;
         // Numbers that are no numbers leave the torque as it was.
-        if let Ok(torque) = self.impedance.torque(desired, state, &law.gravity, period) {
+        if let Ok(torque) = self.impedance.torque(desired, state, &law.support, period) {
             self.torque.copy_from_slice(torque);
         }
         outcome.map(|()| self.controller.command())
     }
 
+    /// Where the robot is by now; a fault if that is not known well enough.
+    fn predict(&mut self, age: f64) {
+        let period = self.controller.settings().period;
+        let measured = JointState { position: &self.position, velocity: &self.velocity };
+        let commanded = &self.controller.command().joint_velocity;
+        let age = self.watch.update(measured, commanded, age, period);
+        // The sizes are those of the robot.
+        let _ = self.prediction.update(measured, commanded, self.delay + age, period);
+        let fault = self.watch.fault().map(|fault| match fault {
+            MeasurementFault::Missing => Fault::MissingMeasurement,
+            MeasurementFault::Frozen => Fault::FrozenMeasurement,
+        });
+        // Nothing is made up for when the robot is measured again.
+        if fault.is_some() || self.is_lost {
+            self.controller.resynchronise();
+        }
+        self.is_lost = fault.is_some();
+        if let Some(fault) = fault {
+            self.controller.report(fault);
+        }
+    }
+
+    /// Finds the force from outside by a new measurement, and tells the supervisor. Gravity is that of where the robot
+    /// is.
+    fn feel(&mut self, usable: Usable, is_new: bool) {
+        self.unobserved += self.controller.settings().period;
+        if usable.is_bad() {
+            self.controller.report(Fault::BadMeasurement);
+        } else if usable.torque == Torques::Measured && is_new && self.observe_force().is_err() {
+            self.controller.report(Fault::BadMeasurement);
+        }
+        if usable.is_bad() || usable.torque == Torques::NotMeasured {
+            self.observer.reset();
+        } else if self.watch.age() <= FELT {
+            self.controller.feel(self.force.norm());
+        }
+        // The position is that of a configuration.
+        let _ = self.support();
+    }
+
     /// Takes of what is measured what can be used.
     fn take(&mut self, measured: &Measured<'_>) -> Usable {
         let Measured { position, velocity, torque, .. } = *measured;
-        let driven = self.joints.iter().map(|joint| torque.get(*joint).copied().flatten());
-        let is_known = |torque: Option<f64>| torque.is_some_and(is_sensible);
+        let driven = || self.joints.iter().map(|joint| torque.get(*joint).copied().flatten());
+        let torques = if driven().any(|torque| torque.is_none()) {
+            Torques::NotMeasured
+        } else if driven().flatten().all(is_sensible) {
+            Torques::Measured
+        } else {
+            Torques::Bad
+        };
         let usable = Usable {
             position: self.controller.robot().model().is_configuration(position),
             velocity: velocity.len() == self.velocity.len()
                 && velocity.iter().all(|velocity| is_sensible(*velocity)),
-            torque: driven.into_iter().all(is_known),
+            torque: torques,
         };
         if usable.velocity {
             self.velocity.copy_from_slice(velocity);
@@ -218,7 +303,7 @@ impl TorqueController {
         } else if usable.velocity {
             self.move_on(position);
         }
-        if usable.torque {
+        if usable.torque == Torques::Measured {
             for (sensed, joint) in self.law.sensed.iter_mut().zip(&self.joints) {
                 *sensed = torque.get(*joint).copied().flatten().unwrap_or_default();
             }
@@ -241,41 +326,41 @@ impl TorqueController {
         }
     }
 
-    /// Finds the force from outside, and tells the supervisor.
-    fn feel(&mut self) -> Result<(), Error> {
-        let period = self.controller.settings().period;
+    /// The force from outside since the last update of the observer.
+    fn observe_force(&mut self) -> Result<(), Error> {
         let model = self.controller.robot().model();
-        let mut posed = self.data.pose(model, &self.position)?;
-        posed.gravity_into(&mut self.gravity)?;
+        let posed = self.data.pose(model, &self.position)?;
         let mut moving = posed.moving(&self.velocity)?;
-        let found = self.observer.update(&mut moving, &self.law.sensed, period)?;
+        let found = self.observer.update(&mut moving, &self.law.sensed, self.unobserved)?;
+        self.unobserved = 0.0;
         self.force = self.contact.estimate(moving.posed(), found)?;
-        self.controller.feel(self.force.norm());
-        self.gather_gravity();
         Ok(())
     }
 
-    /// Gravity at the last position.
-    fn carry(&mut self) -> Result<(), Error> {
+    /// What the arm needs beside spring and damper where it is, as it moves.
+    fn support(&mut self) -> Result<(), Error> {
         let model = self.controller.robot().model();
-        self.data.pose(model, &self.position)?.gravity_into(&mut self.gravity)?;
-        self.gather_gravity();
-        Ok(())
-    }
-
-    fn gather_gravity(&mut self) {
-        for (own, joint) in self.law.gravity.iter_mut().zip(&self.joints) {
-            *own = self.gravity.get(*joint).copied().unwrap_or_default();
+        let motion = SupportedMotion {
+            position: self.prediction.position(),
+            velocity: self.prediction.velocity(),
+            acceleration: self.prediction.acceleration(),
+            commanded: &self.controller.command().joint_velocity,
+            share: 1.0 - self.prediction.weight(),
+        };
+        let torque = self.support.update(&mut self.data, model, &motion)?;
+        for (own, joint) in self.law.support.iter_mut().zip(&self.joints) {
+            *own = torque.get(*joint).copied().unwrap_or_default();
         }
+        Ok(())
     }
 
     /// What the law is to see. Where the position is not known it has no spring, and where there is no
-    /// velocity no damper.
+    /// velocity no damper; what is predicted counts by its weight.
     fn write_law(&mut self, usable: Usable) {
         let command = self.controller.command();
         let parts = [
-            (&mut self.law.measured, &self.position),
-            (&mut self.law.measured_velocity, &self.velocity),
+            (&mut self.law.measured, self.prediction.position()),
+            (&mut self.law.measured_velocity, self.prediction.velocity()),
             (&mut self.law.desired, &command.joint_position),
             (&mut self.law.desired_velocity, &command.joint_velocity),
         ];
@@ -284,12 +369,15 @@ impl TorqueController {
                 *own = all.get(*joint).copied().unwrap_or_default();
             }
         }
-        if !(usable.position || usable.velocity) {
-            self.law.desired.copy_from_slice(&self.law.measured);
-        }
-        if !usable.velocity {
-            self.law.desired_velocity.copy_from_slice(&self.law.measured_velocity);
-        }
+        let weigh = |desired: &mut [f64], predicted: &[f64], is_known: bool| {
+            for (desired, predicted) in desired.iter_mut().zip(predicted) {
+                let weighed = self.prediction.towards(*desired, *predicted);
+                *desired = if is_known { weighed } else { *predicted };
+            }
+        };
+        let law = &mut self.law;
+        weigh(&mut law.desired, &law.measured, usable.position || usable.velocity);
+        weigh(&mut law.desired_velocity, &law.measured_velocity, usable.velocity);
     }
 
     /// The joints driven by torque, as indices of q̇.

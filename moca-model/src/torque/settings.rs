@@ -1,18 +1,20 @@
 //! Gains and rates of the torque loop.
 
-use whole_body::{ImpedanceSettings, ObservedFriction};
+use whole_body::{Compensation, ImpedanceSettings, ObservedFriction};
 
 use crate::error::Error;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_JOINTS};
 
-/// What turns a controller's commands into torques, and torques into who pushes.
+/// What turns a controller's commands into torques, and torques into who pushes. It has no default: somebody has to say
+/// what the robot compensates itself.
 ///
 /// ```
+/// use moca_model::whole_body::Compensation;
 /// use moca_model::{ImpedanceSettings, TorqueLoopSettings};
 ///
 /// let soft = TorqueLoopSettings {
 ///     impedance: ImpedanceSettings::soft(),
-///     ..TorqueLoopSettings::default()
+///     ..TorqueLoopSettings::new(Compensation::FRANKA)
 /// };
 /// assert!(soft.validate().is_ok());
 /// ```
@@ -23,8 +25,13 @@ pub struct TorqueLoopSettings {
     /// The joints that are driven by torque, in the order of q. The others take velocities. Default
     /// MOCA's arm.
     pub joints: Vec<String>,
+    /// Who compensates gravity, Coriolis forces and friction.
+    pub compensation: Compensation,
     /// Gains of these, and the torque rate. Default a Panda's.
     pub impedance: ImpedanceSettings,
+    /// What turns in front of the gears of these joints, seen at the joint \[kg m²\]; it is no part of the robot's mass
+    /// matrix. Default 0.1, as in MuJoCo Menagerie's Panda.
+    pub rotor_inertia: f64,
     /// Rates of the observer of torques from outside, one each of these joints \[1/s\]. Default 50.
     pub observer_rates: Vec<f64>,
     /// Whether friction in the joints is taken off what is observed. Default that of the robot's
@@ -32,20 +39,21 @@ pub struct TorqueLoopSettings {
     pub friction: ObservedFriction,
 }
 
-impl Default for TorqueLoopSettings {
-    fn default() -> Self {
+impl TorqueLoopSettings {
+    /// Those of MOCA's arm, on an interface with this compensation.
+    pub fn new(compensation: Compensation) -> Self {
         let joints: Vec<_> =
             MOCA_JOINTS.iter().skip(MOCA_BASE_JOINTS).map(|name| (*name).to_owned()).collect();
         Self {
+            compensation,
             impedance: ImpedanceSettings::default(),
+            rotor_inertia: 0.1,
             observer_rates: vec![50.0; joints.len()],
             friction: ObservedFriction::Modelled,
             joints,
         }
     }
-}
 
-impl TorqueLoopSettings {
     /// Checks the ranges that need no robot to be checked.
     ///
     /// # Errors
@@ -54,6 +62,11 @@ impl TorqueLoopSettings {
         if self.joints.is_empty() {
             let (name, expected) = ("the number of joints driven by torque", "at least one");
             return Err(Error::Setting { name, value: 0.0, expected });
+        }
+        let value = self.rotor_inertia;
+        if !(0.0..=1e3).contains(&value) {
+            let (name, expected) = ("torque.rotor_inertia", "from 0 to 1000 kg m²");
+            return Err(Error::Setting { name, value, expected });
         }
         Ok(self.impedance.validate(self.joints.len())?)
     }

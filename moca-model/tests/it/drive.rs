@@ -6,7 +6,7 @@ use std::sync::mpsc::SyncSender;
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Attachment, Capsule, Cause, Fault, SafetyState, proximity};
-use moca_model::whole_body::{Data, JointMeasurement, Model};
+use moca_model::whole_body::{Compensation, Data, JointMeasurement, Model};
 use moca_model::{
     CameraFrame, Controller, ControllerSettings, Error, LoopController, MOCA_HOME, SimulatedRobot,
     TorqueController, TorqueLoopSettings,
@@ -49,7 +49,8 @@ pub(crate) fn doing(action: Action, time: f64, person: Option<f64>) -> Percept {
 /// A controller that takes frames from another thread, its way in, and joints at rest.
 pub(crate) fn loop_controller() -> (LoopController, SyncSender<CameraFrame>, JointMeasurement) {
     let controller = Drive::new().controller;
-    let controller = TorqueController::new(controller, TorqueLoopSettings::default()).unwrap();
+    let controller =
+        TorqueController::new(controller, TorqueLoopSettings::new(Compensation::BARE)).unwrap();
     let (law, frames) = LoopController::new(controller);
     let mut measured = JointMeasurement::resting(MOCA_HOME.to_vec(), 10);
     measured.torque.fill(Some(0.0));

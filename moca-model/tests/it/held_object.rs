@@ -3,7 +3,7 @@
 use ergo_map::ErgonomicsQuadratic;
 use std::f64::consts::{PI, TAU};
 
-use moca_model::whole_body::{Data, Model};
+use moca_model::whole_body::{Compensation, Data, Model};
 use moca_model::{
     BoxSide, Controller, ControllerSettings, Error, HandSettings, HeldObject, MOCA_HOME, MOCA_URDF,
     Phase, Reason, SafetySettings, SimulatedRobot, TorqueController, TorqueLoopSettings, WorkFace,
@@ -122,7 +122,7 @@ fn without_a_measured_force_nobody_may_be_touched() {
 /// The torques that carry it are m g times how each joint lifts its middle.
 #[test]
 fn the_arm_carries_what_it_holds() {
-    let settings = TorqueLoopSettings::default();
+    let settings = TorqueLoopSettings::new(Compensation::BARE);
     let mut held = TorqueController::new(controller(), settings.clone()).unwrap();
     let mut empty = TorqueController::new(controller(), settings).unwrap();
     let object = HeldObject { mass: 1.5, ..HeldObject::default() };

@@ -17,6 +17,7 @@ mod properties;
 mod safety;
 mod several_people;
 mod shared;
+mod silence;
 mod simulation;
 mod singular;
 mod stack_changes;

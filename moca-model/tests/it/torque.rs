@@ -2,7 +2,7 @@
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Attachment, Fault, SafetyState};
-use moca_model::whole_body::{Contact, ExternalWrench, RandomSource};
+use moca_model::whole_body::{Compensation, Contact, ExternalWrench, RandomSource};
 use moca_model::{
     Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, LeashSettings, MOCA_HOME,
     MOCA_TOOL, Measured, TorqueController, TorqueLoopSettings,
@@ -14,7 +14,7 @@ use crate::shared::MOCA;
 
 /// Random numbers by SplitMix64.
 #[derive(Debug, Clone)]
-pub(crate) struct Noise(u64);
+pub(crate) struct Noise(pub(crate) u64);
 
 impl RandomSource for Noise {
     fn normal(&mut self) -> f64 {
@@ -44,7 +44,11 @@ impl Loop {
         let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
         let controller = Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME).unwrap();
         Self {
-            controller: TorqueController::new(controller, TorqueLoopSettings::default()).unwrap(),
+            controller: TorqueController::new(
+                controller,
+                TorqueLoopSettings::new(Compensation::BARE),
+            )
+            .unwrap(),
             robot: DynamicRobot::new(&MOCA, &DynamicRobotSettings::default(), &MOCA_HOME).unwrap(),
             noise: Noise(5),
             tick: 0,
@@ -331,7 +335,7 @@ fn joints_that_nobody_knows_are_refused() {
             Controller::new(MOCA.clone(), comfort, ControllerSettings::default(), &MOCA_HOME);
         TorqueController::new(controller.unwrap(), settings).unwrap_err().to_string()
     };
-    let default = TorqueLoopSettings::default;
+    let default = || TorqueLoopSettings::new(Compensation::BARE);
     let error = new(TorqueLoopSettings { joints: Vec::new(), ..default() });
     assert!(error.contains("at least one"), "{error}");
     let mut settings = default();

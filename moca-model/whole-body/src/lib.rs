@@ -158,8 +158,11 @@ pub use tasks::velocity::VelocityTask;
 pub use torque::contact_force::ContactForce;
 pub use torque::control::{TorqueControl, TorqueSettings};
 pub use torque::impedance::{ImpedanceSettings, JointImpedance, JointState};
+pub use torque::measurement_watch::{MeasurementFault, MeasurementWatch};
 pub use torque::momentum_observer::{MomentumObserver, ObservedFriction, ObserverSettings};
+pub use torque::prediction::StatePrediction;
 pub use torque::resynchronisation::{Following, Resynchronisation};
+pub use torque::support::{CompensatedBy, Compensation, SupportTorque, SupportedMotion};
 
 /// The program of the crate's README.
 #[cfg(doctest)]

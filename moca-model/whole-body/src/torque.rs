@@ -3,5 +3,8 @@
 pub(crate) mod contact_force;
 pub(crate) mod control;
 pub(crate) mod impedance;
+pub(crate) mod measurement_watch;
 pub(crate) mod momentum_observer;
+pub(crate) mod prediction;
 pub(crate) mod resynchronisation;
+pub(crate) mod support;

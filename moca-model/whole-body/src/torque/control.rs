@@ -1,18 +1,26 @@
 //! Torques of a robot that follows velocities.
 
 use super::impedance::{ImpedanceSettings, JointImpedance, JointState};
+use super::measurement_watch::{MeasurementFault, MeasurementWatch};
+use super::prediction::StatePrediction;
 use super::resynchronisation::{Following, Resynchronisation};
+use super::support::{Compensation, SupportTorque, SupportedMotion};
 use crate::error::{Error, check_finite};
 use crate::ik::leash::Leash;
 use crate::robot::joint::JointKind;
 use crate::robot::model::Model;
 use crate::state::data::Data;
 
-/// What a [`TorqueControl`] is made of.
+/// What a [`TorqueControl`] is made of. It has no default: somebody has to say what the robot compensates itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TorqueSettings {
     /// The joints that are driven by torque, in the order of q; none for all. Default none.
     pub joints: Vec<String>,
+    /// Who compensates gravity, Coriolis forces and friction.
+    pub compensation: Compensation,
+    /// What turns in front of the gears of these joints, seen at the joint \[kg m²\]; it is no part of the robot's mass
+    /// matrix. Default 0.1, as in MuJoCo Menagerie's Panda.
+    pub rotor_inertia: f64,
     /// Gains of these joints, and the torque rate. Default a Panda's.
     pub impedance: ImpedanceSettings,
     /// The largest following errors; beyond them the desired state starts anew. Default that of
@@ -20,15 +28,24 @@ pub struct TorqueSettings {
     pub leash: Leash,
 }
 
-impl Default for TorqueSettings {
-    fn default() -> Self {
-        let impedance = ImpedanceSettings::default();
-        Self { joints: Vec::new(), impedance, leash: Leash::default() }
+impl TorqueSettings {
+    /// A Panda's gains for all joints, on an interface with this compensation.
+    pub fn new(compensation: Compensation) -> Self {
+        Self {
+            joints: Vec::new(),
+            compensation,
+            rotor_inertia: 0.1,
+            impedance: ImpedanceSettings::default(),
+            leash: Leash::default(),
+        }
     }
 }
 
-/// Torques for velocities: the law of [`JointImpedance`] with gravity at the measured position, and
+/// Torques for velocities: the law of [`JointImpedance`] with gravity at the position, and
 /// a desired state that never runs away from a robot that is held ([`Resynchronisation`]).
+///
+/// Between measurements the state is predicted ([`StatePrediction`]): springs and dampers fade with its age, until the
+/// robot only carries itself and comes to rest. What is missing or frozen is a [`fault`](Self::fault).
 ///
 /// Each tick takes q̇*, from an [`Ik`](crate::Ik) for example, and the measured state. q* is the integral of q̇*
 /// within the leash of q. When the leash is reached q* is q until the caller, who is told so, has brought
@@ -37,7 +54,7 @@ impl Default for TorqueSettings {
 /// allocates, unless an error is returned.
 ///
 /// ```
-/// use whole_body::{Following, Ik, JointState, PostureTask, TorqueControl, TorqueSettings};
+/// use whole_body::{Compensation, Following, Ik, JointState, PostureTask, TorqueControl, TorqueSettings};
 /// # use whole_body::{Description, ImpedanceSettings, Model};
 /// # let model = Model::from_urdf(r#"<robot name="one"><link name="base"/>
 /// #   <link name="tip"><inertial><origin xyz="0 0 0.2"/><mass value="2"/>
@@ -50,7 +67,7 @@ impl Default for TorqueSettings {
 ///         damping: vec![20.0],
 ///         torque_rate: 1000.0,
 ///     },
-///     ..TorqueSettings::default()
+///     ..TorqueSettings::new(Compensation::BARE)
 /// };
 /// let (q, v) = ([0.1], [0.0]); // measured
 /// let mut control = TorqueControl::new(&model, settings, &q)?;
@@ -63,7 +80,7 @@ impl Default for TorqueSettings {
 ///         Following::Follows => ik.step(control.desired(), 1e-3)?.velocity(),
 ///         _ => ik.brake(1e-3)?,
 ///     };
-///     let torque = control.step(velocity, JointState { position: &q, velocity: &v }, 1e-3)?;
+///     let torque = control.step(velocity, JointState { position: &q, velocity: &v }, 0.0, 1e-3)?;
 ///     assert!((torque[0] + 2.0 * 9.81 * 0.2 * 0.1_f64.sin()).abs() < 1e-9); // carries itself
 /// }
 /// # Ok::<(), whole_body::Error>(())
@@ -75,11 +92,22 @@ pub struct TorqueControl {
     /// Of each joint that is driven by torque: its entries of q and of q̇.
     joints: Vec<(usize, usize)>,
     impedance: JointImpedance,
+    support: SupportTorque,
+    watch: MeasurementWatch,
+    /// Of the joints that are driven by torque.
+    prediction: StatePrediction,
+    /// Whether the state was not known well enough in the last tick.
+    is_lost: bool,
     resynchronisation: Resynchronisation,
     following: Following,
     /// q*.
     desired: Vec<f64>,
-    gravity: Vec<f64>,
+    /// The whole robot as it is predicted.
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    /// q̇* of the tick before.
+    commanded: Vec<f64>,
     room: Gathered,
 }
 
@@ -90,7 +118,8 @@ struct Gathered {
     desired_velocity: Vec<f64>,
     measured: Vec<f64>,
     measured_velocity: Vec<f64>,
-    gravity: Vec<f64>,
+    commanded: Vec<f64>,
+    support: Vec<f64>,
 }
 
 impl TorqueControl {
@@ -105,19 +134,30 @@ impl TorqueControl {
         let joints = joints(model, &settings.joints)?;
         let limits: Vec<_> = joints.iter().map(|(_, entry)| model.limits()[*entry]).collect();
         let none = vec![0.0; joints.len()];
+        let all = vec![0.0; model.velocity_count()];
+        let position: Vec<_> = joints.iter().map(|(position, _)| measured[*position]).collect();
+        let driven: Vec<_> = (0..joints.len()).collect();
         Ok(Self {
             data: Data::new(model),
             impedance: JointImpedance::new(settings.impedance, &limits)?,
+            support: SupportTorque::new(model, settings.compensation, settings.rotor_inertia)?,
+            watch: MeasurementWatch::new(joints.len()),
+            prediction: StatePrediction::new(&position, &driven),
+            is_lost: false,
+            position: measured.to_vec(),
+            velocity: all.clone(),
+            acceleration: all.clone(),
+            commanded: all,
             resynchronisation: Resynchronisation::of_model(model, &settings.leash)?,
             following: Following::Follows,
             desired: measured.to_vec(),
-            gravity: vec![0.0; model.velocity_count()],
             room: Gathered {
                 desired: none.clone(),
                 desired_velocity: none.clone(),
                 measured: none.clone(),
                 measured_velocity: none.clone(),
-                gravity: none,
+                commanded: none.clone(),
+                support: none,
             },
             model: model.clone(),
             joints,
@@ -125,7 +165,8 @@ impl TorqueControl {
     }
 
     /// The torques for the next `period` \[s\], one a joint that is driven by torque \[Nm or N\], with
-    /// q̇* = `velocity` and the `measured` state, q and q̇ of the whole robot.
+    /// q̇* = `velocity` and the state, q and q̇ of the whole robot, as measured `age` \[s\] ago: the time since the
+    /// measurement came and what is known of its delay beyond one period.
     ///
     /// # Errors
     /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::Quaternion`], [`Error::NotPositive`] for the
@@ -134,6 +175,7 @@ impl TorqueControl {
         &mut self,
         velocity: &[f64],
         measured: JointState<'_>,
+        age: f64,
         period: f64,
     ) -> Result<&[f64], Error> {
         check_finite(period, || "the time step [s]".to_owned())?;
@@ -142,37 +184,86 @@ impl TorqueControl {
         }
         self.model.check_velocity("q̇*", velocity)?;
         self.model.check_velocity("q̇", measured.velocity)?;
-        self.data.pose(&self.model, measured.position)?.gravity_into(&mut self.gravity)?;
+        self.model.check_configuration(measured.position)?;
+        self.predict(&measured, age, period)?;
         let rests = velocity.iter().all(|velocity| *velocity == 0.0);
-        self.following =
-            self.resynchronisation.hold(&mut self.desired, measured.position, rests)?;
-        self.advance(velocity, measured.position, period);
-        self.gather(velocity, &measured);
+        let lost = self.watch.fault().is_some();
+        // Nothing is made up for when the robot is measured again.
+        if lost || self.is_lost {
+            self.resynchronisation.resynchronise();
+        }
+        self.is_lost = lost;
+        self.following = self.resynchronisation.hold(&mut self.desired, &self.position, rests)?;
+        self.advance(velocity, period);
+        self.support(velocity)?;
+        self.gather(velocity);
+        self.commanded.copy_from_slice(velocity);
         let room = &self.room;
         let desired = JointState { position: &room.desired, velocity: &room.desired_velocity };
         let state = JointState { position: &room.measured, velocity: &room.measured_velocity };
-        self.impedance.torque(desired, state, &room.gravity, period)
+        self.impedance.torque(desired, state, &room.support, period)
+    }
+
+    /// Where the robot is by now, by what was measured.
+    fn predict(&mut self, measured: &JointState<'_>, age: f64, period: f64) -> Result<(), Error> {
+        let Self { room, joints, watch, prediction, .. } = self;
+        for (joint, (position, entry)) in joints.iter().enumerate() {
+            room.measured[joint] = measured.position[*position];
+            room.measured_velocity[joint] = measured.velocity[*entry];
+            room.commanded[joint] = self.commanded[*entry];
+        }
+        let state = JointState { position: &room.measured, velocity: &room.measured_velocity };
+        let age = watch.update(state, &room.commanded, age, period);
+        prediction.update(state, &room.commanded, age, period)?;
+        self.position.copy_from_slice(measured.position);
+        self.velocity.copy_from_slice(measured.velocity);
+        for (joint, (position, entry)) in joints.iter().enumerate() {
+            self.position[*position] = prediction.position()[joint];
+            self.velocity[*entry] = prediction.velocity()[joint];
+            self.acceleration[*entry] = prediction.acceleration()[joint];
+        }
+        Ok(())
     }
 
     /// q* goes on along q̇*, where torque drives it.
-    fn advance(&mut self, velocity: &[f64], measured: &[f64], period: f64) {
+    fn advance(&mut self, velocity: &[f64], period: f64) {
         let mut driven = self.joints.iter().peekable();
-        for (index, (desired, measured)) in self.desired.iter_mut().zip(measured).enumerate() {
+        for (index, (desired, now)) in self.desired.iter_mut().zip(&self.position).enumerate() {
             match driven.next_if(|(position, _)| *position == index) {
                 Some((_, entry)) => *desired += velocity[*entry] * period,
-                None => *desired = *measured,
+                None => *desired = *now,
             }
         }
     }
 
-    fn gather(&mut self, velocity: &[f64], measured: &JointState<'_>) {
+    /// What the robot needs beside springs and dampers.
+    fn support(&mut self, commanded: &[f64]) -> Result<(), Error> {
+        let motion = SupportedMotion {
+            position: &self.position,
+            velocity: &self.velocity,
+            acceleration: &self.acceleration,
+            commanded,
+            share: 1.0 - self.prediction.weight(),
+        };
+        self.support.update(&mut self.data, &self.model, &motion)?;
+        Ok(())
+    }
+
+    fn gather(&mut self, velocity: &[f64]) {
+        let Self { room, prediction, support, .. } = self;
         for (joint, (position, entry)) in self.joints.iter().enumerate() {
-            self.room.desired[joint] = self.desired[*position];
-            self.room.desired_velocity[joint] = velocity[*entry];
-            self.room.measured[joint] = measured.position[*position];
-            self.room.measured_velocity[joint] = measured.velocity[*entry];
-            self.room.gravity[joint] = self.gravity[*entry];
+            let (now, moving) = (prediction.position()[joint], prediction.velocity()[joint]);
+            room.measured[joint] = now;
+            room.measured_velocity[joint] = moving;
+            room.desired[joint] = prediction.towards(self.desired[*position], now);
+            room.desired_velocity[joint] = prediction.towards(velocity[*entry], moving);
+            room.support[joint] = support.torque()[*entry];
         }
+    }
+
+    /// What is wrong with the measurements: bring q̇* to rest, and end the loop unless they come again.
+    pub fn fault(&self) -> Option<MeasurementFault> {
+        self.watch.fault()
     }
 
     /// Whether the robot followed in the last tick; where it does not, bring q̇* to rest.

@@ -3,10 +3,10 @@
 use allocation_counter::measure;
 use nalgebra::{DMatrix, IsometryMatrix3, Matrix3, Matrix3xX, Matrix6xX, Point3, Vector3, Vector6};
 use whole_body::{
-    Axes, AxisTask, Base, CentreOfMassTask, Commanded, Contact, ContactForce, DampingTask, Data,
-    Description, ExternalWrench, FrameTask, FrameVelocityLimit, Ik, JointDrive, JointState, Leash,
-    ManipulabilityTask, Model, MomentumObserver, ObserverSettings, Payload, PostureTask,
-    RigidBodySimulation, SensorSettings, Sensors, TorqueControl, TorqueSettings,
+    Axes, AxisTask, Base, CentreOfMassTask, Commanded, Compensation, Contact, ContactForce,
+    DampingTask, Data, Description, ExternalWrench, FrameTask, FrameVelocityLimit, Ik, JointDrive,
+    JointState, Leash, ManipulabilityTask, Model, MomentumObserver, ObserverSettings, Payload,
+    PostureTask, RigidBodySimulation, SensorSettings, Sensors, TorqueControl, TorqueSettings,
 };
 
 use crate::support::stacks;
@@ -83,7 +83,8 @@ fn torques_observation_and_simulation_allocate_nothing() {
     let model = crate::momentum::arm(true);
     let home = crate::momentum::HOME;
     let tool = model.frame_id("panda_tcp").unwrap();
-    let mut control = TorqueControl::new(&model, TorqueSettings::default(), &home).unwrap();
+    let mut control =
+        TorqueControl::new(&model, TorqueSettings::new(Compensation::BARE), &home).unwrap();
     let mut observer = MomentumObserver::new(&model, ObserverSettings::default()).unwrap();
     let mut contact = ContactForce::new(&model, tool, &[]).unwrap();
     let drives = [JointDrive::Torque { rotor_inertia: 0.1 }; 7];
@@ -108,7 +109,7 @@ fn torques_observation_and_simulation_allocate_nothing() {
             }
             let measured =
                 JointState { position: sensors.position(), velocity: sensors.velocity() };
-            let torque = control.step(&[0.2; 7], measured, 1e-3).unwrap();
+            let torque = control.step(&[0.2; 7], measured, 0.0, 1e-3).unwrap();
             robot.step(torque, &push, 1e-3).unwrap();
         }
     })

@@ -2,9 +2,9 @@
 
 use nalgebra::{Point3, Vector3};
 use whole_body::{
-    Contact, Data, Error, Following, Ik, ImpedanceSettings, JointDrive, JointState, Leash, Model,
-    OrientationTask, PositionTask, PostureTask, RandomSource, RigidBodySimulation, SensorSettings,
-    Sensors, TaskId, TorqueControl, TorqueSettings, Transmission,
+    Compensation, Contact, Data, Error, Following, Ik, ImpedanceSettings, JointDrive, JointState,
+    Leash, Model, OrientationTask, PositionTask, PostureTask, RandomSource, RigidBodySimulation,
+    SensorSettings, Sensors, TaskId, TorqueControl, TorqueSettings, Transmission,
 };
 
 use crate::momentum::{HOME, arm};
@@ -80,7 +80,7 @@ impl Loop {
         };
         let measured =
             JointState { position: self.sensors.position(), velocity: self.sensors.velocity() };
-        let torque = self.control.step(velocity, measured, PERIOD).unwrap();
+        let torque = self.control.step(velocity, measured, 0.0, PERIOD).unwrap();
         for (joint, (torque, last)) in torque.iter().zip(&self.torque).enumerate() {
             assert!(torque.abs() <= self.model.limits()[joint].effort);
             assert!((torque - last).abs() <= 1.0 + 1e-12, "at most 1000 Nm/s");
@@ -107,7 +107,7 @@ impl Loop {
 #[test]
 fn a_circle_at_a_quarter_of_a_metre_a_second_is_followed() {
     for radius in [0.1, 0.2] {
-        let mut panda = Loop::new(TorqueSettings::default());
+        let mut panda = Loop::new(TorqueSettings::new(Compensation::BARE));
         let start = panda.point(&HOME);
         let (mut commanded, mut actual) = (0.0, 0.0);
         let (mut angle, mut rate) = (0.0_f64, 0.0_f64);
@@ -136,7 +136,7 @@ fn a_circle_at_a_quarter_of_a_metre_a_second_is_followed() {
 fn an_arm_pushed_against_a_wall_is_let_go_without_a_jump() {
     let settings = TorqueSettings {
         leash: Leash { revolute: 0.05, ..Leash::default() },
-        ..TorqueSettings::default()
+        ..TorqueSettings::new(Compensation::BARE)
     };
     let mut panda = Loop::new(settings);
     let start = panda.point(&HOME);
@@ -165,7 +165,7 @@ fn an_arm_pushed_against_a_wall_is_let_go_without_a_jump() {
 
 #[test]
 fn an_arm_that_is_to_stay_stays() {
-    let mut panda = Loop::new(TorqueSettings::default());
+    let mut panda = Loop::new(TorqueSettings::new(Compensation::BARE));
     let start = panda.point(&HOME);
     for _ in 0..1000 {
         panda.step(start);
@@ -175,7 +175,7 @@ fn an_arm_that_is_to_stay_stays() {
 
 #[test]
 fn what_gives_way_follows_the_hand_that_pushes_it() {
-    let mut panda = Loop::new(TorqueSettings::default());
+    let mut panda = Loop::new(TorqueSettings::new(Compensation::BARE));
     let start = panda.point(&HOME);
     let tool = panda.model.frame_id("panda_tcp").unwrap();
     let push = nalgebra::Vector6::new(0.0, 20.0, 0.0, 0.0, 0.0, 0.0);
@@ -184,7 +184,7 @@ fn what_gives_way_follows_the_hand_that_pushes_it() {
         panda.control.give_way();
         let measured =
             JointState { position: panda.robot.position(), velocity: panda.robot.velocity() };
-        let torque = panda.control.step(&[0.0; 7], measured, PERIOD).unwrap();
+        let torque = panda.control.step(&[0.0; 7], measured, 0.0, PERIOD).unwrap();
         panda.robot.step(torque, &push, PERIOD).unwrap();
         assert!(panda.excursion() < 2e-3);
     }
@@ -195,7 +195,7 @@ fn what_gives_way_follows_the_hand_that_pushes_it() {
 fn what_torque_control_cannot_use() {
     let model = arm(false);
     let new = |settings| TorqueControl::new(&model, settings, &HOME);
-    let default = TorqueSettings::default;
+    let default = || TorqueSettings::new(Compensation::BARE);
     let error = new(TorqueSettings { joints: vec!["elbow".into()], ..default() }).unwrap_err();
     assert!(matches!(error, Error::UnknownName { .. }));
     let error =
@@ -207,10 +207,10 @@ fn what_torque_control_cannot_use() {
     let mut control = new(default()).unwrap();
     let rest = JointState { position: &HOME, velocity: &[0.0; 7] };
     let nan = JointState { position: &[f64::NAN; 7], velocity: &[0.0; 7] };
-    assert!(control.step(&[0.0; 7], nan, PERIOD).is_err());
-    assert!(control.step(&[f64::INFINITY; 7], rest, PERIOD).is_err());
-    assert!(control.step(&[0.0; 6], rest, PERIOD).is_err());
-    assert!(control.step(&[0.0; 7], rest, -1.0).is_err());
+    assert!(control.step(&[0.0; 7], nan, 0.0, PERIOD).is_err());
+    assert!(control.step(&[f64::INFINITY; 7], rest, 0.0, PERIOD).is_err());
+    assert!(control.step(&[0.0; 6], rest, 0.0, PERIOD).is_err());
+    assert!(control.step(&[0.0; 7], rest, 0.0, -1.0).is_err());
     assert_eq!(control.desired(), HOME);
     // One joint alone: the others are desired where they are.
     let impedance = ImpedanceSettings {
@@ -223,8 +223,8 @@ fn what_torque_control_cannot_use() {
     let mut moved = HOME;
     moved[0] = 0.05;
     let state = JointState { position: &moved, velocity: &[0.0; 7] };
-    assert_eq!(elbow.step(&[0.1; 7], rest, PERIOD).unwrap().len(), 1);
-    elbow.step(&[0.1; 7], state, PERIOD).unwrap();
+    assert_eq!(elbow.step(&[0.1; 7], rest, 0.0, PERIOD).unwrap().len(), 1);
+    elbow.step(&[0.1; 7], state, 0.0, PERIOD).unwrap();
     assert_eq!(elbow.desired()[0], 0.05);
     assert!((elbow.desired()[3] - HOME[3] - 2e-4).abs() < 1e-12);
 }

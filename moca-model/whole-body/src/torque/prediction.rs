@@ -1,0 +1,176 @@
+//! Joints between measurements.
+
+use super::impedance::JointState;
+use crate::error::{Error, check_size};
+
+/// Age up to which a measurement counts in full \[s\]: the delay of a loop that measures in every millisecond.
+const IN_FULL: f64 = 2e-3;
+/// Age from which a measurement counts less and less \[s\], and how long that takes until it says nothing.
+const LOST: f64 = 8e-3;
+const FADE: f64 = 4e-3;
+/// How fast joints that are lost are brought to rest \[s\]: in this time to a share of 1/e. Accelerations that the command
+/// may ask for ask for torques that no torque rate can follow, and each joint would come too late by another time.
+const BRAKING: f64 = 0.1;
+/// Ticks of which the commanded accelerations are remembered: those of 8 ms, or more.
+const REMEMBERED: usize = 16;
+
+/// Positions and velocities of joints now, from what was measured `age` seconds ago.
+///
+/// A joint is taken to accelerate as it was commanded since it was measured, â = q̈*; one that torque drives after 8 ms as
+/// it is brought to rest, â = −v̂ / 0.1 s. So v̂ = v + ∫ â dt and q̂ = q + ∫ v̂ dt. The weight w says how far the measurement can be trusted: 1 up
+/// to an age of 2 ms, then 2 ms over the age, and from 8 to 12 ms to 0. Springs and dampers on the predicted state count
+/// by it ([`towards`](Self::towards)): a damper on an old velocity is a constant push. What they lack, 1 − w, the model
+/// is to give: M(q̂) â + C(q̂, v̂) v̂.
+///
+/// ```
+/// use whole_body::{JointState, StatePrediction};
+///
+/// let mut prediction = StatePrediction::new(&[0.0], &[0]);
+/// let measured = JointState { position: &[0.0], velocity: &[1.0] };
+/// prediction.update(measured, &[1.0], 0.0, 1e-3)?;
+/// for tick in 1..=4 {
+///     // Nothing comes, and the command slows down by 0.01 rad/s a tick.
+///     let age = 1e-3 * f64::from(tick);
+///     prediction.update(measured, &[1.0 - 0.01 * f64::from(tick)], age, 1e-3)?;
+/// }
+/// assert!((prediction.velocity()[0] - 0.96).abs() < 1e-12);
+/// assert!((prediction.weight() - 0.5).abs() < 1e-12);
+/// # Ok::<(), whole_body::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct StatePrediction {
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    /// q̇* of the last tick.
+    commanded: Vec<f64>,
+    /// â of the last tick.
+    acceleration: Vec<f64>,
+    /// Which joints torque drives.
+    driven: Vec<bool>,
+    /// By how much q̇* changed in each of the last ticks.
+    changes: Vec<Vec<f64>>,
+    /// Of the newest.
+    newest: usize,
+    /// Whether q̇* of a tick is known.
+    began: bool,
+    /// The age of what is predicted now \[s\].
+    age: f64,
+}
+
+/// How far a measurement of this age \[s\] can be trusted, 0 to 1; not at all if the age is no number.
+fn weight(age: f64) -> f64 {
+    let weight = (IN_FULL / age).min(1.0) * ((LOST + FADE - age) / FADE).min(1.0);
+    if weight > 0.0 { weight } else { 0.0 }
+}
+
+impl StatePrediction {
+    /// Joints at rest, and the indices of those that torque drives; the others follow velocities.
+    pub fn new(position: &[f64], driven: &[usize]) -> Self {
+        let none = vec![0.0; position.len()];
+        Self {
+            position: position.to_vec(),
+            velocity: none.clone(),
+            commanded: none.clone(),
+            acceleration: none.clone(),
+            driven: (0..position.len()).map(|joint| driven.contains(&joint)).collect(),
+            changes: vec![none; REMEMBERED],
+            newest: 0,
+            began: false,
+            age: 0.0,
+        }
+    }
+
+    /// Takes what was measured last, `age` \[s\] ago, and q̇* of the period that ends now, one element a joint. Allocates
+    /// nothing.
+    ///
+    /// # Errors
+    /// [`Error::WrongSize`]; nothing has changed then.
+    pub fn update(
+        &mut self,
+        measured: JointState<'_>,
+        commanded: &[f64],
+        age: f64,
+        period: f64,
+    ) -> Result<(), Error> {
+        let joints = self.position.len();
+        check_size("the measured position", measured.position.len(), joints)?;
+        check_size("the measured velocity", measured.velocity.len(), joints)?;
+        check_size("the commanded velocity", commanded.len(), joints)?;
+        self.remember(commanded);
+        self.age = if age > 0.0 { age } else { 0.0 };
+        self.accelerate(period);
+        if self.age > LOST {
+            let joints = self.position.iter_mut().zip(&mut self.velocity).zip(&self.acceleration);
+            for ((position, velocity), acceleration) in joints {
+                *velocity += acceleration * period;
+                *position += *velocity * period;
+            }
+            return Ok(());
+        }
+        self.position.copy_from_slice(measured.position);
+        self.velocity.copy_from_slice(measured.velocity);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 8 ms")]
+        let ticks = ((self.age / period).round() as usize).min(REMEMBERED);
+        (0..ticks).rev().for_each(|back| self.go_on(back, period));
+        Ok(())
+    }
+
+    /// Finds â of this tick.
+    fn accelerate(&mut self, period: f64) {
+        let Some(changes) = self.changes.get(self.newest) else { return };
+        let joints =
+            self.acceleration.iter_mut().zip(changes).zip(&self.velocity).zip(&self.driven);
+        for (((acceleration, change), velocity), is_driven) in joints {
+            let is_lost = *is_driven && self.age > LOST;
+            *acceleration = if is_lost { -velocity / BRAKING } else { change / period };
+        }
+    }
+
+    fn remember(&mut self, commanded: &[f64]) {
+        self.newest = (self.newest + 1) % REMEMBERED;
+        if let Some(change) = self.changes.get_mut(self.newest) {
+            for ((change, now), before) in change.iter_mut().zip(commanded).zip(&self.commanded) {
+                *change = if self.began { now - before } else { 0.0 };
+            }
+        }
+        self.commanded.copy_from_slice(commanded);
+        self.began = true;
+    }
+
+    /// A period in which q̇* changed as `back` ticks ago.
+    fn go_on(&mut self, back: usize, period: f64) {
+        let index = (self.newest + REMEMBERED - back) % REMEMBERED;
+        let Some(changes) = self.changes.get(index) else { return };
+        let joints = self.position.iter_mut().zip(&mut self.velocity).zip(changes);
+        for ((position, velocity), change) in joints {
+            *velocity += change;
+            *position += *velocity * period;
+        }
+    }
+
+    /// â \[rad/s² or m/s²\].
+    pub fn acceleration(&self) -> &[f64] {
+        &self.acceleration
+    }
+
+    /// q̂ \[rad or m\].
+    pub fn position(&self) -> &[f64] {
+        &self.position
+    }
+
+    /// v̂ \[rad/s or m/s\].
+    pub fn velocity(&self) -> &[f64] {
+        &self.velocity
+    }
+
+    /// How far what was measured can be trusted, 0 to 1.
+    pub fn weight(&self) -> f64 {
+        weight(self.age)
+    }
+
+    /// What a spring or damper is to see as desired in place of `desired`, where `predicted` is predicted: with the
+    /// weight of the measurement.
+    pub fn towards(&self, desired: f64, predicted: f64) -> f64 {
+        predicted + self.weight() * (desired - predicted)
+    }
+}
