@@ -5,6 +5,7 @@
 //! ‖ẍ_d‖ of the linear and of the angular part, and jerks for each joint that has a limit. A joint stays within its range; one that starts
 //! outside does not move farther out and returns. The base keeps to what its wheels can do.
 
+use hrsw::Fault;
 use moca_model::whole_body::{JointLimits, Model};
 use moca_model::{
     Command, DesiredMotion, MOCA_AXIS_SPEED, MOCA_BASE_JOINTS, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED,
@@ -127,6 +128,12 @@ impl LimitMonitor {
         returning: Return,
     ) -> Breaches {
         let mut breaches = Breaches::default();
+        if command.fault == Some(Fault::RobotStopped) {
+            // The robot takes no commands: the next one begins at rest.
+            self.velocity.copy_from_slice(&command.joint_velocity);
+            self.acceleration.fill(0.0);
+            self.twist = command.desired_twist;
+        }
         for (index, (&v, &q)) in command.joint_velocity.iter().zip(configuration).enumerate() {
             let Some(limits) = self.joints.get(index).copied() else { continue };
             let JointLimits { velocity, acceleration, jerk, .. } = limits;

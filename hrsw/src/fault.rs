@@ -89,6 +89,9 @@ pub enum Fault {
     /// Something pushes the robot harder than anything should: a collision, or somebody is clamped.
     #[error("contact force")]
     ContactForce,
+    /// The tool carries a weight that nobody told the robot of.
+    #[error("unknown payload")]
+    UnknownPayload,
     /// The solver found no command.
     #[error("no solution")]
     NoSolution,
@@ -108,7 +111,7 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::Clock(ClockFault::NotFinite),
         Self::Clock(ClockFault::StandsStill),
         Self::Clock(ClockFault::SetBack),
@@ -127,6 +130,7 @@ impl Fault {
         Self::FollowingError,
         Self::RobotStopped,
         Self::ContactForce,
+        Self::UnknownPayload,
         Self::NoSolution,
         Self::IterationLimit,
         Self::BadData,
@@ -165,6 +169,7 @@ impl Fault {
             | Self::FollowingError
             | Self::RobotStopped
             | Self::ContactForce
+            | Self::UnknownPayload
             | Self::NoSolution
             | Self::BadData
             | Self::LimitViolated

@@ -159,7 +159,7 @@ impl Controller {
             returns: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
             braking: rest,
             command: Command::at_rest(configuration, tool),
-            leash: Leash::new(settings.leash, robot.model())?,
+            leash: Leash::new(settings.leash, robot.model(), settings.period)?,
             fault: None,
             object: None,
             shown: BoxSide::Front,
@@ -238,8 +238,9 @@ impl Controller {
         if !self.robot.model().is_configuration(configuration) {
             return false;
         }
+        let tool = self.robot.world_from_tool().translation.vector;
         let Ok(following) =
-            self.leash.hold(&mut self.command, configuration, &self.follows_position)
+            self.leash.hold(&mut self.command, configuration, &self.follows_position, &tool)
         else {
             return false;
         };

@@ -106,6 +106,31 @@ pub enum Error {
         expected: &'static str,
     },
 
+    /// The robot answers to torques too late to be controlled.
+    #[error(
+        "the robot answers {:.1} ms late; springs and dampers swing beyond {:.1} ms, so shorten the line to the robot \
+         or run the loop beside it",
+        1e3 * delay, 1e3 * longest
+    )]
+    AnswersLate {
+        /// How late \[s\].
+        delay: f64,
+        /// The longest delay that is allowed \[s\].
+        longest: f64,
+    },
+
+    /// The robot does not answer to torques.
+    #[error(
+        "joint `{joint}` does not move when {torque} Nm push it; release its brakes, and check that the interface takes \
+         torques"
+    )]
+    NoAnswer {
+        /// The joint that was pushed.
+        joint: String,
+        /// By how much \[Nm\].
+        torque: f64,
+    },
+
     /// The robot has another number of joints than the part that is to control it.
     #[error("{what} has {found} entries, but the robot has {expected} joints")]
     JointCount {

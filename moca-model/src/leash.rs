@@ -2,7 +2,7 @@
 
 use ahqp_core::rotation_log;
 use hrsw::SafetyState;
-use nalgebra::{Isometry3, UnitQuaternion};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use whole_body::{Following, JointKind, Model, Resynchronisation};
 
 use crate::command::Command;
@@ -31,11 +31,22 @@ pub struct LeashSettings {
     pub position: f64,
     /// The angle of R_d R_aᵀ \[rad\], below half a turn. Default 0.3.
     pub rotation: f64,
+    /// How fast joints give way to a force that is too large, as a share of their largest speeds \[-\]. Default 0.1.
+    pub give_way_speed: f64,
+    /// How far the tool gives way \[m\]; then the arm keeps its place. Default 0.2.
+    pub give_way_travel: f64,
 }
 
 impl Default for LeashSettings {
     fn default() -> Self {
-        Self { prismatic: 0.2, revolute: 0.1, position: 0.1, rotation: 0.3 }
+        Self {
+            prismatic: 0.2,
+            revolute: 0.1,
+            position: 0.1,
+            rotation: 0.3,
+            give_way_speed: 0.1,
+            give_way_travel: 0.2,
+        }
     }
 }
 
@@ -49,10 +60,15 @@ impl LeashSettings {
             ("leash.prismatic", self.prismatic),
             ("leash.revolute", self.revolute),
             ("leash.position", self.position),
+            ("leash.give_way_travel", self.give_way_travel),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Error::Setting { name, value, expected: "positive and finite" });
             }
+        }
+        if !(self.give_way_speed > 0.0 && self.give_way_speed <= 1.0) {
+            let (name, value) = ("leash.give_way_speed", self.give_way_speed);
+            return Err(Error::Setting { name, value, expected: "above 0 and at most 1" });
         }
         if !(self.rotation > 0.0 && self.rotation < std::f64::consts::PI) {
             let (name, value) = ("leash.rotation", self.rotation);
@@ -68,24 +84,36 @@ impl LeashSettings {
 /// from the measured one, tick by tick until the robot is at rest, while the velocities brake within
 /// their limits: so nothing is left that could be released. Of a robot with joints that follow positions
 /// these have to rest: without their springs the arm would sag for as long as the base brakes.
+///
+/// A robot that gives way to a force lets q* follow q at a share of its joints' speeds, until the tool has travelled as
+/// far as it may.
 #[derive(Debug, Clone)]
 pub(crate) struct Leash {
     settings: LeashSettings,
     joints: Resynchronisation,
+    /// How far each joint may give way in a period \[m or rad\].
+    steps: Vec<f64>,
+    gives_way: bool,
+    /// Where the tool was when it began to give way.
+    begin: Option<Vector3<f64>>,
 }
 
 impl Leash {
-    pub(crate) fn new(settings: LeashSettings, model: &Model) -> Result<Self, Error> {
+    pub(crate) fn new(settings: LeashSettings, model: &Model, period: f64) -> Result<Self, Error> {
         let length = |kind: JointKind| match kind {
             JointKind::Prismatic => settings.prismatic,
             JointKind::Revolute | JointKind::Continuous | JointKind::Floating => settings.revolute,
         };
         let lengths = model.joints().iter().map(|joint| length(joint.kind)).collect();
-        Ok(Self { settings, joints: Resynchronisation::new(lengths)? })
+        let limits = model.limits().iter();
+        let step = settings.give_way_speed * period;
+        let steps = limits.map(|limits| limits.velocity * step).collect();
+        let joints = Resynchronisation::new(lengths)?;
+        Ok(Self { settings, joints, steps, gives_way: false, begin: None })
     }
 
     /// Holds the commanded configuration to the measured one; `follow` says of each joint whether it follows
-    /// positions.
+    /// positions, and `tool` where the tool is \[m\].
     ///
     /// # Errors
     /// [`Error::Robot`] for a configuration of the wrong size.
@@ -94,12 +122,49 @@ impl Leash {
         command: &mut Command,
         configuration: &[f64],
         follow: &[bool],
+        tool: &Vector3<f64>,
     ) -> Result<Following, Error> {
+        if self.gives_way {
+            self.yield_to(command, configuration, follow, tool);
+            // What is left when the force has gone starts anew.
+            self.joints.resynchronise();
+            return Ok(Following::Resynchronising);
+        }
+        self.begin = None;
         let stops = command.safety == SafetyState::ProtectiveStop;
         let all = !follow.contains(&true);
         let mut velocities = command.joint_velocity.iter().zip(follow);
         let rests = velocities.all(|(&velocity, &follows)| velocity == 0.0 || !(all || follows));
         Ok(self.joints.hold(&mut command.joint_position, configuration, rests || !stops)?)
+    }
+
+    /// Whether the robot is to give way to a force in the next tick.
+    pub(crate) fn give_way(&mut self, gives_way: bool) {
+        self.gives_way = gives_way;
+    }
+
+    /// q* follows q, within speed and travel; a joint that is stronger pushed than its spring may be is followed at the
+    /// end of its leash.
+    fn yield_to(
+        &mut self,
+        command: &mut Command,
+        configuration: &[f64],
+        follow: &[bool],
+        tool: &Vector3<f64>,
+    ) {
+        let begin = self.begin.get_or_insert(*tool);
+        let ended = (tool - *begin).norm() >= self.settings.give_way_travel;
+        let joints = command.joint_position.iter_mut().zip(configuration).zip(follow);
+        let bounds = self.steps.iter().zip(self.joints.lengths());
+        for (((desired, measured), follows), (step, length)) in joints.zip(bounds) {
+            if !follows {
+                *desired = *measured;
+                continue;
+            }
+            let step = if ended { 0.0 } else { *step };
+            *desired += (measured - *desired).clamp(-step, step);
+            *desired = desired.clamp(measured - length, measured + length);
+        }
     }
 
     /// The commanded configuration is the measured one, from the next tick until the robot rests.

@@ -96,7 +96,7 @@ pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
 pub use singularity::{SingularitySettings, manipulability};
 pub use stack::{CollaborationStack, GoalTerms, PostureSettings, StackInput, StackSettings};
-pub use torque::{Measured, TorqueController, TorqueLoopSettings};
+pub use torque::{AnswerDelay, Measured, TorqueController, TorqueLoopSettings};
 pub use whole_body;
 pub use whole_body::{ImpedanceSettings, JointImpedance, JointState};
 

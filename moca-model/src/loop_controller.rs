@@ -2,19 +2,26 @@
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-use whole_body::{ControlLaw, JointCommand, JointMeasurement};
+use whole_body::{ControlLaw, JointCommand, JointMeasurement, RobotStatus};
 
 use crate::camera_frame::CameraFrame;
 use crate::error::Error;
-use crate::torque::{Measured, TorqueController};
+use crate::torque::start::Start;
+use crate::torque::{LONGEST_INTERVAL, Measured, TorqueController};
 
 /// Camera frames that may wait for the next tick: more than come within one.
 const WAITING: usize = 8;
+/// Commands in a row of which a robot takes none when it has stopped: as many as stop a Panda.
+const REFUSED: u32 = 20;
 
 /// [`TorqueController`] as the law of a [`ControlLoop`](whole_body::ControlLoop).
 ///
 /// Camera frames come from another thread, by a channel that never makes the loop wait; their times are on the clock
 /// of the loop. Commands hold q* and q̇* of all joints and the torques of those that take them.
+///
+/// For its first 60 ms the robot stands, and the last of the joints that torque drives is pushed to and fro by 15 % of
+/// its effort: how late it answers makes the springs and dampers; a robot that answers more than 4.5 ms late is an
+/// [`Error::AnswersLate`]. [`AnswerDelay::Known`](crate::AnswerDelay::Known) leaves that out.
 ///
 /// ```
 /// use ergo_map::ErgonomicsQuadratic;
@@ -42,13 +49,30 @@ pub struct LoopController {
     controller: TorqueController,
     frames: Receiver<CameraFrame>,
     stops: bool,
+    /// Until it is known how late the robot answers.
+    start: Option<Start>,
+    /// Commands in a row that the robot did not take.
+    refused: u32,
 }
 
 impl LoopController {
     /// With a controller that has not made a step yet; and where its camera frames go.
     pub fn new(controller: TorqueController) -> (Self, SyncSender<CameraFrame>) {
         let (sender, frames) = sync_channel(WAITING);
-        (Self { controller, frames, stops: false }, sender)
+        let start = Start::of(&controller);
+        (Self { controller, frames, stops: false, start, refused: 0 }, sender)
+    }
+
+    /// What the robot says of itself: one that takes no commands has stopped, whether it says so or takes none of many.
+    fn listen(&mut self, robot: RobotStatus) {
+        match robot.took_command {
+            Some(true) => self.refused = 0,
+            Some(false) => self.refused = self.refused.saturating_add(1),
+            None => {}
+        }
+        if robot.is_stopped() || self.refused >= REFUSED {
+            self.controller.controller_mut().robot_stopped();
+        }
     }
 
     /// The controller.
@@ -71,6 +95,12 @@ impl ControlLaw for LoopController {
         measured: &JointMeasurement,
         command: &mut JointCommand,
     ) -> Result<(), Error> {
+        if let Some(start) = &mut self.start {
+            if !self.stops && !start.step(&mut self.controller, measured, command)? {
+                return Ok(());
+            }
+            self.start = None;
+        }
         while let Ok(frame) = self.frames.try_recv() {
             // A frame that counts as no data, or shows too many people, is a fault, which the supervisor knows.
             match self.controller.observe_people(&frame.percept, frame.others()) {
@@ -82,16 +112,13 @@ impl ControlLaw for LoopController {
             // Nobody can acknowledge a stop that is asked for in every tick.
             self.controller.controller_mut().request_stop();
         }
+        self.listen(measured.robot);
         let JointMeasurement { position, velocity, torque, age, .. } = measured;
         let measured = Measured { position, velocity, torque, age: *age };
         let told = self.controller.step(now, &measured)?;
         command.position.copy_from_slice(&told.joint_position);
         command.velocity.copy_from_slice(&told.joint_velocity);
-        for (joint, torque) in self.controller.joints().iter().zip(self.controller.torque()) {
-            if let Some(place) = command.torque.get_mut(*joint) {
-                *place = *torque;
-            }
-        }
+        self.controller.write_torques(&mut command.torque);
         Ok(())
     }
 
@@ -103,7 +130,15 @@ impl ControlLaw for LoopController {
         self.stops = true;
     }
 
-    fn is_at_rest(&self) -> bool {
-        self.controller.controller().command().joint_velocity.iter().all(|speed| *speed == 0.0)
+    fn longest_interval(&self) -> Option<f64> {
+        Some(LONGEST_INTERVAL)
+    }
+
+    fn measurement_age(&self, measured: &JointMeasurement) -> f64 {
+        self.controller.measurement_age().max(measured.age)
+    }
+
+    fn is_at_rest(&self, _measured: &JointMeasurement) -> Option<bool> {
+        self.controller.is_at_rest()
     }
 }

@@ -1,7 +1,13 @@
 //! The control loop of a robot whose arm takes torques.
 
 mod controller;
+mod payload_watch;
 mod settings;
+pub(crate) mod start;
 
 pub use controller::{Measured, TorqueController};
-pub use settings::TorqueLoopSettings;
+pub use settings::{AnswerDelay, TorqueLoopSettings};
+
+/// The longest delay at which springs and dampers do not swing \[s\], and the longest time between measurements.
+pub(crate) const LONGEST_DELAY: f64 = 4.5e-3;
+pub(crate) const LONGEST_INTERVAL: f64 = 4e-3;

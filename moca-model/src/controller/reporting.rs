@@ -6,7 +6,8 @@ use super::Controller;
 
 impl Controller {
     /// Takes the force from outside that was measured for the coming tick \[N\]. One that is too large stops
-    /// the robot, and while it is to give way the commanded state starts anew from the measured one.
+    /// the robot, and while it is to give way the commanded state follows the measured one, within the speed and
+    /// the travel of [`LeashSettings`](crate::LeashSettings).
     ///
     /// A robot that does not feel keeps its distance from everybody: the person it works with may come
     /// into contact with it only in ticks for which this was called.
@@ -17,9 +18,7 @@ impl Controller {
         if let Some(fault) = fault {
             self.note(fault);
         }
-        if gives_way {
-            self.leash.resynchronise();
-        }
+        self.leash.give_way(gives_way);
     }
 
     /// Asks the robot to stop: from the next tick on it brakes as fast as it can within its limits, and stands
@@ -29,10 +28,13 @@ impl Controller {
     }
 
     /// Tells the controller that the robot takes no commands in the coming tick, because it stopped by itself. The
-    /// commanded state then starts anew from the measured one, so that nothing is made up for afterwards, and
+    /// commanded state then starts anew from the measured one, at rest, so that nothing is made up for afterwards, and
     /// the robot stands until somebody acknowledges.
     pub fn robot_stopped(&mut self) {
         self.leash.resynchronise();
+        self.command.joint_velocity.fill(0.0);
+        self.command.desired_twist.fill(0.0);
+        self.acceleration.fill(0.0);
         self.report(Fault::RobotStopped);
     }
 

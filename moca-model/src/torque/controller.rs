@@ -9,7 +9,8 @@ use whole_body::{
     SupportedMotion,
 };
 
-use super::settings::TorqueLoopSettings;
+use super::payload_watch::PayloadWatch;
+use super::settings::{AnswerDelay, TorqueLoopSettings};
 use crate::command::Command;
 use crate::controller::Controller;
 use crate::error::Error;
@@ -61,6 +62,7 @@ pub struct Measured<'a> {
 #[derive(Debug, Clone)]
 pub struct TorqueController {
     controller: Controller,
+    settings: TorqueLoopSettings,
     data: Data,
     /// The entries of q and q̇ of the joints driven by torque.
     joints: Vec<usize>,
@@ -76,11 +78,16 @@ pub struct TorqueController {
     prediction: StatePrediction,
     /// Whether that was not known well enough in the last tick.
     is_lost: bool,
+    /// Where an arm waits before its first motion, and whether it does.
+    rest: Vec<f64>,
+    waits: bool,
     /// How late measurements come and commands act \[s\].
     delay: f64,
     /// The time since the observer's last update \[s\].
     unobserved: f64,
     support: SupportTorque,
+    payload_watch: PayloadWatch,
+    unknown_payload: Option<f64>,
     /// What the tool holds.
     held: Option<PayloadId>,
     law: LawInput,
@@ -110,6 +117,11 @@ impl Usable {
         !(self.position && self.velocity) || self.torque == Torques::Bad
     }
 }
+
+/// The share of the gains of an arm that waits: soft enough for any delay.
+const SOFT: f64 = 0.04;
+/// Joints that are no faster are at rest \[m/s or rad/s\]: noise of measured velocities, and what friction lets creep.
+const AT_REST: f64 = 0.02;
 
 /// Torques older than this do not say who pushes the robot now \[s\].
 const FELT: f64 = 5e-3;
@@ -146,14 +158,18 @@ impl TorqueController {
             joints.iter().filter_map(|joint| model.limits().get(*joint).copied()).collect();
         let observer = ObserverSettings {
             joints: names.clone(),
-            rates: settings.observer_rates,
+            rates: settings.observer_rates.clone(),
             friction: settings.friction,
+        };
+        let delay = match settings.delay {
+            AnswerDelay::Known(delay) => delay,
+            AnswerDelay::Measured => 0.0,
         };
         let none = vec![0.0; joints.len()];
         let position = controller.command().joint_position.clone();
         let mut torque_controller = Self {
             data: Data::new(&model),
-            impedance: JointImpedance::new(settings.impedance, &limits)?,
+            impedance: JointImpedance::new(settings.impedance.clone(), &limits)?,
             observer: MomentumObserver::new(&model, observer)?,
             contact: ContactForce::new(&model, tool, names)?,
             force: Vector3::zeros(),
@@ -161,9 +177,13 @@ impl TorqueController {
             watch: MeasurementWatch::new(position.len()),
             prediction: StatePrediction::new(&position, &joints),
             is_lost: false,
-            delay: 0.0,
+            rest: position.clone(),
+            waits: false,
+            delay,
             unobserved: 0.0,
             support: SupportTorque::new(&model, settings.compensation, settings.rotor_inertia)?,
+            payload_watch: PayloadWatch::default(),
+            unknown_payload: None,
             held: None,
             law: LawInput {
                 desired: none.clone(),
@@ -177,16 +197,95 @@ impl TorqueController {
             position,
             joints,
             controller,
+            settings,
         };
         torque_controller.support()?;
         torque_controller.torque.copy_from_slice(&torque_controller.law.support);
         Ok(torque_controller)
     }
 
+    /// A tick before the first motion: the arm hangs on soft springs where it is, one joint is pushed \[Nm\].
+    pub(super) fn wait(&mut self, measured: &Measured<'_>, (pushed, torque): (usize, f64)) {
+        let usable = self.take(measured);
+        self.predict(measured.age);
+        self.feel(usable, self.watch.age() == 0.0);
+        if !self.waits {
+            self.rest.copy_from_slice(self.prediction.position());
+            self.waits = true;
+        }
+        let parts = [
+            (&mut self.law.measured, self.prediction.position()),
+            (&mut self.law.measured_velocity, self.prediction.velocity()),
+            (&mut self.law.desired, &self.rest[..]),
+        ];
+        for (own, all) in parts {
+            for (own, joint) in own.iter_mut().zip(&self.joints) {
+                *own = all.get(*joint).copied().unwrap_or_default();
+            }
+        }
+        let law = &mut self.law;
+        for (desired, measured) in law.desired.iter_mut().zip(&law.measured) {
+            *desired = measured + SOFT * (*desired - measured);
+        }
+        for (desired, measured) in law.desired_velocity.iter_mut().zip(&law.measured_velocity) {
+            *desired = measured - SOFT * measured;
+        }
+        if let Some(support) = law.support.get_mut(pushed) {
+            *support += torque;
+        }
+        self.apply();
+    }
+
+    /// Spring, damper and support, within the limits. Numbers that are no numbers leave the torque as it was.
+    fn apply(&mut self) {
+        let law = &self.law;
+        let desired = JointState { position: &law.desired, velocity: &law.desired_velocity };
+        let state = JointState { position: &law.measured, velocity: &law.measured_velocity };
+        let period = self.controller.settings().period;
+        if let Ok(torque) = self.impedance.torque(desired, state, &law.support, period) {
+            self.torque.copy_from_slice(torque);
+        }
+    }
+
+    /// Writes the torques into those of all joints.
+    pub(crate) fn write_torques(&self, all: &mut [f64]) {
+        for (joint, torque) in self.joints.iter().zip(&self.torque) {
+            if let Some(place) = all.get_mut(*joint) {
+                *place = *torque;
+            }
+        }
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &TorqueLoopSettings {
+        &self.settings
+    }
+
+    pub(super) fn period(&self) -> f64 {
+        self.controller.settings().period
+    }
+
+    /// How old what is known of the robot is \[s\]: the time since a measurement came that said anything new.
+    pub fn measurement_age(&self) -> f64 {
+        self.watch.age()
+    }
+
+    /// Whether the robot is at rest, as measured, and told to be; none if that is not known.
+    pub fn is_at_rest(&self) -> Option<bool> {
+        let is_told = self.controller.command().joint_velocity.iter().all(|speed| *speed == 0.0);
+        let is_measured = self.velocity.iter().all(|speed| speed.abs() <= AT_REST);
+        (!self.is_lost).then_some(is_told && is_measured)
+    }
+
     /// Tells how late measurements are beyond their age \[s\]: from a command to what it changes in a measurement, less
     /// the one period that every loop takes.
     pub fn set_delay(&mut self, delay: f64) {
         self.delay = delay.max(0.0);
+    }
+
+    /// How late measurements are taken to be beyond their age \[s\].
+    pub fn delay(&self) -> f64 {
+        self.delay
     }
 
     /// Takes a camera frame; see [`Controller::observe`].
@@ -227,14 +326,7 @@ impl TorqueController {
             if usable.position { self.prediction.position() } else { measured.position };
         let outcome = self.controller.step(now, configuration).map(|_| ());
         self.write_law(usable);
-        let law = &self.law;
-        let desired = JointState { position: &law.desired, velocity: &law.desired_velocity };
-        let state = JointState { position: &law.measured, velocity: &law.measured_velocity };
-        let period = self.controller.settings().period;
-        // Numbers that are no numbers leave the torque as it was.
-        if let Ok(torque) = self.impedance.torque(desired, state, &law.support, period) {
-            self.torque.copy_from_slice(torque);
-        }
+        self.apply();
         outcome.map(|()| self.controller.command())
     }
 
@@ -274,6 +366,7 @@ impl TorqueController {
         } else if self.watch.age() <= FELT {
             self.controller.feel(self.force.norm());
         }
+        self.weigh();
         // The position is that of a configuration.
         let _ = self.support();
     }
@@ -323,6 +416,16 @@ impl TorqueController {
             if is_sensible(next) {
                 *position = next;
             }
+        }
+    }
+
+    /// Whether what pushes the robot is a weight.
+    fn weigh(&mut self) {
+        let gives_way = self.controller.safety().supervisor().gives_way();
+        let force = Some(&self.force).filter(|_| gives_way);
+        self.unknown_payload = self.payload_watch.update(force, self.period());
+        if self.unknown_payload.is_some() {
+            self.controller.report(Fault::UnknownPayload);
         }
     }
 
@@ -394,6 +497,11 @@ impl TorqueController {
     /// The torque from outside on each of these joints \[Nm\].
     pub fn external_torque(&self) -> &[f64] {
         self.observer.torque()
+    }
+
+    /// The mass that the tool carries and nobody told of, while that is a [`Fault::UnknownPayload`] \[kg\].
+    pub fn unknown_payload(&self) -> Option<f64> {
+        self.unknown_payload
     }
 
     /// The force at the tool that explains it \[N, world\].

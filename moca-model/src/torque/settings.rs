@@ -4,6 +4,20 @@ use whole_body::{Compensation, ImpedanceSettings, ObservedFriction};
 
 use crate::error::Error;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_JOINTS};
+use crate::torque::LONGEST_DELAY;
+
+/// How late the robot is known to answer.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum AnswerDelay {
+    /// It is measured before the first motion: the last joint is pushed to and fro for some milliseconds
+    /// ([`DelayProbe`](whole_body::DelayProbe)).
+    #[default]
+    Measured,
+    /// From a torque to its effect in a measurement, beyond the one period that every loop takes \[s\].
+    Known(f64),
+}
 
 /// What turns a controller's commands into torques, and torques into who pushes. It has no default: somebody has to say
 /// what the robot compensates itself.
@@ -32,6 +46,8 @@ pub struct TorqueLoopSettings {
     /// What turns in front of the gears of these joints, seen at the joint \[kg m²\]; it is no part of the robot's mass
     /// matrix. Default 0.1, as in MuJoCo Menagerie's Panda.
     pub rotor_inertia: f64,
+    /// How late the robot answers; only a [`LoopController`](crate::LoopController) measures it. Default measured.
+    pub delay: AnswerDelay,
     /// Rates of the observer of torques from outside, one each of these joints \[1/s\]. Default 50.
     pub observer_rates: Vec<f64>,
     /// Whether friction in the joints is taken off what is observed. Default that of the robot's
@@ -48,6 +64,7 @@ impl TorqueLoopSettings {
             compensation,
             impedance: ImpedanceSettings::default(),
             rotor_inertia: 0.1,
+            delay: AnswerDelay::Measured,
             observer_rates: vec![50.0; joints.len()],
             friction: ObservedFriction::Modelled,
             joints,
@@ -66,6 +83,12 @@ impl TorqueLoopSettings {
         let value = self.rotor_inertia;
         if !(0.0..=1e3).contains(&value) {
             let (name, expected) = ("torque.rotor_inertia", "from 0 to 1000 kg m²");
+            return Err(Error::Setting { name, value, expected });
+        }
+        if let AnswerDelay::Known(value) = self.delay
+            && !(0.0..=LONGEST_DELAY).contains(&value)
+        {
+            let (name, expected) = ("torque.delay", "from 0 to 0.0045 s: a later robot swings");
             return Err(Error::Setting { name, value, expected });
         }
         Ok(self.impedance.validate(self.joints.len())?)

@@ -157,6 +157,7 @@ pub use tasks::vector_task::{VectorQuantity, VectorTask};
 pub use tasks::velocity::VelocityTask;
 pub use torque::contact_force::ContactForce;
 pub use torque::control::{TorqueControl, TorqueSettings};
+pub use torque::delay_probe::{DelayProbe, ProbeAnswer};
 pub use torque::impedance::{ImpedanceSettings, JointImpedance, JointState};
 pub use torque::measurement_watch::{MeasurementFault, MeasurementWatch};
 pub use torque::momentum_observer::{MomentumObserver, ObservedFriction, ObserverSettings};

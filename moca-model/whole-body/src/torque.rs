@@ -2,6 +2,7 @@
 
 pub(crate) mod contact_force;
 pub(crate) mod control;
+pub(crate) mod delay_probe;
 pub(crate) mod impedance;
 pub(crate) mod measurement_watch;
 pub(crate) mod momentum_observer;

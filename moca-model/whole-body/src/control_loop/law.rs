@@ -18,6 +18,18 @@ pub trait ControlLaw {
         command: &mut JointCommand,
     ) -> Result<(), Self::Error>;
 
+    /// The longest time between measurements at which it can control the robot \[s\]; none if it needs no measurements.
+    /// A loop refuses a robot that measures more seldom.
+    fn longest_interval(&self) -> Option<f64> {
+        None
+    }
+
+    /// How old what is known of the robot was at the last step \[s\]: that of the measurement, unless the law knows
+    /// better.
+    fn measurement_age(&self, measured: &JointMeasurement) -> f64 {
+        measured.age
+    }
+
     /// The age at the last step of the newest thing that was perceived \[s\], infinite before the first; none for a
     /// law that perceives nothing.
     fn perception_age(&self) -> Option<f64>;
@@ -25,6 +37,6 @@ pub trait ControlLaw {
     /// From the next step on it brings the robot to rest within its limits, and keeps it there.
     fn request_stop(&mut self);
 
-    /// Returns true if the last command is to be at rest.
-    fn is_at_rest(&self) -> bool;
+    /// Whether the robot is at rest, as measured, and told to be; none if that is not known.
+    fn is_at_rest(&self, measured: &JointMeasurement) -> Option<bool>;
 }

@@ -24,8 +24,9 @@ pub enum StopCause {
 pub struct LoopEnding {
     /// Why it stopped.
     pub cause: StopCause,
-    /// Whether the robot was to be at rest when it was halted; else the time to stop within had passed.
-    pub at_rest: bool,
+    /// Whether the robot was at rest when it was halted, as measured; none if that was not known. If it was not, the
+    /// time to stop within had passed.
+    pub at_rest: Option<bool>,
 }
 
 /// Why a loop broke off.
@@ -44,14 +45,28 @@ pub enum LoopError<R, L> {
         /// How long the loop waited \[s\].
         waited: f64,
     },
+    /// The robot measures too seldom to be controlled.
+    #[error(
+        "the robot measures every {:.1} ms; this control law needs a measurement every {:.1} ms at least, so set the \
+         interface to {:.0} Hz or more",
+        1e3 * interval, 1e3 * needed, (1.0 / needed).ceil()
+    )]
+    MeasuresTooSeldom {
+        /// The mean time between measurements \[s\].
+        interval: f64,
+        /// The longest that the law allows \[s\].
+        needed: f64,
+    },
 }
 
 /// A loop of a fixed period between a robot and a control law.
 ///
 /// Ticks are due at multiples of the period. A tick that has not begun when the next is due is missed: it
 /// is counted and left out, so that no two ticks run in one period. The loop ends when it is asked to, or
-/// when robot or perception are silent for too long; it then asks the law to stop, goes on until the law is at
-/// rest, and halts the robot. After construction it allocates nothing.
+/// when robot or perception are silent for too long; it then asks the law to stop, goes on until the robot is
+/// measured at rest, and halts it. A robot that is not measured meanwhile is halted soon. Before the first command
+/// the loop listens how often the robot measures, and refuses one that the law cannot control. After construction
+/// it allocates nothing.
 ///
 /// ```
 /// # use std::convert::Infallible;
@@ -98,8 +113,8 @@ pub enum LoopError<R, L> {
 ///     fn request_stop(&mut self) {
 ///         self.0 = 0.0;
 ///     }
-///     fn is_at_rest(&self) -> bool {
-///         self.0 == 0.0
+///     fn is_at_rest(&self, _measured: &JointMeasurement) -> Option<bool> {
+///         Some(self.0 == 0.0)
 ///     }
 /// }
 ///
@@ -186,12 +201,17 @@ impl ControlLoop {
         let begun = match self.wait(robot, clock, stop).map_err(LoopError::Robot)? {
             First::At(time) => time,
             First::StopRequested => {
-                return Ok(LoopEnding { cause: StopCause::Requested, at_rest: true });
+                return Ok(LoopEnding { cause: StopCause::Requested, at_rest: None });
             }
             First::Never(waited) => return Err(LoopError::NoMeasurement { waited }),
         };
+        let begun = match self.listen(robot, law, clock, begun, stop)? {
+            Some(time) => time,
+            None => return Ok(LoopEnding { cause: StopCause::Requested, at_rest: None }),
+        };
         let mut progress = Progress { begun, fresh: begun, stopping: None };
-        let mut tick = 0_u64;
+        // The first tick is due a period after what was heard.
+        let mut tick = u64::from(law.longest_interval().is_some());
         loop {
             tick += self.pace(begun, tick, clock);
             let now = clock.now();
@@ -211,8 +231,10 @@ impl ControlLoop {
             self.statistics.duration.push(clock.now() - now);
             self.statistics.ticks += 1;
             if let Some((cause, since)) = progress.stopping {
-                let at_rest = law.is_at_rest();
-                if at_rest || now - since > self.settings.stop_within {
+                let at_rest = law.is_at_rest(&self.measured);
+                let is_blind = law.measurement_age(&self.measured) > self.settings.blind_within;
+                let is_over = is_blind || now - since > self.settings.stop_within;
+                if at_rest == Some(true) || is_over {
                     return Ok(LoopEnding { cause, at_rest });
                 }
             }
@@ -243,6 +265,41 @@ impl ControlLoop {
         }
     }
 
+    /// Listens how often the robot measures; when that is known, or none if a stop is requested.
+    fn listen<R: RobotSide, L: ControlLaw>(
+        &mut self,
+        robot: &mut R,
+        law: &L,
+        clock: &mut impl Clock,
+        begun: f64,
+        stop: &mut impl FnMut() -> bool,
+    ) -> Result<Option<f64>, LoopError<R::Error, L::Error>> {
+        let Some(needed) = law.longest_interval() else { return Ok(Some(begun)) };
+        let (mut tick, mut count, mut last) = (0.0, 0.0, begun);
+        loop {
+            tick += 1.0;
+            clock.sleep_until(begun + tick * self.settings.period);
+            let now = clock.now();
+            if robot.receive(&mut self.measured).map_err(LoopError::Robot)? == Received::Fresh {
+                count += 1.0;
+                last = now;
+            }
+            if stop() {
+                return Ok(None);
+            }
+            if now - begun >= self.settings.listening {
+                // Those that came late count as the first one does.
+                let interval = if count > 0.0 { (last - begun) / count } else { now - begun };
+                let allowed = needed * (1.0 + JITTER);
+                return if interval > allowed {
+                    Err(LoopError::MeasuresTooSeldom { interval, needed })
+                } else {
+                    Ok(Some(now))
+                };
+            }
+        }
+    }
+
     /// Waits until the tick is due; returns how many ticks are missed by then.
     fn pace(&mut self, begun: f64, tick: u64, clock: &mut impl Clock) -> u64 {
         let period = self.settings.period;
@@ -268,7 +325,7 @@ impl ControlLoop {
         let age = law.perception_age().map(|age| age.min(now - progress.begun));
         if stop() {
             Some(StopCause::Requested)
-        } else if now - progress.fresh > self.settings.robot_timeout {
+        } else if law.measurement_age(&self.measured) > self.settings.robot_timeout {
             Some(StopCause::RobotSilent)
         } else if age.is_some_and(|age| age > self.settings.perception_timeout) {
             Some(StopCause::PerceptionSilent)
@@ -277,6 +334,9 @@ impl ControlLoop {
         }
     }
 }
+
+/// By which share measurements may come more seldom than a law needs them, since some are lost.
+const JITTER: f64 = 0.15;
 
 /// How the wait for the first measurement ended.
 enum First {

@@ -16,6 +16,9 @@ pub struct LoopSettings {
     pub period: f64,
     /// How long the loop waits for the first measurement before it gives up \[s\]. Default 5.
     pub first_measurement: f64,
+    /// How long the loop then listens how often the robot measures \[s\]; see
+    /// [`ControlLaw::longest_interval`](crate::ControlLaw::longest_interval). Default 0.05.
+    pub listening: f64,
     /// Without a measurement for this long the loop stops and ends \[s\]. Default 0.02.
     pub robot_timeout: f64,
     /// Without anything perceived for this long the loop stops and ends \[s\]; before that it is the law that
@@ -23,6 +26,8 @@ pub struct LoopSettings {
     pub perception_timeout: f64,
     /// A robot that is not at rest this long after it should have begun to stop is halted \[s\]. Default 3.
     pub stop_within: f64,
+    /// A robot that is not measured for this long is halted \[s\]: only its own brakes know how it moves. Default 0.1.
+    pub blind_within: f64,
 }
 
 impl Default for LoopSettings {
@@ -30,9 +35,11 @@ impl Default for LoopSettings {
         Self {
             period: 1e-3,
             first_measurement: 5.0,
+            listening: 0.05,
             robot_timeout: 0.02,
             perception_timeout: 30.0,
             stop_within: 3.0,
+            blind_within: 0.1,
         }
     }
 }
@@ -46,8 +53,10 @@ impl LoopSettings {
         for (what, value) in [
             ("the loop's period", self.period),
             ("the wait for the first measurement", self.first_measurement),
+            ("the time of listening", self.listening),
             ("the robot's timeout", self.robot_timeout),
             ("the time to stop within", self.stop_within),
+            ("the time without a measurement", self.blind_within),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Error::Parameter { what, value, expected: "positive and finite" });

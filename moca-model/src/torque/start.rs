@@ -1,0 +1,65 @@
+//! Before the first motion: how late the robot answers to torques.
+
+use whole_body::{DelayProbe, JointCommand, JointMeasurement, ProbeAnswer};
+
+use super::LONGEST_DELAY;
+use super::controller::{Measured, TorqueController};
+use super::settings::AnswerDelay;
+use crate::error::Error;
+
+/// The share of its largest torque that pushes the probed joint.
+const PUSH: f64 = 0.15;
+
+/// Finds how late a robot answers, while its arm hangs on a soft spring.
+#[derive(Debug)]
+pub(crate) struct Start {
+    probe: DelayProbe,
+    /// Of the driven joints the one that is pushed: the last, which moves least.
+    joint: usize,
+    torque: f64,
+}
+
+impl Start {
+    /// None where the delay is known.
+    pub(crate) fn of(controller: &TorqueController) -> Option<Self> {
+        if matches!(controller.settings().delay, AnswerDelay::Known(_)) {
+            return None;
+        }
+        let joint = controller.joints().len().checked_sub(1)?;
+        let entry = *controller.joints().get(joint)?;
+        let torque = PUSH * controller.model().limits().get(entry)?.effort;
+        let (rate, period) = (controller.settings().impedance.torque_rate, controller.period());
+        Some(Self { probe: DelayProbe::new(torque, rate, period), joint, torque })
+    }
+
+    /// A tick; returns true when the delay is known.
+    pub(crate) fn step(
+        &mut self,
+        controller: &mut TorqueController,
+        measured: &JointMeasurement,
+        command: &mut JointCommand,
+    ) -> Result<bool, Error> {
+        let JointMeasurement { position, velocity, torque, age, .. } = measured;
+        let entry = controller.joints().get(self.joint).copied().unwrap_or_default();
+        let is_new = *age < 0.5 * controller.period();
+        let seen = velocity.get(entry).copied().filter(|velocity| is_new && velocity.is_finite());
+        let push = (self.joint, self.probe.torque());
+        controller.wait(&Measured { position, velocity, torque, age: *age }, push);
+        command.position.copy_from_slice(position);
+        command.velocity.fill(0.0);
+        controller.write_torques(&mut command.torque);
+        match self.probe.update(seen) {
+            ProbeAnswer::Pending => Ok(false),
+            ProbeAnswer::Delay(delay) if delay <= LONGEST_DELAY => {
+                controller.set_delay(delay);
+                Ok(true)
+            }
+            ProbeAnswer::Delay(delay) => Err(Error::AnswersLate { delay, longest: LONGEST_DELAY }),
+            ProbeAnswer::None => {
+                let names = &controller.settings().joints;
+                let joint = names.last().cloned().unwrap_or_default();
+                Err(Error::NoAnswer { joint, torque: self.torque })
+            }
+        }
+    }
+}

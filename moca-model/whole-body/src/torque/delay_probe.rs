@@ -1,0 +1,158 @@
+//! How late a robot answers.
+
+/// Ticks before the probe in which the noise of measurements is found, in which the joint is pushed to and fro, and
+/// in which its answer is waited for.
+const QUIET: usize = 12;
+const PUSH: usize = 6;
+const ANSWER: usize = 34;
+const LENGTH: usize = QUIET + 2 * PUSH + ANSWER;
+/// The longest delay that is looked for, in ticks, and the steps in which it is.
+const LONGEST: usize = 25;
+const STEPS: usize = 4;
+/// Rates at which friction may slow the joint down, of which the likeliest is taken \[1/s\].
+const FRICTION: [f64; 4] = [0.0, 10.0, 30.0, 80.0];
+/// The least share of what is measured that the answer is to explain.
+const EXPLAINED: f64 = 0.7;
+/// The least answer, in standard deviations of the noise.
+const LOUDNESS: f64 = 6.0;
+
+/// What a [`DelayProbe`] knows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ProbeAnswer {
+    /// Nothing yet.
+    Pending,
+    /// The time from a torque to its effect in a measurement, beyond the one period that every loop takes \[s\].
+    Delay(f64),
+    /// The joint does not answer.
+    None,
+}
+
+/// Finds how late a robot answers to torques: pushes one joint to and fro for 12 ms, and compares the velocities that are
+/// measured with those that a mass under these torques has.
+///
+/// ```
+/// use whole_body::{DelayProbe, ProbeAnswer};
+///
+/// let mut probe = DelayProbe::new(1.8, 1e3, 1e-3);
+/// let (mut velocity, mut on_the_way) = (0.0, [0.0; 3]); // measured 3 ms late
+/// let mut answer = ProbeAnswer::Pending;
+/// while answer == ProbeAnswer::Pending {
+///     on_the_way.rotate_right(1);
+///     let measured = std::mem::replace(&mut on_the_way[0], velocity);
+///     let torque = probe.torque();
+///     answer = probe.update(Some(measured));
+///     velocity += torque / 0.12 * 1e-3;
+/// }
+/// let ProbeAnswer::Delay(delay) = answer else { panic!("{answer:?}") };
+/// assert!((delay - 3e-3).abs() < 5e-4);
+/// ```
+#[derive(Debug, Clone)]
+pub struct DelayProbe {
+    /// The torque of each tick \[Nm\].
+    torque: [f64; LENGTH],
+    period: f64,
+    tick: usize,
+    /// What was measured in each tick, if anything was.
+    measured: [Option<f64>; LENGTH],
+}
+
+impl DelayProbe {
+    /// With the largest torque \[Nm\], its largest rate \[Nm/s\] and the control period \[s\].
+    pub fn new(amplitude: f64, rate: f64, period: f64) -> Self {
+        let (mut torque, mut last) = ([0.0_f64; LENGTH], 0.0_f64);
+        for (tick, torque) in torque.iter_mut().enumerate() {
+            last += (amplitude * direction(tick) - last).clamp(-rate * period, rate * period);
+            *torque = last;
+        }
+        Self { torque, period, tick: 0, measured: [None; LENGTH] }
+    }
+
+    /// What is to push the joint in this tick \[Nm\].
+    pub fn torque(&self) -> f64 {
+        self.torque.get(self.tick).copied().unwrap_or_default()
+    }
+
+    /// Takes the joint's velocity if one has been measured since the last tick \[rad/s\], and goes on to the next.
+    pub fn update(&mut self, velocity: Option<f64>) -> ProbeAnswer {
+        if let Some(place) = self.measured.get_mut(self.tick) {
+            *place = velocity;
+        }
+        self.tick += 1;
+        if self.tick < LENGTH { ProbeAnswer::Pending } else { self.answer() }
+    }
+
+    fn answer(&self) -> ProbeAnswer {
+        let quiet = || self.measured.iter().take(QUIET).flatten();
+        let count = quiet().count().max(1) as f64;
+        let mean = quiet().sum::<f64>() / count;
+        let noise = (quiet().map(|v| (v - mean).powi(2)).sum::<f64>() / count).sqrt();
+        let loudest =
+            self.measured.iter().flatten().fold(0.0, |most: f64, v| most.max((v - mean).abs()));
+        let mut best = (0.0, 0.0);
+        for friction in FRICTION {
+            let expected = self.expected(friction);
+            for step in 0..=LONGEST * STEPS {
+                let late = step as f64 / STEPS as f64;
+                let explained = self.explained(&expected, late, mean);
+                if explained > best.0 {
+                    best = (explained, late * self.period);
+                }
+            }
+        }
+        let (explained, delay) = best;
+        if explained > EXPLAINED && loudest > LOUDNESS * noise && loudest > 0.0 {
+            ProbeAnswer::Delay(delay)
+        } else {
+            ProbeAnswer::None
+        }
+    }
+
+    /// The velocity of a unit mass at the beginning of each tick.
+    fn expected(&self, friction: f64) -> [f64; LENGTH] {
+        let mut expected = [0.0; LENGTH];
+        let mut velocity = 0.0;
+        for (place, torque) in expected.iter_mut().zip(&self.torque) {
+            *place = velocity;
+            velocity += torque * self.period;
+            velocity /= 1.0 + friction * self.period;
+        }
+        expected
+    }
+
+    /// Which share of what was measured these velocities explain, if they come `late` ticks late.
+    fn explained(&self, expected: &[f64; LENGTH], late: f64, mean: f64) -> f64 {
+        let (mut product, mut of_expected, mut of_measured) = (0.0, 0.0, 0.0);
+        for (tick, measured) in self.measured.iter().enumerate().skip(QUIET) {
+            let Some(measured) = measured else { continue };
+            let at = tick as f64 - late;
+            let expected = interpolated(expected, at);
+            let measured = measured - mean;
+            product += expected * measured;
+            of_expected += expected * expected;
+            of_measured += measured * measured;
+        }
+        let size = of_expected * of_measured;
+        if size > 0.0 && product > 0.0 { product * product / size } else { 0.0 }
+    }
+}
+
+/// Where the push of a tick goes: to, then fro.
+fn direction(tick: usize) -> f64 {
+    if (QUIET..QUIET + PUSH).contains(&tick) {
+        1.0
+    } else if (QUIET + PUSH..QUIET + 2 * PUSH).contains(&tick) {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
+fn interpolated(values: &[f64; LENGTH], at: f64) -> f64 {
+    if at < 0.0 {
+        return 0.0;
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
+    let (index, share) = (at as usize, at.fract());
+    let value = |index: usize| values.get(index).copied().unwrap_or_default();
+    value(index) * (1.0 - share) + value(index + 1) * share
+}
