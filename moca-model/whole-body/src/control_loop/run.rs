@@ -46,10 +46,15 @@ pub enum LoopError<R, L> {
     },
 }
 
+/// Ticks that are due less than this share of the period after one begins are missed: no two come at once, and
+/// rounding does not decide.
+const NEAR: f64 = 0.05;
+
 /// A loop of a fixed period between a robot and a control law.
 ///
-/// Ticks are due at multiples of the period. A tick that has not begun when the next is due is missed: it
-/// is counted and left out, so that no two ticks run in one period. The loop ends when it is asked to, or
+/// Ticks are due at multiples of the period. A tick that has not begun when the next is due, or a twentieth of the
+/// period before, is missed: it is counted and left out. So no two ticks run in one period, and after a late
+/// one the next begins when it is due. The loop ends when it is asked to, or
 /// when robot or perception are silent for too long; it then asks the law to stop, goes on until the law is at
 /// rest, and halts the robot. After construction it allocates nothing.
 ///
@@ -191,10 +196,10 @@ impl ControlLoop {
             First::Never(waited) => return Err(LoopError::NoMeasurement { waited }),
         };
         let mut progress = Progress { begun, fresh: begun, stopping: None };
-        let mut tick = 0_u64;
+        // The first tick comes at once, and all others are due from then on.
+        let first = clock.now();
+        let (mut tick, mut now) = (0_u64, first);
         loop {
-            tick += self.pace(begun, tick, clock);
-            let now = clock.now();
             match robot.receive(&mut self.measured).map_err(LoopError::Robot)? {
                 Received::Fresh => progress.fresh = now,
                 Received::Nothing => self.statistics.unmeasured += 1,
@@ -216,7 +221,9 @@ impl ControlLoop {
                     return Ok(LoopEnding { cause, at_rest });
                 }
             }
-            tick += 1;
+            let missed;
+            (missed, now) = self.pace(first, tick + 1, clock);
+            tick += 1 + missed;
         }
     }
 
@@ -243,18 +250,21 @@ impl ControlLoop {
         }
     }
 
-    /// Waits until the tick is due; returns how many ticks are missed by then.
-    fn pace(&mut self, begun: f64, tick: u64, clock: &mut impl Clock) -> u64 {
+    /// Waits until the tick is due; returns how many ticks are missed by the time at which it begins, and that time:
+    /// those that are due before, or so soon after that the tick that begins stands for them.
+    fn pace(&mut self, first: f64, tick: u64, clock: &mut impl Clock) -> (u64, f64) {
         let period = self.settings.period;
-        let due = begun + tick as f64 * period;
+        let due = first + tick as f64 * period;
         clock.sleep_until(due);
-        let late = clock.now() - due;
+        let now = clock.now();
+        let late = now - due;
         // A number that is not negative, and far below 2^53.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
-        let missed = (late / period).floor().max(0.0) as u64;
+        let missed = (late / period + NEAR).floor().max(0.0) as u64;
         self.statistics.latency.push(late);
         self.statistics.missed += missed;
-        missed
+        self.statistics.late += u64::from(missed > 0);
+        (missed, now)
     }
 
     fn reason_to_stop<L: ControlLaw>(
