@@ -211,8 +211,7 @@ impl Controller {
         }
         let period = self.settings.period;
         let before = std::mem::replace(&mut self.elapsed_before, tick.elapsed);
-        let in_time = (1.0 + self.settings.clock.tolerance) * period;
-        let times = TickTimes::new(tick.elapsed, before, period, in_time);
+        let times = TickTimes::new(tick.elapsed, before, &self.settings);
         // The robot went on at the last velocities for as long as this tick took to come.
         self.integrate(tick.elapsed - period);
         let in_time = !matches!(tick.fault, Some(Fault::Clock(_) | Fault::EarlyTick));
@@ -368,9 +367,6 @@ impl Controller {
 
     /// How fast q̇* changed in `step` \[s\]; where it had to change for longer, as fast as it may.
     fn remember_acceleration(&mut self, step: f64) {
-        if step <= 0.0 {
-            return;
-        }
         let change = self.command.joint_velocity.iter().zip(&self.last_velocity);
         let all = self.acceleration.iter_mut().zip(change).zip(&self.joint_limits);
         for ((acceleration, (velocity, last)), limits) in all {

@@ -5,6 +5,7 @@ use whole_body::Model;
 
 use crate::error::Error;
 use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED};
+use crate::settings::ControllerSettings;
 
 /// A mecanum base whose wheels limit |v_x| + |v_y| + lever |ω| in its own frame, and whose
 /// controller limits |v_x| and |v_y|.
@@ -181,13 +182,13 @@ pub(crate) struct TickTimes {
 }
 
 impl TickTimes {
-    /// Where the tick before came `before` \[s\] after its predecessor, and ticks are late that come more than
-    /// `in_time` \[s\] after each other. Velocities change for the period, or what has passed of it; after two late ticks
-    /// for the shorter of both times. So a slow loop brakes as fast as one that is not, and a single late tick
-    /// makes no jump.
-    pub(crate) fn new(elapsed: f64, before: f64, period: f64, in_time: f64) -> Self {
-        let shorter = elapsed.min(before);
-        let step = if shorter > in_time { shorter } else { elapsed.min(period) };
+    /// Where the tick before came `before` \[s\] after its predecessor. Velocities change for the period, or what has
+    /// passed of it; after two late ticks for the shorter of both times. So a slow loop brakes as fast as one that is
+    /// not, and a single late tick makes no jump.
+    pub(crate) fn new(elapsed: f64, before: f64, settings: &ControllerSettings) -> Self {
+        let (period, shorter) = (settings.period, elapsed.min(before));
+        let is_late = shorter > (1.0 + settings.clock.tolerance) * period;
+        let step = if is_late { shorter } else { elapsed.min(period) };
         Self { elapsed, step }
     }
 }

@@ -83,6 +83,16 @@ impl Runner {
         prop_assert!(beyond <= 1e-12, "{beyond} outside after {lasts} s, {state:?}");
         Ok(())
     }
+
+    /// Regular commands, for so long \[s\].
+    fn last_for(&mut self, time: f64, period: f64) -> Result<(), TestCaseError> {
+        let mut elapsed = 0.0;
+        while elapsed < time {
+            self.command(period, period)?;
+            elapsed += period;
+        }
+        Ok(())
+    }
 }
 
 proptest! {
@@ -112,22 +122,18 @@ proptest! {
         let hold = longer * period;
         let mut runner = Runner::new(limits, hold, start, seed);
         for round in 0..20_u32 {
-            // Until any motion at its limits can have come to rest, and another may have begun.
-            let calm = 400 + (400.0 * runner.draw()) as u32;
+            // Long enough to be fast, or to have come to a limit.
+            let calm = (400.0 + 400.0 * runner.draw()) * period;
             let plain = limits.limits();
             let brakes = plain.velocity() / plain.acceleration()
                 + 3.0 * plain.acceleration() / limits.jerk();
             runner.share = f64::from(round % 2);
-            for _ in 0..calm {
-                runner.command(period, period)?;
-            }
+            runner.last_for(calm, period)?;
             let lasts = hold * runner.draw().max(0.9);
             runner.command(period, lasts)?;
             // What the long command took of the room is made up for by braking.
-            for _ in 0..((brakes / period) as u32).min(20_000) {
-                runner.share = 0.5;
-                runner.command(period, period)?;
-            }
+            runner.share = 0.5;
+            runner.last_for(brakes.min(20_000.0 * period), period)?;
         }
     }
 }
