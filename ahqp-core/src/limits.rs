@@ -13,7 +13,8 @@ use crate::error::Error;
 /// velocity can contradict each other. Here the position limits leave room to brake: at a
 /// distance d the velocity v towards the limit obeys vΔt + v²/(2a) ≤ d. From a state that obeys
 /// all limits there is then always a velocity that does so again; see
-/// [`velocity_interval`](Self::velocity_interval).
+/// [`velocity_interval`](Self::velocity_interval). Where commands may come late,
+/// [`holding`](Self::holding) says for how long a velocity may last.
 ///
 /// ```
 /// use ahqp_core::{Limits, MotionState};
@@ -31,6 +32,8 @@ pub struct Limits {
     upper: f64,
     velocity: f64,
     acceleration: f64,
+    /// For how long a velocity may last; zero for the period.
+    hold: f64,
 }
 
 /// Position and velocity of one coordinate.
@@ -90,7 +93,7 @@ impl Limits {
                 return Err(Error::Parameter { name, value, expected: "positive and finite" });
             }
         }
-        Ok(Self { lower, upper, velocity, acceleration })
+        Ok(Self { lower, upper, velocity, acceleration, hold: 0.0 })
     }
 
     /// The same limits and one of the jerk, positive, or infinite for none.
@@ -121,6 +124,30 @@ impl Limits {
         self.acceleration
     }
 
+    /// The same limits for commands that may come late: each velocity may last for up to `time`
+    /// \[s\], or for the period if that is longer, before the next one comes. Position limits then
+    /// leave room for that, v·time + v²/(2a) ≤ d. NaN and negative times count as zero, the period.
+    ///
+    /// The position limits then hold in two cases: the period given to
+    /// [`velocity_interval`](Self::velocity_interval) is always the time that has passed since the
+    /// last velocity, and none lasted longer than `time`; or every velocity lasts for the period given, but for
+    /// one that lasts for up to `time`.
+    ///
+    /// ```
+    /// use ahqp_core::{Limits, MotionState};
+    ///
+    /// let limits = Limits::new(-1.0, 1.0, 2.0, 10.0)?.holding(0.06);
+    /// let near = MotionState { position: 0.9, velocity: 0.85 };
+    /// let fastest = limits.velocity_interval(near, 1e-3).upper;
+    /// assert!(near.position + fastest * 0.06 + fastest * fastest / 20.0 <= 1.0 + 1e-12);
+    /// # Ok::<(), ahqp_core::Error>(())
+    /// ```
+    #[must_use]
+    pub fn holding(mut self, time: f64) -> Self {
+        self.hold = time.max(0.0);
+        self
+    }
+
     /// The same limits with the velocity limit times `scale`, clamped to [0, 1], NaN to 0: the
     /// interval then shrinks as fast as the acceleration limit allows.
     #[must_use]
@@ -142,7 +169,8 @@ impl Limits {
             && fits(if velocity < 0.0 { stop } else { 0.0 }, position - self.lower, self.lower)
     }
 
-    /// The velocities for the next `period` seconds.
+    /// The velocities for the next `period` seconds; with [`holding`](Self::holding), those that may follow
+    /// `period` seconds after the last one.
     ///
     /// The acceleration limit always holds; the velocity limit holds, or is returned to at full
     /// acceleration; position limits are met whenever they can be. From an admitted state every
@@ -196,15 +224,16 @@ impl Limits {
         }
     }
 
-    /// The largest v with vΔt + v²/(2a) ≤ d; beyond the limit, the velocity that is back after
-    /// one period.
+    /// The largest v with vT + v²/(2a) ≤ d, where T is how long it may last; beyond the limit, the
+    /// velocity that is back after one period.
     fn approach(&self, distance: f64, period: f64) -> f64 {
         if distance >= 0.0 {
             if distance.is_infinite() {
                 return f64::INFINITY;
             }
-            let root = (period * period + 2.0 * distance / self.acceleration).sqrt();
-            2.0 * distance / (period + root)
+            let hold = self.hold.max(period);
+            let root = (hold * hold + 2.0 * distance / self.acceleration).sqrt();
+            2.0 * distance / (hold + root)
         } else {
             distance / period
         }

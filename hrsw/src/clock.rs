@@ -9,10 +9,11 @@ use crate::fault::{ClockFault, Fault, FrameFault};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct ClockSettings {
-    /// By which share of the period the time between two ticks may differ from it; less is an
-    /// early tick, more a late one \[-\]. Default 0.5.
+    /// By which share of the period a tick may come before it is due, or after; sooner is an early
+    /// tick, later a late one \[-\]. Default 0.5.
     pub tolerance: f64,
-    /// Time between two ticks beyond which the clock was set, or the loop stood \[s\]. Default 0.1.
+    /// How much later than a period after the one before a tick may come; beyond that the clock was
+    /// set, or the loop stood \[s\]. Default 0.1.
     pub gap: f64,
     /// How far a frame's stamp may lie ahead of the ticks, for clocks that agree only nearly \[s\].
     /// Default 0.005.
@@ -58,6 +59,12 @@ const STANDING: f64 = 1e-3;
 /// Two ticks are a period apart when their times differ from it by less than this share: times in
 /// seconds since 1970 are that coarse.
 const ROUNDING: f64 = 1e-3;
+/// A tick that comes less than this share of the period before it is due comes when it is due.
+const NEAR: f64 = 0.02;
+/// The weight of a tick in the share of late ones: about the last twenty count.
+const NEWEST: f64 = 0.05;
+/// A loop is late above this share of late ticks: half of them, and what the newest make of it.
+const MOST: f64 = 0.6;
 
 /// What the time of a tick says.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,7 +81,12 @@ pub struct Tick {
 /// Checks the times of ticks and frames, all of them in seconds on one clock, of any origin, that
 /// neither stands still nor is set.
 ///
-/// Ticks come once a period. Frames are stamped with the time at which the camera took them, arrive
+/// Ticks are due once a period, and one that is missed is not made up for. A tick is early that comes before
+/// it is due, by more than the tolerance; after a late tick the next is due at its own time all the same. A
+/// tick that is late is no fault. It is one that most of the last ticks were: the loop is then slower than
+/// its period.
+///
+/// Frames are stamped with the time at which the camera took them, arrive
 /// later, and each is newer than the one before; one that is not is refused and leaves no trace.
 ///
 /// ```
@@ -86,6 +98,9 @@ pub struct Tick {
 /// assert_eq!(clock.frame(3620.0), Err(FrameFault::Future));
 /// assert_eq!(clock.frame(1.7e9), Err(FrameFault::ForeignEpoch));
 /// assert!((clock.age().seconds() - 0.05).abs() < 1e-9);
+/// // 2.8 ms late, and the next one in time.
+/// assert_eq!(clock.tick(20.0038).fault, None);
+/// assert_eq!(clock.tick(20.004).fault, None);
 /// # Ok::<(), hrsw::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,6 +108,12 @@ pub struct LoopClock {
     settings: ClockSettings,
     period: f64,
     now: Option<f64>,
+    /// The time, where it was told before the tick \[s\].
+    present: Option<f64>,
+    /// How long before the last tick it was due, less than a period; negative for one that came just before \[s\].
+    behind: f64,
+    /// Of the last ticks.
+    late_share: f64,
     newest: Option<f64>,
 }
 
@@ -103,11 +124,26 @@ impl LoopClock {
     /// [`Error::Parameter`] for settings out of range.
     pub fn new(period: f64, settings: ClockSettings) -> Result<Self, Error> {
         settings.validate(period)?;
-        Ok(Self { settings, period, now: None, newest: None })
+        Ok(Self {
+            settings,
+            period,
+            now: None,
+            present: None,
+            behind: 0.0,
+            late_share: 0.0,
+            newest: None,
+        })
+    }
+
+    /// Takes the time `now` \[s\] before the tick: frames that are taken until then are judged by it, and not by the
+    /// last tick, which may be long ago.
+    pub fn set_present(&mut self, now: f64) {
+        self.present = Some(now).filter(|now| now.is_finite());
     }
 
     /// Takes the time `now` of a tick \[s\].
     pub fn tick(&mut self, now: f64) -> Tick {
+        self.present = None;
         if !now.is_finite() {
             let fault = Some(ClockFault::NotFinite.into());
             return Tick { elapsed: self.period, fault, forgets: false };
@@ -122,24 +158,36 @@ impl LoopClock {
     }
 
     /// The time since the last tick, as it is to be used, and what is wrong with it.
-    fn judge(&self, elapsed: f64) -> (f64, Option<Fault>) {
+    fn judge(&mut self, elapsed: f64) -> (f64, Option<Fault>) {
         let Self { settings, period, .. } = *self;
-        let difference = elapsed - period;
-        if difference.abs() <= ROUNDING * period {
-            (period, None)
-        } else if elapsed < 0.0 {
-            (period, Some(ClockFault::SetBack.into()))
+        let fault = if elapsed < 0.0 {
+            Some(ClockFault::SetBack)
         } else if elapsed <= STANDING * period {
-            (period, Some(ClockFault::StandsStill.into()))
-        } else if elapsed > settings.gap {
-            (period, Some(ClockFault::SetAhead.into()))
-        } else if difference < -settings.tolerance * period {
-            (elapsed, Some(Fault::EarlyTick))
-        } else if difference > settings.tolerance * period {
-            (elapsed, Some(Fault::LateTick))
+            Some(ClockFault::StandsStill)
+        } else if elapsed - period > settings.gap + ROUNDING * period {
+            Some(ClockFault::SetAhead)
         } else {
-            (elapsed, None)
+            None
+        };
+        if let Some(fault) = fault {
+            self.behind = 0.0;
+            return (period, Some(fault.into()));
         }
+        let is_late = elapsed > (1.0 + settings.tolerance + ROUNDING) * period;
+        self.late_share += NEWEST * (f64::from(u8::from(is_late)) - self.late_share);
+        let before_due = period - self.behind.max(0.0) - elapsed;
+        // After the first due time that no tick has come for yet. Of those that have passed it stands for the last.
+        let after = self.behind + elapsed - period;
+        let missed = (after / period + NEAR).floor();
+        // The clock may be faster than the period by the tolerance: an earlier tick moves the due times.
+        self.behind = if missed < 0.0 { 0.0 } else { after - missed * period };
+        let exact = (elapsed - period).abs() <= ROUNDING * period;
+        let fault = if before_due > (settings.tolerance + ROUNDING) * period {
+            Some(Fault::EarlyTick)
+        } else {
+            (self.late_share > MOST).then_some(Fault::LateTick)
+        };
+        (if exact { period } else { elapsed }, fault)
     }
 
     /// Takes the stamp of a frame that has arrived \[s\].
@@ -152,7 +200,8 @@ impl LoopClock {
         if !stamp.is_finite() {
             return Err(FrameFault::NotFinite);
         }
-        if let Some(fault) = self.now.and_then(|now| self.misplaced(stamp, now)) {
+        let present = self.present.or(self.now);
+        if let Some(fault) = present.and_then(|now| self.misplaced(stamp, now)) {
             return Err(fault);
         }
         match self.newest {

@@ -19,7 +19,8 @@ use crate::held_object::{BoxSide, HeldObject};
 use crate::interaction::{Interaction, Transition};
 use crate::leash::Leash;
 use crate::motion_limits::{
-    Motion, admit_braking, braking_limits, joint_limits, nearest_to_rest, write_intervals,
+    Motion, TickTimes, admit_braking, braking_limits, joint_limits, nearest_to_rest,
+    write_intervals,
 };
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_BASE_JOINTS;
@@ -74,6 +75,8 @@ pub struct Controller {
     reference: Vec<f64>,
     /// Which joints do.
     follows_position: Vec<bool>,
+    /// The time from the tick before the last one to that \[s\].
+    elapsed_before: f64,
     /// q̇* before the last tick, and how fast it changed in it.
     last_velocity: Vec<f64>,
     acceleration: Vec<f64>,
@@ -153,6 +156,7 @@ impl Controller {
             desired_limits,
             reference: configuration.to_vec(),
             follows_position: vec![false; n],
+            elapsed_before: settings.period,
             last_velocity: rest.clone(),
             acceleration: rest.clone(),
             intervals: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n + 6],
@@ -205,19 +209,22 @@ impl Controller {
         if let Some(fault) = tick.fault {
             self.report(fault);
         }
+        let period = self.settings.period;
+        let before = std::mem::replace(&mut self.elapsed_before, tick.elapsed);
+        let times = TickTimes::new(tick.elapsed, before, &self.settings);
         // The robot went on at the last velocities for as long as this tick took to come.
-        self.integrate(tick.elapsed - self.settings.period);
+        self.integrate(tick.elapsed - period);
         let in_time = !matches!(tick.fault, Some(Fault::Clock(_) | Fault::EarlyTick));
         let measured = size.is_ok() && self.measure(configuration);
         if !measured {
             self.report(Fault::BadMeasurement);
         }
         self.last_velocity.copy_from_slice(&self.command.joint_velocity);
-        if !(measured && in_time && self.control(tick.elapsed)) {
-            self.halt(tick.elapsed);
+        if !(measured && in_time && self.control(times)) {
+            self.halt(times);
         }
-        self.remember_acceleration(tick.elapsed.min(self.settings.period));
-        self.integrate(self.settings.period);
+        self.remember_acceleration(times.step);
+        self.integrate(period);
         self.feels = false;
         self.finish();
         size.map(|()| &self.command)
@@ -266,7 +273,8 @@ impl Controller {
     }
 
     /// Computes the velocities of a tick; returns false if they cannot be computed.
-    fn control(&mut self, elapsed: f64) -> bool {
+    fn control(&mut self, times: TickTimes) -> bool {
+        let elapsed = times.elapsed;
         if self.watch(elapsed).is_err() {
             self.report(Fault::BadData);
             return false;
@@ -278,7 +286,7 @@ impl Controller {
             self.report(Fault::BadData);
             return false;
         }
-        self.write_intervals(elapsed);
+        self.write_intervals(times);
         match self.solve() {
             Ok(Status::Solved) => {}
             Ok(_) => self.report(Fault::IterationLimit),
@@ -322,8 +330,7 @@ impl Controller {
         self.command.activation = activation.clamp(0.0, 1.0);
     }
 
-    fn write_intervals(&mut self, elapsed: f64) {
-        let times = [self.settings.period, elapsed];
+    fn write_intervals(&mut self, times: TickTimes) {
         let slowed = self.singularity_scale();
         let (joints, desired) = self.intervals.split_at_mut(self.reference.len());
         let motion = Motion {
@@ -338,9 +345,8 @@ impl Controller {
         let (base, arm) = motion.split_at(base);
         write_intervals(limits.0, base, scale, times, of_base);
         write_intervals(limits.1, arm, scale * slowed, times, of_arm);
-        let step = elapsed.min(self.settings.period);
         let limits = [&self.joint_limits[..], &self.joint_braking];
-        admit_braking(limits, motion, step, joints, &mut self.returns);
+        admit_braking(limits, motion, times.step, joints, &mut self.returns);
         for (braking, interval) in self.braking.iter_mut().zip(joints) {
             *braking = nearest_to_rest(interval);
         }
@@ -360,14 +366,13 @@ impl Controller {
         })
     }
 
-    /// How fast q̇* changed, `time` \[s\] after the change before.
-    fn remember_acceleration(&mut self, time: f64) {
-        if time <= 0.0 {
-            return;
-        }
+    /// How fast q̇* changed in `step` \[s\]; where it had to change for longer, as fast as it may.
+    fn remember_acceleration(&mut self, step: f64) {
         let change = self.command.joint_velocity.iter().zip(&self.last_velocity);
-        for (acceleration, (velocity, last)) in self.acceleration.iter_mut().zip(change) {
-            *acceleration = (velocity - last) / time;
+        let all = self.acceleration.iter_mut().zip(change).zip(&self.joint_limits);
+        for ((acceleration, (velocity, last)), limits) in all {
+            let most = limits.limits().acceleration();
+            *acceleration = ((velocity - last) / step).clamp(-most, most);
         }
     }
 

@@ -101,6 +101,7 @@ impl ControlLaw for LoopController {
             }
             self.start = None;
         }
+        self.controller.controller_mut().set_present(now);
         while let Ok(frame) = self.frames.try_recv() {
             // A frame that counts as no data, or shows too many people, is a fault, which the supervisor knows.
             match self.controller.observe_people(&frame.percept, frame.others()) {

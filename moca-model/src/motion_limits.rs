@@ -5,6 +5,7 @@ use whole_body::Model;
 
 use crate::error::Error;
 use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED};
+use crate::settings::ControllerSettings;
 
 /// A mecanum base whose wheels limit |v_x| + |v_y| + lever |ω| in its own frame, and whose
 /// controller limits |v_x| and |v_y|.
@@ -146,7 +147,7 @@ pub(crate) fn braking_limits(limits: &[JerkLimits]) -> Result<Vec<JerkLimits>, E
 pub(crate) fn admit_braking(
     [limits, braking]: [&[JerkLimits]; 2],
     motion: Motion<'_>,
-    period: f64,
+    step: f64,
     intervals: &mut [VelocityInterval],
     returns: &mut [VelocityInterval],
 ) {
@@ -157,7 +158,7 @@ pub(crate) fn admit_braking(
         *forced = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
         let limits = limits.limits();
         if state.position < limits.lower() || state.position > limits.upper() {
-            let braked = nearest_to_rest(&braking.velocity_interval(state, period));
+            let braked = nearest_to_rest(&braking.velocity_interval(state, step));
             *forced = *interval;
             interval.lower = interval.lower.min(braked);
             interval.upper = interval.upper.max(braked);
@@ -165,50 +166,64 @@ pub(crate) fn admit_braking(
     }
 }
 
-/// The velocities that each coordinate may take for the next `period`, if only `elapsed` has passed
-/// since it took the last.
+/// How long a single command may last without taking a joint out of its position limits \[s\]: three times what
+/// a robot waits before it brakes by itself (20 ms), and as long as a desktop's scheduler was seen to stand.
+const LONGEST_STALL: f64 = 0.06;
+/// How long every command may last, at any times, without taking a joint out of its position limits \[s\].
+const SLOWEST: f64 = 0.02;
+
+/// The times that a tick is planned with \[s\].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TickTimes {
+    /// Since the tick before: the last velocities lasted for that.
+    pub(crate) elapsed: f64,
+    /// That velocities change for.
+    pub(crate) step: f64,
+}
+
+impl TickTimes {
+    /// Where the tick before came `before` \[s\] after its predecessor. Velocities change for the period, or what has
+    /// passed of it; after two late ticks for the shorter of both times. So a slow loop brakes as fast as one that is
+    /// not, and a single late tick makes no jump.
+    pub(crate) fn new(elapsed: f64, before: f64, settings: &ControllerSettings) -> Self {
+        let (period, shorter) = (settings.period, elapsed.min(before));
+        let is_late = shorter > (1.0 + settings.clock.tolerance) * period;
+        let step = if is_late { shorter } else { elapsed.min(period) };
+        Self { elapsed, step }
+    }
+}
+
+/// The velocities that each coordinate may take, whenever the next tick comes.
+///
+/// Position limits leave room for one stall of [`LONGEST_STALL`]. Where that is not enough because ticks come
+/// irregularly, velocities change for all the time that has passed, as far as ticks that come [`SLOWEST`] apart ask for.
 pub(crate) fn write_intervals(
     limits: &[JerkLimits],
     motion: Motion<'_>,
     scale: f64,
-    [period, elapsed]: [f64; 2],
+    times: TickTimes,
     intervals: &mut [VelocityInterval],
 ) {
+    let TickTimes { elapsed, step } = times;
     for ((interval, limits), state) in intervals.iter_mut().zip(limits).zip(motion.states()) {
-        *interval = limits.slowed(scale).velocity_interval(state, period);
-        if elapsed < period {
-            let reachable = reachable(limits, state, elapsed);
-            let within = |end: f64| end.max(reachable.lower).min(reachable.upper);
+        *interval = limits.slowed(scale).holding(LONGEST_STALL).velocity_interval(state, step);
+        if elapsed > step {
+            let needed = limits.holding(SLOWEST).velocity_interval(state, elapsed);
+            let within = |end: f64| end.max(needed.lower).min(needed.upper);
             interval.lower = within(interval.lower);
             interval.upper = within(interval.upper);
         }
     }
 }
 
-/// The velocities that acceleration and jerk limits allow after `elapsed` seconds.
-fn reachable(limits: &JerkLimits, state: AcceleratedState, elapsed: f64) -> VelocityInterval {
-    let AcceleratedState { velocity, acceleration, .. } = state;
-    let (strongest, change) = (limits.limits().acceleration(), limits.jerk() * elapsed);
-    // From beyond the limit, back towards it.
-    let within = acceleration.max(-strongest - change).min(strongest + change);
-    let lower = (within - change).max(-strongest).min(strongest);
-    let upper = (within + change).min(strongest).max(-strongest);
-    VelocityInterval { lower: velocity + lower * elapsed, upper: velocity + upper * elapsed }
-}
-
-/// Lets each coordinate brake for `elapsed` seconds, wherever it is.
-pub(crate) fn brake(
-    braking: &[JerkLimits],
-    acceleration: &[f64],
-    elapsed: f64,
-    velocity: &mut [f64],
-) {
-    if elapsed <= 0.0 {
+/// Lets each coordinate brake for `step` seconds, wherever it is.
+pub(crate) fn brake(braking: &[JerkLimits], acceleration: &[f64], step: f64, velocity: &mut [f64]) {
+    if step <= 0.0 {
         return;
     }
     for ((velocity, limits), &acceleration) in velocity.iter_mut().zip(braking).zip(acceleration) {
         let state = AcceleratedState { position: 0.0, velocity: *velocity, acceleration };
-        *velocity = nearest_to_rest(&limits.velocity_interval(state, elapsed));
+        *velocity = nearest_to_rest(&limits.velocity_interval(state, step));
     }
 }
 

@@ -65,7 +65,9 @@ pub struct Safety {
     others: Bystanders,
     /// The bodies of all of them in this tick.
     people: Vec<PersonBody>,
-    /// By how much the joints' velocities may change in a tick.
+    /// Of the joints.
+    acceleration_limits: Vec<f64>,
+    /// By how much the joints' velocities may change in this tick.
     velocity_change: Vec<f64>,
     contact_speed: f64,
     person_velocity: Vector3<f64>,
@@ -114,6 +116,7 @@ impl Safety {
             others: Bystanders::new(settings.person, &settings.contact),
             people: Vec::with_capacity(PersonBodies::ROOM + Bystanders::room()),
             person,
+            acceleration_limits: limits.iter().map(|limits| limits.acceleration).collect(),
             velocity_change: limits.iter().map(|limits| limits.acceleration * period).collect(),
             contact_speed: 0.0,
             person_velocity: Vector3::zeros(),
@@ -192,6 +195,9 @@ impl Safety {
     pub fn watch(&mut self, robot: &mut Kinematics, input: &SafetyInput<'_>) -> Result<(), Error> {
         let step = self.settings.contact_acceleration * input.elapsed;
         let change = if input.together && input.feels { step } else { -step };
+        for (change, limit) in self.velocity_change.iter_mut().zip(&self.acceleration_limits) {
+            *change = limit * input.elapsed;
+        }
         self.contact_speed = (self.contact_speed + change).clamp(0.0, self.settings.contact_speed);
         if !input.feels {
             self.contact_speed = 0.0;

@@ -8,7 +8,7 @@
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Braking {
     acceleration: f64,
-    jerk: f64,
+    pub(super) jerk: f64,
 }
 
 /// How far a motion still goes, and the derivatives of that.

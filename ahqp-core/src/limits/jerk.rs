@@ -85,6 +85,12 @@ impl JerkLimits {
         self.jerk
     }
 
+    /// The same limits for commands that may come late, see [`Limits::holding`].
+    #[must_use]
+    pub fn holding(self, time: f64) -> Self {
+        Self { limits: self.limits.holding(time), ..self }
+    }
+
     /// The same limits with the velocity limit times `scale`, clamped to [0, 1], NaN to 0: the
     /// interval then shrinks as fast as acceleration and jerk allow, to braking for `scale` zero.
     #[must_use]
@@ -95,7 +101,7 @@ impl JerkLimits {
     /// Returns true if `state` obeys the limits, up to rounding, and can go on obeying them.
     pub fn admits(&self, state: AcceleratedState) -> bool {
         let AcceleratedState { position, velocity, acceleration } = state;
-        let Limits { lower, upper, velocity: fastest, acceleration: strongest } = self.limits;
+        let Limits { lower, upper, velocity: fastest, acceleration: strongest, .. } = self.limits;
         if acceleration.abs() > strongest * (1.0 + ROUNDING) {
             return false;
         }
@@ -115,7 +121,8 @@ impl JerkLimits {
             && fits(-velocity, -acceleration, position - lower, lower)
     }
 
-    /// The velocities for the next `period` seconds.
+    /// The velocities for the next `period` seconds; with [`holding`](Self::holding), those that may follow
+    /// `period` seconds after the last one.
     ///
     /// Acceleration and jerk limits always hold; an acceleration beyond its limit is returned
     /// from at the jerk limit. The velocity limit holds, or is returned to within those two.
@@ -132,7 +139,7 @@ impl JerkLimits {
         if self.jerk.is_infinite() {
             return self.limits.velocity_interval(MotionState { position, velocity }, period);
         }
-        let Limits { lower, upper, velocity: fastest, acceleration: strongest } = self.limits;
+        let Limits { lower, upper, velocity: fastest, acceleration: strongest, hold } = self.limits;
         let braking = Braking::new(strongest, self.jerk);
         let change = self.jerk * period;
         let mut least = (acceleration - change).max(-strongest);
@@ -152,7 +159,9 @@ impl JerkLimits {
         // Mostly the position limits are so far away that they do not count.
         let distance = (upper - position).min(position - lower);
         let free = interval(slowest, quickest);
-        if distance >= self.longest + fastest * period
+        // While the acceleration fades the velocity may exceed its limit by the second term.
+        let top = fastest + strongest * strongest / (2.0 * self.jerk);
+        if distance >= self.longest + top * hold.max(period)
             && free.upper <= fastest
             && free.lower >= -fastest
             && quickest <= strongest
@@ -160,8 +169,8 @@ impl JerkLimits {
         {
             return free;
         }
-        let to_upper = Approach::new(position, velocity, upper, period);
-        let to_lower = Approach::new(-position, -velocity, -lower, period);
+        let to_upper = Approach::new(position, velocity, upper, [period, hold]);
+        let to_lower = Approach::new(-position, -velocity, -lower, [period, hold]);
         // Brings the velocity to rest, and is always allowed within the position limits.
         let brake = reach(-braking.onset(velocity, period));
         let (down, up) = if to_upper.distance < 0.0 {
@@ -184,12 +193,27 @@ struct Approach {
     /// Of the distance.
     rounding: f64,
     period: f64,
+    /// For how long the velocity may last, if that may be longer than the period.
+    hold: Option<f64>,
 }
 
 impl Approach {
-    fn new(position: f64, velocity: f64, limit: f64, period: f64) -> Self {
+    fn new(position: f64, velocity: f64, limit: f64, [period, hold]: [f64; 2]) -> Self {
         let rounding = f64::EPSILON * (limit.abs() + position.abs());
-        Self { velocity, distance: limit - position, rounding, period }
+        let hold = (hold > 0.0).then_some(hold.max(period));
+        Self { velocity, distance: limit - position, rounding, period, hold }
+    }
+
+    /// How far the coordinate goes before the next command, and the derivative by the acceleration.
+    ///
+    /// With a hold at least as far as the largest velocity would take it that comes while the acceleration fades:
+    /// braking then never makes this longer.
+    fn travel(&self, braking: &Braking, velocity: f64, acceleration: f64) -> (f64, f64) {
+        let along = (velocity * self.period, self.period * self.period);
+        let Some(hold) = self.hold else { return along };
+        let rising = acceleration.max(0.0) / braking.jerk;
+        let top = velocity + 0.5 * acceleration.max(0.0) * rising;
+        if top * hold > along.0 { (top * hold, hold * (self.period + rising)) } else { along }
     }
 
     /// The strongest acceleration between `least` and `greatest` with which the coordinate
@@ -202,8 +226,9 @@ impl Approach {
         for _ in 0..ROUNDS {
             let velocity = self.velocity + acceleration * self.period;
             let overrun = braking.overrun(velocity, acceleration);
-            let excess = velocity * self.period + overrun.distance - self.distance;
-            let slope = self.period * (self.period + overrun.by_velocity) + overrun.by_acceleration;
+            let (travel, by_travel) = self.travel(braking, velocity, acceleration);
+            let excess = travel + overrun.distance - self.distance;
+            let slope = by_travel + self.period * overrun.by_velocity + overrun.by_acceleration;
             let correction = excess / slope;
             // The second where the limit is so near zero that the sum's own rounding is larger.
             if excess <= self.rounding || correction <= 4.0 * f64::EPSILON * acceleration.abs() {

@@ -10,6 +10,7 @@ mod exact;
 mod extended;
 mod fuzz;
 mod hard_cases;
+mod holding;
 mod infeasible;
 mod jerk_limits;
 mod names;

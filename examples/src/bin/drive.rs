@@ -103,6 +103,8 @@ struct Report {
     at_rest: bool,
     ticks: u64,
     missed: u64,
+    /// Ticks so late that others were missed.
+    late: u64,
     unmeasured: u64,
     latency_us: Times,
     duration_us: Times,
@@ -345,6 +347,7 @@ impl Report {
             at_rest: ending.at_rest,
             ticks: statistics.ticks,
             missed: statistics.missed,
+            late: statistics.late,
             unmeasured: statistics.unmeasured,
             latency_us: times(&statistics.latency),
             duration_us: times(&statistics.duration),
@@ -354,12 +357,16 @@ impl Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { ended, at_rest, ticks, missed, unmeasured, latency_us, duration_us } = self;
+        let Self { ended, at_rest, ticks, missed, late, unmeasured, latency_us, duration_us } =
+            self;
         let rest = if *at_rest { "at rest" } else { "moving" };
         writeln!(f, "{:30} {ended}, {rest}", "ended")?;
-        for (what, count) in
-            [("ticks", ticks), ("ticks missed", missed), ("ticks without measurement", unmeasured)]
-        {
+        for (what, count) in [
+            ("ticks", ticks),
+            ("ticks missed", missed),
+            ("ticks late", late),
+            ("ticks without measurement", unmeasured),
+        ] {
             writeln!(f, "{what:30} {count:>10}")?;
         }
         let Times { p50, p99, p999, max } = latency_us;

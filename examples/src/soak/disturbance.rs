@@ -169,17 +169,18 @@ impl Disturbance {
 
     fn state_at_once(self) -> SafetyState {
         match self {
-            // The last two for good: the one cannot be noticed, the other is bridged.
-            Self::FramesLost | Self::FramesAbsurd | Self::CameraMoved | Self::CommandsThinned => {
-                SafetyState::Normal
-            }
+            // The last three for good: one cannot be noticed, one is bridged, and one is no fault.
+            Self::FramesLost
+            | Self::FramesAbsurd
+            | Self::CameraMoved
+            | Self::CommandsThinned
+            | Self::TicksLate => SafetyState::Normal,
             Self::FramesLate
             | Self::FramesFrozen
             | Self::FramesRepeated
             | Self::FramesOutOfOrder
             | Self::CameraBehind
-            | Self::CameraStands
-            | Self::TicksLate => SafetyState::Reduced,
+            | Self::CameraStands => SafetyState::Reduced,
             Self::CameraAhead
             | Self::CameraEpoch
             | Self::MeasurementNan

@@ -100,7 +100,7 @@ pub struct Monitor {
     pub ended: Endings,
     /// Whether the tick before had no time, or no measurement.
     was_blind: bool,
-    /// Ticks left in which joints may be outside their ranges by ticks that came late, or a push.
+    /// Ticks left in which joints may be outside their ranges by a push.
     settling: u64,
     /// By how much the robot's own bodies overlap that a push has brought together, at most from now on \[m\].
     pushed_overlap: f64,
@@ -200,11 +200,11 @@ impl Monitor {
         false
     }
 
-    /// A joint goes on for as long as the next command is late, somebody pushes it, or the robot brakes by itself,
-    /// which may take it out of its range. Returns true if that, and its braking, may be so.
+    /// Somebody pushes a joint, or the robot brakes by itself, which may take it out of its range. Returns true if that,
+    /// and its braking, may be so.
     fn settle(&mut self, tick: &Tick<'_>) -> bool {
-        use Disturbance::{ArmPushed, CommandsLost, TicksLate};
-        if matches!(tick.disturbance, Some((TicksLate | ArmPushed | CommandsLost, _))) {
+        use Disturbance::{ArmPushed, CommandsLost};
+        if matches!(tick.disturbance, Some((ArmPushed | CommandsLost, _))) {
             self.settling = SETTLING;
         }
         let is_settling = self.settling > 0;
@@ -223,7 +223,7 @@ impl Monitor {
 /// A robot that gives a little under its own weight comes no nearer to itself than this \[m\].
 const SAGGING: f64 = 1e-3;
 
-/// Ticks after a late one, or a push, in which joints may still brake that it took out of their ranges.
+/// Ticks after a push in which joints may still brake that it took out of their ranges.
 const SETTLING: u64 = 500;
 
 fn is_finite(command: &Command) -> bool {

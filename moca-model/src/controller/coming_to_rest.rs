@@ -4,7 +4,7 @@ use nalgebra::Vector6;
 
 use super::Controller;
 use crate::command::Outcome;
-use crate::motion_limits::{brake, nearest_to_rest};
+use crate::motion_limits::{TickTimes, brake, nearest_to_rest};
 
 impl Controller {
     /// Every joint, and the desired pose, as near to rest as its limits allow.
@@ -23,8 +23,7 @@ impl Controller {
     }
 
     /// Brakes at the limits of acceleration, whatever else holds.
-    pub(super) fn halt(&mut self, elapsed: f64) {
-        let step = elapsed.min(self.settings.period);
+    pub(super) fn halt(&mut self, TickTimes { elapsed, step }: TickTimes) {
         brake(&self.joint_braking, &self.acceleration, step, &mut self.command.joint_velocity);
         let twist = self.command.desired_twist.as_mut_slice();
         brake(&self.desired_braking, &[0.0; 6], step, twist);

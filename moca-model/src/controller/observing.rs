@@ -7,6 +7,12 @@ use super::Controller;
 use crate::error::Error;
 
 impl Controller {
+    /// Takes the time `now` of the tick that follows \[s\], before the camera frames that have arrived by then: after
+    /// a late tick they are newer than the tick before, and not from the future.
+    pub fn set_present(&mut self, now: f64) {
+        self.clock.set_present(now);
+    }
+
     /// Takes a camera frame, stamped when it was taken, on the clock of the ticks.
     ///
     /// # Errors

@@ -29,8 +29,13 @@ fn scenarios() -> BTreeMap<String, Scenario> {
         (ClockFault::SetAhead.into(), |drive| clock(drive, drive.time() + 5.0)),
         (Fault::EarlyTick, |drive| clock(drive, drive.time() - 0.8 * PERIOD)),
         (Fault::LateTick, |drive| {
-            drive.tick += 4;
-            drive.step();
+            // Every tick comes two periods after the one before.
+            for _ in 0..30 {
+                let measured = drive.robot.position().to_vec();
+                drive.controller.step(drive.time(), &measured).unwrap();
+                drive.obey(2.0 * PERIOD);
+                drive.tick += 2;
+            }
         }),
         (FrameFault::NotFinite.into(), |drive| frame(drive, f64::NAN)),
         (FrameFault::Future.into(), |drive| frame(drive, drive.time() + 0.1)),

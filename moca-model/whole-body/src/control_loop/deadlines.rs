@@ -77,6 +77,8 @@ pub struct DeadlineStatistics {
     pub ticks: u64,
     /// Ticks that did not run, because the one before had not ended or the system had not woken the loop.
     pub missed: u64,
+    /// Ticks that ran so late that others were missed.
+    pub late: u64,
     /// Ticks without a new measurement.
     pub unmeasured: u64,
 }
@@ -84,6 +86,6 @@ pub struct DeadlineStatistics {
 impl DeadlineStatistics {
     pub(crate) fn new() -> Self {
         let none = TimeHistogram::default();
-        Self { latency: none.clone(), duration: none, ticks: 0, missed: 0, unmeasured: 0 }
+        Self { latency: none.clone(), duration: none, ticks: 0, missed: 0, late: 0, unmeasured: 0 }
     }
 }

@@ -59,10 +59,15 @@ pub enum LoopError<R, L> {
     },
 }
 
+/// Ticks that are due less than this share of the period after one begins are missed: no two come at once, and
+/// rounding does not decide.
+const NEAR: f64 = 0.05;
+
 /// A loop of a fixed period between a robot and a control law.
 ///
-/// Ticks are due at multiples of the period. A tick that has not begun when the next is due is missed: it
-/// is counted and left out, so that no two ticks run in one period. The loop ends when it is asked to, or
+/// Ticks are due at multiples of the period. A tick that has not begun when the next is due, or a twentieth of the
+/// period before, is missed: it is counted and left out. So no two ticks run in one period, and after a late
+/// one the next begins when it is due. The loop ends when it is asked to, or
 /// when robot or perception are silent for too long; it then asks the law to stop, goes on until the robot is
 /// measured at rest, and halts it. A robot that is not measured meanwhile is halted soon. Before the first command
 /// the loop listens how often the robot measures, and refuses one that the law cannot control. After construction
@@ -205,16 +210,14 @@ impl ControlLoop {
             }
             First::Never(waited) => return Err(LoopError::NoMeasurement { waited }),
         };
-        let begun = match self.listen(robot, law, clock, begun, stop)? {
-            Some(time) => time,
-            None => return Ok(LoopEnding { cause: StopCause::Requested, at_rest: None }),
+        let Some(fresh) = self.listen(robot, law, clock, begun, stop)? else {
+            return Ok(LoopEnding { cause: StopCause::Requested, at_rest: None });
         };
-        let mut progress = Progress { begun, fresh: begun, stopping: None };
-        // The first tick is due a period after what was heard.
-        let mut tick = u64::from(law.longest_interval().is_some());
+        let mut progress = Progress { begun, fresh, stopping: None };
+        // The first tick comes at once, and all others are due from then on.
+        let first = clock.now();
+        let (mut tick, mut now) = (0_u64, first);
         loop {
-            tick += self.pace(begun, tick, clock);
-            let now = clock.now();
             match robot.receive(&mut self.measured).map_err(LoopError::Robot)? {
                 Received::Fresh => progress.fresh = now,
                 Received::Nothing => self.statistics.unmeasured += 1,
@@ -238,7 +241,9 @@ impl ControlLoop {
                     return Ok(LoopEnding { cause, at_rest });
                 }
             }
-            tick += 1;
+            let missed;
+            (missed, now) = self.pace(first, tick + 1, clock);
+            tick += 1 + missed;
         }
     }
 
@@ -265,7 +270,7 @@ impl ControlLoop {
         }
     }
 
-    /// Listens how often the robot measures; when that is known, or none if a stop is requested.
+    /// Listens how often the robot measures; returns when the last measurement came, or none if a stop is requested.
     fn listen<R: RobotSide, L: ControlLaw>(
         &mut self,
         robot: &mut R,
@@ -294,24 +299,27 @@ impl ControlLoop {
                 return if interval > allowed {
                     Err(LoopError::MeasuresTooSeldom { interval, needed })
                 } else {
-                    Ok(Some(now))
+                    Ok(Some(last))
                 };
             }
         }
     }
 
-    /// Waits until the tick is due; returns how many ticks are missed by then.
-    fn pace(&mut self, begun: f64, tick: u64, clock: &mut impl Clock) -> u64 {
+    /// Waits until the tick is due; returns how many ticks are missed by the time at which it begins, and that time:
+    /// those that are due before, or so soon after that the tick that begins stands for them.
+    fn pace(&mut self, first: f64, tick: u64, clock: &mut impl Clock) -> (u64, f64) {
         let period = self.settings.period;
-        let due = begun + tick as f64 * period;
+        let due = first + tick as f64 * period;
         clock.sleep_until(due);
-        let late = clock.now() - due;
+        let now = clock.now();
+        let late = now - due;
         // A number that is not negative, and far below 2^53.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
-        let missed = (late / period).floor().max(0.0) as u64;
+        let missed = (late / period + NEAR).floor().max(0.0) as u64;
         self.statistics.latency.push(late);
         self.statistics.missed += missed;
-        missed
+        self.statistics.late += u64::from(missed > 0);
+        (missed, now)
     }
 
     fn reason_to_stop<L: ControlLaw>(

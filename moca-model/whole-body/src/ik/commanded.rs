@@ -76,6 +76,10 @@ impl Commanded {
     /// The command for the next `period` \[s\], with the robot at the `measured` configuration.
     /// Allocates nothing, unless there is a fault.
     ///
+    /// The period is how long the command lasts: the time until the next one is sent, in a slow loop that of the slow
+    /// loop. A robot that takes velocities and gets the next command later than that goes on by the difference
+    /// times its velocity, beyond a position limit too; positions stay within their limits.
+    ///
     /// A measurement or a period that cannot be used, and every error of [`Ik::step`], is a
     /// [fault](Command::fault): the robot then brakes. With a period that is no positive number
     /// nothing moves.
