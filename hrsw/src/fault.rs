@@ -40,6 +40,12 @@ pub enum FrameFault {
     /// It is stamped before the newest one.
     #[error("frame out of order")]
     OutOfOrder,
+    /// A joint in it is farther away than anything in a room: it is in other units, such as millimetres.
+    #[error("frame in other units")]
+    Units,
+    /// It shows a body that nobody has.
+    #[error("frame of an impossible body")]
+    ImpossibleBody,
 }
 
 /// Something that went wrong in the control loop.
@@ -102,7 +108,7 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 23] = [
         Self::Clock(ClockFault::NotFinite),
         Self::Clock(ClockFault::StandsStill),
         Self::Clock(ClockFault::SetBack),
@@ -114,6 +120,8 @@ impl Fault {
         Self::Frame(FrameFault::ForeignEpoch),
         Self::Frame(FrameFault::Repeated),
         Self::Frame(FrameFault::OutOfOrder),
+        Self::Frame(FrameFault::Units),
+        Self::Frame(FrameFault::ImpossibleBody),
         Self::TooManyPeople,
         Self::BadMeasurement,
         Self::FollowingError,

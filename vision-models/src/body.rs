@@ -10,6 +10,7 @@ mod lengths;
 #[cfg(feature = "inference")]
 mod openpose;
 mod people;
+mod possible;
 mod pose;
 mod seen;
 mod segment;
@@ -21,6 +22,7 @@ pub use image_body::{ImageBody, ImageKeypoint};
 pub use keypoints::{Body, Body25, Keypoint};
 pub use lengths::{SegmentLength, StatureEstimate};
 pub use people::{People, PeopleSettings, PersonId, PersonTrack};
+pub use possible::ImpossibleBody;
 pub use pose::{TrackStatus, TrackedPerson};
 pub use segment::BodySegment;
 pub use settings::TrackerSettings;

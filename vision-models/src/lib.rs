@@ -81,7 +81,7 @@ mod weights;
 
 pub use action::{Action, ActionGroup, Tool, WalkingDirection};
 pub use body::{
-    Body, Body25, BodySegment, BodyTracker, ImageBody, ImageKeypoint, Keypoint, People,
+    Body, Body25, BodySegment, BodyTracker, ImageBody, ImageKeypoint, ImpossibleBody, Keypoint, People,
     PeopleSettings, PersonId, PersonTrack, SegmentLength, StatureEstimate, TrackStatus,
     TrackedPerson, TrackerSettings,
 };

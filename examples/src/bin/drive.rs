@@ -24,7 +24,7 @@ use examples::robot_side::ros2::{
     JointInterface, RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPeople,
     TopicReport,
 };
-use examples::robot_side::{SimulatedSide, UdpServer, UdpSide};
+use examples::robot_side::{AnnouncedLaw, LinkReport, SharedKey, SimulatedSide, UdpServer, UdpSide};
 use examples::settings::SettingsFile;
 use moca_model::whole_body::{
     Clock, ControlLoop, DeadlineStatistics, JointMeasurement, LoopEnding, LoopSettings,
@@ -61,6 +61,10 @@ struct Options {
     #[arg(long, value_name = "HOST:PORT", conflicts_with = "robot")]
     #[expect(clippy::option_option, reason = "an option whose value may be left out")]
     serve: Option<Option<String>>,
+    /// Take packets only from whoever has the key in this file, with `--robot` and `--serve`: 32 bytes or more,
+    /// the same at both ends.
+    #[arg(long, value_name = "FILE")]
+    key: Option<PathBuf>,
     /// Move the robot on the ROS 2 graph of `ROS_DOMAIN_ID`, and see the person there.
     #[cfg(feature = "ros2")]
     #[arg(long, conflicts_with = "robot")]
@@ -108,6 +112,14 @@ struct Report {
     duration_us: Times,
 }
 
+/// The same over UDP.
+#[derive(Debug, Serialize)]
+struct OverUdp {
+    #[serde(flatten)]
+    report: Report,
+    link: LinkReport,
+}
+
 /// The same on the ROS 2 graph.
 #[cfg(feature = "ros2")]
 #[derive(Debug, Serialize)]
@@ -133,33 +145,40 @@ impl Program for Options {
     fn run(self, session: &mut Session) -> Result<Ending> {
         let duration = self.duration;
         ensure!(duration > 0.0, "--duration {duration}: give the seconds to drive, above 0");
+        let key = self.key()?;
         let scenario = self.scenario(session)?;
-        let period = scenario.settings.period;
         let mut clock = MonotonicClock::new(1e-6 * self.spin);
         #[cfg(feature = "ros2")]
         if self.ros2 {
             return self.on_ros2(session, &scenario, clock);
         }
+        let period = scenario.settings.period;
         if let Some(address) = &self.serve {
             let address = address.as_ref().context("--serve: give an address, HOST:PORT")?;
             let robot = SimulatedSide::new(&scenario.start, period, SEED)?;
-            let mut server = UdpServer::bind(address, robot, &scenario.start)
+            let mut server = UdpServer::bind(address, robot, &scenario.start, key.as_ref())
                 .with_context(|| format!("--serve {address}"))?;
             writeln!(session.output(), "a robot at {}; Ctrl-C ends it", server.address()?)?;
             session.output().flush()?;
             let interrupt = session.interrupt().clone();
             server.serve(period, &mut clock, || interrupt.requested())?;
+            writeln!(session.output(), "{}", LinkReport::from(server.statistics()))?;
             return Ok(Ending::Complete);
         }
         let recorded = recorded(session, &scenario, clock);
-        let (ending, statistics) = if let Some(address) = &self.robot {
-            let mut robot = UdpSide::connect(address, scenario.start.len())
+        if let Some(address) = &self.robot {
+            let mut robot = UdpSide::connect(address, scenario.start.len(), key.as_ref())
                 .with_context(|| format!("--robot {address}"))?;
-            self.drive(session, &scenario, &mut robot, clock, recorded)?
-        } else {
-            let mut robot = SimulatedSide::new(&scenario.start, period, SEED)?;
-            self.drive(session, &scenario, &mut robot, clock, recorded)?
-        };
+            let driven = self.drive(session, &scenario, &mut robot, clock, recorded);
+            let link = LinkReport::from(robot.statistics());
+            let (ending, statistics) = driven.inspect_err(|_| session.warn(&link))?;
+            let report = OverUdp { report: Report::new(ending, &statistics), link };
+            writeln!(session.output(), "{}\n{}", report.report, report.link)?;
+            return session.conclude(self.json, &report, ended(session, ending));
+        }
+        let mut robot = SimulatedSide::new(&scenario.start, period, SEED)?;
+        let (ending, statistics) =
+            self.drive(session, &scenario, &mut robot, clock, recorded)?;
         let report = Report::new(ending, &statistics);
         writeln!(session.output(), "{report}")?;
         session.conclude(self.json, &report, ended(session, ending))
@@ -167,6 +186,17 @@ impl Program for Options {
 }
 
 impl Options {
+    /// The key, where packets have one.
+    fn key(&self) -> Result<Option<SharedKey>> {
+        let Some(path) = &self.key else { return Ok(None) };
+        ensure!(
+            self.robot.is_some() || matches!(self.serve, Some(Some(_))),
+            "--key: only packets to and from a robot at HOST:PORT have one; give --robot or --serve as well"
+        );
+        let key = SharedKey::read(path).with_context(|| format!("--key {}", path.display()))?;
+        Ok(Some(key))
+    }
+
     /// What `follow` plays, in real time.
     fn scenario(&self, session: &Session) -> Result<Scenario> {
         let Recording { header, percepts, others, .. } = match &self.recording {
@@ -239,7 +269,8 @@ impl Options {
         let Scenario { model, comfort, settings, torques, start, .. } = scenario;
         let controller = Controller::new(model.clone(), *comfort, settings.clone(), start)?;
         let controller = TorqueController::new(controller, torques.clone())?;
-        let (mut law, frames) = LoopController::new(controller);
+        let (law, frames) = LoopController::new(controller);
+        let mut law = AnnouncedLaw::new(law, |text| session.warn(text));
         let times = LoopSettings { period: settings.period, ..LoopSettings::default() };
         let mut control = ControlLoop::new(times, JointMeasurement::at_rest(model))?;
         let scheduling = Scheduling { priority: self.priority, lock_memory: self.lock_memory };

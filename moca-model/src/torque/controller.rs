@@ -65,6 +65,8 @@ pub struct TorqueController {
     observer: MomentumObserver,
     contact: ContactForce,
     force: Vector3<f64>,
+    /// Whether the torques of all driven joints were measured last.
+    feels: bool,
     /// As measured last, if that could be used.
     position: Vec<f64>,
     velocity: Vec<f64>,
@@ -132,6 +134,7 @@ impl TorqueController {
             observer: MomentumObserver::new(&model, observer)?,
             contact: ContactForce::new(&model, tool, names)?,
             force: Vector3::zeros(),
+            feels: false,
             velocity: vec![0.0; position.len()],
             gravity: vec![0.0; position.len()],
             held: None,
@@ -169,11 +172,33 @@ impl TorqueController {
         self.controller.observe_people(percept, others)
     }
 
+    /// Takes the first measurement of a robot, before the first step; tells of it by
+    /// [`feels_contacts`](Self::feels_contacts).
+    ///
+    /// # Errors
+    /// [`Error::Robot`] for a state that the limits exclude by far: it is in other units. It names the joint.
+    pub fn begin(&mut self, measured: &Measured<'_>) -> Result<(), Error> {
+        self.model().check_units(measured.position, measured.velocity)?;
+        self.feels = self.measures_torques(measured);
+        Ok(())
+    }
+
+    /// Whether contacts would be noticed: all torques of the driven joints were measured last. Else force limiting is
+    /// off: nobody may be touched, and distances are those to people with whom the robot does not work.
+    pub fn feels_contacts(&self) -> bool {
+        self.feels
+    }
+
+    fn measures_torques(&self, measured: &Measured<'_>) -> bool {
+        let known = |joint: &usize| measured.torque.get(*joint).is_some_and(Option::is_some);
+        self.joints.iter().all(known)
+    }
+
     /// The command for the period that begins at `now` \[s\], with the robot as `measured`; the torques of
     /// the arm are [`torque`](Self::torque). Allocates nothing.
     ///
-    /// A measurement of which any number cannot be used is a [`Fault::BadMeasurement`], and the command
-    /// brakes. Joints without a position count as moved by their velocities since they had one. Without
+    /// Torques that are not measured are no fault: nothing is felt, and no contact permitted. A measurement of which
+    /// any number cannot be used is a [`Fault::BadMeasurement`], and the command brakes. Joints without a position count as moved by their velocities since they had one. Without
     /// these too the arm has no spring, and carries itself as where it was measured last; without a velocity
     /// it has no damper.
     ///
@@ -181,9 +206,14 @@ impl TorqueController {
     /// [`Error::WrongSize`] for a configuration of the wrong size, as [`Controller::step`].
     pub fn step(&mut self, now: f64, measured: &Measured<'_>) -> Result<&Command, Error> {
         let usable = self.take(measured);
-        if !(usable.all() && self.feel().is_ok()) {
+        self.feels = self.measures_torques(measured);
+        let felt = usable.all() && (!self.feels || self.feel().is_ok());
+        if !felt {
             self.controller.report(Fault::BadMeasurement);
+        }
+        if !(felt && self.feels) {
             self.observer.reset();
+            self.force = Vector3::zeros();
             self.carry()?;
         }
         let outcome = self.controller.step(now, measured.position).map(|_| ());
@@ -202,13 +232,12 @@ impl TorqueController {
     /// Takes of what is measured what can be used.
     fn take(&mut self, measured: &Measured<'_>) -> Usable {
         let Measured { position, velocity, torque, .. } = *measured;
-        let driven = self.joints.iter().map(|joint| torque.get(*joint).copied().flatten());
-        let is_known = |torque: Option<f64>| torque.is_some_and(is_sensible);
+        let driven = self.joints.iter().filter_map(|joint| torque.get(*joint).copied().flatten());
         let usable = Usable {
             position: self.controller.robot().model().is_configuration(position),
             velocity: velocity.len() == self.velocity.len()
                 && velocity.iter().all(|velocity| is_sensible(*velocity)),
-            torque: driven.into_iter().all(is_known),
+            torque: driven.into_iter().all(is_sensible),
         };
         if usable.velocity {
             self.velocity.copy_from_slice(velocity);

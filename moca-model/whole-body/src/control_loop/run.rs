@@ -190,6 +190,7 @@ impl ControlLoop {
             }
             First::Never(waited) => return Err(LoopError::NoMeasurement { waited }),
         };
+        law.begin(&self.measured).map_err(LoopError::Law)?;
         let mut progress = Progress { begun, fresh: begun, stopping: None };
         let mut tick = 0_u64;
         loop {
