@@ -79,9 +79,8 @@ impl ControlLaw for LoopController {
         while let Ok(frame) = self.frames.try_recv() {
             // A frame that counts as no data, or shows too many people, is a fault, which the supervisor knows.
             match self.controller.observe_people(&frame.percept, frame.others()) {
-                Ok(()) | Err(
-                    Error::Frame { .. } | Error::Body { .. } | Error::TooManyPeople { .. },
-                ) => {}
+                Ok(())
+                | Err(Error::Frame { .. } | Error::Body { .. } | Error::TooManyPeople { .. }) => {}
                 Err(error) => return Err(error),
             }
         }

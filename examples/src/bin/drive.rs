@@ -24,7 +24,9 @@ use examples::robot_side::ros2::{
     JointInterface, RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPeople,
     TopicReport,
 };
-use examples::robot_side::{AnnouncedLaw, LinkReport, SharedKey, SimulatedSide, UdpServer, UdpSide};
+use examples::robot_side::{
+    AnnouncedLaw, LinkReport, SharedKey, SimulatedSide, UdpServer, UdpSide,
+};
 use examples::settings::SettingsFile;
 use moca_model::whole_body::{
     Clock, ControlLoop, DeadlineStatistics, JointMeasurement, LoopEnding, LoopSettings,
@@ -177,8 +179,7 @@ impl Program for Options {
             return session.conclude(self.json, &report, ended(session, ending));
         }
         let mut robot = SimulatedSide::new(&scenario.start, period, SEED)?;
-        let (ending, statistics) =
-            self.drive(session, &scenario, &mut robot, clock, recorded)?;
+        let (ending, statistics) = self.drive(session, &scenario, &mut robot, clock, recorded)?;
         let report = Report::new(ending, &statistics);
         writeln!(session.output(), "{report}")?;
         session.conclude(self.json, &report, ended(session, ending))

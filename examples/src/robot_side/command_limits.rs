@@ -65,7 +65,12 @@ impl CommandLimits {
             for (what, value, limit) in parts.into_iter().take(driven) {
                 let within = value.abs() <= MARGIN * limit;
                 if !within {
-                    return Err(CommandRefusal::Limit { what, joint, value: *value, limit: *limit });
+                    return Err(CommandRefusal::Limit {
+                        what,
+                        joint,
+                        value: *value,
+                        limit: *limit,
+                    });
                 }
             }
         }

@@ -56,7 +56,9 @@ pub enum PacketError {
         found: u8,
     },
     /// A torque does not go with its flag.
-    #[error("joint {joint} has torque {torque} with flag {flag}; expected flag 1, or flag 0 and torque 0")]
+    #[error(
+        "joint {joint} has torque {torque} with flag {flag}; expected flag 1, or flag 0 and torque 0"
+    )]
     Torque {
         /// The joint, counted from 0.
         joint: usize,

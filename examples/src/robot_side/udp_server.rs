@@ -178,8 +178,7 @@ impl UdpServer {
         if self.session.is_some() || self.moved {
             return Err(LinkRefusal::Busy);
         }
-        let answer =
-            PacketHead { kind: PacketKind::Measurement, robot: self.offered, ..*head };
+        let answer = PacketHead { kind: PacketKind::Measurement, robot: self.offered, ..*head };
         self.transmit(answer, from);
         Ok(())
     }

@@ -169,10 +169,7 @@ fn bytes_that_could_be_mistaken_are_refused() {
     let number = |at: usize, value: f64| {
         move |bytes: &mut Vec<u8>| bytes[at..at + 8].copy_from_slice(&value.to_le_bytes())
     };
-    assert_eq!(
-        refusal(Measurement, &of(3, b'1')),
-        PacketError::Version { found: 1, expected: 2 }
-    );
+    assert_eq!(refusal(Measurement, &of(3, b'1')), PacketError::Version { found: 1, expected: 2 });
     assert_eq!(refusal(Measurement, &of(2, b'?')), PacketError::Kind { found: *b"MO?2" });
     assert_eq!(refusal(Measurement, &of(4, 2)), PacketError::Joints { found: 2, expected: 1 });
     assert_eq!(refusal(Measurement, &of(6, 5)), PacketError::Mode { found: 5 });

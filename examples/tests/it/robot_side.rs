@@ -134,10 +134,7 @@ fn with_a_key_only_packets_of_this_session_and_of_the_key_count() {
     hand.send(hand.head(3), 0.3);
     hand.judged(3);
     assert_eq!(hand.measured.position, [0.1]);
-    assert_eq!(
-        hand.refusals(),
-        [LinkRefusal::Session, LinkRefusal::Packet(PacketError::Code)]
-    );
+    assert_eq!(hand.refusals(), [LinkRefusal::Session, LinkRefusal::Packet(PacketError::Code)]);
 }
 
 /// Every error of a socket is a lost packet: nobody listens at the port of this one, which the system says at the next
@@ -157,10 +154,7 @@ fn errors_of_the_socket_are_lost_packets() {
 }
 
 /// A robot at a port of its own, a thread that serves it, and what its controller sends by hand.
-fn with_server<T>(
-    key: Option<&SharedKey>,
-    use_it: impl FnOnce(SocketAddr) -> T,
-) -> (T, UdpServer) {
+fn with_server<T>(key: Option<&SharedKey>, use_it: impl FnOnce(SocketAddr) -> T) -> (T, UdpServer) {
     let robot = SimulatedSide::new(&MOCA_HOME, 1e-3, 1).unwrap();
     let mut server = UdpServer::bind("127.0.0.1:0", robot, &MOCA_HOME, key).unwrap();
     let address = server.address().unwrap();
@@ -305,7 +299,10 @@ fn no_packet_ends_a_robots_side() {
     let reasons: Vec<_> = server.statistics().refused().iter().map(|one| one.refusal).collect();
     assert!(reasons.contains(&LinkRefusal::Session), "{reasons:?}");
     let excluded = |refusal: &LinkRefusal| {
-        matches!(refusal, LinkRefusal::Command(CommandRefusal::Limit { what: "velocity", joint: "base_x", .. }))
+        matches!(
+            refusal,
+            LinkRefusal::Command(CommandRefusal::Limit { what: "velocity", joint: "base_x", .. })
+        )
     };
     assert!(reasons.iter().any(excluded), "{reasons:?}");
 }

@@ -16,6 +16,12 @@ use crate::shared::MOCA;
 #[derive(Debug, Clone)]
 pub(crate) struct Noise(u64);
 
+impl Noise {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+}
+
 impl RandomSource for Noise {
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
@@ -352,7 +358,11 @@ fn lost_commands_are_bridged_until_the_robot_stops_and_says_so() {
     // Half of all commands: never twenty in a row, and the robot follows.
     robot.robot.lose(0.5).unwrap();
     robot.run(1.0);
-    assert!(!robot.robot.status().is_stopped() && robot.excursion() < 5e-3, "{}", robot.excursion());
+    assert!(
+        !robot.robot.status().is_stopped() && robot.excursion() < 5e-3,
+        "{}",
+        robot.excursion()
+    );
     assert_eq!((robot.state(), robot.cause()), (SafetyState::Normal, None));
 
     // All: after twenty the robot brakes by itself and the controller hears of it.

@@ -59,9 +59,10 @@ impl Perceived {
         if found == 0 || found % expected != 0 {
             return Err(Refusal::Size { what: "body joints", found, expected });
         }
-        let known = self.confidences.as_ref().filter(|(stamp, of)| {
-            *stamp == poses.header.stamp && of.len() == poses.poses.len()
-        });
+        let known = self
+            .confidences
+            .as_ref()
+            .filter(|(stamp, of)| *stamp == poses.header.stamp && of.len() == poses.poses.len());
         let sure = known.is_some();
         let confidences: &[Confidence] = known.map_or(&[], |(_, of)| of);
         let mut confidences = confidences.chunks(expected);

@@ -129,8 +129,9 @@ impl Reader {
         })?;
         self.actions
             .drain(peers, |action, now| perceived.take_action(action, now).map(|()| None))?;
-        self.confidences
-            .drain(peers, |confidences, _| perceived.take_confidences(confidences).map(|()| None))?;
+        self.confidences.drain(peers, |confidences, _| {
+            perceived.take_confidences(confidences).map(|()| None)
+        })?;
         self.bodies.drain(peers, |poses, now| {
             // A loop that takes none for a while misses these, as it would miss a camera's.
             let _ = persons.try_send(perceived.take_body(poses, now)?);
