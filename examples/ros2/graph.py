@@ -21,6 +21,8 @@ RELIABLE = Qos(
 TYPES = {
     "/joint_states": JointState,
     "/odom": Odometry,
+    "/robot_mode": String,
+    "/body_confidences": Float64MultiArray,
     "/body_joints": PoseArray,
     "/action": String,
     "/cmd_vel": TwistStamped,

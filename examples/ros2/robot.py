@@ -10,7 +10,7 @@ from cyclonedds.core import ReadCondition, SampleState, ViewState, InstanceState
 from cyclonedds.util import duration
 
 import graph
-from messages import Header, JointState, Odometry, Point, Pose, PoseArray, String, Time
+from messages import Float64MultiArray, Header, JointState, Odometry, Point, Pose, PoseArray, String, Time
 
 JOINTS = [f"panda_joint{joint}" for joint in range(1, 8)]
 HOME = [0.0, -math.pi / 4, 0.0, -3 * math.pi / 4, 0.0, math.pi / 2, math.pi / 4]
@@ -32,7 +32,7 @@ def joint_state(position: list, velocity: list) -> JointState:
     # Out of order, and with a gripper's joint: names count.
     return JointState(
         Header(Time.of(time.time_ns())), ["panda_finger_joint1", *reversed(JOINTS)],
-        [0.0, *reversed(position)], [0.0, *reversed(velocity)], [0.0] * 8,
+        [0.0, *reversed(position)], [0.0, *reversed(velocity)], [],  # it measures no efforts
     )
 
 
@@ -63,10 +63,11 @@ def matched(*endpoints) -> bool:
 def measure(told: Array, ready: Event, stop: Event, sent: Queue) -> None:
     """Publishes what the robot measures, once a millisecond, and the person twenty times a second."""
     participant = graph.participant()
-    states, base, body, action = (
-        graph.writer(participant, name) for name in ["/joint_states", "/odom", "/body_joints", "/action"]
+    states, base, body, action, confidences, mode = (
+        graph.writer(participant, name)
+        for name in ["/joint_states", "/odom", "/body_joints", "/action", "/body_confidences", "/robot_mode"]
     )
-    while not (matched(states, base, body, action) and ready.is_set()):
+    while not (matched(states, base, body, action, confidences, mode) and ready.is_set()):
         if stop.wait(0.01):
             return
     time.sleep(1.0)  # until the other end knows all of this as well
@@ -86,7 +87,11 @@ def measure(told: Array, ready: Event, stop: Event, sent: Queue) -> None:
         written, result.longest = now, max(result.longest, now - written)
         if result.count % 50 == 0:
             action.write(String("Using The Drill"))
-            body.write(person())
+            mode.write(String("running"))
+            seen = person()
+            stamp = seen.header.stamp
+            confidences.write(Float64MultiArray(data=[float(stamp.sec), float(stamp.nanosec), *[1.0] * len(BODY)]))
+            body.write(seen)
         result.count += 1
         due += PERIOD
         rest = due - time.monotonic()

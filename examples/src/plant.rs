@@ -227,7 +227,7 @@ impl Plant {
             Robot::Torque(both) => {
                 let (controller, robot) = &mut **both;
                 robot.measure(&mut self.random)?;
-                if robot.is_stopped() {
+                if robot.status().is_stopped() {
                     controller.controller_mut().robot_stopped();
                 }
                 if heard == Heard::Measurement {

@@ -2,14 +2,24 @@
 //! is reached by UDP, as an example of a connection, and with the feature `ros2` one on ROS 2; with the simulated
 //! robot at the other end of each.
 
+mod announced_law;
+mod command_limits;
+mod link;
 mod packet;
+mod packet_error;
 #[cfg(feature = "ros2")]
 pub mod ros2;
+mod shared_key;
 mod simulated;
 mod udp;
 mod udp_server;
 
-pub use packet::{Packet, PacketError, PacketKind};
+pub use announced_law::AnnouncedLaw;
+pub use command_limits::{CommandLimits, CommandRefusal};
+pub use link::{LinkRefusal, LinkReport, LinkStatistics, RefusedPackets};
+pub use packet::{Packet, PacketHead, PacketKind};
+pub use packet_error::PacketError;
+pub use shared_key::{KeyError, SharedKey};
 pub use simulated::SimulatedSide;
 pub use udp::UdpSide;
 pub use udp_server::UdpServer;

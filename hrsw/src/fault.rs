@@ -40,6 +40,12 @@ pub enum FrameFault {
     /// It is stamped before the newest one.
     #[error("frame out of order")]
     OutOfOrder,
+    /// A joint in it is farther away than anything in a room: it is in other units, such as millimetres.
+    #[error("frame in other units")]
+    Units,
+    /// It shows a body that nobody has.
+    #[error("frame of an impossible body")]
+    ImpossibleBody,
 }
 
 /// Something that went wrong in the control loop.
@@ -111,7 +117,7 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 26] = [
         Self::Clock(ClockFault::NotFinite),
         Self::Clock(ClockFault::StandsStill),
         Self::Clock(ClockFault::SetBack),
@@ -123,6 +129,8 @@ impl Fault {
         Self::Frame(FrameFault::ForeignEpoch),
         Self::Frame(FrameFault::Repeated),
         Self::Frame(FrameFault::OutOfOrder),
+        Self::Frame(FrameFault::Units),
+        Self::Frame(FrameFault::ImpossibleBody),
         Self::TooManyPeople,
         Self::BadMeasurement,
         Self::MissingMeasurement,

@@ -2,7 +2,7 @@
 
 use whole_body::{
     CommandLine, ExternalWrench, FrameId, JointDrive, Model, PayloadId, RandomSource,
-    RigidBodySimulation, SensorSettings, Sensors,
+    RigidBodySimulation, RobotMode, RobotStatus, SensorSettings, Sensors,
 };
 
 use crate::command::Command;
@@ -117,6 +117,8 @@ pub struct DynamicRobot {
     gravity: Vec<f64>,
     /// As measured last, of the arm.
     torque: Vec<Option<f64>>,
+    /// Whether the last command was taken; none before the first.
+    took_command: Option<bool>,
 }
 
 impl DynamicRobot {
@@ -148,6 +150,7 @@ impl DynamicRobot {
             position: position.to_vec(),
             gravity: vec![0.0; n],
             torque: vec![None; n],
+            took_command: None,
             obeyed: command.clone(),
             command,
         })
@@ -207,7 +210,26 @@ impl DynamicRobot {
             *own = *value;
         }
         let arrives = self.loss <= 0.0 || random.uniform() >= self.loss;
-        match self.line.pass(&self.command, arrives)? {
+        self.go_on(arrives, external, period)
+    }
+
+    /// Moves for `period` \[s\] without a command: the last one is bridged as one that was lost.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn miss(&mut self, external: &[ExternalWrench], period: f64) -> Result<(), Error> {
+        self.go_on(false, external, period)
+    }
+
+    fn go_on(
+        &mut self,
+        arrives: bool,
+        external: &[ExternalWrench],
+        period: f64,
+    ) -> Result<(), Error> {
+        let obeyed = self.line.pass(&self.command, arrives)?;
+        self.took_command = Some(arrives && obeyed.is_some());
+        match obeyed {
             Some(obeyed) => self.obeyed.copy_from_slice(obeyed),
             None => self.brake(period)?,
         }
@@ -243,9 +265,11 @@ impl DynamicRobot {
         Ok(())
     }
 
-    /// Whether the robot has stopped by itself: it then takes no commands, and says so.
-    pub fn is_stopped(&self) -> bool {
-        self.line.is_stopped()
+    /// What the robot says of itself: whether it has stopped, and whether it took the last command.
+    pub fn status(&self) -> RobotStatus {
+        let stopped = self.line.is_stopped();
+        let mode = if stopped { RobotMode::Stopped } else { RobotMode::Running };
+        RobotStatus { mode: Some(mode), took_command: self.took_command }
     }
 
     /// A robot that has stopped by itself takes commands again, once somebody has seen to it.

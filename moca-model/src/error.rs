@@ -2,6 +2,7 @@
 
 use hrsw::FrameFault;
 use thiserror::Error;
+use vision_models::ImpossibleBody;
 use whole_body::{Base, Model};
 
 use crate::held_object::BoxSide;
@@ -157,6 +158,15 @@ pub enum Error {
         now: Option<f64>,
         /// The stamp of the newest frame \[s\].
         newest: Option<f64>,
+    },
+
+    /// A camera frame counts as no data, because it shows what no person can be.
+    #[error("{fault}: {body}")]
+    Body {
+        /// What is wrong with the frame.
+        fault: FrameFault,
+        /// What is wrong with the body.
+        body: ImpossibleBody,
     },
 
     /// The robot's URDF, its description or a configuration was refused.

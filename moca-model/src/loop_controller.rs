@@ -89,6 +89,11 @@ impl LoopController {
 impl ControlLaw for LoopController {
     type Error = Error;
 
+    fn begin(&mut self, measured: &JointMeasurement) -> Result<(), Error> {
+        let JointMeasurement { position, velocity, torque, age, .. } = measured;
+        self.controller.begin(&Measured { position, velocity, torque, age: *age })
+    }
+
     fn step(
         &mut self,
         now: f64,
@@ -105,7 +110,8 @@ impl ControlLaw for LoopController {
         while let Ok(frame) = self.frames.try_recv() {
             // A frame that counts as no data, or shows too many people, is a fault, which the supervisor knows.
             match self.controller.observe_people(&frame.percept, frame.others()) {
-                Ok(()) | Err(Error::Frame { .. } | Error::TooManyPeople { .. }) => {}
+                Ok(())
+                | Err(Error::Frame { .. } | Error::Body { .. } | Error::TooManyPeople { .. }) => {}
                 Err(error) => return Err(error),
             }
         }

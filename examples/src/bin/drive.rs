@@ -13,7 +13,7 @@ use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow, ensure};
-use clap::Parser;
+use clap::{Parser, ValueEnum};
 use ergo_map::{MapOptions, Person};
 use examples::ergonomics::{build_map, read_map};
 use examples::follow::Scenario;
@@ -24,13 +24,15 @@ use examples::robot_side::ros2::{
     JointInterface, RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPeople,
     TopicReport,
 };
-use examples::robot_side::{SimulatedSide, UdpServer, UdpSide};
+use examples::robot_side::{
+    AnnouncedLaw, LinkReport, SharedKey, SimulatedSide, UdpServer, UdpSide,
+};
 use examples::settings::SettingsFile;
 use moca_model::whole_body::{
-    Clock, ControlLoop, DeadlineStatistics, JointMeasurement, LoopEnding, LoopSettings,
-    MonotonicClock, RobotSide, Scheduling, StopCause, TimeHistogram,
+    Clock, Compensation, ControlLoop, DeadlineStatistics, JointMeasurement, LoopEnding,
+    LoopSettings, MonotonicClock, RobotSide, Scheduling, StopCause, TimeHistogram,
 };
-use moca_model::{CameraFrame, Controller, LoopController, TorqueController};
+use moca_model::{AnswerDelay, CameraFrame, Controller, LoopController, TorqueController};
 use serde::Serialize;
 #[cfg(feature = "ros2")]
 use vision_models::Percept;
@@ -61,6 +63,10 @@ struct Options {
     #[arg(long, value_name = "HOST:PORT", conflicts_with = "robot")]
     #[expect(clippy::option_option, reason = "an option whose value may be left out")]
     serve: Option<Option<String>>,
+    /// Take packets only from whoever has the key in this file, with `--robot` and `--serve`: 32 bytes or more,
+    /// the same at both ends.
+    #[arg(long, value_name = "FILE")]
+    key: Option<PathBuf>,
     /// Move the robot on the ROS 2 graph of `ROS_DOMAIN_ID`, and see the person there.
     #[cfg(feature = "ros2")]
     #[arg(long, conflicts_with = "robot")]
@@ -69,6 +75,10 @@ struct Options {
     #[cfg(feature = "ros2")]
     #[arg(long, value_name = "KIND", value_enum, default_value_t, requires = "ros2")]
     interface: JointInterface,
+    /// What the robot adds to the torques that it is sent; a robot under torques that is not simulated here has no
+    /// default.
+    #[arg(long, value_name = "WHAT", value_enum)]
+    compensation: Option<RobotAdds>,
     /// How long, in seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     duration: f64,
@@ -96,11 +106,21 @@ struct Options {
     quiet: Quiet,
 }
 
+/// What a robot adds to the torques that it is sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum RobotAdds {
+    /// Nothing: motors, simulated or not, and effort controllers on them.
+    Nothing,
+    /// Gravity and friction, as Franka's robots do.
+    Franka,
+}
+
 /// How well the deadlines were kept. Times in µs.
 #[derive(Debug, Serialize)]
 struct Report {
     ended: &'static str,
-    at_rest: bool,
+    /// None if nobody knows.
+    at_rest: Option<bool>,
     ticks: u64,
     missed: u64,
     /// Ticks so late that others were missed.
@@ -108,6 +128,14 @@ struct Report {
     unmeasured: u64,
     latency_us: Times,
     duration_us: Times,
+}
+
+/// The same over UDP.
+#[derive(Debug, Serialize)]
+struct OverUdp {
+    #[serde(flatten)]
+    report: Report,
+    link: LinkReport,
 }
 
 /// The same on the ROS 2 graph.
@@ -135,33 +163,40 @@ impl Program for Options {
     fn run(self, session: &mut Session) -> Result<Ending> {
         let duration = self.duration;
         ensure!(duration > 0.0, "--duration {duration}: give the seconds to drive, above 0");
-        let scenario = self.scenario(session)?;
-        let period = scenario.settings.period;
+        let key = self.key()?;
+        let mut scenario = self.scenario(session)?;
+        self.compensate(&mut scenario)?;
         let mut clock = MonotonicClock::new(1e-6 * self.spin);
         #[cfg(feature = "ros2")]
         if self.ros2 {
             return self.on_ros2(session, &scenario, clock);
         }
+        let period = scenario.settings.period;
         if let Some(address) = &self.serve {
             let address = address.as_ref().context("--serve: give an address, HOST:PORT")?;
             let robot = SimulatedSide::new(&scenario.start, period, SEED)?;
-            let mut server = UdpServer::bind(address, robot, &scenario.start)
+            let mut server = UdpServer::bind(address, robot, &scenario.start, key.as_ref())
                 .with_context(|| format!("--serve {address}"))?;
             writeln!(session.output(), "a robot at {}; Ctrl-C ends it", server.address()?)?;
             session.output().flush()?;
             let interrupt = session.interrupt().clone();
             server.serve(period, &mut clock, || interrupt.requested())?;
+            writeln!(session.output(), "{}", LinkReport::from(server.statistics()))?;
             return Ok(Ending::Complete);
         }
         let recorded = recorded(session, &scenario, clock);
-        let (ending, statistics) = if let Some(address) = &self.robot {
-            let mut robot = UdpSide::connect(address, scenario.start.len())
+        if let Some(address) = &self.robot {
+            let mut robot = UdpSide::connect(address, scenario.start.len(), key.as_ref())
                 .with_context(|| format!("--robot {address}"))?;
-            self.drive(session, &scenario, &mut robot, clock, recorded)?
-        } else {
-            let mut robot = SimulatedSide::new(&scenario.start, period, SEED)?;
-            self.drive(session, &scenario, &mut robot, clock, recorded)?
-        };
+            let driven = self.drive(session, &scenario, &mut robot, clock, recorded);
+            let link = LinkReport::from(robot.statistics());
+            let (ending, statistics) = driven.inspect_err(|_| session.warn(&link))?;
+            let report = OverUdp { report: Report::new(ending, &statistics), link };
+            writeln!(session.output(), "{}\n{}", report.report, report.link)?;
+            return session.conclude(self.json, &report, ended(session, ending));
+        }
+        let mut robot = SimulatedSide::new(&scenario.start, period, SEED)?;
+        let (ending, statistics) = self.drive(session, &scenario, &mut robot, clock, recorded)?;
         let report = Report::new(ending, &statistics);
         writeln!(session.output(), "{report}")?;
         session.conclude(self.json, &report, ended(session, ending))
@@ -169,6 +204,49 @@ impl Program for Options {
 }
 
 impl Options {
+    /// Takes what the robot compensates itself: somebody must say it of a robot that is not simulated here.
+    fn compensate(&self, scenario: &mut Scenario) -> Result<()> {
+        #[cfg(feature = "ros2")]
+        let takes_torques = self.interface == JointInterface::Effort;
+        #[cfg(not(feature = "ros2"))]
+        let takes_torques = true;
+        if !takes_torques {
+            // Nothing answers to torques.
+            scenario.torques.delay = AnswerDelay::Known(0.0);
+        }
+        match self.compensation {
+            Some(RobotAdds::Nothing) => scenario.torques.compensation = Compensation::BARE,
+            Some(RobotAdds::Franka) => scenario.torques.compensation = Compensation::FRANKA,
+            None => ensure!(
+                self.serve.is_some() || !self.is_elsewhere() || !takes_torques,
+                "--compensation: say what the robot adds to the torques that it is sent: `nothing`, as plain motors \
+                 and the simulated robot do, or `franka` for gravity and friction; gravity that both add drives the \
+                 arm up"
+            ),
+        }
+        Ok(())
+    }
+
+    /// Whether the robot is not simulated in this process.
+    fn is_elsewhere(&self) -> bool {
+        #[cfg(feature = "ros2")]
+        let on_ros2 = self.ros2;
+        #[cfg(not(feature = "ros2"))]
+        let on_ros2 = false;
+        on_ros2 || self.robot.is_some()
+    }
+
+    /// The key, where packets have one.
+    fn key(&self) -> Result<Option<SharedKey>> {
+        let Some(path) = &self.key else { return Ok(None) };
+        ensure!(
+            self.robot.is_some() || matches!(self.serve, Some(Some(_))),
+            "--key: only packets to and from a robot at HOST:PORT have one; give --robot or --serve as well"
+        );
+        let key = SharedKey::read(path).with_context(|| format!("--key {}", path.display()))?;
+        Ok(Some(key))
+    }
+
     /// What `follow` plays, in real time.
     fn scenario(&self, session: &Session) -> Result<Scenario> {
         let Recording { header, percepts, others, .. } = match &self.recording {
@@ -241,7 +319,8 @@ impl Options {
         let Scenario { model, comfort, settings, torques, start, .. } = scenario;
         let controller = Controller::new(model.clone(), *comfort, settings.clone(), start)?;
         let controller = TorqueController::new(controller, torques.clone())?;
-        let (mut law, frames) = LoopController::new(controller);
+        let (law, frames) = LoopController::new(controller);
+        let mut law = AnnouncedLaw::new(law, |text| session.warn(text));
         let times = LoopSettings { period: settings.period, ..LoopSettings::default() };
         let mut control = ControlLoop::new(times, JointMeasurement::at_rest(model))?;
         let scheduling = Scheduling { priority: self.priority, lock_memory: self.lock_memory };
@@ -359,7 +438,11 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { ended, at_rest, ticks, missed, late, unmeasured, latency_us, duration_us } =
             self;
-        let rest = if *at_rest { "at rest" } else { "moving" };
+        let rest = match at_rest {
+            Some(true) => "at rest",
+            Some(false) => "moving",
+            None => "nobody knows whether at rest",
+        };
         writeln!(f, "{:30} {ended}, {rest}", "ended")?;
         for (what, count) in [
             ("ticks", ticks),

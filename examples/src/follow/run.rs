@@ -212,9 +212,11 @@ impl<'a> Run<'a> {
                 self.plant.observe_people(&Percept { surface, ..percept.clone() }, others)
             }
         };
-        // Too many people stop the robot; the run goes on.
+        // Too many people, or a body that is nobody's, stop the robot; the run goes on.
         taken.or_else(|error| match error.downcast_ref() {
-            Some(moca_model::Error::TooManyPeople { .. }) => Ok(()),
+            Some(moca_model::Error::TooManyPeople { .. } | moca_model::Error::Body { .. }) => {
+                Ok(())
+            }
             _ => Err(error),
         })
     }

@@ -2,12 +2,9 @@
 //! it.
 
 use nalgebra::Point3;
-use vision_models::{Body25, Confidence};
+use vision_models::{Body, Body25, Confidence};
 
 use super::{RecordingError, format::Header, timing::Stamp};
-
-/// Nothing in a room is further away (m): keypoints in millimetres are.
-const FARTHEST: f64 = 100.0;
 
 /// The longest pause between two frames (s): time stamps in milliseconds have longer ones.
 const LONGEST_GAP: f64 = 10.0;
@@ -72,14 +69,14 @@ pub(super) fn position(
     joint: Body25,
     position: Point3<f64>,
 ) -> Result<Point3<f64>, RecordingError> {
-    match position.iter().find(|value| !(-FARTHEST..=FARTHEST).contains(*value)) {
+    match Body::far_coordinate(&position, &Point3::origin()) {
         None => Ok(position),
-        Some(&value) => Err(RecordingError::Coordinate {
+        Some(value) => Err(RecordingError::Coordinate {
             line,
             index: joint.index(),
             joint: joint.name(),
             value,
-            limit: FARTHEST,
+            limit: Body::FARTHEST,
         }),
     }
 }

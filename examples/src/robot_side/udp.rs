@@ -1,102 +1,144 @@
 //! A robot that is reached by UDP.
 
+use std::convert::Infallible;
 use std::io::{self, ErrorKind};
 use std::net::{ToSocketAddrs, UdpSocket};
 
 use moca_model::whole_body::{JointCommand, JointMeasurement, Received, RobotSide};
 
-use super::packet::{Packet, PacketKind};
+use super::link::{LARGEST, LinkRefusal, LinkStatistics, MOST, Newest};
+use super::packet::{Packet, PacketHead, PacketKind};
+use super::shared_key::SharedKey;
 
-/// More than any packet.
-const LARGEST: usize = 64 * 1024;
-
-/// The loop's end of the connection. Packets that are old, of another size, or of something else are left out.
+/// The loop's end of the connection.
+///
+/// Until the first command it says hello in each call, and the robot answers each with a measurement. Only
+/// measurements of this session count: of the number that it chose at random, and of the one that the robot chose.
+/// Whatever the system says of a send or a receive counts as a lost packet: the watchdogs at both ends know.
 #[derive(Debug)]
 pub struct UdpSide {
     socket: UdpSocket,
     outgoing: Packet,
     incoming: Packet,
     buffer: Vec<u8>,
+    /// The numbers of the session: its own, and the robot's once it has answered.
+    controller: u64,
+    robot: Option<u64>,
     sent: u64,
-    /// The sequence number of the newest measurement.
-    newest: Option<u64>,
-    refused: u64,
+    /// Whether the robot was told anything but hello.
+    commands: bool,
+    newest: Option<Newest>,
+    statistics: LinkStatistics,
 }
 
 impl UdpSide {
-    /// To a robot of so many joints at this address.
+    /// To a robot of so many joints at this address, with the key that the robot has, if it has one.
     ///
     /// # Errors
     /// An address that is none, and a system without a socket.
-    pub fn connect(address: impl ToSocketAddrs, joints: usize) -> io::Result<Self> {
+    pub fn connect(
+        address: impl ToSocketAddrs,
+        joints: usize,
+        key: Option<&SharedKey>,
+    ) -> io::Result<Self> {
         let socket = UdpSocket::bind("0.0.0.0:0")?;
         socket.connect(address)?;
         socket.set_nonblocking(true)?;
-        let (packet, buffer) = (Packet::new(joints), vec![0; LARGEST]);
-        let (outgoing, incoming) = (packet.clone(), packet);
-        Ok(Self { socket, outgoing, incoming, buffer, sent: 0, newest: None, refused: 0 })
+        let packet = Packet::new(joints, key);
+        Ok(Self {
+            socket,
+            outgoing: packet.clone(),
+            incoming: packet,
+            buffer: vec![0; LARGEST],
+            controller: rand::random(),
+            robot: None,
+            sent: 0,
+            commands: false,
+            newest: None,
+            statistics: LinkStatistics::default(),
+        })
     }
 
-    /// How many packets were no measurements of this robot.
-    pub fn refused(&self) -> u64 {
-        self.refused
+    /// What went over the connection.
+    pub fn statistics(&self) -> &LinkStatistics {
+        &self.statistics
     }
 
-    fn transmit(&mut self) -> io::Result<()> {
+    fn head(&mut self, kind: PacketKind) -> PacketHead {
         self.sent += 1;
-        // A packet that is lost here is lost like any other: the watchdogs at both ends know.
-        self.socket.send(self.outgoing.bytes()).map(drop).or_else(passing)
+        let robot = if kind == PacketKind::Hello { 0 } else { self.robot.unwrap_or_default() };
+        PacketHead { kind, controller: self.controller, robot, counter: self.sent }
     }
-}
 
-/// What goes by again is no error: nobody listens yet, or a full buffer.
-fn passing(error: io::Error) -> io::Result<()> {
-    match error.kind() {
-        ErrorKind::WouldBlock | ErrorKind::ConnectionRefused | ErrorKind::Interrupted => Ok(()),
-        _ => Err(error),
+    fn transmit(&mut self) {
+        self.statistics.lost += u64::from(self.socket.send(self.outgoing.bytes()).is_err());
+    }
+
+    /// Takes a packet that has come.
+    fn take(&mut self, length: usize) -> Result<(), LinkRefusal> {
+        let bytes = self.buffer.get(..length).unwrap_or_default();
+        let head = self.incoming.take(bytes)?;
+        if head.kind != PacketKind::Measurement {
+            return Err(LinkRefusal::Direction);
+        }
+        let same_robot = !self.commands || self.robot == Some(head.robot);
+        if head.controller != self.controller || !same_robot {
+            return Err(LinkRefusal::Session);
+        }
+        match &mut self.newest {
+            Some(newest) => newest.admit(head.counter)?,
+            // The answer to a hello has its number.
+            None if head.counter > self.sent => {
+                return Err(LinkRefusal::Ahead { counter: head.counter, most: self.sent });
+            }
+            None => self.newest = Some(Newest::begin(head.counter)?),
+        }
+        self.robot = Some(head.robot);
+        Ok(())
     }
 }
 
 impl RobotSide for UdpSide {
-    type Error = io::Error;
+    type Error = Infallible;
 
-    fn receive(&mut self, measured: &mut JointMeasurement) -> io::Result<Received> {
-        if self.newest.is_none() {
-            self.outgoing.write(PacketKind::Hello, self.sent, [&[], &[], &[]]);
-            self.transmit()?;
+    fn receive(&mut self, measured: &mut JointMeasurement) -> Result<Received, Infallible> {
+        if !self.commands {
+            let head = self.head(PacketKind::Hello);
+            self.outgoing.write(head);
+            self.transmit();
         }
         let mut received = Received::Nothing;
-        loop {
-            let length = match self.socket.recv(&mut self.buffer) {
-                Ok(length) => length,
-                Err(error) => return passing(error).map(|()| received),
-            };
-            let bytes = self.buffer.get(..length).unwrap_or_default();
-            match self.incoming.take(bytes) {
-                Ok((PacketKind::Measurement, sequence)) => {
-                    if self.newest.is_some_and(|newest| sequence <= newest) {
-                        continue;
+        for _ in 0..MOST {
+            match self.socket.recv(&mut self.buffer) {
+                Ok(length) => match self.take(length) {
+                    Ok(()) => {
+                        self.incoming.read_measurement(measured);
+                        self.statistics.taken += 1;
+                        received = Received::Fresh;
                     }
-                    self.newest = Some(sequence);
-                    received = Received::Fresh;
-                    let JointMeasurement { position, velocity, torque, .. } = measured;
-                    let [positions, velocities, torques] = self.incoming.numbers();
-                    position.iter_mut().zip(positions).for_each(|(own, number)| *own = number);
-                    velocity.iter_mut().zip(velocities).for_each(|(own, number)| *own = number);
-                    torque.iter_mut().zip(torques).for_each(|(own, number)| *own = Some(number));
-                }
-                Ok(_) | Err(_) => self.refused += 1,
+                    Err(refusal) => self.statistics.refuse(refusal),
+                },
+                Err(error) if error.kind() == ErrorKind::WouldBlock => break,
+                Err(_) => self.statistics.lost += 1,
             }
         }
+        Ok(received)
     }
 
-    fn send(&mut self, command: &JointCommand) -> io::Result<()> {
-        self.outgoing.write_command(self.sent, command);
-        self.transmit()
+    fn send(&mut self, command: &JointCommand) -> Result<(), Infallible> {
+        self.commands = true;
+        let head = self.head(PacketKind::Command);
+        self.outgoing.write_command(head, command);
+        self.transmit();
+        Ok(())
     }
 
-    fn halt(&mut self) -> io::Result<()> {
-        self.outgoing.write(PacketKind::Halt, self.sent, [&[], &[], &[]]);
-        self.transmit()
+    fn halt(&mut self) -> Result<(), Infallible> {
+        if self.commands {
+            let head = self.head(PacketKind::Halt);
+            self.outgoing.write(head);
+            self.transmit();
+        }
+        Ok(())
     }
 }

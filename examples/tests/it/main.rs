@@ -30,6 +30,7 @@ mod recognise;
 mod record;
 mod recording;
 mod recording_extras;
+mod robot_packets;
 mod robot_side;
 #[cfg(feature = "ros2")]
 mod ros2;

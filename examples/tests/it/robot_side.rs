@@ -1,16 +1,19 @@
 //! Robots at the other end of a loop.
 
-use std::net::UdpSocket;
+use std::net::{SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
+use std::time::Duration;
 
-use examples::robot_side::{Packet, PacketError, PacketKind, SimulatedSide, UdpServer, UdpSide};
+use examples::robot_side::{
+    CommandRefusal, LinkRefusal, Packet, PacketError, PacketHead, PacketKind, SharedKey,
+    SimulatedSide, UdpServer, UdpSide,
+};
 use moca_model::MOCA_HOME;
 use moca_model::whole_body::{
     ControlLaw, ControlLoop, JointCommand, JointMeasurement, LoopSettings, ManualClock,
-    MonotonicClock, Received, RobotSide, StopCause,
+    MonotonicClock, Received, RobotMode, RobotSide, StopCause,
 };
-use proptest::prelude::*;
 
 use crate::support::{Runs, coarse_map_file};
 
@@ -18,70 +21,314 @@ pub(crate) fn at_rest(joints: usize) -> JointMeasurement {
     JointMeasurement::resting(vec![0.0; joints], joints)
 }
 
-proptest! {
-    #[test]
-    fn what_is_sent_comes_back(sequence in any::<u64>(), numbers in prop::collection::vec(-1e9..1e9_f64, 9)) {
-        let mut sent = Packet::new(3);
-        sent.write(PacketKind::Measurement, sequence, [&numbers[..3], &numbers[3..6], &numbers[6..]]);
-        let mut received = Packet::new(3);
-        prop_assert_eq!(received.take(sent.bytes()), Ok((PacketKind::Measurement, sequence)));
-        let got: Vec<f64> = received.numbers().into_iter().flatten().collect();
-        prop_assert_eq!(got, numbers);
+/// A robot of one joint, written by hand, and the loop's end that has said hello to it.
+struct Hand {
+    socket: UdpSocket,
+    side: UdpSide,
+    measured: JointMeasurement,
+    /// The hello, and where it came from.
+    hello: PacketHead,
+    from: SocketAddr,
+    key: Option<SharedKey>,
+}
+
+impl Hand {
+    fn new(key: Option<SharedKey>) -> Self {
+        let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let mut side = UdpSide::connect(socket.local_addr().unwrap(), 1, key.as_ref()).unwrap();
+        let mut measured = at_rest(1);
+        assert_eq!(side.receive(&mut measured).unwrap(), Received::Nothing);
+        let mut bytes = [0; 100];
+        let (length, from) = socket.recv_from(&mut bytes).unwrap();
+        let hello = Packet::new(1, key.as_ref()).take(&bytes[..length]).unwrap();
+        assert_eq!((hello.kind, hello.robot), (PacketKind::Hello, 0));
+        Self { socket, side, measured, hello, from, key }
     }
 
-    #[test]
-    fn no_bytes_are_taken_for_a_packet_of_another_size(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
-        let mut packet = Packet::new(3);
-        // A kind that is right by chance does not make the size right.
-        let refused = packet.take(&bytes).is_err() || bytes.len() == packet.bytes().len();
-        prop_assert!(refused);
-        let mut marked = b"MOm1".to_vec();
-        marked.extend(&bytes);
-        let expected = packet.bytes().len();
-        if marked.len() != expected {
-            let found = marked.len();
-            prop_assert_eq!(packet.take(&marked), Err(PacketError::Size { found, expected }));
+    fn head(&self, counter: u64) -> PacketHead {
+        PacketHead { kind: PacketKind::Measurement, robot: 9, counter, ..self.hello }
+    }
+
+    fn send(&self, head: PacketHead, position: f64) {
+        let mut packet = Packet::new(1, self.key.as_ref());
+        let measured = JointMeasurement { position: vec![position], ..at_rest(1) };
+        packet.write_measurement(head, &measured);
+        self.socket.send_to(packet.bytes(), self.from).unwrap();
+    }
+
+    /// Receives until so many packets were judged.
+    fn judged(&mut self, count: u64) {
+        for _ in 0..2000 {
+            let statistics = self.side.statistics();
+            if statistics.taken + statistics.refused_count() >= count {
+                return;
+            }
+            self.side.receive(&mut self.measured).unwrap();
+            thread::sleep(Duration::from_millis(1));
+        }
+        panic!("{:?}", self.side.statistics());
+    }
+
+    fn refusals(&self) -> Vec<LinkRefusal> {
+        self.side.statistics().refused().iter().map(|refused| refused.refusal).collect()
+    }
+}
+
+#[test]
+fn only_the_newest_measurement_of_this_session_counts() {
+    let mut hand = Hand::new(None);
+    hand.send(hand.head(hand.hello.counter), 0.1);
+    hand.judged(1);
+    for (counter, position) in [(5, 0.5), (7, 0.7), (6, 0.6)] {
+        hand.send(hand.head(counter), position);
+    }
+    hand.socket.send_to(b"nonsense", hand.from).unwrap();
+    hand.socket.send_to(Packet::new(2, None).bytes(), hand.from).unwrap();
+    // Of somebody who does not know the number that the controller chose.
+    hand.send(PacketHead { controller: hand.hello.controller ^ 1, ..hand.head(8) }, 0.8);
+    hand.send(PacketHead { kind: PacketKind::Command, ..hand.head(8) }, 0.8);
+    hand.judged(8);
+    assert_eq!(hand.measured.position, [0.7]);
+    let refusals = hand.refusals();
+    assert_eq!(refusals.len(), 4, "{refusals:?}");
+    assert!(refusals.contains(&LinkRefusal::Overtaken));
+    assert!(refusals.contains(&LinkRefusal::Session));
+    assert!(refusals.contains(&LinkRefusal::Direction));
+}
+
+/// Somebody who sees the packets sends the highest counter: with the numbers of the session, and without a key.
+#[test]
+fn a_spoofed_counter_locks_nobody_out() {
+    for first in [true, false] {
+        let mut hand = Hand::new(None);
+        let mut judged = 0;
+        if !first {
+            hand.send(hand.head(1), 0.1);
+            judged += 1;
+            hand.judged(judged);
+        }
+        for counter in [u64::MAX, u64::MAX - 1, 1 << 40] {
+            hand.send(hand.head(counter), 66.6);
+            judged += 1;
+            hand.judged(judged);
+            assert!(hand.measured.position[0] < 1.0, "{counter} was taken");
+        }
+        hand.send(hand.head(if first { 1 } else { 2 }), 0.2);
+        hand.judged(judged + 1);
+        assert_eq!(hand.measured.position, [0.2], "the right peer is heard");
+    }
+}
+
+#[test]
+fn with_a_key_only_packets_of_this_session_and_of_the_key_count() {
+    let key = SharedKey::new(&[7; 32]).unwrap();
+    let mut hand = Hand::new(Some(key.clone()));
+    hand.send(hand.head(1), 0.1);
+    hand.judged(1);
+    // What was recorded of another session with the same key.
+    let other = Hand::new(Some(key));
+    hand.send(other.head(2), 0.2);
+    hand.judged(2);
+    // What somebody sends who has another key.
+    hand.key = Some(SharedKey::new(&[8; 32]).unwrap());
+    hand.send(hand.head(3), 0.3);
+    hand.judged(3);
+    assert_eq!(hand.measured.position, [0.1]);
+    assert_eq!(hand.refusals(), [LinkRefusal::Session, LinkRefusal::Packet(PacketError::Code)]);
+}
+
+/// Every error of a socket is a lost packet: nobody listens at the port of this one, which the system says at the next
+/// call.
+#[test]
+fn errors_of_the_socket_are_lost_packets() {
+    let gone = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let mut side = UdpSide::connect(gone, 1, None).unwrap();
+    let mut measured = at_rest(1);
+    for _ in 0..50 {
+        assert_eq!(side.receive(&mut measured).unwrap(), Received::Nothing);
+        side.send(&JointCommand::at_rest(&measured)).unwrap();
+    }
+    assert!(side.statistics().lost >= 50, "{:?}", side.statistics());
+    // A network that cannot be reached: no route leads from a loopback address there.
+    side.halt().unwrap();
+}
+
+/// A robot at a port of its own, a thread that serves it, and what its controller sends by hand.
+fn with_server<T>(key: Option<&SharedKey>, use_it: impl FnOnce(SocketAddr) -> T) -> (T, UdpServer) {
+    let robot = SimulatedSide::new(&MOCA_HOME, 1e-3, 1).unwrap();
+    let mut server = UdpServer::bind("127.0.0.1:0", robot, &MOCA_HOME, key).unwrap();
+    let address = server.address().unwrap();
+    let over = AtomicBool::new(false);
+    let used = thread::scope(|scope| {
+        let serving = scope.spawn(|| {
+            let stop = || over.load(Ordering::Relaxed);
+            server.serve(1e-3, &mut MonotonicClock::default(), stop).unwrap();
+        });
+        let used = use_it(address);
+        over.store(true, Ordering::Relaxed);
+        serving.join().unwrap();
+        used
+    });
+    (used, server)
+}
+
+/// Receives until a measurement has come.
+fn wait(side: &mut UdpSide, measured: &mut JointMeasurement) -> bool {
+    (0..3000).any(|_| {
+        thread::sleep(Duration::from_millis(1));
+        side.receive(measured).unwrap() == Received::Fresh
+    })
+}
+
+fn command(measured: &JointMeasurement) -> JointCommand {
+    let mut command = JointCommand::at_rest(measured);
+    for (own, torque) in command.torque.iter_mut().zip(&measured.torque) {
+        *own = torque.unwrap_or_default();
+    }
+    command
+}
+
+#[test]
+fn the_robots_own_status_comes_with_its_measurements() {
+    let ((), server) = with_server(None, |address| {
+        let mut side = UdpSide::connect(address, 10, None).unwrap();
+        let mut measured = at_rest(10);
+        assert!(wait(&mut side, &mut measured));
+        assert_eq!(measured.robot.mode, Some(RobotMode::Running));
+        assert_eq!(measured.robot.took_command, None);
+        // The base measures no torques; the arm does.
+        assert_eq!(measured.torque[..3], [None; 3]);
+        assert!(measured.torque[3..].iter().all(Option::is_some));
+        let mut took = false;
+        for _ in 0..50 {
+            side.send(&command(&measured)).unwrap();
+            assert!(wait(&mut side, &mut measured));
+            took |= measured.robot.took_command == Some(true);
+        }
+        assert!(took);
+        // No more commands: it stops by itself, and says so.
+        let stopped = (0..2000).any(|_| {
+            wait(&mut side, &mut measured) && measured.robot.mode == Some(RobotMode::Stopped)
+        });
+        assert!(stopped);
+        assert_eq!(measured.robot.took_command, Some(false));
+        // It takes commands again that begin at rest.
+        let runs = (0..2000).any(|_| {
+            let mut fast = command(&measured);
+            fast.velocity[0] = 0.5;
+            side.send(&fast).unwrap();
+            assert!(wait(&mut side, &mut measured));
+            assert_eq!(measured.robot.mode, Some(RobotMode::Stopped), "not from a run");
+            side.send(&command(&measured)).unwrap();
+            wait(&mut side, &mut measured);
+            wait(&mut side, &mut measured) && measured.robot.mode == Some(RobotMode::Running)
+        });
+        assert!(runs);
+        side.halt().unwrap();
+        // The next controller finds a robot that is ready.
+        let mut next = UdpSide::connect(address, 10, None).unwrap();
+        assert!(wait(&mut next, &mut measured));
+        assert_eq!(measured.robot.mode, Some(RobotMode::Running));
+    });
+    assert!(server.robot().refused() > 0);
+}
+
+#[test]
+fn a_robots_side_refuses_what_its_limits_exclude() {
+    let beyond: [(usize, f64, f64); 6] = [
+        (0, 98.0, 0.0),
+        (0, 1e13, 0.0),
+        (2, -3.2, 0.0),
+        (3, 2.4, 0.0),
+        (3, 0.0, 95.0),
+        (9, 0.0, -1e300),
+    ];
+    for (joint, velocity, torque) in beyond {
+        let mut robot = SimulatedSide::new(&MOCA_HOME, 1e-3, 1).unwrap();
+        let mut measured = at_rest(10);
+        robot.receive(&mut measured).unwrap();
+        let mut told = command(&measured);
+        told.velocity[joint] = velocity;
+        told.torque[joint] += torque;
+        let refused = robot.check(&told).unwrap_err();
+        assert!(matches!(refused, CommandRefusal::Limit { .. }), "{refused}");
+        // It counts as lost: twenty of them stop the robot, which moved nowhere.
+        for _ in 0..100 {
+            robot.send(&told).unwrap();
+            robot.receive(&mut measured).unwrap();
+        }
+        assert_eq!(measured.robot.mode, Some(RobotMode::Stopped));
+        assert_eq!(robot.refused(), 101);
+        for (position, home) in measured.position.iter().zip(MOCA_HOME) {
+            assert!((position - home).abs() < 0.01, "joint {joint}: {position}");
         }
     }
 }
 
+/// One packet of each of these ended a robot's side or its controller.
 #[test]
-fn numbers_that_are_none_are_refused() {
-    let mut sent = Packet::new(1);
-    for wrong in [f64::NAN, f64::INFINITY] {
-        sent.write(PacketKind::Command, 1, [&[0.0], &[wrong], &[0.0]]);
-        assert_eq!(Packet::new(1).take(sent.bytes()), Err(PacketError::NotFinite));
-    }
+fn no_packet_ends_a_robots_side() {
+    let key = None;
+    let ((), server) = with_server(key, |address| {
+        let mut side = UdpSide::connect(address, 10, key).unwrap();
+        let mut measured = at_rest(10);
+        assert!(wait(&mut side, &mut measured));
+        // A stranger knows no numbers of the session, and those of the offer that answers its hello are for it alone.
+        let stranger = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let mut packet = Packet::new(10, None);
+        let mut mad = command(&measured);
+        mad.velocity[0] = 1e300;
+        for kind in [PacketKind::Command, PacketKind::Halt, PacketKind::Hello] {
+            let head = PacketHead { kind, controller: 1, robot: 2, counter: u64::MAX };
+            match kind {
+                PacketKind::Command => packet.write_command(head, &mad),
+                _ => packet.write(head),
+            }
+            stranger.send_to(packet.bytes(), address).unwrap();
+        }
+        stranger.send_to(&[], address).unwrap();
+        stranger.send_to(&[0xff; 2000], address).unwrap();
+        drop(stranger); // What the robot sends it is answered by an error.
+        for _ in 0..20 {
+            side.send(&mad).unwrap();
+            side.send(&command(&measured)).unwrap();
+            assert!(wait(&mut side, &mut measured), "it still measures");
+        }
+        side.halt().unwrap();
+    });
+    let reasons: Vec<_> = server.statistics().refused().iter().map(|one| one.refusal).collect();
+    assert!(reasons.contains(&LinkRefusal::Session), "{reasons:?}");
+    let excluded = |refusal: &LinkRefusal| {
+        matches!(
+            refusal,
+            LinkRefusal::Command(CommandRefusal::Limit { what: "velocity", joint: "base_x", .. })
+        )
+    };
+    assert!(reasons.iter().any(excluded), "{reasons:?}");
 }
 
 #[test]
-fn only_the_newest_measurement_of_this_robot_counts() {
-    let robot = UdpSocket::bind("127.0.0.1:0").unwrap();
-    let mut side = UdpSide::connect(robot.local_addr().unwrap(), 1).unwrap();
-    let mut measured = at_rest(1);
-    assert_eq!(side.receive(&mut measured).unwrap(), Received::Nothing);
-    // It has said hello.
-    let mut bytes = [0; 100];
-    let (length, from) = robot.recv_from(&mut bytes).unwrap();
-    assert_eq!(Packet::new(1).take(&bytes[..length]).unwrap().0, PacketKind::Hello);
-    let mut packet = Packet::new(1);
-    for (sequence, position) in [(5, 0.5), (7, 0.7), (6, 0.6)] {
-        packet.write(PacketKind::Measurement, sequence, [&[position], &[1.0], &[2.0]]);
-        robot.send_to(packet.bytes(), from).unwrap();
-    }
-    robot.send_to(b"nonsense", from).unwrap();
-    robot.send_to(Packet::new(2).bytes(), from).unwrap();
-    let mut tries = 0;
-    while side.refused() < 2 && tries < 1000 {
-        side.receive(&mut measured).unwrap();
-        thread::sleep(std::time::Duration::from_millis(1));
-        tries += 1;
-    }
-    assert_eq!(
-        (measured.position[0], measured.velocity[0], measured.torque[0]),
-        (0.7, 1.0, Some(2.0))
-    );
-    assert_eq!(side.receive(&mut measured).unwrap(), Received::Nothing);
+fn a_robot_that_obeys_somebody_answers_nobody_else() {
+    let key = SharedKey::new(&[3; 32]).unwrap();
+    with_server(Some(&key), |address| {
+        let mut side = UdpSide::connect(address, 10, Some(&key)).unwrap();
+        let mut measured = at_rest(10);
+        assert!(wait(&mut side, &mut measured));
+        side.send(&command(&measured)).unwrap();
+        assert!(wait(&mut side, &mut measured));
+        let mut second = UdpSide::connect(address, 10, Some(&key)).unwrap();
+        let mut without = UdpSide::connect(address, 10, None).unwrap();
+        let mut other = at_rest(10);
+        for _ in 0..50 {
+            side.send(&command(&measured)).unwrap();
+            assert!(wait(&mut side, &mut measured));
+            assert_eq!(second.receive(&mut other).unwrap(), Received::Nothing);
+            assert_eq!(without.receive(&mut other).unwrap(), Received::Nothing);
+        }
+        side.halt().unwrap();
+        assert!(wait(&mut second, &mut other), "it is free again");
+        assert_eq!(without.receive(&mut other).unwrap(), Received::Nothing);
+    });
 }
 
 /// Turns the base at 0.2 rad/s, and carries the arm by the torques measured.
@@ -94,12 +341,10 @@ impl ControlLaw for Turn {
         &mut self,
         _now: f64,
         measured: &JointMeasurement,
-        command: &mut JointCommand,
+        told: &mut JointCommand,
     ) -> Result<(), Self::Error> {
-        command.velocity[2] = self.0;
-        for (own, torque) in command.torque.iter_mut().zip(&measured.torque) {
-            *own = torque.unwrap_or_default();
-        }
+        told.velocity[2] = self.0;
+        told.torque = command(measured).torque;
         Ok(())
     }
 
@@ -111,42 +356,36 @@ impl ControlLaw for Turn {
         self.0 = 0.0;
     }
 
-    fn is_at_rest(&self) -> bool {
-        self.0 == 0.0
+    fn is_at_rest(&self, _measured: &JointMeasurement) -> Option<bool> {
+        Some(self.0 == 0.0)
     }
 }
 
 #[test]
 fn a_loop_moves_a_robot_behind_udp() {
-    let robot = SimulatedSide::new(&MOCA_HOME, 1e-3, 1).unwrap();
-    let mut server = UdpServer::bind("127.0.0.1:0", robot, &MOCA_HOME).unwrap();
-    let address = server.address().unwrap();
-    let over = AtomicBool::new(false);
-    thread::scope(|scope| {
-        scope.spawn(|| {
-            let stop = || over.load(Ordering::Relaxed);
-            server.serve(1e-3, &mut MonotonicClock::default(), stop).unwrap();
+    let key = SharedKey::new(&[5; 32]).unwrap();
+    for key in [None, Some(&key)] {
+        with_server(key, |address| {
+            let mut side = UdpSide::connect(address, MOCA_HOME.len(), key).unwrap();
+            // However busy the machine is.
+            let patient = LoopSettings { robot_timeout: 20.0, ..LoopSettings::default() };
+            let mut control = ControlLoop::new(patient, at_rest(MOCA_HOME.len())).unwrap();
+            let (mut asked, mut clock) = (0, MonotonicClock::default());
+            let ending = control.run(&mut side, &mut Turn(0.2), &mut clock, || {
+                asked += 1;
+                asked > 200
+            });
+            assert_eq!(ending.unwrap().cause, StopCause::Requested);
+            let turned = control.measured().position[2];
+            assert!(turned > 1e-3, "{turned} rad");
         });
-        let mut side = UdpSide::connect(address, MOCA_HOME.len()).unwrap();
-        // However busy the machine is.
-        let patient = LoopSettings { robot_timeout: 20.0, ..LoopSettings::default() };
-        let mut control = ControlLoop::new(patient, at_rest(MOCA_HOME.len())).unwrap();
-        let (mut asked, mut clock) = (0, MonotonicClock::default());
-        let ending = control.run(&mut side, &mut Turn(0.2), &mut clock, || {
-            asked += 1;
-            asked > 200
-        });
-        over.store(true, Ordering::Relaxed);
-        assert_eq!(ending.unwrap().cause, StopCause::Requested);
-        let turned = control.measured().position[2];
-        assert!(turned > 1e-3, "{turned} rad");
-    });
+    }
 }
 
 #[test]
 fn nobody_at_the_other_end_is_an_error_that_says_so() {
     let gone = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-    let mut side = UdpSide::connect(gone, 10).unwrap();
+    let mut side = UdpSide::connect(gone, 10, None).unwrap();
     let mut control = ControlLoop::new(LoopSettings::default(), at_rest(10)).unwrap();
     let ending = control.run(&mut side, &mut Turn(0.2), &mut ManualClock::default(), || false);
     let error = ending.unwrap_err().to_string();
@@ -160,6 +399,10 @@ fn drive_ends_in_order_and_counts() {
     assert_eq!((&json["ended"], &json["at_rest"]), (&"requested".into(), &true.into()));
     let ticks = json["ticks"].as_u64().unwrap() + json["missed"].as_u64().unwrap();
     assert!(ticks >= 300, "{json}");
+    drive().with(&["--robot=127.0.0.1:9"]).run().failed(1, "--compensation: say what");
+    let drive = || drive().with(&["--compensation=nothing"]);
     drive().with(&["--robot=nowhere"]).run().failed(1, "--robot nowhere");
     drive().with(&["--priority=0"]).run().failed(1, "from 1 to 99");
+    drive().with(&["--key=none", "--robot=127.0.0.1:9"]).run().failed(1, "--key none");
+    drive().with(&["--key=none"]).run().failed(1, "--robot or --serve");
 }

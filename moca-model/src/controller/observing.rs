@@ -1,7 +1,7 @@
 //! What the camera sees.
 
-use hrsw::Fault;
-use vision_models::{Body, Percept};
+use hrsw::{Fault, FrameFault};
+use vision_models::{Body, ImpossibleBody, Percept};
 
 use super::Controller;
 use crate::error::Error;
@@ -16,8 +16,8 @@ impl Controller {
     /// Takes a camera frame, stamped when it was taken, on the clock of the ticks.
     ///
     /// # Errors
-    /// [`Error::Frame`] for one that counts as no data because of its time; it leaves no trace but
-    /// the fault that the supervisor is told.
+    /// [`Error::Frame`] for one that counts as no data because of its time, [`Error::Body`] for one that shows what
+    /// no person can be; it leaves no trace but the fault that the supervisor is told.
     pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
         self.observe_people(percept, &[])
     }
@@ -29,6 +29,7 @@ impl Controller {
     /// Those of [`observe`](Self::observe), and [`Error::TooManyPeople`] for more than there is room for, which
     /// stops the robot.
     pub fn observe_people(&mut self, percept: &Percept, others: &[Body]) -> Result<(), Error> {
+        self.check_bodies(percept.body.iter().chain(others))?;
         if let Err(fault) = self.clock.frame(percept.time) {
             self.report(fault.into());
             let (now, newest) = (self.clock.now(), self.clock.newest());
@@ -43,5 +44,22 @@ impl Controller {
             self.report(Fault::TooManyPeople);
         }
         kept
+    }
+
+    /// Checks that people can have these bodies, in metres about the robot. Every source of frames comes by here.
+    fn check_bodies<'a>(&mut self, bodies: impl Iterator<Item = &'a Body>) -> Result<(), Error> {
+        let origin = self.robot.world_from_tool().translation.vector.into();
+        let least = self.settings.safety.person.least_confidence;
+        for body in bodies {
+            if let Err(body) = body.check_possible(&origin, least) {
+                let fault = match body {
+                    ImpossibleBody::Far { .. } => FrameFault::Units,
+                    _ => FrameFault::ImpossibleBody,
+                };
+                self.report(fault.into());
+                return Err(Error::Body { fault, body });
+            }
+        }
+        Ok(())
     }
 }

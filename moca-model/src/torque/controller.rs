@@ -1,12 +1,12 @@
 //! Torques for the arm, velocities for the base, and a supervisor that feels who pushes.
 
-use hrsw::Fault;
+mod sensing;
+
 use nalgebra::Vector3;
 use vision_models::{Body, Percept};
 use whole_body::{
-    ContactForce, Data, JointImpedance, JointState, MeasurementFault, MeasurementWatch, Model,
-    MomentumObserver, ObserverSettings, Payload, PayloadId, StatePrediction, SupportTorque,
-    SupportedMotion,
+    ContactForce, Data, JointImpedance, JointState, MeasurementWatch, Model, MomentumObserver,
+    ObserverSettings, Payload, PayloadId, StatePrediction, SupportTorque,
 };
 
 use super::payload_watch::PayloadWatch;
@@ -15,6 +15,7 @@ use crate::command::Command;
 use crate::controller::Controller;
 use crate::error::Error;
 use crate::held_object::HeldObject;
+use sensing::Usable;
 
 /// What a robot measures each tick, n of each, in the order of q.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,6 +71,8 @@ pub struct TorqueController {
     observer: MomentumObserver,
     contact: ContactForce,
     force: Vector3<f64>,
+    /// Whether the torques of all driven joints were measured last.
+    feels: bool,
     /// As measured last, if that could be used.
     position: Vec<f64>,
     velocity: Vec<f64>,
@@ -94,37 +97,10 @@ pub struct TorqueController {
     torque: Vec<f64>,
 }
 
-/// Which of the measurements of a tick can be used.
-#[derive(Debug, Clone, Copy)]
-struct Usable {
-    position: bool,
-    velocity: bool,
-    torque: Torques,
-}
-
-/// What is known of the torques that act on the driven joints.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Torques {
-    Measured,
-    /// At least one joint measures none.
-    NotMeasured,
-    /// At least one is no number.
-    Bad,
-}
-
-impl Usable {
-    fn is_bad(self) -> bool {
-        !(self.position && self.velocity) || self.torque == Torques::Bad
-    }
-}
-
 /// The share of the gains of an arm that waits: soft enough for any delay.
 const SOFT: f64 = 0.04;
 /// Joints that are no faster are at rest \[m/s or rad/s\]: noise of measured velocities, and what friction lets creep.
 const AT_REST: f64 = 0.02;
-
-/// Torques older than this do not say who pushes the robot now \[s\].
-const FELT: f64 = 5e-3;
 
 /// What the law sees, one element a joint driven by torque.
 #[derive(Debug, Clone)]
@@ -173,6 +149,7 @@ impl TorqueController {
             observer: MomentumObserver::new(&model, observer)?,
             contact: ContactForce::new(&model, tool, names)?,
             force: Vector3::zeros(),
+            feels: false,
             velocity: vec![0.0; position.len()],
             watch: MeasurementWatch::new(position.len()),
             prediction: StatePrediction::new(&position, &joints),
@@ -304,6 +281,28 @@ impl TorqueController {
         self.controller.observe_people(percept, others)
     }
 
+    /// Takes the first measurement of a robot, before the first step; tells of it by
+    /// [`feels_contacts`](Self::feels_contacts).
+    ///
+    /// # Errors
+    /// [`Error::Robot`] for a state that the limits exclude by far: it is in other units. It names the joint.
+    pub fn begin(&mut self, measured: &Measured<'_>) -> Result<(), Error> {
+        self.model().check_units(measured.position, measured.velocity)?;
+        self.feels = self.measures_torques(measured);
+        Ok(())
+    }
+
+    /// Whether contacts would be noticed: all torques of the driven joints were measured last. Else force limiting is
+    /// off: nobody may be touched, and distances are those to people with whom the robot does not work.
+    pub fn feels_contacts(&self) -> bool {
+        self.feels
+    }
+
+    fn measures_torques(&self, measured: &Measured<'_>) -> bool {
+        let known = |joint: &usize| measured.torque.get(*joint).is_some_and(Option::is_some);
+        self.joints.iter().all(known)
+    }
+
     /// The command for the period that begins at `now` \[s\], with the robot as `measured`; the torques of
     /// the arm are [`torque`](Self::torque). Allocates nothing.
     ///
@@ -328,133 +327,6 @@ impl TorqueController {
         self.write_law(usable);
         self.apply();
         outcome.map(|()| self.controller.command())
-    }
-
-    /// Where the robot is by now; a fault if that is not known well enough.
-    fn predict(&mut self, age: f64) {
-        let period = self.controller.settings().period;
-        let measured = JointState { position: &self.position, velocity: &self.velocity };
-        let commanded = &self.controller.command().joint_velocity;
-        let age = self.watch.update(measured, commanded, age, period);
-        // The sizes are those of the robot.
-        let _ = self.prediction.update(measured, commanded, self.delay + age, period);
-        let fault = self.watch.fault().map(|fault| match fault {
-            MeasurementFault::Missing => Fault::MissingMeasurement,
-            MeasurementFault::Frozen => Fault::FrozenMeasurement,
-        });
-        // Nothing is made up for when the robot is measured again.
-        if fault.is_some() || self.is_lost {
-            self.controller.resynchronise();
-        }
-        self.is_lost = fault.is_some();
-        if let Some(fault) = fault {
-            self.controller.report(fault);
-        }
-    }
-
-    /// Finds the force from outside by a new measurement, and tells the supervisor. Gravity is that of where the robot
-    /// is.
-    fn feel(&mut self, usable: Usable, is_new: bool) {
-        self.unobserved += self.controller.settings().period;
-        if usable.is_bad() {
-            self.controller.report(Fault::BadMeasurement);
-        } else if usable.torque == Torques::Measured && is_new && self.observe_force().is_err() {
-            self.controller.report(Fault::BadMeasurement);
-        }
-        if usable.is_bad() || usable.torque == Torques::NotMeasured {
-            self.observer.reset();
-        } else if self.watch.age() <= FELT {
-            self.controller.feel(self.force.norm());
-        }
-        self.weigh();
-        // The position is that of a configuration.
-        let _ = self.support();
-    }
-
-    /// Takes of what is measured what can be used.
-    fn take(&mut self, measured: &Measured<'_>) -> Usable {
-        let Measured { position, velocity, torque, .. } = *measured;
-        let driven = || self.joints.iter().map(|joint| torque.get(*joint).copied().flatten());
-        let torques = if driven().any(|torque| torque.is_none()) {
-            Torques::NotMeasured
-        } else if driven().flatten().all(is_sensible) {
-            Torques::Measured
-        } else {
-            Torques::Bad
-        };
-        let usable = Usable {
-            position: self.controller.robot().model().is_configuration(position),
-            velocity: velocity.len() == self.velocity.len()
-                && velocity.iter().all(|velocity| is_sensible(*velocity)),
-            torque: torques,
-        };
-        if usable.velocity {
-            self.velocity.copy_from_slice(velocity);
-        }
-        if usable.position {
-            self.position.copy_from_slice(position);
-        } else if usable.velocity {
-            self.move_on(position);
-        }
-        if usable.torque == Torques::Measured {
-            for (sensed, joint) in self.law.sensed.iter_mut().zip(&self.joints) {
-                *sensed = torque.get(*joint).copied().flatten().unwrap_or_default();
-            }
-        }
-        usable
-    }
-
-    /// Joints without a measured position move on at their velocities.
-    fn move_on(&mut self, measured: &[f64]) {
-        let period = self.controller.settings().period;
-        let measured = measured.iter().copied().map(Some).chain(std::iter::repeat(None));
-        for ((position, velocity), measured) in
-            self.position.iter_mut().zip(&self.velocity).zip(measured)
-        {
-            let known = measured.filter(|measured| is_sensible(*measured));
-            let next = known.unwrap_or(*position + velocity * period);
-            if is_sensible(next) {
-                *position = next;
-            }
-        }
-    }
-
-    /// Whether what pushes the robot is a weight.
-    fn weigh(&mut self) {
-        let gives_way = self.controller.safety().supervisor().gives_way();
-        let force = Some(&self.force).filter(|_| gives_way);
-        self.unknown_payload = self.payload_watch.update(force, self.period());
-        if self.unknown_payload.is_some() {
-            self.controller.report(Fault::UnknownPayload);
-        }
-    }
-
-    /// The force from outside since the last update of the observer.
-    fn observe_force(&mut self) -> Result<(), Error> {
-        let model = self.controller.robot().model();
-        let posed = self.data.pose(model, &self.position)?;
-        let mut moving = posed.moving(&self.velocity)?;
-        let found = self.observer.update(&mut moving, &self.law.sensed, self.unobserved)?;
-        self.unobserved = 0.0;
-        self.force = self.contact.estimate(moving.posed(), found)?;
-        Ok(())
-    }
-
-    /// What the arm needs beside spring and damper where it is, as it moves.
-    fn support(&mut self) -> Result<(), Error> {
-        let model = self.controller.robot().model();
-        let motion = SupportedMotion {
-            position: self.prediction.position(),
-            velocity: self.prediction.velocity(),
-            acceleration: self.prediction.acceleration(),
-            commanded: &self.controller.command().joint_velocity,
-            share: 1.0 - self.prediction.weight(),
-        };
-        let torque = self.support.update(&mut self.data, model, &motion)?;
-        for (own, joint) in self.law.support.iter_mut().zip(&self.joints) {
-            *own = torque.get(*joint).copied().unwrap_or_default();
-        }
-        Ok(())
     }
 
     /// What the law is to see. Where the position is not known it has no spring, and where there is no
@@ -564,11 +436,4 @@ impl TorqueController {
     pub fn model(&self) -> &Model {
         self.controller.robot().model()
     }
-}
-
-/// Numbers above this are refused, as by [`Model::is_configuration`].
-const LARGEST: f64 = 1e12;
-
-fn is_sensible(value: f64) -> bool {
-    value.abs() <= LARGEST
 }

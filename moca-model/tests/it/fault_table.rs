@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 
 use hrsw::{ClockFault, Fault, FrameFault, SafetyState};
 use moca_model::Error;
+use vision_models::Percept;
 
 use crate::drive::{Drive, PERIOD, percept};
 use crate::faults::{towards_work, unusable, usable};
+use crate::units::standing;
 
 type Scenario = fn(&mut Drive);
 
@@ -17,12 +19,17 @@ fn scenarios() -> BTreeMap<String, Scenario> {
         assert!(drive.controller.observe(&percept(stamp, None)).is_err());
         drive.step();
     }
+    fn shown(drive: &mut Drive, scale: f64) {
+        let frame = Percept { body: Some(standing(2.5, scale)), ..percept(drive.time(), None) };
+        assert!(drive.controller.observe(&frame).is_err());
+        drive.step();
+    }
     fn clock(drive: &mut Drive, now: f64) {
         let measured = drive.robot.position().to_vec();
         drive.controller.step(now, &measured).unwrap();
         drive.obey(PERIOD);
     }
-    let scenarios: [(Fault, Scenario); 18] = [
+    let scenarios: [(Fault, Scenario); 20] = [
         (ClockFault::NotFinite.into(), |drive| clock(drive, f64::NAN)),
         (ClockFault::StandsStill.into(), |drive| clock(drive, drive.time() - PERIOD)),
         (ClockFault::SetBack.into(), |drive| clock(drive, drive.time() - 5.0)),
@@ -44,10 +51,12 @@ fn scenarios() -> BTreeMap<String, Scenario> {
             frame(drive, drive.controller.clock().newest().unwrap());
         }),
         (FrameFault::OutOfOrder.into(), |drive| frame(drive, drive.time() - 0.2)),
+        (FrameFault::Units.into(), |drive| shown(drive, 1e3)),
+        (FrameFault::ImpossibleBody.into(), |drive| shown(drive, 1.0 / 0.3048)),
         (Fault::TooManyPeople, |drive| {
             // Far away, and apart from each other.
             let seen = |place: f64| percept(0.0, Some(place)).body.unwrap();
-            let others: Vec<_> = (0..5).map(|who| seen(100.0 + 10.0 * f64::from(who))).collect();
+            let others: Vec<_> = (0..5).map(|who| seen(50.0 + 10.0 * f64::from(who))).collect();
             drive.camera = false;
             let frame = percept(drive.time(), drive.person);
             let error = drive.controller.observe_people(&frame, &others).unwrap_err();

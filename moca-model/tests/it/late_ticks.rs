@@ -94,8 +94,8 @@ impl ControlLaw for Watch {
 
     fn request_stop(&mut self) {}
 
-    fn is_at_rest(&self) -> bool {
-        true
+    fn is_at_rest(&self, _measured: &JointMeasurement) -> Option<bool> {
+        Some(true)
     }
 }
 
@@ -227,8 +227,8 @@ impl ControlLaw for Law {
 
     fn request_stop(&mut self) {}
 
-    fn is_at_rest(&self) -> bool {
-        true
+    fn is_at_rest(&self, _measured: &JointMeasurement) -> Option<bool> {
+        Some(true)
     }
 }
 

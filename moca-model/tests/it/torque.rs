@@ -16,6 +16,12 @@ use crate::shared::MOCA;
 #[derive(Debug, Clone)]
 pub(crate) struct Noise(pub(crate) u64);
 
+impl Noise {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+}
+
 impl RandomSource for Noise {
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
@@ -356,7 +362,11 @@ fn lost_commands_are_bridged_until_the_robot_stops_and_says_so() {
     // Half of all commands: never twenty in a row, and the robot follows.
     robot.robot.lose(0.5).unwrap();
     robot.run(1.0);
-    assert!(!robot.robot.is_stopped() && robot.excursion() < 5e-3, "{}", robot.excursion());
+    assert!(
+        !robot.robot.status().is_stopped() && robot.excursion() < 5e-3,
+        "{}",
+        robot.excursion()
+    );
     assert_eq!((robot.state(), robot.cause()), (SafetyState::Normal, None));
 
     // All: after twenty the robot brakes by itself and the controller hears of it.
@@ -367,14 +377,14 @@ fn lost_commands_are_bridged_until_the_robot_stops_and_says_so() {
     assert!(speed(&robot) > 0.1, "it moves: {}", speed(&robot));
     robot.robot.lose(1.0).unwrap();
     let step = |robot: &mut Loop| {
-        if robot.robot.is_stopped() {
+        if robot.robot.status().is_stopped() {
             robot.controller.controller_mut().robot_stopped();
         }
         robot.step();
     };
     for tick in 1..3000 {
         step(&mut robot);
-        assert_eq!(robot.robot.is_stopped(), tick >= 20, "tick {tick}");
+        assert_eq!(robot.robot.status().is_stopped(), tick >= 20, "tick {tick}");
         let expected = if tick > 20 { SafetyState::ProtectiveStop } else { SafetyState::Normal };
         assert_eq!(robot.state(), expected, "tick {tick}");
     }
@@ -464,7 +474,7 @@ fn after_a_stop_of_the_robot_the_command_begins_at_rest() {
     assert!(robot.robot.simulation().velocity()[0] > 0.1);
     robot.robot.lose(1.0).unwrap();
     for _ in 0..300 {
-        if robot.robot.is_stopped() {
+        if robot.robot.status().is_stopped() {
             robot.controller.controller_mut().robot_stopped();
         }
         robot.step();

@@ -173,6 +173,21 @@ pub enum Error {
         value: f64,
     },
 
+    /// A measured number is far beyond what the robot can reach.
+    #[error("the {what} of {joint} is {value}, far beyond its {limit}; give {unit}")]
+    Units {
+        /// `position` or `velocity`.
+        what: &'static str,
+        /// The joint, or the base's axis.
+        joint: String,
+        /// Its value.
+        value: f64,
+        /// The limit that is next to it.
+        limit: f64,
+        /// What it should be in, and what it may be in.
+        unit: &'static str,
+    },
+
     /// The quaternion of a floating base is none of a rotation.
     #[error(
         "the quaternion of the floating base has norm {norm}; it must be 1: integrate with \

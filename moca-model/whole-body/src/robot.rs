@@ -15,4 +15,5 @@ pub(crate) mod limits;
 pub(crate) mod model;
 mod reading;
 mod selection;
+mod units;
 pub(crate) mod warning;

@@ -3,17 +3,26 @@
 use std::f64::consts::{PI, TAU};
 use std::time::SystemTime;
 
-use moca_model::whole_body::JointMeasurement;
+use moca_model::whole_body::{JointMeasurement, RobotMode, RobotStatus};
 use moca_model::{MOCA_BASE_JOINTS, MOCA_JOINTS};
 use nalgebra::{Quaternion as Coordinates, UnitQuaternion, Vector2};
 
-use super::messages::{JointState, Odometry, Time, Twist};
+use super::messages::{JointState, Odometry, Text, Time, Twist};
 use super::refusal::Refusal;
 use super::stamps::Stamps;
 use super::{BASE_FRAME, WORLD_FRAME};
 
 /// How old the odometry of a measurement may be \[s\]: bases publish slower than arms.
 const OLDEST_ODOMETRY: f64 = 0.1;
+/// For how long what the robot says of itself holds after it came \[s\].
+const MODE_HOLDS: f64 = 1.0;
+/// The modes by their names.
+const MODES: [(&str, RobotMode); 4] = [
+    ("running", RobotMode::Running),
+    ("stopped", RobotMode::Stopped),
+    ("reflex", RobotMode::Reflex),
+    ("user_stop", RobotMode::UserStop),
+];
 /// How far from 1 the norm of an orientation may be.
 const NORM: f64 = 1e-3;
 /// The frame of the base on its axles: on its motion in the plane it agrees with [`BASE_FRAME`].
@@ -56,33 +65,36 @@ pub struct Measurements {
     odometry_stamps: Stamps,
     /// Of the newest odometry.
     odometry: Option<Time>,
+    mode: Option<(RobotMode, SystemTime)>,
+}
+
+/// The name of a mode, as `/robot_mode` has it.
+pub(super) fn mode_name(mode: RobotMode) -> &'static str {
+    MODES.iter().find(|(_, known)| *known == mode).map_or("stopped", |(name, _)| name)
 }
 
 impl Measurements {
     /// Of such a robot, before the first.
     pub fn new(joints: RobotJoints) -> Self {
-        let none = vec![0.0; joints.count()];
+        let count = joints.count();
         Self {
             places: Vec::with_capacity(joints.arm.len()),
-            measured: JointMeasurement {
-                position: none.clone(),
-                velocity: none.clone(),
-                torque: none,
-            },
+            measured: JointMeasurement::resting(vec![0.0; count], count),
             joints,
             joint_stamps: Stamps::of_robot(),
             odometry_stamps: Stamps::of_robot(),
             odometry: None,
+            mode: None,
         }
     }
 
-    /// The newest of base and arm: q in the world, q̇ along the world's axes; torques of the base are zero.
+    /// The newest of base and arm: q in the world, q̇ along the world's axes; the base measures no torques.
     pub fn newest(&self) -> &JointMeasurement {
         &self.measured
     }
 
-    /// Takes a joint state that has come `now`, and has made a measurement; its age \[s\]. Velocities must be in it;
-    /// without efforts torques are zero.
+    /// Takes a joint state that has come `now`, and has made a measurement; its age \[s\]. Velocities must be in it.
+    /// Efforts may be left out, by an empty list or by a NaN for a joint: such a torque is not measured.
     ///
     /// # Errors
     /// Why it makes none. The numbers are then as they were, but for [`Refusal::NoOdometry`].
@@ -98,20 +110,31 @@ impl Measurements {
             check_size("effort", effort, name.len())?;
         }
         self.find(name)?;
-        let parts = [("position", position), ("velocity", velocity), ("effort", effort)];
-        let of = |numbers: &[f64], place: usize| numbers.get(place).copied().unwrap_or_default();
+        let of = |numbers: &[f64], place: &usize| numbers.get(*place).copied();
+        let parts = [("position", position), ("velocity", velocity)];
         for (what, numbers) in parts {
-            if !self.places.iter().all(|place| of(numbers, *place).is_finite()) {
+            let finite = |place: &usize| of(numbers, place).is_some_and(f64::is_finite);
+            if !self.places.iter().all(finite) {
                 return Err(Refusal::NotFinite { what });
             }
         }
+        let infinite = |place: &usize| of(effort, place).is_some_and(f64::is_infinite);
+        if self.places.iter().any(infinite) {
+            return Err(Refusal::NotFinite { what: "effort" });
+        }
         let age = self.joint_stamps.admit(header.stamp, now)?;
-        let JointMeasurement { position, velocity, torque } = &mut self.measured;
-        for (own, (_, numbers)) in [position, velocity, torque].into_iter().zip(parts) {
+        let robot = self.status(now);
+        let measured = &mut self.measured;
+        let own = [&mut measured.position, &mut measured.velocity];
+        for (own, (_, numbers)) in own.into_iter().zip(parts) {
             for (own, place) in own.iter_mut().skip(MOCA_BASE_JOINTS).zip(&self.places) {
-                *own = of(numbers, *place);
+                *own = of(numbers, place).unwrap_or(*own);
             }
         }
+        for (own, place) in measured.torque.iter_mut().skip(MOCA_BASE_JOINTS).zip(&self.places) {
+            *own = of(effort, place).filter(|effort| !effort.is_nan());
+        }
+        measured.robot = robot;
         let oldest = OLDEST_ODOMETRY;
         let recent = |stamp: Time| header.stamp.seconds_since(stamp) <= oldest;
         if self.odometry.is_some_and(recent) {
@@ -156,6 +179,26 @@ impl Measurements {
         }
         self.odometry = Some(odometry.header.stamp);
         Ok(age)
+    }
+
+    /// Takes the robot's mode by its name that has come `now`: `running`, `stopped`, `reflex` or `user_stop`.
+    ///
+    /// # Errors
+    /// A name of none.
+    pub fn take_mode(&mut self, text: &Text, now: SystemTime) -> Result<(), Refusal> {
+        let known = MODES.iter().find(|(name, _)| *name == text.data);
+        let (_, mode) = known.ok_or_else(|| Refusal::Mode { found: text.data.clone() })?;
+        self.mode = Some((*mode, now));
+        Ok(())
+    }
+
+    /// What the robot has said of itself within the last second. Whether it took a command ROS does not say.
+    fn status(&self, now: SystemTime) -> RobotStatus {
+        let holds = |at: SystemTime| {
+            now.duration_since(at).map_or(true, |since| since.as_secs_f64() <= MODE_HOLDS)
+        };
+        let mode = self.mode.filter(|(_, at)| holds(*at)).map(|(mode, _)| mode);
+        RobotStatus { mode, took_command: None }
     }
 
     /// Finds the arm's joints.

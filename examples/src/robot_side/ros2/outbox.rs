@@ -30,7 +30,7 @@ pub(super) struct Publishing {
 pub(super) struct Outbox {
     twist: Publisher<TwistStamped>,
     joints: Publisher<Float64MultiArray>,
-    commands: Taker,
+    commands: Taker<f64>,
     epoch: SystemTime,
     interface: JointInterface,
     arm_joints: usize,
@@ -45,7 +45,7 @@ impl Outbox {
         mut node: RosNode,
         interface: JointInterface,
         arm_joints: usize,
-        commands: Taker,
+        commands: Taker<f64>,
         epoch: SystemTime,
     ) -> Result<Self, Ros2Error> {
         Ok(Self {

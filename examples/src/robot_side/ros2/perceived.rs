@@ -7,7 +7,7 @@ use vision_models::{Action, Body, Body25, Confidence, Keypoint, RecognisedAction
 
 use super::WORLD_FRAME;
 use super::measurements::check_frame;
-use super::messages::{Pose, PoseArray, Text};
+use super::messages::{Float64MultiArray, Pose, PoseArray, Text, Time};
 use super::refusal::Refusal;
 use super::stamps::Stamps;
 
@@ -23,20 +23,22 @@ pub struct SeenPeople {
     pub body: Option<Body>,
     /// The other people in view, likewise.
     pub others: Vec<Body>,
-    /// What the person does, if that was published within the last second.
+    /// What the person does, if that was published within the last second, and confidences of their joints came.
     pub action: Option<RecognisedAction>,
 }
 
-/// Joins body joints and actions.
+/// Joins body joints, confidences and actions.
 #[derive(Clone, Debug)]
 pub struct Perceived {
     stamps: Stamps,
+    /// Of the joints of the body with this stamp.
+    confidences: Option<(Time, Vec<Confidence>)>,
     action: Option<(RecognisedAction, SystemTime)>,
 }
 
 impl Default for Perceived {
     fn default() -> Self {
-        Self { stamps: Stamps::of_camera(), action: None }
+        Self { stamps: Stamps::of_camera(), confidences: None, action: None }
     }
 }
 
@@ -44,6 +46,10 @@ impl Perceived {
     /// Takes body joints that have come `now`: a pose for each of [`Body25::ALL`], in this order, in the frame of the
     /// odometry. A joint that was not seen has three NaN. Orientations mean nothing. Behind those of the person who
     /// works with the robot there may be those of others, as many each.
+    ///
+    /// Confidences of the joints are those that came before with the same stamp. Without them nobody knows which joint
+    /// is where it seems to be: the people are kept away from, and no action of theirs counts, so that the robot works
+    /// with nobody and touches nobody.
     ///
     /// # Errors
     /// Why they are refused.
@@ -53,7 +59,15 @@ impl Perceived {
         if found == 0 || found % expected != 0 {
             return Err(Refusal::Size { what: "body joints", found, expected });
         }
-        let people = poses.poses.chunks_exact(expected).map(body);
+        let known = self
+            .confidences
+            .as_ref()
+            .filter(|(stamp, of)| *stamp == poses.header.stamp && of.len() == poses.poses.len());
+        let sure = known.is_some();
+        let confidences: &[Confidence] = known.map_or(&[], |(_, of)| of);
+        let mut confidences = confidences.chunks(expected);
+        let people = poses.poses.chunks_exact(expected);
+        let people = people.map(|poses| body(poses, confidences.next().unwrap_or_default()));
         let mut people = people.collect::<Result<Vec<_>, _>>()?.into_iter();
         let (body, others) = (people.next().flatten(), people.flatten().collect());
         let age = self.stamps.admit(poses.header.stamp, now)?;
@@ -64,8 +78,31 @@ impl Perceived {
         let holds = |at: SystemTime| {
             now.duration_since(at).map_or(true, |since| since.as_secs_f64() <= ACTION_HOLDS)
         };
-        let action = self.action.filter(|(_, at)| holds(*at)).map(|(action, _)| action);
+        let action = self.action.filter(|(_, at)| sure && holds(*at)).map(|(action, _)| action);
         Ok(SeenPeople { taken, body, others, action })
+    }
+
+    /// Takes the confidences of body joints: the stamp of these \[s, ns\], then a number from 0 to 1 for each pose.
+    /// They must come before the body joints.
+    ///
+    /// # Errors
+    /// Why they are refused; those before then stay.
+    pub fn take_confidences(&mut self, message: &Float64MultiArray) -> Result<(), Refusal> {
+        let (what, found, expected) = ("body confidences", message.data.len(), 2 + Body25::COUNT);
+        let size = Refusal::Size { what, found, expected };
+        let ([sec, nanosec], values) = message.data.split_first_chunk().ok_or(size.clone())?;
+        if values.is_empty() || values.len() % Body25::COUNT != 0 {
+            return Err(size);
+        }
+        let confidence = |value: &f64| {
+            Confidence::new(*value).map_err(|_| Refusal::Confidence { value: *value })
+        };
+        let values = values.iter().map(confidence).collect::<Result<_, _>>()?;
+        // Saturates: what is no stamp goes with no body.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
+        let stamp = Time { sec: *sec as i32, nanosec: *nanosec as u32 };
+        self.confidences = Some((stamp, values));
+        Ok(())
     }
 
     /// Takes an action by its name that has come `now`.
@@ -80,10 +117,11 @@ impl Perceived {
     }
 }
 
-/// The body with these joints; none of nobody.
-fn body(poses: &[Pose]) -> Result<Option<Body>, Refusal> {
+/// The body with these joints; none of nobody. Joints of unknown confidence are there.
+fn body(poses: &[Pose], confidences: &[Confidence]) -> Result<Option<Body>, Refusal> {
     let mut body = Body::default();
-    for (joint, pose) in Body25::ALL.into_iter().zip(poses) {
+    let confidences = confidences.iter().copied().chain(std::iter::repeat(Confidence::ONE));
+    for ((joint, pose), confidence) in Body25::ALL.into_iter().zip(poses).zip(confidences) {
         let position = Point3::new(pose.position.x, pose.position.y, pose.position.z);
         if position.iter().all(|number| number.is_nan()) {
             continue;
@@ -91,7 +129,7 @@ fn body(poses: &[Pose]) -> Result<Option<Body>, Refusal> {
         if !position.iter().all(|number| number.is_finite()) {
             return Err(Refusal::NotFinite { what: "body joints" });
         }
-        body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
+        body.set(joint, Some(Keypoint { position, confidence }));
     }
     Ok(Some(body).filter(|body| body.iter().next().is_some()))
 }

@@ -4,14 +4,14 @@ use std::io::ErrorKind;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 
-use moca_model::whole_body::JointMeasurement;
+use moca_model::whole_body::{JointMeasurement, RobotStatus};
 use ros2_client::dds::rustdds::mio1::{Events, Interest, Poll, Token};
 
 use super::error::Ros2Error;
 use super::hand_over::Giver;
 use super::inbox::Inbox;
 use super::measurements::Measurements;
-use super::messages::{JointState, Odometry, PoseArray, Text};
+use super::messages::{Float64MultiArray, JointState, Odometry, PoseArray, Text};
 use super::node::{Peers, RosNode};
 use super::perceived::{Perceived, SeenPeople};
 use super::side::WAKES;
@@ -24,12 +24,20 @@ pub(super) struct Reader {
     peers: Peers,
     joint_states: Inbox<JointState>,
     odometry: Inbox<Odometry>,
+    modes: Inbox<Text>,
+    confidences: Inbox<Float64MultiArray>,
     bodies: Inbox<PoseArray>,
     actions: Inbox<Text>,
     measurements: Measurements,
     perceived: Perceived,
-    measured: Giver,
+    measured: Measured,
     persons: SyncSender<SeenPeople>,
+}
+
+/// Where measurements are given: positions, velocities and torques of all joints; and what the robot says of itself.
+pub(super) struct Measured {
+    pub(super) numbers: Giver<Option<f64>>,
+    pub(super) status: Giver<RobotStatus>,
 }
 
 impl Reader {
@@ -37,12 +45,14 @@ impl Reader {
         node: &mut RosNode,
         measurements: Measurements,
         interface: JointInterface,
-        measured: Giver,
+        measured: Measured,
         persons: SyncSender<SeenPeople>,
     ) -> Result<Self, Ros2Error> {
         let topics = [
             Topic::JointStates,
             Topic::Odometry,
+            Topic::RobotMode,
+            Topic::BodyConfidences,
             Topic::BodyJoints,
             Topic::Action,
             Topic::BaseTwist,
@@ -53,6 +63,8 @@ impl Reader {
             peers: node.peers(topics.to_vec()),
             joint_states: node.inbox(Topic::JointStates)?,
             odometry: node.inbox(Topic::Odometry)?,
+            modes: node.inbox(Topic::RobotMode)?,
+            confidences: node.inbox(Topic::BodyConfidences)?,
             bodies: node.inbox(Topic::BodyJoints)?,
             actions: node.inbox(Topic::Action)?,
             poll,
@@ -85,6 +97,8 @@ impl Reader {
         let came = [
             self.joint_states.statistics,
             self.odometry.statistics,
+            self.modes.statistics,
+            self.confidences.statistics,
             self.bodies.statistics,
             self.actions.statistics,
         ];
@@ -101,17 +115,23 @@ impl Reader {
         let Self { peers, measurements, perceived, measured, persons, .. } = self;
         self.odometry
             .drain(peers, |odometry, now| measurements.take_odometry(odometry, now).map(Some))?;
+        self.modes.drain(peers, |mode, now| measurements.take_mode(mode, now).map(|()| None))?;
         let mut numbers = Vec::new();
         self.joint_states.drain(peers, |state, now| {
             let age = measurements.take_joint_state(state, now)?;
-            let JointMeasurement { position, velocity, torque } = measurements.newest();
+            let JointMeasurement { position, velocity, torque, robot, .. } = measurements.newest();
             numbers.clear();
-            numbers.extend([position, velocity, torque].into_iter().flatten());
-            measured.give(&numbers);
+            numbers.extend(position.iter().chain(velocity).copied().map(Some));
+            numbers.extend(torque);
+            measured.status.give(&[*robot]);
+            measured.numbers.give(&numbers);
             Ok(Some(age))
         })?;
         self.actions
             .drain(peers, |action, now| perceived.take_action(action, now).map(|()| None))?;
+        self.confidences.drain(peers, |confidences, _| {
+            perceived.take_confidences(confidences).map(|()| None)
+        })?;
         self.bodies.drain(peers, |poses, now| {
             // A loop that takes none for a while misses these, as it would miss a camera's.
             let _ = persons.try_send(perceived.take_body(poses, now)?);

@@ -1,5 +1,7 @@
 //! Why messages are refused.
 
+use crate::robot_side::CommandRefusal;
+
 /// Why a message is refused. The newest one before it stays in force, until it is too old.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -100,6 +102,21 @@ pub enum Refusal {
         /// How old it may be \[s\].
         oldest: f64,
     },
+    /// A mode that is none.
+    #[error("the mode {found:?}, expected one of running, stopped, reflex, user_stop")]
+    Mode {
+        /// What it is.
+        found: String,
+    },
+    /// A confidence that is none.
+    #[error("a confidence of {value}, expected 0 to 1")]
+    Confidence {
+        /// Its value.
+        value: f64,
+    },
+    /// A command that the robot does not take.
+    #[error(transparent)]
+    Command(#[from] CommandRefusal),
     /// An action that is none of the thirty.
     #[error("{0}")]
     Action(String),

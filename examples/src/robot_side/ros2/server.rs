@@ -15,10 +15,10 @@ use super::commands::{Commands, base_velocity};
 use super::domain::RosDomain;
 use super::error::Ros2Error;
 use super::inbox::Inbox;
-use super::measurements::RobotJoints;
+use super::measurements::{RobotJoints, mode_name};
 use super::messages::{
-    Float64MultiArray, Header, JointState, Odometry, Pose, PoseArray, PoseWithCovariance,
-    Quaternion, Text, TwistStamped, TwistWithCovariance, Vector3,
+    Float64MultiArray, Header, JointState, MultiArrayLayout, Odometry, Pose, PoseArray,
+    PoseWithCovariance, Quaternion, Text, Time, TwistStamped, TwistWithCovariance, Vector3,
 };
 use super::node::{Peers, RosNode};
 use super::statistics::TopicStatistics;
@@ -26,8 +26,12 @@ use super::topic::{JointInterface, Topic};
 use super::{BASE_FRAME, WORLD_FRAME};
 use crate::robot_side::SimulatedSide;
 
-/// Without a command for so many periods the robot stands, as if its brakes had closed.
-const SILENCE: u64 = 50;
+/// The newest commands hold for so many periods; then each period counts as one whose command was lost.
+const SILENCE: u64 = 20;
+/// After so many the robot, which stands, is ready for another controller.
+const ENDS: u64 = 1000;
+/// What the robot says of itself is published once in so many periods.
+const SAYS: u64 = 50;
 
 /// A robot on the ROS graph. It measures and publishes once a period, and moves as the newest commands of base and arm
 /// say; without one of them it stands. Its camera sees a recorded person.
@@ -38,7 +42,9 @@ pub struct Ros2Server {
     efforts: Inbox<Float64MultiArray>,
     joint_states: Publisher<JointState>,
     odometry: Publisher<Odometry>,
+    modes: Publisher<Text>,
     bodies: Publisher<PoseArray>,
+    confidences: Publisher<Float64MultiArray>,
     actions: Publisher<Text>,
     joints: RobotJoints,
     robot: SimulatedSide,
@@ -47,6 +53,8 @@ pub struct Ros2Server {
     command: JointCommand,
     /// Periods since the newest twist and the newest torques.
     silent: [u64; 2],
+    /// Whether the robot has been told to move since it was ready.
+    moved: bool,
 }
 
 impl fmt::Debug for Ros2Server {
@@ -71,11 +79,14 @@ impl Ros2Server {
             efforts: node.inbox(efforts)?,
             joint_states: node.publisher(Topic::JointStates)?,
             odometry: node.publisher(Topic::Odometry)?,
+            modes: node.publisher(Topic::RobotMode)?,
             bodies: node.publisher(Topic::BodyJoints)?,
+            confidences: node.publisher(Topic::BodyConfidences)?,
             actions: node.publisher(Topic::Action)?,
             commands: Commands::new(joints.arm().len()),
             command: JointCommand::at_rest(&measured),
             silent: [SILENCE; 2],
+            moved: false,
             _node: node,
             joints,
             robot,
@@ -97,16 +108,19 @@ impl Ros2Server {
         let mut due = clock.now();
         let first = frames.first().map_or(0.0, |frame| frame.percept.time);
         let (mut begun, mut coming) = (due, frames.iter().peekable());
+        let mut tick = 0_u64;
         while !stop() {
             due = (due + period).max(clock.now() - period);
             clock.sleep_until(due);
             self.listen()?;
             self.robot.receive(&mut self.measured)?;
-            self.publish_measured();
-            if self.silent.iter().all(|silent| *silent < SILENCE) {
-                self.commands.write(self.yaw(), &mut self.command);
-                self.robot.send(&self.command)?;
+            if tick.is_multiple_of(SAYS) {
+                let mode = self.measured.robot.mode.map_or("stopped", mode_name);
+                let _ = self.modes.publish(Text { data: mode.to_owned() });
             }
+            tick += 1;
+            self.publish_measured();
+            self.act()?;
             self.silent.iter_mut().for_each(|silent| *silent = silent.saturating_add(1));
             let is_due = |frame: &&CameraFrame| begun + frame.percept.time - first <= due;
             if let Some(frame) = coming.next_if(is_due) {
@@ -115,6 +129,28 @@ impl Ros2Server {
             if coming.peek().is_none() {
                 (begun, coming) = (due, frames.iter().peekable());
             }
+        }
+        Ok(())
+    }
+
+    /// Moves for a period.
+    fn act(&mut self) -> Result<()> {
+        let obeys = self.silent.iter().all(|silent| *silent < SILENCE);
+        self.commands.write(self.yaw(), &mut self.command);
+        let refusal = if obeys { self.robot.check(&self.command).err() } else { None };
+        if obeys && refusal.is_none() {
+            self.moved = true;
+            self.robot.obey(&self.command)?;
+        } else if self.moved {
+            self.robot.miss()?;
+        }
+        if let Some(refusal) = refusal {
+            self.twists.statistics.refuse(refusal.into());
+        }
+        let over = self.silent.iter().any(|silent| *silent > ENDS);
+        if over && self.moved && self.robot.status().is_stopped() && self.robot.is_at_rest() {
+            self.robot.recover();
+            self.moved = false;
         }
         Ok(())
     }
@@ -150,7 +186,9 @@ impl Ros2Server {
 
     /// Publishes what the robot measures. A subscriber that is too slow is its own fault.
     fn publish_measured(&self) {
-        let JointMeasurement { position, velocity, torque } = &self.measured;
+        let JointMeasurement { position, velocity, torque, .. } = &self.measured;
+        // A joint that measures none has a NaN, as ROS has it.
+        let torque: Vec<_> = torque.iter().map(|torque| torque.unwrap_or(f64::NAN)).collect();
         let stamp = SystemTime::now().into();
         let arm = |numbers: &[f64]| numbers.get(MOCA_BASE_JOINTS..).unwrap_or_default().to_vec();
         let _ = self.joint_states.publish(JointState {
@@ -158,7 +196,7 @@ impl Ros2Server {
             name: self.joints.arm().to_vec(),
             position: arm(position),
             velocity: arm(velocity),
-            effort: arm(torque),
+            effort: arm(&torque),
         });
         let [x, y, yaw] = position.first_chunk().copied().unwrap_or_default();
         let turned = UnitQuaternion::from_euler_angles(0.0, 0.0, yaw).coords;
@@ -185,12 +223,20 @@ impl Ros2Server {
         let nobody = Body::default();
         let people = std::iter::once(percept.body.as_ref().unwrap_or(&nobody)).chain(others);
         let unseen = Vector3 { x: f64::NAN, y: f64::NAN, z: f64::NAN };
-        let poses = people.flat_map(Body::keypoints).map(|keypoint| {
+        let keypoints: Vec<_> = people.flat_map(Body::keypoints).collect();
+        let stamp: Time = SystemTime::now().into();
+        let confidences = keypoints
+            .iter()
+            .map(|keypoint| keypoint.map_or(0.0, |keypoint| keypoint.confidence.value()));
+        let data = [f64::from(stamp.sec), f64::from(stamp.nanosec)].into_iter().chain(confidences);
+        let layout = MultiArrayLayout::default();
+        let _ = self.confidences.publish(Float64MultiArray { layout, data: data.collect() });
+        let poses = keypoints.into_iter().map(|keypoint| {
             let place = |at: nalgebra::Point3<f64>| Vector3 { x: at.x, y: at.y, z: at.z };
             let position = keypoint.map_or(unseen, |keypoint| place(keypoint.position));
             Pose { position, ..Pose::default() }
         });
-        let header = Header { stamp: SystemTime::now().into(), frame_id: WORLD_FRAME.to_owned() };
+        let header = Header { stamp, frame_id: WORLD_FRAME.to_owned() };
         let _ = self.bodies.publish(PoseArray { header, poses: poses.collect() });
     }
 }

@@ -7,7 +7,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, SystemTime};
 
 use moca_model::MOCA_BASE_JOINTS;
-use moca_model::whole_body::{JointCommand, JointMeasurement, Received, RobotSide};
+use moca_model::whole_body::{JointCommand, JointMeasurement, Received, RobotSide, RobotStatus};
 
 use super::commands::{base_velocity, joint_values};
 use super::domain::RosDomain;
@@ -17,7 +17,7 @@ use super::measurements::{Measurements, RobotJoints};
 use super::node::RosNode;
 use super::outbox::{Outbox, Publishing};
 use super::perceived::SeenPeople;
-use super::reader::Reader;
+use super::reader::{Measured, Reader};
 use super::statistics::TopicStatistics;
 use super::topic::JointInterface;
 
@@ -33,8 +33,9 @@ const WAITING: usize = 8;
 /// follows velocities, and then nothing more.
 #[derive(Debug)]
 pub struct Ros2Side {
-    measured: Taker,
-    commands: Giver,
+    measured: Taker<Option<f64>>,
+    status: Taker<RobotStatus>,
+    commands: Giver<f64>,
     /// A command on its way: the time since `epoch` \[s\], the base's twist, the arm's part.
     outgoing: Vec<f64>,
     epoch: SystemTime,
@@ -86,7 +87,9 @@ impl Ros2Side {
     ) -> Result<(Self, Receiver<SeenPeople>), Ros2Error> {
         let mut node = RosNode::join(domain, "moca_control")?;
         let (count, arm_joints) = (joints.count(), joints.arm().len());
-        let (measured, taken) = hand_over(3 * count);
+        let (numbers, taken) = hand_over(3 * count);
+        let (status, said) = hand_over(1);
+        let measured = Measured { numbers, status };
         let (commands, outgoing) = hand_over(1 + count);
         let (persons, seen) = sync_channel(WAITING);
         let epoch = SystemTime::now();
@@ -97,6 +100,7 @@ impl Ros2Side {
         let (reads, publishes) = (ending.0.clone(), ending.0.clone());
         let side = Self {
             measured: taken,
+            status: said,
             commands,
             outgoing: vec![0.0; 1 + count],
             epoch,
@@ -145,10 +149,15 @@ impl RobotSide for Ros2Side {
             return Err(Ros2Error::Ended { does: "takes" });
         }
         let Some((numbers, _)) = self.measured.take() else { return Ok(Received::Nothing) };
-        let JointMeasurement { position, velocity, torque } = measured;
-        let parts = numbers.chunks_exact((numbers.len() / 3).max(1));
-        for (own, numbers) in [position, velocity, torque].into_iter().zip(parts) {
-            own.iter_mut().zip(numbers).for_each(|(own, number)| *own = *number);
+        let (known, torques) = numbers.split_at(2 * numbers.len() / 3);
+        let (positions, velocities) = known.split_at(known.len() / 2);
+        let JointMeasurement { position, velocity, torque, robot, .. } = measured;
+        for (own, numbers) in [(position, positions), (velocity, velocities)] {
+            own.iter_mut().zip(numbers).for_each(|(own, number)| *own = number.unwrap_or(*own));
+        }
+        torque.iter_mut().zip(torques).for_each(|(own, torque)| *own = *torque);
+        if let Some(([status], _)) = self.status.take() {
+            *robot = *status;
         }
         self.yaw = measured.position.get(MOCA_BASE_JOINTS - 1).copied().unwrap_or_default();
         Ok(Received::Fresh)

@@ -21,8 +21,12 @@ pub enum Topic {
     JointStates,
     /// Of the base.
     Odometry,
+    /// Of the robot: whether it takes commands.
+    RobotMode,
     /// Of the person.
     BodyJoints,
+    /// Of the person's joints.
+    BodyConfidences,
     /// Of the person.
     Action,
     /// To the base.
@@ -37,7 +41,9 @@ impl Topic {
         match self {
             Self::JointStates => "/joint_states",
             Self::Odometry => "/odom",
+            Self::RobotMode => "/robot_mode",
             Self::BodyJoints => "/body_joints",
+            Self::BodyConfidences => "/body_confidences",
             Self::Action => "/action",
             Self::BaseTwist => "/cmd_vel",
             Self::JointCommands(JointInterface::Effort) => "/forward_effort_controller/commands",
@@ -56,9 +62,9 @@ impl Topic {
             Self::JointStates => ("sensor_msgs", "JointState"),
             Self::Odometry => ("nav_msgs", "Odometry"),
             Self::BodyJoints => ("geometry_msgs", "PoseArray"),
-            Self::Action => ("std_msgs", "String"),
+            Self::Action | Self::RobotMode => ("std_msgs", "String"),
             Self::BaseTwist => ("geometry_msgs", "TwistStamped"),
-            Self::JointCommands(_) => ("std_msgs", "Float64MultiArray"),
+            Self::BodyConfidences | Self::JointCommands(_) => ("std_msgs", "Float64MultiArray"),
         }
     }
 

@@ -74,8 +74,9 @@ fn take(name: &str, bytes: &[u8]) -> bool {
     let newest = measurements.newest();
     let mut command = JointCommand::at_rest(newest);
     commands.write(0.0, &mut command);
-    let JointMeasurement { position, velocity, torque } = newest;
-    for numbers in [position, velocity, torque, &command.velocity, &command.torque] {
+    let JointMeasurement { position, velocity, torque, .. } = newest;
+    let torque: Vec<_> = torque.iter().copied().flatten().collect();
+    for numbers in [position, velocity, &torque, &command.velocity, &command.torque] {
         assert!(numbers.iter().all(|number| number.is_finite()), "{numbers:?}");
     }
     taken
@@ -93,13 +94,18 @@ fn bytes_of_cyclone_dds_are_the_messages_that_it_wrote() {
     // The twist (0.5, -0.25) of a base that looks along y.
     assert!((newest.velocity[0] - 0.25).abs() < 1e-12 && (newest.velocity[1] - 0.5).abs() < 1e-12);
     assert_eq!(newest.velocity[2..], [0.125, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
-    assert_eq!(newest.torque[3..], [10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0]);
+    assert_eq!(newest.torque[3..], [10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0].map(Some));
     let odometry: Odometry = same("Odometry");
     assert_eq!((odometry.pose.covariance[5][5], odometry.twist.covariance[0][1]), (35.0, -1.0));
 
     let mut perceived = Perceived::default();
     perceived.take_action(&same("String"), after(1)).unwrap();
-    let seen = perceived.take_body(&same("PoseArray"), after(1)).unwrap();
+    let poses: PoseArray = same("PoseArray");
+    let mut data = vec![f64::from(poses.header.stamp.sec), f64::from(poses.header.stamp.nanosec)];
+    data.resize(27, 1.0);
+    let confidences = Float64MultiArray { data, ..Float64MultiArray::default() };
+    perceived.take_confidences(&confidences).unwrap();
+    let seen = perceived.take_body(&poses, after(1)).unwrap();
     assert_eq!(seen.body.unwrap().keypoints()[24].unwrap().position.y, 0.24);
     assert!(seen.action.is_some());
 

@@ -31,7 +31,9 @@ impl ControlLaw for Turn<'_> {
     ) -> Result<(), Self::Error> {
         self.0.set(self.0.get() + 1);
         command.velocity[2] = 0.2;
-        command.torque.copy_from_slice(&measured.torque);
+        for (own, torque) in command.torque.iter_mut().zip(&measured.torque) {
+            *own = torque.unwrap_or_default();
+        }
         Ok(())
     }
 
@@ -71,7 +73,10 @@ fn a_loop_moves_a_robot_on_ros2() {
         let ending = control.run(&mut side, &mut Turn(&steps), &mut clock, || steps.get() > 200);
         over.store(true, Ordering::Relaxed);
         assert_eq!(ending.unwrap().cause, StopCause::Requested);
-        let turned = control.measured().position[2];
+        let measured = control.measured();
+        assert_eq!(measured.torque[..3], [None; 3], "the base measures none");
+        assert!(measured.torque[3..].iter().all(Option::is_some));
+        let turned = measured.position[2];
         assert!(turned > 1e-3, "{turned} rad");
         let statistics = side.close().unwrap();
         assert!(statistics.published > 0);

@@ -1,7 +1,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use examples::robot_side::ros2::messages::{Quaternion, Time};
+use examples::robot_side::ros2::messages::{Odometry, Quaternion, Text, Time};
 use examples::robot_side::ros2::{Measurements, Refusal, RobotJoints};
+use moca_model::whole_body::{RobotMode, RobotStatus};
 use proptest::prelude::*;
 
 use super::{after, joint_state, measurements, odometry, refused};
@@ -23,17 +24,56 @@ fn joints_are_found_by_name_whatever_else_is_published_with_them() {
     let expected = |scale: f64| (1..=7).map(|joint| scale * f64::from(joint)).collect::<Vec<_>>();
     assert_eq!(newest.position[3..], expected(0.1));
     assert_eq!(newest.velocity, [vec![1.0, 0.0, 0.0], expected(1.0)].concat());
-    assert_eq!(newest.torque, [vec![0.0; 3], expected(10.0)].concat());
+    let torques: Vec<_> = expected(10.0).into_iter().map(Some).collect();
+    assert_eq!(newest.torque, [vec![None; 3], torques].concat());
 }
 
 #[test]
 fn joints_without_torques_have_none() {
     let (mut measurements, mut state) = (measurements(), joint_state());
     measurements.take_joint_state(&state, after(2)).unwrap();
+    state.effort[2] = f64::NAN;
+    state.header.stamp.nanosec += 1;
+    measurements.take_joint_state(&state, after(2)).unwrap();
+    let torque = &measurements.newest().torque;
+    assert_eq!(torque[4..7], [Some(20.0), None, Some(40.0)], "a NaN is a joint without a torque");
     state.effort.clear();
     state.header.stamp.nanosec += 1;
     measurements.take_joint_state(&state, after(2)).unwrap();
-    assert_eq!(measurements.newest().torque, [0.0; 10]);
+    assert_eq!(measurements.newest().torque, [None; 10]);
+}
+
+#[test]
+fn what_a_robot_says_of_itself_holds_for_a_second() {
+    let (mut measurements, mut state) = (measurements(), joint_state());
+    let said = |mode: &str| Text { data: mode.to_owned() };
+    measurements.take_joint_state(&state, after(2)).unwrap();
+    assert_eq!(measurements.newest().robot, RobotStatus::default(), "it has said nothing");
+    let modes = [
+        ("running", RobotMode::Running),
+        ("stopped", RobotMode::Stopped),
+        ("reflex", RobotMode::Reflex),
+        ("user_stop", RobotMode::UserStop),
+    ];
+    for (name, mode) in modes {
+        measurements.take_mode(&said(name), after(2)).unwrap();
+        state.header.stamp.nanosec += 1;
+        measurements.take_joint_state(&state, after(3)).unwrap();
+        assert_eq!(measurements.newest().robot.mode, Some(mode));
+    }
+    let unknown = measurements.take_mode(&said("Running"), after(3)).unwrap_err();
+    assert!(unknown.to_string().contains("\"Running\", expected one of running"), "{unknown}");
+    // Its joints go on, and it says nothing any more.
+    measurements.take_odometry(&later(odometry(0.0)), after(1001)).unwrap();
+    state.header.stamp.sec += 1;
+    measurements.take_joint_state(&state, after(1003)).unwrap();
+    assert_eq!(measurements.newest().robot, RobotStatus::default());
+}
+
+/// A second later.
+fn later(mut odometry: Odometry) -> Odometry {
+    odometry.header.stamp.sec += 1;
+    odometry
 }
 
 #[test]
@@ -59,9 +99,11 @@ fn joints_of_another_robot_are_refused_with_their_names() {
 fn joint_states_that_are_no_numbers_are_refused() {
     for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let refusal = |what| Refusal::NotFinite { what };
+        if wrong.is_infinite() {
+            assert_eq!(refused(|state| state.effort[3] = wrong), refusal("effort"));
+        }
         assert_eq!(refused(|state| state.position[0] = wrong), refusal("position"));
         assert_eq!(refused(|state| state.velocity[6] = wrong), refusal("velocity"));
-        assert_eq!(refused(|state| state.effort[3] = wrong), refusal("effort"));
     }
 }
 

@@ -1,4 +1,4 @@
-use examples::robot_side::ros2::messages::{Text, Time};
+use examples::robot_side::ros2::messages::{Float64MultiArray, PoseArray, Text, Time};
 use examples::robot_side::ros2::{Perceived, Refusal};
 use nalgebra::Point3;
 use vision_models::{Action, Body25, Tool};
@@ -69,9 +69,53 @@ fn bodies_that_are_none_are_refused() {
     assert!(matches!(simulated, Refusal::Old { .. }), "{simulated}");
 }
 
+/// All the same, for a body.
+fn confidences(poses: &PoseArray, confidence: f64) -> Float64MultiArray {
+    let Time { sec, nanosec } = poses.header.stamp;
+    let mut data = vec![f64::from(sec), f64::from(nanosec)];
+    data.resize(2 + poses.poses.len(), confidence);
+    Float64MultiArray { data, ..Float64MultiArray::default() }
+}
+
+#[test]
+fn confidences_go_with_the_body_of_their_stamp() {
+    let mut poses = body();
+    let mut message = confidences(&poses, 0.9);
+    message.data[2 + Body25::LeftWrist.index()] = 0.2;
+    let mut perceived = Perceived::default();
+    perceived.take_confidences(&message).unwrap();
+    let person = perceived.take_body(&poses, after(80)).unwrap().body.unwrap();
+    let of = |joint| person.get(joint).unwrap().confidence.value();
+    assert_eq!((of(Body25::LeftWrist), of(Body25::Nose)), (0.2, 0.9));
+    // Those of another frame say nothing of this one.
+    perceived.take_action(&Text { data: "Using The Drill".to_owned() }, after(80)).unwrap();
+    poses.header.stamp.nanosec += 50_000_000;
+    let seen = perceived.take_body(&poses, after(130)).unwrap();
+    assert_eq!(seen.body.unwrap().iter().count(), 25, "who is seen counts");
+    assert_eq!(seen.action, None, "but the robot works with nobody of unknown confidence");
+}
+
+#[test]
+fn confidences_that_are_none_are_refused() {
+    let poses = body();
+    for (wrong, expected) in [(1.5, "1.5"), (-0.1, "-0.1"), (f64::NAN, "NaN")] {
+        let refused = Perceived::default().take_confidences(&confidences(&poses, wrong));
+        let text = refused.unwrap_err().to_string();
+        assert!(text.contains(&format!("a confidence of {expected}")), "{text}");
+    }
+    let mut cut = confidences(&poses, 1.0);
+    for length in [26, 2, 1, 0] {
+        cut.data.truncate(length);
+        let refused = Perceived::default().take_confidences(&cut).unwrap_err();
+        let expected = Refusal::Size { what: "body confidences", found: length, expected: 27 };
+        assert_eq!(refused, expected);
+    }
+}
+
 #[test]
 fn an_action_holds_for_a_second() {
     let (mut perceived, mut poses) = (Perceived::default(), body());
+    perceived.take_confidences(&confidences(&poses, 0.9)).unwrap();
     let named = |name: &str| Text { data: name.to_owned() };
     perceived.take_action(&named("Using The Drill"), after(0)).unwrap();
     let unknown = perceived.take_action(&named("drilling"), after(0)).unwrap_err();
@@ -79,6 +123,7 @@ fn an_action_holds_for_a_second() {
     let seen = perceived.take_body(&poses, after(900)).unwrap();
     assert_eq!(seen.action.map(|seen| seen.action), Some(Action::Using(Tool::Drill)));
     poses.header.stamp.sec += 1;
+    perceived.take_confidences(&confidences(&poses, 0.9)).unwrap();
     let seen = perceived.take_body(&poses, after(1100)).unwrap();
     assert_eq!(seen.action, None);
 }

@@ -2,10 +2,19 @@
 
 use super::robot_side::{JointCommand, JointMeasurement};
 
-/// What a loop computes. No call may allocate, wait or block.
+/// What a loop computes. No call but [`begin`](Self::begin) may allocate, wait or block.
 pub trait ControlLaw {
     /// Misuse, so that the loop must end. What the law can handle it handles itself.
     type Error;
+
+    /// Takes the first measurement, before the first step. It may allocate and tell people, for nothing moves yet.
+    ///
+    /// # Errors
+    /// Why the law cannot move a robot that measures this; the loop then ends without a command.
+    fn begin(&mut self, measured: &JointMeasurement) -> Result<(), Self::Error> {
+        let _ = measured;
+        Ok(())
+    }
 
     /// Writes the command for the period that begins at `now` \[s\].
     ///

@@ -213,6 +213,7 @@ impl ControlLoop {
         let Some(fresh) = self.listen(robot, law, clock, begun, stop)? else {
             return Ok(LoopEnding { cause: StopCause::Requested, at_rest: None });
         };
+        law.begin(&self.measured).map_err(LoopError::Law)?;
         let mut progress = Progress { begun, fresh, stopping: None };
         // The first tick comes at once, and all others are due from then on.
         let first = clock.now();

@@ -1,0 +1,68 @@
+//! What people should know before the robot moves.
+
+use moca_model::whole_body::{ControlLaw, JointCommand, JointMeasurement};
+use moca_model::{Error, LoopController};
+
+/// A [`LoopController`] that tells people, once and before the first command, what it does without.
+#[derive(Debug)]
+pub struct AnnouncedLaw<F> {
+    law: LoopController,
+    tell: F,
+}
+
+impl<F: FnMut(&str)> AnnouncedLaw<F> {
+    /// Of this law, with what tells people.
+    pub fn new(law: LoopController, tell: F) -> Self {
+        Self { law, tell }
+    }
+}
+
+impl<F: FnMut(&str)> ControlLaw for AnnouncedLaw<F> {
+    type Error = Error;
+
+    fn begin(&mut self, measured: &JointMeasurement) -> Result<(), Error> {
+        self.law.begin(measured)?;
+        if !self.law.controller().feels_contacts() {
+            (self.tell)(
+                "the robot measures no torques of its arm: nothing is felt, so force limiting is off, and the robot \
+                 keeps its protective distance from everybody, those included with whom it works",
+            );
+        }
+        if measured.robot.mode.is_none() {
+            (self.tell)(
+                "the robot does not say whether it takes commands: a stop of its own is noticed only when it does \
+                 not follow",
+            );
+        }
+        Ok(())
+    }
+
+    fn step(
+        &mut self,
+        now: f64,
+        measured: &JointMeasurement,
+        command: &mut JointCommand,
+    ) -> Result<(), Error> {
+        self.law.step(now, measured, command)
+    }
+
+    fn perception_age(&self) -> Option<f64> {
+        self.law.perception_age()
+    }
+
+    fn request_stop(&mut self) {
+        self.law.request_stop();
+    }
+
+    fn is_at_rest(&self, measured: &JointMeasurement) -> Option<bool> {
+        self.law.is_at_rest(measured)
+    }
+
+    fn longest_interval(&self) -> Option<f64> {
+        self.law.longest_interval()
+    }
+
+    fn measurement_age(&self, measured: &JointMeasurement) -> f64 {
+        self.law.measurement_age(measured)
+    }
+}

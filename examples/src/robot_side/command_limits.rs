@@ -1,0 +1,89 @@
+//! Which commands a robot does not take.
+
+use moca_model::whole_body::{JointCommand, Model};
+use moca_model::{MOCA_BASE_JOINTS, MOCA_JOINTS};
+
+/// How far beyond a limit a command may be: rounding, and lists of limits that differ a little.
+const MARGIN: f64 = 1.05;
+/// A command that begins after a stop asks at most for this speed \[m/s or rad/s\].
+const REST: f64 = 0.02;
+
+/// Why a robot does not take a command.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CommandRefusal {
+    /// A number is beyond the limits of its joint, by more than a twentieth of them.
+    #[error("a command with {what} {value} of joint {joint}, which takes at most {limit}")]
+    Limit {
+        /// `velocity` \[m/s or rad/s\] or `torque` \[N or Nm\].
+        what: &'static str,
+        /// The joint.
+        joint: &'static str,
+        /// The number.
+        value: f64,
+        /// The limit.
+        limit: f64,
+    },
+    /// The robot has stopped by itself, and still moves.
+    #[error("a command while the robot brakes that stopped by itself")]
+    Braking,
+    /// The robot stopped by itself, and the command does not begin at rest.
+    #[error(
+        "a command that asks for {speed} m/s or rad/s of a robot that stopped by itself; begin at rest, \
+         at most {REST}"
+    )]
+    NotAtRest {
+        /// Of the base's fastest axis.
+        speed: f64,
+    },
+}
+
+/// The limits that a robot's side holds commands to.
+#[derive(Clone, Debug)]
+pub struct CommandLimits {
+    /// Speed and torque of each joint.
+    joints: Vec<[f64; 2]>,
+}
+
+impl CommandLimits {
+    /// Those of MOCA: the limits of its URDF with a margin of a twentieth.
+    pub fn new(model: &Model) -> Self {
+        let limits = model.limits().iter();
+        Self { joints: limits.map(|limits| [limits.velocity, limits.effort]).collect() }
+    }
+
+    /// Checks velocities of all joints and torques of the arm.
+    ///
+    /// # Errors
+    /// [`CommandRefusal::Limit`] names the first number that is beyond.
+    pub fn check(&self, command: &JointCommand) -> Result<(), CommandRefusal> {
+        let joints = self.joints.iter().zip(command.velocity.iter().zip(&command.torque));
+        for (index, ([fastest, strongest], (velocity, torque))) in joints.enumerate() {
+            let joint = MOCA_JOINTS.get(index).copied().unwrap_or("?");
+            let parts = [("velocity", velocity, fastest), ("torque", torque, strongest)];
+            let driven = if index < MOCA_BASE_JOINTS { 1 } else { 2 };
+            for (what, value, limit) in parts.into_iter().take(driven) {
+                let within = value.abs() <= MARGIN * limit;
+                if !within {
+                    return Err(CommandRefusal::Limit {
+                        what,
+                        joint,
+                        value: *value,
+                        limit: *limit,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that a command after a stop begins at rest.
+    ///
+    /// # Errors
+    /// [`CommandRefusal::NotAtRest`]
+    pub fn check_begin(&self, command: &JointCommand) -> Result<(), CommandRefusal> {
+        let base = command.velocity.iter().take(MOCA_BASE_JOINTS);
+        let speed = base.fold(0.0, |most: f64, velocity| most.max(velocity.abs()));
+        if speed <= REST { Ok(()) } else { Err(CommandRefusal::NotAtRest { speed }) }
+    }
+}
