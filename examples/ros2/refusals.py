@@ -61,7 +61,7 @@ def main() -> int:
     text = graph.writer(stranger, "/odom", String)
     unstamped = DataReader(stranger, Topic(stranger, "rt/cmd_vel", Twist), graph.RELIABLE)
     drive = subprocess.Popen(
-        [options.drive, "--ros2", "--quiet"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [options.drive, "--ros2", "--compensation", "nothing", "--quiet"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     while drive.poll() is None:
         for state in joint_states():
