@@ -2,8 +2,8 @@
 
 use super::impedance::JointState;
 
-/// Without anything new for this long a robot is not measured \[s\]: twice the period of 250 Hz, and a millisecond.
-const MISSING: f64 = 9e-3;
+/// Without anything new for this long a robot is not measured \[s\]: twice the period of 250 Hz.
+const MISSING: f64 = 8e-3;
 /// Measurements at first by which is judged whether every one differs from the one before, as noise makes it.
 const JUDGED: u32 = 20;
 /// So many equal measurements in a row are no lost packet that was measured again, nor a robot that measures at 250 Hz.
@@ -16,7 +16,7 @@ const MOTION_OF_ONE: f64 = 5e-2;
 /// What is wrong with the measurements of a robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MeasurementFault {
-    /// None came for more than 9 ms.
+    /// None came for 8 ms.
     Missing,
     /// They came, but all of them, or those of one joint, were the same while the robot was to move, or while noise
     /// had changed every one before.
