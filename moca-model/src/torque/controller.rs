@@ -312,7 +312,7 @@ impl TorqueController {
     /// the arm are [`torque`](Self::torque). Allocates nothing.
     ///
     /// Between measurements the state is predicted ([`StatePrediction`]): spring and damper act on the prediction, and
-    /// fade with its age until the arm only carries itself. What is missing for 8 ms, or frozen
+    /// fade with its age until the arm only carries itself. What is missing for 6 to 8 ms, or frozen
     /// ([`MeasurementWatch`]), is a [`Fault::MissingMeasurement`] or [`Fault::FrozenMeasurement`].
     ///
     /// A measurement of which any number cannot be used is a [`Fault::BadMeasurement`], and the command
