@@ -9,9 +9,14 @@ use super::settings::PersonBodySettings;
 /// How long errors of joints with known covariances last \[s\].
 const CORRELATION_TIME: f64 = 0.05;
 
-/// A person's joint may change its velocity within a quarter of a second: its acceleration is as large as its speed
-/// times this \[1/s\].
-const CHANGE_RATE: f64 = 4.0;
+/// The acceleration of who surely moves is as large as their speed times this \[1/s\], or as the acceleration seen so
+/// far times that.
+const SPEED_CHANGE: f64 = 6.0;
+const ACCELERATION_CHANGE: f64 = 2.0;
+/// A speed, or an acceleration, is sure beyond so many of its standard deviations.
+const SURE: f64 = 2.5;
+/// Elbows, wrists, knees and ankles accelerate so much more than trunk and head.
+const LIMB: f64 = 2.0;
 
 /// How long an acceleration lasts \[s\].
 const LASTS: f64 = 0.3;
@@ -23,6 +28,7 @@ const MOST: f64 = 25.0;
 #[derive(Debug, Clone)]
 struct Group {
     joints: &'static [Body25],
+    kind: Kind,
     /// Where each is expected \[m\].
     places: [Option<Vector3<f64>>; LARGEST],
     /// The state that they share \[m/s, m/s²\].
@@ -34,11 +40,29 @@ struct Group {
     seen: Option<Span>,
 }
 
+/// How joints accelerate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    /// As trunk and head of somebody who may do anything.
+    Trunk,
+    /// As limbs.
+    Limb,
+    /// As evenly as the trunk of somebody who works.
+    Even,
+}
+
 #[derive(Debug, Clone, Copy)]
 struct Span {
     since: f64,
     last: f64,
 }
+
+const LIMBS: [Body25; 8] = {
+    use Body25::{
+        LeftAnkle, LeftElbow, LeftKnee, LeftWrist, RightAnkle, RightElbow, RightKnee, RightWrist,
+    };
+    [LeftElbow, RightElbow, LeftWrist, RightWrist, LeftKnee, RightKnee, LeftAnkle, RightAnkle]
+};
 
 /// The most joints of a group.
 const LARGEST: usize = 6;
@@ -79,8 +103,8 @@ const GROUPS: [&[Body25]; 15] = {
 /// The velocities of a person's joints, by a Kalman filter for each group of joints that move alike.
 ///
 /// State: place, velocity and acceleration, which fades within [`LASTS`] (Singer, 1970). The acceleration has the
-/// standard deviation √(a₀² + (v / ¼ s)² + a²), with a₀ of the settings and v and a as filtered: who stands may begin
-/// to move, and who moves may stop or turn back. A joint alone has an innovation of its own; a group the mean of
+/// standard deviation √(a₀² + (6 v / s)² + (2 a)²), with a₀ of the settings and v and a as filtered, beyond what noise
+/// makes of them: who stands may begin to move, and who moves may stop or turn back. A joint alone has an innovation of its own; a group the mean of
 /// those of its joints that are seen.
 #[derive(Debug, Clone)]
 pub(super) struct JointVelocities {
@@ -90,7 +114,10 @@ pub(super) struct JointVelocities {
 
 impl JointVelocities {
     pub(super) fn new() -> Self {
-        Self { groups: GROUPS.map(Group::new), trunk: Group::new(TRUNK) }
+        Self {
+            groups: GROUPS.map(Group::new),
+            trunk: Group { kind: Kind::Even, ..Group::new(TRUNK) },
+        }
     }
 
     /// Forgets all of them.
@@ -145,6 +172,11 @@ impl Group {
     fn new(joints: &'static [Body25]) -> Self {
         Self {
             joints,
+            kind: if joints.first().is_some_and(|joint| LIMBS.contains(joint)) {
+                Kind::Limb
+            } else {
+                Kind::Trunk
+            },
             places: [None; LARGEST],
             velocity: Vector3::zeros(),
             acceleration: Vector3::zeros(),
@@ -231,9 +263,19 @@ impl Group {
         for place in self.places.iter_mut().flatten() {
             *place += moved;
         }
-        let spread = settings.acceleration.powi(2)
-            + (self.velocity * CHANGE_RATE).norm_squared()
-            + self.acceleration.norm_squared();
+        let sure = |value: &Vector3<f64>, variance: f64| {
+            (value.norm() - SURE * variance.max(0.0).sqrt()).max(0.0)
+        };
+        let spread = match self.kind {
+            Kind::Even => settings.working_acceleration.powi(2),
+            Kind::Trunk | Kind::Limb => {
+                let share = if self.kind == Kind::Limb { LIMB } else { 1.0 };
+                let moves = SPEED_CHANGE * sure(&self.velocity, self.covariance[(1, 1)]);
+                let changes =
+                    ACCELERATION_CHANGE * sure(&self.acceleration, self.covariance[(2, 2)]);
+                (share * settings.acceleration).powi(2) + moves.powi(2) + changes.powi(2)
+            }
+        };
         self.velocity += self.acceleration * state[(1, 2)];
         self.acceleration *= state[(2, 2)];
         self.covariance =

@@ -33,9 +33,12 @@ pub struct PersonBodySettings {
     /// Standard deviation of the acceleration of somebody who stands \[m/s²\]: how soon they may begin to lean or
     /// to walk. Default 2.
     pub acceleration: f64,
+    /// The same of the trunk of somebody who works with the robot \[m/s²\]: for contacts a part moves as the trunk
+    /// until its own joints show that it does not. Default 0.4.
+    pub working_acceleration: f64,
     /// How many standard deviations faster than measured a part may be \[-\]. Default 3.
     pub speed_deviations: f64,
-    /// How much faster than measured it may be for each second since it was seen \[m/s²\]. Default 1.5.
+    /// How much faster than measured it may be for each second since it was seen \[m/s²\]. Default 1.
     pub onset: f64,
     /// After how long without being seen a person is taken to have left \[s\]. Until then what is
     /// not seen grows as fast as a person may come nearer. Default 10.
@@ -54,8 +57,9 @@ impl Default for PersonBodySettings {
             believed_for: 0.5,
             position_sigma: 0.02,
             acceleration: 2.0,
+            working_acceleration: 0.4,
             speed_deviations: 3.0,
-            onset: 1.5,
+            onset: 1.0,
             forget_after: 10.0,
         }
     }
@@ -185,6 +189,7 @@ impl SafetySettings {
             ("safety.person.forget_after", self.person.forget_after),
             ("safety.person.position_sigma", self.person.position_sigma),
             ("safety.person.acceleration", self.person.acceleration),
+            ("safety.person.working_acceleration", self.person.working_acceleration),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Error::Setting { name, value, expected: "positive and finite" });
