@@ -121,7 +121,7 @@ impl Movement {
         let seated = Posture { lean: 0.1, drop: 0.24, back: 0.2, ..still };
         let sitting = Posture { lean: 0.7, drop: 0.12, back: 0.1, ..still };
         match self {
-            Self::Bow => there_and_back(Posture { lean: 1.1 * size, ..still }, time),
+            Self::Bow => there_and_back(Posture { lean: 0.95 * size, ..still }, time),
             Self::Kneel => {
                 let kneeling = Posture { drop: 0.235, feet_back: 0.22, lean: 0.1, ..still };
                 there_and_back(kneeling, 1.2 * time)
@@ -129,25 +129,25 @@ impl Movement {
             Self::SitDown => {
                 let pause = rest + 1.0;
                 vec![
-                    (sitting, 0.6 * time),
-                    (seated, 0.6 * time),
-                    (seated, pause),
                     (sitting, 0.9 * time),
-                    (still, 0.9 * time),
+                    (seated, 0.9 * time),
+                    (seated, pause),
+                    (sitting, 1.1 * time),
+                    (still, 1.1 * time),
                 ]
             }
             Self::GetUp => vec![
-                (sitting, 0.9 * time),
-                (seated, 0.9 * time),
+                (sitting, 1.1 * time),
+                (seated, 1.1 * time),
                 (seated, rest),
-                (sitting, 0.55 * time),
-                (still, 0.55 * time),
+                (sitting, 0.9 * time),
+                (still, 0.9 * time),
             ],
             Self::LeanSideways => {
                 there_and_back(Posture { aside: side * 0.65 * size, ..still }, 0.9 * time)
             }
             Self::ReachOverhead => {
-                let hands = both(Vector3::new(0.1, 0.02, 0.62 * size));
+                let hands = both(Vector3::new(0.1, 0.12, 0.6 * size));
                 there_and_back(Posture { hands, ..still }, 0.9 * time)
             }
             Self::Turn => there_and_back(Posture { turn: side * PI * size, ..still }, 1.9 * time),
@@ -158,7 +158,7 @@ impl Movement {
             Self::PickUp => {
                 let hands = [Vector3::zeros(), Vector3::new(0.1, 0.05, -0.15)];
                 let down = Posture { drop: 0.14, lean: 1.0 * size, hands, ..still };
-                there_and_back(down, 1.1 * time)
+                there_and_back(down, 1.3 * time)
             }
             Self::StepSideways => {
                 there_and_back(Posture { step: side * 0.3 * size, ..still }, 0.8 * time)
@@ -171,7 +171,7 @@ impl Movement {
                 let swing = 0.5 * time;
                 let mut swings = vec![(at(0.3 * size), 0.6 * time)];
                 for _ in 0..3 {
-                    swings.extend([(at(-0.15 * size), swing), (at(0.3 * size), swing)]);
+                    swings.extend([(at(-0.08 * size), swing), (at(0.3 * size), swing)]);
                 }
                 swings.push((still, 0.6 * time));
                 swings

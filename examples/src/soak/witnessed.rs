@@ -7,7 +7,7 @@ use crate::separation::{Moment, body};
 use crate::simulation::{Joints, Wanderer};
 
 /// How fast arms are at most \[m/s\].
-const FASTEST_ARM: f64 = 6.0;
+const FASTEST_ARM: f64 = 8.0;
 
 /// A person, from the beginning of the episode on.
 #[derive(Clone, Debug)]

@@ -38,7 +38,7 @@ pub struct PersonBodySettings {
     pub working_acceleration: f64,
     /// How many standard deviations faster than measured a part may be \[-\]. Default 3.
     pub speed_deviations: f64,
-    /// How much faster than measured it may be for each second since it was seen \[m/s²\]. Default 1.
+    /// How much faster than measured it may be for each second since it was seen \[m/s²\]. Default 0.5.
     pub onset: f64,
     /// After how long without being seen a person is taken to have left \[s\]. Until then what is
     /// not seen grows as fast as a person may come nearer. Default 10.
@@ -59,7 +59,7 @@ impl Default for PersonBodySettings {
             acceleration: 2.0,
             working_acceleration: 0.4,
             speed_deviations: 3.0,
-            onset: 1.0,
+            onset: 0.5,
             forget_after: 10.0,
         }
     }
