@@ -15,8 +15,9 @@ const SPEED_CHANGE: f64 = 6.0;
 const ACCELERATION_CHANGE: f64 = 2.0;
 /// A speed, or an acceleration, is sure beyond so many of its standard deviations.
 const SURE: f64 = 2.5;
-/// Elbows, wrists, knees and ankles accelerate so much more than trunk and head.
-const LIMB: f64 = 2.0;
+/// Elbows and wrists, and knees and ankles, accelerate so much more than trunk and head.
+const ARM: f64 = 3.0;
+const LEG: f64 = 2.0;
 
 /// How long an acceleration lasts \[s\].
 const LASTS: f64 = 0.3;
@@ -43,10 +44,8 @@ struct Group {
 /// How joints accelerate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
-    /// As trunk and head of somebody who may do anything.
-    Trunk,
-    /// As limbs.
-    Limb,
+    /// As those of somebody who may do anything, so much more than trunk and head.
+    Any(f64),
     /// As evenly as the trunk of somebody who works.
     Even,
 }
@@ -56,13 +55,6 @@ struct Span {
     since: f64,
     last: f64,
 }
-
-const LIMBS: [Body25; 8] = {
-    use Body25::{
-        LeftAnkle, LeftElbow, LeftKnee, LeftWrist, RightAnkle, RightElbow, RightKnee, RightWrist,
-    };
-    [LeftElbow, RightElbow, LeftWrist, RightWrist, LeftKnee, RightKnee, LeftAnkle, RightAnkle]
-};
 
 /// The most joints of a group.
 const LARGEST: usize = 6;
@@ -170,13 +162,17 @@ impl JointVelocities {
 
 impl Group {
     fn new(joints: &'static [Body25]) -> Self {
+        use Body25::{
+            LeftAnkle, LeftElbow, LeftKnee, LeftWrist, RightAnkle, RightElbow, RightKnee,
+            RightWrist,
+        };
         Self {
             joints,
-            kind: if joints.first().is_some_and(|joint| LIMBS.contains(joint)) {
-                Kind::Limb
-            } else {
-                Kind::Trunk
-            },
+            kind: Kind::Any(match joints.first() {
+                Some(LeftElbow | RightElbow | LeftWrist | RightWrist) => ARM,
+                Some(LeftKnee | RightKnee | LeftAnkle | RightAnkle) => LEG,
+                _ => 1.0,
+            }),
             places: [None; LARGEST],
             velocity: Vector3::zeros(),
             acceleration: Vector3::zeros(),
@@ -268,8 +264,7 @@ impl Group {
         };
         let spread = match self.kind {
             Kind::Even => settings.working_acceleration.powi(2),
-            Kind::Trunk | Kind::Limb => {
-                let share = if self.kind == Kind::Limb { LIMB } else { 1.0 };
+            Kind::Any(share) => {
                 let moves = SPEED_CHANGE * sure(&self.velocity, self.covariance[(1, 1)]);
                 let changes =
                     ACCELERATION_CHANGE * sure(&self.acceleration, self.covariance[(2, 2)]);
@@ -352,5 +347,106 @@ impl Transition {
             acceleration,
         );
         Self { state, noise }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::Rng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+
+    use super::*;
+
+    const FRAME: f64 = 0.05;
+
+    /// Nearly normal, of deviation 1: twelve uniform numbers.
+    fn normal(draw: &mut ChaCha8Rng) -> f64 {
+        (0..12).map(|_| draw.random_range(-0.5..0.5_f64)).sum()
+    }
+
+    /// Place and velocity along x of somebody who stands, moves with the least jerk and stands again, each time with
+    /// at most this acceleration \[m, m/s\]; frame by frame.
+    fn bows(most: f64, draw: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
+        let (mut frames, mut begin, mut from, mut side) = (Vec::new(), 1.0, 0.0, 1.0);
+        while frames.len() < 400 {
+            let time: f64 = draw.random_range(0.6..1.4);
+            // The largest acceleration of the least jerk is 10/√3 D/T².
+            let way =
+                side * most * draw.random_range(0.3..1.0) * time * time * 3.0_f64.sqrt() / 10.0;
+            let end = begin + time + draw.random_range(0.3..2.0);
+            while FRAME * (frames.len() as f64) < end {
+                let s = ((FRAME * (frames.len() as f64) - begin) / time).clamp(0.0, 1.0);
+                let place = from + way * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
+                frames.push((place, way / time * 30.0 * (s * (1.0 - s)).powi(2)));
+            }
+            (from, begin, side) = (from + way, end, -side);
+        }
+        frames
+    }
+
+    /// The share of frames in which the claim about the head holds, and what it is in the mean \[m/s\].
+    fn holds(most: f64, sigma: f64) -> (f64, f64) {
+        let settings = PersonBodySettings::default();
+        let mut draw = ChaCha8Rng::seed_from_u64(7);
+        let (mut kept, mut frames, mut sum) = (0.0, 0.0, 0.0);
+        for _ in 0..20 {
+            let mut velocities = JointVelocities::new();
+            for (frame, (place, speed)) in bows(most, &mut draw).into_iter().enumerate() {
+                let time = FRAME * (frame as f64);
+                let noisy = Vector3::from_fn(|_, _| sigma * normal(&mut draw));
+                let place = Vector3::new(place, 0.0, 1.6) + noisy;
+                velocities.observe(
+                    time,
+                    &Body::default(),
+                    |joint| (joint == Body25::Nose).then_some(place),
+                    &settings,
+                );
+                let Some(known) = velocities.of(Body25::Nose, time, 9.0, &settings) else {
+                    continue;
+                };
+                frames += 1.0;
+                sum += known.uncertainty;
+                kept += f64::from(u8::from((known.mean.x - speed).abs() <= known.uncertainty));
+            }
+        }
+        (kept / frames, sum / frames)
+    }
+
+    #[test]
+    fn who_stands_is_known_to_half_a_metre_a_second() {
+        let (kept, uncertainty) = holds(0.0, 0.02);
+        assert!(kept > 0.998 && uncertainty < 0.55, "{kept} {uncertainty}");
+    }
+
+    #[test]
+    fn the_claim_about_a_head_that_leans_holds() {
+        for most in [1.0, 3.0, 4.5] {
+            let (kept, _) = holds(most, 0.02);
+            assert!(kept >= 0.995, "{kept} at {most} m/s²");
+        }
+        let (kept, _) = holds(6.0, 0.02);
+        assert!(kept >= 0.98, "{kept} at 6 m/s²");
+    }
+
+    #[test]
+    fn who_is_not_seen_long_enough_or_no_more_is_not_measured() {
+        let settings = PersonBodySettings::default();
+        let mut velocities = JointVelocities::new();
+        for frame in 0..20_u32 {
+            let time = FRAME * f64::from(frame);
+            let place = Vector3::new(0.5 * time, 0.0, 1.6);
+            let seen = |joint| (joint == Body25::Nose).then_some(place);
+            velocities.observe(time, &Body::default(), seen, &settings);
+            let known = velocities.of(Body25::Nose, time, 9.0, &settings);
+            assert_eq!(known.is_some(), time >= settings.settling - 1e-9, "{time} s");
+        }
+        let of = |now| velocities.of(Body25::Nose, now, 9.0, &settings);
+        let (fresh, old) = (of(0.95).unwrap(), of(1.4).unwrap());
+        assert!((fresh.mean.x - 0.5).abs() < 0.02 && old.mean == fresh.mean);
+        assert!(old.uncertainty >= fresh.uncertainty + 0.44 * settings.onset);
+        assert_eq!(of(1.5), None);
+        assert_eq!(velocities.of(Body25::Nose, 0.95, 0.1, &settings), None);
+        assert_eq!(velocities.of(Body25::Neck, 0.95, 9.0, &settings), None);
     }
 }

@@ -31,14 +31,14 @@ pub struct PersonBodySettings {
     /// Standard deviation of where a joint is seen, each axis, where no covariance is known \[m\]. Default 0.02.
     pub position_sigma: f64,
     /// Standard deviation of the acceleration of somebody who stands \[m/s²\]: how soon they may begin to lean or
-    /// to walk. Default 2.
+    /// to walk. Default 1.6.
     pub acceleration: f64,
     /// The same of the trunk of somebody who works with the robot \[m/s²\]: for contacts a part moves as the trunk
     /// until its own joints show that it does not. Default 0.4.
     pub working_acceleration: f64,
     /// How many standard deviations faster than measured a part may be \[-\]. Default 3.
     pub speed_deviations: f64,
-    /// How much faster than measured it may be for each second since it was seen \[m/s²\]. Default 0.5.
+    /// How much faster than measured it may be for each second since it was seen \[m/s²\]. Default 1.
     pub onset: f64,
     /// After how long without being seen a person is taken to have left \[s\]. Until then what is
     /// not seen grows as fast as a person may come nearer. Default 10.
@@ -56,10 +56,10 @@ impl Default for PersonBodySettings {
             settling: 0.3,
             believed_for: 0.5,
             position_sigma: 0.02,
-            acceleration: 2.0,
+            acceleration: 1.6,
             working_acceleration: 0.4,
             speed_deviations: 3.0,
-            onset: 0.5,
+            onset: 1.0,
             forget_after: 10.0,
         }
     }
