@@ -21,6 +21,7 @@
 mod disturbance;
 mod episode;
 mod monitor;
+mod movements;
 mod run;
 mod summary;
 mod task;
@@ -29,6 +30,7 @@ mod witnessed;
 
 pub use disturbance::{Disturbance, Endings, StateCounts};
 pub use monitor::{Counts, Monitor, Tick};
+pub use movements::{MovementResult, MovementResults, Movements};
 pub use run::{EpisodeResult, Job, PROGRAM, Soak, SoakPart, merged_summary, summary};
 pub use summary::Summary;
 pub use tick_times::TickTimes;

@@ -41,6 +41,7 @@ fn bodies() -> (Vec<RobotBody>, Vec<PersonBody>) {
     let robot = robot.map(|(i, capsule)| RobotBody { capsule, joints: 4 + 2 * i }).collect();
     let walking = Some(MeasuredVelocity::exact(Vector3::new(-0.5, 0.1, 0.0)));
     let part = |capsule| PersonBody {
+        assumed_speed: 1.6,
         capsule,
         velocity: walking,
         age: 0.0,

@@ -68,7 +68,14 @@ use undercut::Undercut;
 /// let robot = [RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.1)?, joints: 1 }];
 /// let head = Capsule::sphere(Vector3::new(1.5, 0.0, 0.0), 0.1)?;
 /// let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
-/// let person = [PersonBody { capsule: head, velocity, age: 0.0, uncertainty: 0.0, contact: None }];
+/// let person = [PersonBody {
+///     capsule: head,
+///     velocity,
+///     assumed_speed: 1.6,
+///     age: 0.0,
+///     uncertainty: 0.0,
+///     contact: None,
+/// }];
 /// let nearest = separation.write(&motion, &robot, &person, &mut rows)?;
 /// assert!((nearest.map_or(0.0, |pair| pair.distance) - 1.3).abs() < 1e-12);
 /// let limit = SeparationSettings::default().approach_limit(1.3, 0.0);
@@ -183,8 +190,8 @@ impl ApproachRows {
         let base_joints = self.settings.base.map_or(0, |base| base.joints);
         self.changes.update(motion);
         self.speeds.clear();
-        let (settings, watched) = (&self.settings, self.watched_room);
-        let speeds_of = |part: &PersonBody| PartSpeeds::of(part, settings, watched);
+        let watched = self.watched_room;
+        let speeds_of = |part: &PersonBody| PartSpeeds::of(part, watched);
         self.speeds.extend(person.iter().take(PARTS).map(speeds_of));
         let mut before: Option<BodyMotion> = None;
         for (i, body) in robot.iter().enumerate() {
@@ -229,7 +236,7 @@ impl ApproachRows {
         }
         let other = from.max(bounds.len());
         let part = person.get(other)?;
-        let speeds = PartSpeeds::of(part, &self.settings, self.watched_room);
+        let speeds = PartSpeeds::of(part, self.watched_room);
         Some((other, part, speeds.farthest(moves, reach)))
     }
 

@@ -32,9 +32,11 @@ const CREEP: f64 = 0.02;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SeparationSettings {
-    /// v_h, the speed of a person towards the robot where it is not measured \[m/s\]. Default 1.6,
-    /// the standard's.
+    /// v_h, the speed of a person's body towards the robot where it is not measured \[m/s\]. Default 1.6,
+    /// the speed of walking of ISO 13855.
     pub human_speed: f64,
+    /// The same of hands and arms \[m/s\]. Default 2.0, the speed of reaching of ISO 13855.
+    pub arm_speed: f64,
     /// T_r, from the person's motion to the robot's first reaction, the perception's latency
     /// included \[s\]. Default 0.15: a 20 Hz frame and 0.1 s of recognition.
     pub reaction_time: f64,
@@ -54,6 +56,7 @@ impl Default for SeparationSettings {
     fn default() -> Self {
         Self {
             human_speed: 1.6,
+            arm_speed: 2.0,
             reaction_time: 0.15,
             deceleration: 2.0,
             base: None,
@@ -70,6 +73,7 @@ impl SeparationSettings {
     pub fn between_own_bodies(period: f64, deceleration: f64, margin: f64) -> Self {
         Self {
             human_speed: 0.0,
+            arm_speed: 0.0,
             reaction_time: period,
             deceleration,
             base: None,
@@ -85,6 +89,7 @@ impl SeparationSettings {
     /// [`Error::Parameter`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         not_negative("the human speed", self.human_speed)?;
+        not_negative("the speed of an arm", self.arm_speed)?;
         positive("the reaction time", self.reaction_time)?;
         positive("the deceleration of the robot", self.deceleration)?;
         if let Some(base) = &self.base {
@@ -112,12 +117,6 @@ impl SeparationSettings {
     pub(crate) fn braking_worst(&self) -> Self {
         let worst = self.base.map_or(f64::INFINITY, |base| base.deceleration);
         Self { deceleration: self.deceleration.min(worst), ..*self }
-    }
-
-    /// v_h of a person whose velocity towards the robot is `measured`, with its uncertainty; receding counts
-    /// as standing \[m/s\].
-    pub fn speed_towards_robot(&self, measured: Option<f64>) -> f64 {
-        measured.map_or(self.human_speed, |speed| speed.max(0.0))
     }
 
     /// S_p = v_h(T_r + T_s) + v_r T_r + v_r²/(2a) + C + Z_d + Z_r with T_s = v_r/a: the distance at

@@ -307,7 +307,6 @@ impl Controller {
             now,
             elapsed,
             age: self.clock.age(),
-            person: self.space.person(),
             together: self.space.is_shared(),
             feels: self.feels,
         };

@@ -2,6 +2,7 @@
 
 mod body_parts;
 mod bystanders;
+mod joint_velocity;
 mod person_bodies;
 mod settings;
 
@@ -11,7 +12,7 @@ use hrsw::{
     SafetyState, SeparationSettings, SpeedCap, Supervisor, SupervisorSettings, proximity,
 };
 use nalgebra::Vector3;
-use vision_models::{Body, Percept, TrackedPerson};
+use vision_models::{Body, Percept};
 use whole_body::JointLimits;
 
 use crate::error::Error;
@@ -44,8 +45,6 @@ pub struct SafetyInput<'a> {
     pub elapsed: f64,
     /// The age of the newest camera frame.
     pub age: Age,
-    /// The person, as tracked.
-    pub person: Option<&'a TrackedPerson>,
     /// Whether person and robot work together.
     pub together: bool,
     /// Whether a contact would be noticed: the force from outside was measured for this tick.
@@ -156,9 +155,9 @@ impl Safety {
         self.own_pairs.truncate(self.settings.own_pairs.len());
     }
 
-    /// Takes a camera frame, and the person as tracked at its time.
-    pub fn observe(&mut self, percept: &Percept, tracked: Option<&TrackedPerson>) {
-        self.person.observe(percept, tracked);
+    /// Takes a camera frame.
+    pub fn observe(&mut self, percept: &Percept) {
+        self.person.observe(percept);
     }
 
     /// Takes the bodies of the other people in the frame of a percept: the robot keeps its distance from each.
@@ -202,9 +201,9 @@ impl Safety {
         if !input.feels {
             self.contact_speed = 0.0;
         }
-        self.person_velocity = self.person.velocity(input.now, input.person);
         let separation = *self.separation.settings();
-        let person = self.person.place(input.now, input.person, &separation, self.contact_speed);
+        self.person_velocity = self.person.velocity(input.now, &separation);
+        let person = self.person.place(input.now, &separation, self.contact_speed);
         self.people.clear();
         self.people.extend_from_slice(person);
         self.others.place(input.now, &separation, &mut self.people);

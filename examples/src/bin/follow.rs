@@ -13,7 +13,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
 use ergo_map::{ErgonomicsMap, MapOptions, Person};
 use examples::ergonomics::{build_map, read_map};
-use examples::follow::{Comparison, Run, Scenario, Summary};
+use examples::follow::{Comparison, Run, Scenario, Summary, TrueMotion};
 #[cfg(feature = "mcap")]
 use examples::mcap_files::RobotLog;
 use examples::page::{ResultRow, Results, page};
@@ -53,6 +53,10 @@ struct Options {
     /// partial, and the report's files are named *.partial.*.
     #[arg(long, requires = "recording")]
     partial: bool,
+    /// Where the person truly is (JSON Lines with all joints at 50 Hz or more, as `record --truth` writes them): by
+    /// this, and not by what the recording shows, distances are judged.
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
     /// Stature of the person in metres, in place of the recording's.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     stature: Option<f64>,
@@ -211,7 +215,11 @@ impl Options {
             }
         };
         let (person, map) = self.person(session, &header)?;
-        let scenario = Scenario::new(percepts, &person, map)?.among(others).arriving(&timings);
+        let mut scenario = Scenario::new(percepts, &person, map)?.among(others).arriving(&timings);
+        scenario.truth = match &self.truth {
+            Some(path) => Some(TrueMotion::read(path)?),
+            None => None,
+        };
         let scenario = match self.settings()? {
             Some((path, file)) => scenario.with_settings(&file).context(path)?,
             None => scenario,

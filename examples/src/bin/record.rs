@@ -15,9 +15,11 @@ use examples::program::{
 };
 use examples::recording::Writer;
 use examples::rendering::{Film, PoseEstimator, Shot, SkeletonSettings, Viewpoint};
-use examples::simulation::{CameraSettings, Occupation, Walker, WalkerSettings, WalkingPath};
+use examples::simulation::{
+    CameraSettings, Movement, Occupation, Walker, WalkerSettings, WalkingPath,
+};
 use serde::Serialize;
-use vision_models::Tool;
+use vision_models::{Body, Confidence, Keypoint, Percept, Tool};
 
 /// Simulates a person who works with the robot, and records what perception reports, or what a camera
 /// sees.
@@ -56,6 +58,13 @@ struct Options {
     /// The person only walks along the path, with empty hands.
     #[arg(long)]
     walk: bool,
+    /// What the person does on the spot, again and again, where they stand and work: bow, kneel, sit-down, get-up,
+    /// lean-sideways, reach-overhead, turn, squat, pick-up, step-sideways or swing-arms.
+    #[arg(long, value_parser = movement)]
+    movement: Option<Movement>,
+    /// Also write where the joints truly are, at 100 Hz, for `follow --truth` (JSON Lines).
+    #[arg(long, value_name = "FILE", conflicts_with = "frames")]
+    truth: Option<PathBuf>,
     /// How long the person offers the object (s).
     #[arg(long, value_name = "SECONDS", default_value_t = WalkerSettings::default().offer, allow_negative_numbers = true)]
     offer: f64,
@@ -94,6 +103,11 @@ fn tool(name: &str) -> std::result::Result<Tool, &'static str> {
         "polisher" => Ok(Tool::Polisher),
         _ => Err("give drill or polisher"),
     }
+}
+
+fn movement(name: &str) -> std::result::Result<Movement, String> {
+    Movement::from_name(name)
+        .ok_or_else(|| format!("give {}", Movement::ALL.map(Movement::name).join(", ")))
 }
 
 fn viewpoint(name: &str) -> std::result::Result<Viewpoint, &'static str> {
@@ -135,6 +149,7 @@ impl Program for Options {
             offer: self.offer,
             speed: self.speed,
             arm_speed: None,
+            movement: self.movement,
             duration: self.duration,
             seed: self.seed.seed,
             camera: CameraSettings {
@@ -151,7 +166,9 @@ impl Program for Options {
                 let film = if self.varied { film.varied() } else { film };
                 film_frames(film, &folder, session)?
             }
-            (None, Some(output)) => record(Walker::new(settings)?, output, session)?,
+            (None, Some(output)) => {
+                record(Walker::new(settings)?, output, self.truth.as_deref(), session)?
+            }
             (None, None) => bail!("give --output or --frames"),
         };
         let (recorded, ending) = recorded;
@@ -162,14 +179,31 @@ impl Program for Options {
     }
 }
 
-/// What perception reports, as a recording.
-fn record(walker: Walker, output: PathBuf, session: &Session) -> Result<(Recorded, Ending)> {
+/// What perception reports, as a recording, and where the joints truly are, as another.
+fn record(
+    mut walker: Walker,
+    output: PathBuf,
+    truth: Option<&Path>,
+    session: &Session,
+) -> Result<(Recorded, Ending)> {
     let file = OutputFile::create(&output)?;
     let mut writer = Writer::new(file, &walker.header())?;
+    let mut truth = match truth {
+        Some(path) => Some(Writer::new(OutputFile::create(path)?, &walker.true_header())?),
+        None => None,
+    };
     let progress = session.progress("recording", walker.expected_frames());
     let mut frames = 0;
     let mut ending = Ending::Complete;
-    for percept in walker {
+    while let Some((_, percept)) = walker.next_frame() {
+        if let Some(truth) = &mut truth {
+            for (time, joints) in walker.motion() {
+                let seen = |position| Some(Keypoint { position, confidence: Confidence::ONE });
+                let body = Some(Body::new(joints.map(seen)));
+                truth.write(&Percept { time: *time, body, action: None, surface: None })?;
+            }
+        }
+        let Some(percept) = percept else { continue };
         writer.write(&percept)?;
         frames += 1;
         progress.set(frames);
@@ -180,8 +214,16 @@ fn record(walker: Walker, output: PathBuf, session: &Session) -> Result<(Recorde
     }
     progress.finish();
     let output = match ending {
-        Ending::Partial => writer.finish_partial()?.keep_partial()?,
-        _ => writer.finish()?.keep().map(|()| output)?,
+        Ending::Partial => {
+            truth
+                .map(|truth| truth.finish_partial()?.keep_partial().map_err(anyhow::Error::from))
+                .transpose()?;
+            writer.finish_partial()?.keep_partial()?
+        }
+        _ => {
+            truth.map(|truth| truth.finish()?.keep().map_err(anyhow::Error::from)).transpose()?;
+            writer.finish()?.keep().map(|()| output)?
+        }
     };
     Ok((Recorded { output, frames }, ending))
 }

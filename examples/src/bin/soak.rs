@@ -4,10 +4,11 @@ use std::{io::Write, ops::ControlFlow, path::PathBuf, process::ExitCode};
 
 use anyhow::Context;
 use clap::Parser;
+use examples::plant::Drive;
 use examples::program::{self, Ending, Json, Program, Quiet, Seed, Session};
 use examples::settings::{RobotSettings, SettingsFile};
 use examples::shards::ShardOptions;
-use examples::soak::{Soak, summary};
+use examples::soak::{Movements, Soak, summary};
 
 /// Tries the controller on random people, workspaces, starts and camera losses, and counts every
 /// violated promise.
@@ -23,6 +24,10 @@ struct Options {
     /// Control periods of a millisecond to run.
     #[arg(long, value_name = "COUNT", default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     ticks: u64,
+    /// In place of that, each movement on the spot (bowing, kneeling, sitting down, reaching and others) of so many
+    /// people near the tool, for 8 s each, with nothing disturbed; every other person works with the robot.
+    #[arg(long, value_name = "PEOPLE", value_parser = clap::value_parser!(u64).range(1..=100_000), conflicts_with_all = ["ticks", "shard", "shard_file"])]
+    movements: Option<u64>,
     /// A robot that follows velocities exactly and at once, in place of one that moves under torques.
     #[arg(long)]
     kinematic: bool,
@@ -46,6 +51,9 @@ impl Program for Options {
     }
 
     fn run(self, session: &mut Session) -> anyhow::Result<Ending> {
+        if let Some(people) = self.movements {
+            return self.run_movements(people, session);
+        }
         let file = self.shards.create()?;
         let soak = self.soak()?;
         let (wanted, interrupt) = (soak.ticks(), session.interrupt().clone());
@@ -79,13 +87,44 @@ impl Program for Options {
 }
 
 impl Options {
+    /// Each movement of so many people.
+    fn run_movements(&self, people: u64, session: &mut Session) -> anyhow::Result<Ending> {
+        let drive = if self.kinematic { Drive::Kinematic } else { Drive::default() };
+        let settings = self.robot()?;
+        let movements = Movements { seed: self.seed.seed, people, drive, settings };
+        let (wanted, interrupt) = (movements.ticks(), session.interrupt().clone());
+        let progress = session.progress("movements", wanted);
+        let mut done = 0;
+        let results = movements.run(|ticks| {
+            done = ticks;
+            progress.set(ticks);
+            if interrupt.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })?;
+        progress.finish();
+        let ending = match results.wrong() {
+            _ if done < wanted => Ending::Partial,
+            0 => Ending::Complete,
+            _ => Ending::Failed,
+        };
+        for finding in &results.findings {
+            session.warn(finding);
+        }
+        writeln!(session.output(), "{results}")?;
+        session.conclude(self.json, &results, ending)
+    }
+
+    /// The settings of the robot.
+    fn robot(&self) -> anyhow::Result<RobotSettings> {
+        let Some(path) = &self.settings else { return Ok(RobotSettings::default()) };
+        let settings =
+            SettingsFile::read(path).and_then(|file| file.over(&RobotSettings::default()));
+        settings.with_context(|| path.display().to_string())
+    }
+
     fn soak(&self) -> anyhow::Result<Soak> {
         let soak = Soak::new(self.seed.seed, self.ticks)?.sharded(self.shards.shard());
         let soak = if self.kinematic { soak.kinematic() } else { soak };
-        let Some(path) = &self.settings else { return Ok(soak) };
-        let settings =
-            SettingsFile::read(path).and_then(|file| file.over(&RobotSettings::default()));
-        Ok(soak.with_settings(settings.with_context(|| path.display().to_string())?))
+        Ok(soak.with_settings(self.robot()?))
     }
 }
 

@@ -58,7 +58,9 @@ impl Walk {
         let mut motion = TrueMotion::default();
         while let Some((person, percept)) = walker.next_frame() {
             truth.push(person);
-            motion.push(person.time, walker.person().joints());
+            for &(time, joints) in walker.motion() {
+                motion.push(time, joints);
+            }
             let percept = match &mut film {
                 Some(film) => film.see(percept)?,
                 None => percept,

@@ -81,6 +81,8 @@ struct Tally {
     stops: u64,
     retreats: u64,
     separation_violations: u64,
+    /// Of each tick with a part of the true person within 5 cm that may be touched \[m/s\].
+    contact_speeds: Vec<f64>,
     failures: u64,
 }
 
@@ -359,19 +361,19 @@ impl<'a> Run<'a> {
             return Ok(false);
         }
         let verdict = self.separation.check(velocity, start, &people)?;
+        let contact_speed = verdict.contact_speed.filter(|_| self.true_person.is_some());
+        self.tally.contact_speeds.extend(contact_speed);
         Ok(verdict.violation.is_some())
     }
 
     #[expect(clippy::cast_precision_loss, reason = "ticks count far below 2^52")]
     fn summary(mut self, duration: f64, wall: f64, ending: Ending) -> Summary {
+        let contact_speed = quantile(&mut self.tally.contact_speeds, 999);
         let tally = &self.tally;
         let share = |sum: f64, ticks: u64| if ticks == 0 { 0.0 } else { sum / ticks as f64 };
         let time = |ticks: u64| ticks as f64 * self.period;
-        self.ticks_us.sort_by(f64::total_cmp);
-        let quantile = |percent: usize| {
-            let index = (self.ticks_us.len() * percent / 100).min(self.ticks_us.len().max(1) - 1);
-            self.ticks_us.get(index).copied().unwrap_or_default()
-        };
+        let tick_us = [500, 990, 1000]
+            .map(|thousandths| quantile(&mut self.ticks_us, thousandths).unwrap_or_default());
         Summary {
             ending,
             duration,
@@ -393,12 +395,21 @@ impl<'a> Run<'a> {
             torque_violations: tally.torque_violations,
             protective_stops: tally.stops,
             retreats: tally.retreats,
+            truth: self.true_person.is_some(),
             separation_violations: tally.separation_violations,
+            contact_speed,
             solver_failures: tally.failures,
-            tick_us: [quantile(50), quantile(99), quantile(100)],
+            tick_us,
             wall,
         }
     }
+}
+
+/// The value that so many thousandths of all do not exceed; none of none.
+fn quantile(values: &mut [f64], thousandths: usize) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let last = values.len().checked_sub(1)?;
+    values.get((values.len() * thousandths / 1000).min(last)).copied()
 }
 
 /// The parts of a row that the command holds.

@@ -1,8 +1,17 @@
 //! A simulated person as they truly are.
 
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use vision_models::Percept;
+
 use super::working_hand::WorkingHand;
-use crate::separation::Moment;
+use crate::frames::truth;
+use crate::separation::{Moment, body};
 use crate::simulation::Joints;
+
+/// Frames of a truth are no farther apart \[s\]: 50 Hz, and what rounding may make of a time.
+const LONGEST: f64 = 0.02 + 2e-6;
 
 /// A joint that moves faster than this between two ticks has jumped \[m/s\]: the hand that goes to the object bends
 /// the arm at once, and a jump has no speed.
@@ -16,6 +25,39 @@ pub struct TrueMotion {
 }
 
 impl TrueMotion {
+    /// Reads it from a recording of what is true, as `record --truth` writes it.
+    ///
+    /// # Errors
+    /// With the file's name: it cannot be read, has frames farther apart than 20 ms, or frames without a joint that
+    /// distances are measured from.
+    pub fn read(path: &Path) -> Result<Self> {
+        let percepts = truth::read(path)?;
+        Self::of(&percepts).with_context(|| path.display().to_string())
+    }
+
+    fn of(percepts: &[Percept]) -> Result<Self> {
+        ensure!(!percepts.is_empty(), "no frame: give where the joints truly are");
+        let mut motion = Self::default();
+        for percept in percepts {
+            let time = percept.time;
+            if let Some((before, _)) = motion.frames.last() {
+                ensure!(
+                    time - before <= LONGEST,
+                    "no frame from {before} to {time} s: give true joints at 50 Hz or more"
+                );
+            }
+            let seen = percept.body.clone().unwrap_or_default();
+            for joint in body::joints() {
+                let name = joint.name();
+                ensure!(seen.get(joint).is_some(), "no {name} at {time} s: give all true joints");
+            }
+            // Of the others none is asked for.
+            let place = |joint| seen.get(joint).map_or_else(Default::default, |seen| seen.position);
+            motion.push(time, vision_models::Body25::ALL.map(place));
+        }
+        Ok(motion)
+    }
+
     /// Adds where the joints are at a time that is later than all before \[m, s\].
     pub fn push(&mut self, time: f64, joints: Joints) {
         self.frames.push((time, joints));

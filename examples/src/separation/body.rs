@@ -33,6 +33,11 @@ pub(super) fn may_touch(part: usize) -> bool {
     PARTS[part].4
 }
 
+/// Returns true if a part is one of an arm.
+pub(crate) fn is_arm(part: usize) -> bool {
+    matches!(PARTS[part].1, RightElbow | RightWrist | LeftElbow | LeftWrist)
+}
+
 /// The capsules around the joints.
 pub(crate) fn capsules(joints: &Joints) -> [Rod; PART_COUNT] {
     PARTS.map(|(from, to, beyond, radius, _)| {

@@ -32,6 +32,8 @@ const TOWARDS: f64 = 1e-6;
 const STEP: f64 = 1e-6;
 /// What rounding may make of a distance (m).
 const ROUNDING: f64 = 1e-6;
+/// A part that may be touched counts as about to be touched from here on (m).
+const TOUCHING: f64 = 0.05;
 
 /// The robot's capsules a moment before and after, at some velocity.
 #[derive(Clone, Debug, Default)]
@@ -101,6 +103,20 @@ pub struct Verdict {
     pub person_caused: bool,
     /// The robot comes nearer to a part that it may touch.
     pub contact: bool,
+    /// How fast the robot itself brings the two together, at most, of those parts that are within 5 cm (m/s): its
+    /// speed towards the part, less that at which the part goes away. None if none is.
+    pub contact_speed: Option<f64>,
+}
+
+impl Verdict {
+    /// Takes what another person shows.
+    pub(super) fn add(&mut self, other: &Self) {
+        self.violation = self.violation.or(other.violation);
+        self.person_caused |= other.person_caused;
+        self.contact |= other.contact;
+        self.contact_speed =
+            [self.contact_speed, other.contact_speed].into_iter().flatten().reduce(f64::max);
+    }
 }
 
 /// What the robot is to blame for.
@@ -177,6 +193,14 @@ pub(super) fn judge(
             let pair = (link, part);
             if ball.is_beyond(around, standing + swiftest * time) {
                 continue;
+            }
+            if contact && body::may_touch(part) {
+                let (gap, coming) = now.closing(&robot.now[link], part, period);
+                if gap <= TOUCHING {
+                    let speed = robot.commanded.towards(link, &now.now[part]) + coming.min(0.0);
+                    let fastest = verdict.contact_speed.unwrap_or(0.0).max(speed);
+                    verdict.contact_speed = Some(fastest);
+                }
             }
             if !in_breach(settings, robot, now, pair, period) {
                 continue;

@@ -106,9 +106,7 @@ impl SeparationMonitor {
             let (now, known) = (body(*person), known.map(body));
             let of_one =
                 judge(&self.settings, &self.robot, &now, known.as_ref(), *contact, self.period);
-            verdict.violation = verdict.violation.or(of_one.violation);
-            verdict.person_caused |= of_one.person_caused;
-            verdict.contact |= of_one.contact;
+            verdict.add(&of_one);
         }
         Ok(verdict)
     }

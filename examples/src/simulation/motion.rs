@@ -4,6 +4,8 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 
+use super::movement::Moving;
+
 /// Two steps take this long (s).
 const STRIDE_TIME: f64 = 1.3;
 
@@ -106,6 +108,8 @@ pub(super) struct Motion {
     reached_for: Option<Vector3<f64>>,
     /// The trunk's flexion (rad).
     lean: f64,
+    /// What they do on the spot besides.
+    pub(super) moving: Moving,
 }
 
 impl Motion {
@@ -120,6 +124,7 @@ impl Motion {
             hands: hands.places(0.0),
             reached_for: None,
             lean: 0.0,
+            moving: Moving::default(),
         }
     }
 
@@ -202,6 +207,7 @@ impl Motion {
             *hand += ((place - *hand) * follow).cap_magnitude(hand_speed * dt);
         }
         self.lean += (hands.lean() - self.lean) * follow;
+        self.moving.advance(dt);
     }
 }
 

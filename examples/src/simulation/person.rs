@@ -1,11 +1,13 @@
 //! The body of a person.
 
 use nalgebra::{Point2, Point3, Rotation3, Vector2, Vector3};
+use rand_chacha::ChaCha8Rng;
 use vision_models::{Action, Body25};
 
 use super::activity::Activity;
 use super::arm::Arm;
 use super::motion::{Gait, Goal, Motion};
+use super::movement::Movement;
 use super::skeleton;
 
 /// The joints of `BODY_25` in the world (m).
@@ -81,6 +83,16 @@ impl Person {
             let away = wrist - self.motion.floor.coords.push(0.0);
             world_from_person.inverse() * away / self.stature
         }));
+    }
+
+    /// Begins a movement on the spot.
+    pub(super) fn begin(&mut self, movement: Movement, draw: &mut ChaCha8Rng) {
+        self.motion.moving.begin(movement, draw);
+    }
+
+    /// Returns true while a movement is under way.
+    pub(super) fn is_busy(&self) -> bool {
+        !self.motion.moving.is_over()
     }
 
     /// Is elsewhere at once (m).

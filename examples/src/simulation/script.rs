@@ -95,8 +95,8 @@ impl Script {
         }
     }
 
-    /// Moves the person on from `time` by `dt` (s).
-    pub(super) fn advance(&mut self, person: &mut Person, time: f64, dt: f64) {
+    /// Where the person goes from `time` (s) on, and what they do.
+    pub(super) fn advance(&mut self, person: &Person, time: f64) -> (Goal, Activity) {
         let time_left = self.duration - time;
         if self.stage == Stage::Leading && time_left < TIME_TO_LEAVE {
             self.stage = Stage::Leaving;
@@ -109,7 +109,12 @@ impl Script {
                 self.next_step();
             }
         }
-        person.advance(&self.step.goal, self.step.activity, dt);
+        (self.step.goal, self.step.activity)
+    }
+
+    /// Returns true if the person has come to work and does not leave yet.
+    pub(super) fn is_leading(&self) -> bool {
+        self.stage == Stage::Leading
     }
 
     fn next_step(&mut self) {

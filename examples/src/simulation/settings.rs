@@ -2,7 +2,7 @@
 
 use vision_models::Tool;
 
-use super::{CameraSettings, WalkerError, WalkingPath};
+use super::{CameraSettings, Movement, WalkerError, WalkingPath};
 
 /// What the person has come for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +39,8 @@ pub struct WalkerSettings {
     pub speed: Option<f64>,
     /// How fast any part of the arms moves at most (m/s). By default as fast as it takes.
     pub arm_speed: Option<f64>,
+    /// What the person does on the spot, again and again, where they stand and work. Default nothing.
+    pub movement: Option<Movement>,
     /// Of the recording (s). The person goes along the path again and again until it is time to
     /// leave. Default 56.
     pub duration: f64,
@@ -58,6 +60,7 @@ impl Default for WalkerSettings {
             offer: 3.0,
             speed: None,
             arm_speed: None,
+            movement: None,
             duration: 56.0,
             seed: 1,
             camera: CameraSettings::default(),

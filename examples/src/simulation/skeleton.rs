@@ -3,7 +3,7 @@
 //! Heights and lengths are fractions of stature from Drillis & Contini (1966); the half widths at
 //! shoulders and hips are those of the joints' centres.
 
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use vision_models::Body25;
 
 use super::arm::{FOREARM, STRETCHED, UPPER_ARM, bend};
@@ -26,6 +26,7 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
     let mut joints = [Point3::origin(); Body25::COUNT];
     let mut set = |joint: Body25, place: Vector3<f64>| joints[joint.index()] = place.into();
 
+    let posture = motion.moving.posture();
     let feet = [(true, 1.0), (false, -1.0)].map(|(left, side)| {
         let foot = motion.foot(left) / stature;
         foot + Vector3::new(0.0, side * FOOT, ANKLE_HEIGHT)
@@ -39,15 +40,26 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
             foot.z + (LEG * LEG - aside * aside).max(0.0).sqrt()
         })
         .fold(f64::INFINITY, f64::min);
-    let pelvis = Vector3::new(0.0, 0.0, pelvis_height);
-    let (sin, cos) = motion.lean().sin_cos();
-    let neck = pelvis + Vector3::new(sin, 0.0, cos) * TRUNK;
+    let feet = feet.map(|foot| foot - Vector3::x() * posture.feet_back);
+    let standing = Vector3::new(0.0, 0.0, pelvis_height);
+    let pelvis = standing - Vector3::new(posture.back, 0.0, posture.drop);
+    let trunk = |lean: f64, aside: f64| {
+        let (sin, cos) = lean.sin_cos();
+        Vector3::new(sin * aside.cos(), aside.sin(), cos * aside.cos()) * TRUNK
+    };
+    let neck = pelvis + trunk(motion.lean() + posture.lean, posture.aside);
+    // Arms hang on the trunk, and the head turns with it.
+    let carried = neck - (standing + trunk(motion.lean(), 0.0));
+    let bent = Rotation3::from_axis_angle(&Vector3::x_axis(), -posture.aside)
+        * Rotation3::from_axis_angle(&Vector3::y_axis(), posture.lean);
+    let of_head = |x: f64, y: f64, z: f64| neck + bent * Vector3::new(x, y, z);
     set(Body25::MidHip, pelvis);
     set(Body25::Neck, neck);
-    set(Body25::Nose, neck + Vector3::new(0.06, 0.0, 0.092));
+    set(Body25::Nose, of_head(0.06, 0.0, 0.092));
 
+    let hand = |left: bool| motion.hand(left) + carried + posture.hands[usize::from(!left)];
     for (joints, side, foot, hand) in
-        [(&LEFT, 1.0, feet[0], motion.hand(true)), (&RIGHT, -1.0, feet[1], motion.hand(false))]
+        [(&LEFT, 1.0, feet[0], hand(true)), (&RIGHT, -1.0, feet[1], hand(false))]
     {
         let lateral = Vector3::y() * side;
         let hip = pelvis + lateral * HIP;
@@ -58,19 +70,22 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
         set(joints.big_toe, foot + Vector3::new(0.11, -side * 0.01, -0.03));
         set(joints.small_toe, foot + Vector3::new(0.09, side * 0.03, -0.03));
 
-        let shoulder = neck + lateral * SHOULDER;
+        let shoulder = neck + bent * (lateral * SHOULDER);
         // No further than the arm reaches.
         let hand = shoulder + (hand - shoulder).cap_magnitude(STRETCHED * (UPPER_ARM + FOREARM));
         set(joints.shoulder, shoulder);
         set(joints.elbow, bend(shoulder, hand, UPPER_ARM, FOREARM, elbow_side(side)));
         set(joints.wrist, hand);
-        set(joints.eye, neck + Vector3::new(0.05, side * 0.018, 0.118));
-        set(joints.ear, neck + Vector3::new(0.0, side * 0.043, 0.11));
+        set(joints.eye, of_head(0.05, side * 0.018, 0.118));
+        set(joints.ear, of_head(0.0, side * 0.043, 0.11));
     }
 
     let world_from_person = Isometry3::from_parts(
         Translation3::new(motion.floor.x, motion.floor.y, 0.0),
         UnitQuaternion::from_axis_angle(&Vector3::z_axis(), motion.heading),
+    ) * Isometry3::from_parts(
+        Translation3::new(0.0, posture.step * stature, 0.0),
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), posture.turn),
     );
     joints.map(|joint| world_from_person * (joint * stature))
 }

@@ -11,7 +11,7 @@ use super::error::WalkerError;
 use super::motion::Gait;
 use super::path::WalkingPath;
 use super::perception::{FRAME_RATE, Perception};
-use super::person::Person;
+use super::person::{Joints, Person};
 use super::script::{self, Script};
 use super::settings::{Occupation, WalkerSettings};
 use crate::random;
@@ -25,7 +25,19 @@ pub struct Walker {
     person: Person,
     perception: Perception,
     frame: u32,
+    /// Where the joints have been since the frame before, and when (s, m).
+    motion: Vec<(f64, Joints)>,
+    movements: ChaCha8Rng,
+    /// When the next movement may begin (s).
+    next_movement: f64,
 }
+
+/// So often between two frames it is known where the joints are.
+const BETWEEN: u32 = 5;
+/// From the end of a movement to the next (s).
+const PAUSE: std::ops::Range<f64> = 1.0..3.0;
+/// Slower than this the person stands (m/s).
+const STANDING: f64 = 0.05;
 
 /// Where the person of a [`Walker`] truly is and what the person does.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +77,7 @@ impl Walker {
             offer: 3.0,
             speed: None,
             arm_speed: None,
+            movement: None,
             duration: 15.0,
             seed,
             camera: CameraSettings {
@@ -96,6 +109,9 @@ impl Walker {
                 },
             ),
             perception: Perception::new(settings.camera, settings.duration, settings.tool, eyes),
+            movements: generator(settings.seed, Stream::Movements),
+            next_movement: 0.0,
+            motion: Vec::new(),
             settings,
             frame: 0,
         }
@@ -104,6 +120,11 @@ impl Walker {
     /// The header of a recording of this person.
     pub fn header(&self) -> Header {
         Header { rate: FRAME_RATE, stature: Some(self.settings.stature), ..Header::default() }
+    }
+
+    /// The header of where the joints truly are.
+    pub fn true_header(&self) -> Header {
+        Header { rate: FRAME_RATE * f64::from(BETWEEN), ..self.header() }
     }
 
     /// The settings.
@@ -132,8 +153,18 @@ impl Walker {
             return None;
         }
         self.frame += 1;
+        let interval = 1.0 / FRAME_RATE;
+        let (goal, activity) = self.script.advance(&self.person, time);
+        self.move_on_the_spot(time);
+        self.motion.clear();
+        let (mut between, part) = (self.person.clone(), interval / f64::from(BETWEEN));
+        for step in (1..BETWEEN).rev().filter(|_| time > 0.0) {
+            between.advance(&goal, activity, part);
+            self.motion.push((time - f64::from(step) * part, between.joints()));
+        }
         let person = &mut self.person;
-        self.script.advance(person, time, 1.0 / FRAME_RATE);
+        person.advance(&goal, activity, interval);
+        self.motion.push((time, person.joints()));
         let truth = Truth {
             time,
             floor: person.floor(),
@@ -142,6 +173,24 @@ impl Walker {
             action: person.action(),
         };
         Some((truth, self.perception.look(time, person, true)))
+    }
+
+    /// Where the joints have truly been since the frame before the last, up to that, and when (s, m): at 100 Hz.
+    pub fn motion(&self) -> &[(f64, Joints)] {
+        &self.motion
+    }
+
+    /// Begins the movement of the settings where the person stands and works.
+    fn move_on_the_spot(&mut self, time: f64) {
+        let Some(movement) = self.settings.movement else { return };
+        if self.person.is_busy() {
+            self.next_movement = time + self.movements.random_range(PAUSE);
+        } else if self.script.is_leading()
+            && self.person.velocity().norm() < STANDING
+            && time >= self.next_movement
+        {
+            self.person.begin(movement, &mut self.movements);
+        }
     }
 }
 
@@ -164,6 +213,7 @@ enum Stream {
     Path,
     Camera,
     Recogniser,
+    Movements,
 }
 
 fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {

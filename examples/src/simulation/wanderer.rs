@@ -9,11 +9,18 @@ use vision_models::Tool;
 
 use super::activity::Activity;
 use super::motion::{Gait, Goal};
+use super::movement::Movement;
 use super::person::Person;
 
-/// How fast people walk at most (m/s): with the [`Gait::CAREFUL`] no part of the body is then
+/// How fast people walk at most (m/s): with the [`Gait::CAREFUL`] no part of the body but the arms is then
 /// faster than the 1.6 m/s that the protective distance assumes where it is not measured.
 const SPEED: f64 = 1.0;
+
+/// Slower than this they stand, and may begin a movement on the spot (m/s).
+const STANDING: f64 = 0.05;
+
+/// How often they move on the spot in place of going somewhere.
+const MOVEMENTS: f64 = 0.3;
 
 /// The farthest jump (m).
 const JUMP: f64 = 2.0;
@@ -32,6 +39,10 @@ pub struct Wanderer {
     in_view: (bool, f64),
     next_jump: f64,
     jumped: bool,
+    /// What they are about to do once they stand.
+    movement: Option<Movement>,
+    /// What they do all the time, where they stand.
+    only: Option<Movement>,
 }
 
 impl Wanderer {
@@ -53,6 +64,8 @@ impl Wanderer {
             in_view,
             next_jump: draw.random_range(2.0..12.0),
             jumped: false,
+            movement: None,
+            only: None,
             draw,
         }
     }
@@ -67,12 +80,48 @@ impl Wanderer {
         }
     }
 
+    /// Somebody near what the tool of a robot holds, in this direction from the robot (m), who repeats a movement
+    /// there; whether they work with the robot.
+    pub fn repeating(
+        draw: ChaCha8Rng,
+        movement: Movement,
+        (tool, outwards): (Point2<f64>, Vector2<f64>),
+        together: bool,
+    ) -> Self {
+        let mut person = Self::passing_by(draw, tool.coords);
+        let draw = &mut person.draw;
+        let direction = Rotation2::new(draw.random_range(-0.6..0.6)) * outwards.normalize();
+        let floor = tool + direction * draw.random_range(0.4..0.8);
+        let heading = (-direction.y).atan2(-direction.x);
+        let (stature, activity) = (draw.random_range(1.5..2.0), activity(together));
+        Self {
+            person: Person::standing(stature, floor, heading, Gait::CAREFUL, activity),
+            goal: Goal { floor, heading, speed: 0.5, stop: true },
+            goal_ends: 2.0,
+            together: (together, f64::INFINITY),
+            only: Some(movement),
+            ..person
+        }
+    }
+
     /// Moves on by `dt` to `time` (s), with what the robot holds for them to work on at `object` (m): the hand is
     /// there while they work with the robot and the arm reaches it.
     pub fn advance(&mut self, time: f64, dt: f64, object: &Point3<f64>) {
-        if time >= self.goal_ends {
-            self.goal = self.new_goal(object.xy());
-            self.goal_ends = time + self.draw.random_range(1.0..6.0);
+        if time >= self.goal_ends && !self.person.is_busy() && self.movement.is_none() {
+            if self.only.is_some() || self.draw.random_bool(MOVEMENTS) {
+                let any = Movement::ALL[self.draw.random_range(0..Movement::ALL.len())];
+                self.movement = Some(self.only.unwrap_or(any));
+                let (floor, heading) = (self.person.floor(), self.person.heading());
+                self.goal = Goal { floor, heading, speed: 0.5, stop: true };
+            } else {
+                self.goal = self.new_goal(object.xy());
+                self.goal_ends = time + self.draw.random_range(1.0..6.0);
+            }
+        }
+        let stands = self.person.velocity().norm() < STANDING;
+        if let Some(movement) = self.movement.take_if(|_| stands) {
+            self.person.begin(movement, &mut self.draw);
+            self.goal_ends = time + self.draw.random_range(0.5..1.5);
         }
         if time >= self.together.1 {
             self.together = (!self.together.0, time + self.draw.random_range(3.0..10.0));
@@ -87,9 +136,8 @@ impl Wanderer {
             let direction = Rotation2::new(self.draw.random_range(0.0..TAU));
             self.person.jump(direction * Vector2::x() * self.draw.random_range(0.1..JUMP));
         }
-        let activity = if self.together.0 { Activity::Use(Tool::Drill) } else { Activity::Walk };
         self.person.reach_for(Some(object).filter(|_| self.together.0));
-        self.person.advance(&self.goal, activity, dt);
+        self.person.advance(&self.goal, activity(self.together.0), dt);
     }
 
     fn new_goal(&mut self, tool: Point2<f64>) -> Goal {
@@ -128,4 +176,8 @@ impl Wanderer {
     pub fn is_in_view(&self) -> bool {
         self.in_view.0
     }
+}
+
+fn activity(together: bool) -> Activity {
+    if together { Activity::Use(Tool::Drill) } else { Activity::Walk }
 }

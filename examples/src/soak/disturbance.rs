@@ -217,6 +217,11 @@ pub(super) struct Disturbances {
 }
 
 impl Disturbances {
+    /// None, ever.
+    pub(super) fn none(draw: ChaCha8Rng, drive: Drive) -> Self {
+        Self { until: f64::INFINITY, ..Self::new(draw, drive) }
+    }
+
     pub(super) fn new(mut draw: ChaCha8Rng, drive: Drive) -> Self {
         let until = draw.random_range(PAUSE);
         Self {

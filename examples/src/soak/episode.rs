@@ -18,7 +18,7 @@ use crate::plant::{Drive, Plant};
 use crate::random;
 use crate::separation::body;
 use crate::settings::RobotSettings;
-use crate::simulation::{CameraSettings, FRAME_RATE, Perception, Transport, Wanderer};
+use crate::simulation::{CameraSettings, FRAME_RATE, Movement, Perception, Transport, Wanderer};
 
 /// What a generator is for.
 #[derive(Clone, Copy)]
@@ -69,6 +69,8 @@ pub(super) struct Episode {
     transport: Transport,
     task: Task,
     disturbances: Disturbances,
+    /// Whether the workspace changes at random.
+    has_tasks: bool,
     /// When the last disturbance ended, the time of the tick before \[s\].
     ended: f64,
     last: f64,
@@ -132,6 +134,7 @@ impl Episode {
             transport: Transport::new(generator(seed, Stream::Transport)),
             task: Task::new(generator(seed, Stream::Task)),
             disturbances: Disturbances::new(generator(seed, Stream::Disturbances), drive),
+            has_tasks: true,
             ended: 0.0,
             last: 0.0,
             frame: ticks(1.0 / FRAME_RATE, period),
@@ -140,6 +143,29 @@ impl Episode {
             tick: 0,
             seen_whole: false,
         })
+    }
+
+    /// The episode of this seed in which somebody near the tool repeats a movement, and nothing is disturbed; whether
+    /// they work with the robot.
+    pub(super) fn repeating(
+        model: &Model,
+        seed: u64,
+        (movement, together): (Movement, bool),
+        drive: Drive,
+        robot: &RobotSettings,
+    ) -> anyhow::Result<Self> {
+        let mut episode = Self::new(model, seed, drive, robot)?;
+        let tool = episode.plant.hand()?.translation.vector.xy();
+        let configuration = episode.plant.configuration();
+        let outwards = tool - Vector2::new(configuration[0], configuration[1]);
+        let draw = generator(seed, Stream::Person);
+        let place = (tool.into(), outwards);
+        episode.person = Witnessed::new(Wanderer::repeating(draw, movement, place, together));
+        episode.passers_by.clear();
+        episode.cameras.clear();
+        episode.has_tasks = false;
+        episode.disturbances = Disturbances::none(generator(seed, Stream::Disturbances), drive);
+        Ok(episode)
     }
 
     /// One period; how long the controller took (µs), if it had its turn.
@@ -158,7 +184,9 @@ impl Episode {
         while let Some(percept) = self.transport.arrived(now) {
             self.receive(percept, now)?;
         }
-        self.task.advance(now, self.plant.controller_mut().space_mut(), &hand)?;
+        if self.has_tasks {
+            self.task.advance(now, self.plant.controller_mut().space_mut(), &hand)?;
+        }
         let disturbance = self.disturbances.present(now);
         let is_late = matches!(disturbance, Some((Disturbance::TicksLate, _)));
         let tick_us = if is_late && self.tick % 10 < 4 { None } else { Some(self.control(now)?) };

@@ -104,6 +104,8 @@ pub struct Monitor {
     settling: u64,
     /// By how much the robot's own bodies overlap that a push has brought together, at most from now on \[m\].
     pushed_overlap: f64,
+    /// How fast the robot itself comes nearer to parts within 5 cm that it may touch, tick by tick \[m/s\].
+    pub contact_speeds: Vec<f64>,
     /// The first tick with something wrong, and what is known of it.
     pub first_wrong: Option<String>,
 }
@@ -127,6 +129,7 @@ impl Monitor {
             settling: 0,
             pushed_overlap: 0.0,
             was_blind: false,
+            contact_speeds: Vec::new(),
             first_wrong: None,
         })
     }
@@ -174,6 +177,7 @@ impl Monitor {
         counts.separation_violations += u64::from(verdict.violation.is_some());
         counts.person_caused += u64::from(verdict.person_caused);
         counts.contact += u64::from(verdict.contact);
+        self.contact_speeds.extend(verdict.contact_speed);
         counts.self_collisions += u64::from(collides);
         if self.first_wrong.is_none() && self.counts.wrong() > 0 {
             let blame = verdict.violation;

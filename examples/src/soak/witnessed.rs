@@ -6,6 +6,9 @@ use nalgebra::{Isometry3, Point3};
 use crate::separation::{Moment, body};
 use crate::simulation::{Joints, Wanderer};
 
+/// How fast arms are at most \[m/s\].
+const FASTEST_ARM: f64 = 8.0;
+
 /// A person, from the beginning of the episode on.
 #[derive(Clone, Debug)]
 pub(super) struct Witnessed {
@@ -34,8 +37,8 @@ impl Witnessed {
     /// Goes on by a period, to `time` \[s\]; the robot holds something to work on at `object` \[m\].
     ///
     /// # Errors
-    /// People keep to the speed that the robot assumes where it measures none, `largest` \[m/s\]; who does not
-    /// would make the soak mean nothing.
+    /// Bodies keep to the speed that the robot assumes where it measures none, `largest` \[m/s\], and arms to
+    /// [`FASTEST_ARM`]; who does not would make the soak mean nothing.
     pub(super) fn advance(
         &mut self,
         (time, period): (f64, f64),
@@ -46,13 +49,17 @@ impl Witnessed {
         self.history.push((self.person.person().joints(), self.person.jumped()));
         let (now, before) = self.at(self.history.len() - 1);
         let Some(before) = before else { return Ok(()) };
-        let ends = |joints| body::capsules(joints).into_iter().flat_map(|rod| rod.ends);
-        let speeds = ends(now).zip(ends(before)).map(|(to, from)| (to - from).norm() / period);
-        let fastest = speeds.fold(0.0, f64::max);
-        ensure!(
-            fastest <= largest,
-            "a simulated person's part moves at {fastest} m/s, above the {largest} m/s assumed"
-        );
+        let (from, to) = (body::capsules(before), body::capsules(now));
+        for (part, (from, to)) in from.iter().zip(&to).enumerate() {
+            let largest = if body::is_arm(part) { FASTEST_ARM } else { largest };
+            let speeds =
+                from.ends.iter().zip(&to.ends).map(|(from, to)| (to - from).norm() / period);
+            let fastest = speeds.fold(0.0, f64::max);
+            ensure!(
+                fastest <= largest,
+                "part {part} of a simulated person moves at {fastest} m/s, above {largest} m/s"
+            );
+        }
         Ok(())
     }
 

@@ -42,6 +42,41 @@ fn options_are_obeyed() {
     assert!(percepts.iter().any(|percept| percept.body.is_none()));
 }
 
+/// The truth is that of the recording without noise, between its frames, too.
+#[test]
+fn the_truth_is_written_beside_the_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, truth] = ["seen.jsonl", "truth.jsonl"].map(|name| folder.path().join(name));
+    let (file, truth) = (file.to_str().unwrap(), truth.to_str().unwrap());
+    let output = record(&[
+        "--output",
+        file,
+        "--truth",
+        truth,
+        "--duration=30",
+        "--noise=0",
+        "--drop=0",
+        "--movement=bow",
+    ]);
+    assert!(output.status.success(), "{output:?}");
+    let seen: Vec<_> = examples::recording::open(file).unwrap().map(Result::unwrap).collect();
+    let known: Vec<_> = examples::recording::open(truth).unwrap().map(Result::unwrap).collect();
+    assert!(known.windows(2).all(|pair| (pair[1].time - pair[0].time - 0.01).abs() < 2e-6));
+    let nose = |percept: &vision_models::Percept| {
+        percept.body.as_ref().unwrap().get(vision_models::Body25::Nose).unwrap().position
+    };
+    for (frame, percept) in seen.iter().enumerate() {
+        let same = &known[5 * frame];
+        assert!((same.time - percept.time).abs() < 2e-6);
+        assert!((nose(same) - nose(percept)).norm() < 3e-4);
+    }
+    let lowest = known.iter().map(|percept| nose(percept).z).fold(f64::INFINITY, f64::min);
+    assert!(lowest < 1.5, "somebody bows: {lowest} m");
+    assert!(examples::follow::TrueMotion::read(truth.as_ref()).is_ok());
+    let error = examples::follow::TrueMotion::read(file.as_ref()).unwrap_err();
+    assert!(format!("{error:#}").contains("at 50 Hz or more"), "{error:#}");
+}
+
 #[test]
 fn wrong_options_are_named() {
     for (options, says) in [

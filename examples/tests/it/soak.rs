@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use examples::soak::{Counts, Disturbance, Soak, StateCounts, Summary};
+use examples::plant::Drive;
+use examples::settings::RobotSettings;
+use examples::soak::{Counts, Disturbance, Movements, Soak, StateCounts, Summary};
 use hrsw::SafetyState;
 
 fn run(seed: u64, ticks: u64) -> Summary {
@@ -18,6 +20,18 @@ fn nothing_goes_wrong() {
         moving += summary.moving;
     }
     assert!(moving > 2_700, "the robot moves: {moving} ticks");
+}
+
+/// Each movement of one person, who works with the robot; the longer form is `soak --movements 100`.
+#[test]
+fn nobody_who_moves_on_the_spot_is_approached_too_near() {
+    let settings = RobotSettings::default();
+    let movements = Movements { seed: 1, people: 1, drive: Drive::default(), settings };
+    let results = movements.run(|_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(results.wrong(), 0, "{:?}", results.findings);
+    assert!(results.movements.iter().all(|result| result.ticks == 8_000));
+    let speed = results.contact_speed.unwrap();
+    assert!(speed < 0.35, "{speed} m/s within 5 cm");
 }
 
 /// One after the other goes wrong: cameras, clocks, measurements, a push.

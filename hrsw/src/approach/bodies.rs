@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 use crate::contact::Contact;
 use crate::error::{Error, check_all, not_negative};
 use crate::measured_velocity::{MeasuredVelocity, SpeedTowards};
-use crate::separation::SeparationSettings;
 use crate::shape::Capsule;
 
 /// A body of the robot, placed in the world.
@@ -22,9 +21,11 @@ pub struct RobotBody {
 pub struct PersonBody {
     /// Its shape in the world \[m\].
     pub capsule: Capsule,
-    /// Its velocity; unmeasured, the person is taken to come nearer at
-    /// [`SeparationSettings::human_speed`].
+    /// Its own velocity, where it is measured.
     pub velocity: Option<MeasuredVelocity>,
+    /// How fast it may come nearer where its velocity is not measured \[m/s\]:
+    /// [`SeparationSettings::human_speed`] or, for hands and arms, [`SeparationSettings::arm_speed`].
+    pub assumed_speed: f64,
     /// How long ago it was seen there, as far as the reaction time covers that, and the shape does not: it has
     /// moved on since \[s\]. A robot that may come no nearer goes away from where it is now, and one that may
     /// touch it is slow towards there.
@@ -39,11 +40,16 @@ pub struct PersonBody {
 
 impl PersonBody {
     /// How far the part has moved since it was seen, and how far it may be from there \[m\].
-    pub(super) fn since_seen(&self, settings: &SeparationSettings) -> (Vector3<f64>, f64) {
+    pub(super) fn since_seen(&self) -> (Vector3<f64>, f64) {
         match &self.velocity {
             Some(velocity) => (velocity.mean * self.age, velocity.uncertainty * self.age),
-            None => (Vector3::zeros(), settings.human_speed * self.age),
+            None => (Vector3::zeros(), self.assumed_speed * self.age),
         }
+    }
+
+    /// v_h of a part that comes nearer at a measured speed; receding counts as standing \[m/s\].
+    pub(super) fn human_speed(&self, measured: Option<f64>) -> f64 {
+        measured.map_or(self.assumed_speed, |speed| speed.max(0.0))
     }
 
     /// How far a part that may be touched has gone since it was seen, if it went on as measured \[m\]; none for
@@ -68,6 +74,7 @@ impl PersonBody {
         self.capsule.check("a capsule of the person")?;
         not_negative("the age of a person's body", self.age)?;
         not_negative("the uncertainty of a person's place", self.uncertainty)?;
+        not_negative("the assumed speed of a person's body", self.assumed_speed)?;
         let of_contact = self.contact.and_then(|contact| contact.velocity);
         for velocity in self.velocity.iter().chain(&of_contact) {
             check_all("the velocity of a person's body", velocity.mean.iter())?;

@@ -3,7 +3,6 @@
 use super::PersonBody;
 use super::body_motion::BodyMotion;
 use super::reach::Reach;
-use crate::separation::SeparationSettings;
 
 /// What of a pair does not depend on where the robot is.
 #[derive(Debug, Clone, Copy)]
@@ -19,8 +18,8 @@ pub(super) struct PartSpeeds {
 
 impl PartSpeeds {
     /// `watched` is how much room is watched of pairs that may not touch \[m\].
-    pub(super) fn of(part: &PersonBody, settings: &SeparationSettings, watched: f64) -> Self {
-        let human = settings.speed_towards_robot(part.fastest());
+    pub(super) fn of(part: &PersonBody, watched: f64) -> Self {
+        let human = part.human_speed(part.fastest());
         let permitted = part.contact.map_or(f64::NEG_INFINITY, |contact| {
             let known = contact.velocity.or(part.velocity);
             let (measured, worst) = known.map_or((human, human), |velocity| {

@@ -36,11 +36,11 @@ impl ApproachRows {
             let wrench = near.gradient_first(&motion.origin);
             let approach = -moves.along(&wrench);
             let speed = part.speed_towards(&near.normal);
-            let human_speed = self.settings.speed_towards_robot(speed.map(|speed| speed.measured));
+            let human_speed = part.human_speed(speed.map(|speed| speed.measured));
             let settings = self.braking(moves, approach, &wrench);
             let required = settings.protective_distance(human_speed, approach);
             self.see(Nearest { robot, other, distance: near.distance, required, approach });
-            let assumed = self.settings.speed_towards_robot(speed.map(|speed| speed.worst));
+            let assumed = part.human_speed(speed.map(|speed| speed.worst));
             if near.distance < self.settings.protective_distance(assumed, 0.0) {
                 let may_approach =
                     near.distance >= self.settings.protective_distance(human_speed, 0.0);
@@ -102,7 +102,7 @@ impl ApproachRows {
         let wrench = near.gradient_first(&motion.origin);
         let approach = -moves.along(&wrench);
         let speed = part.speed_towards(&near.normal);
-        let assumed = self.settings.speed_towards_robot(speed.map(|speed| speed.worst));
+        let assumed = part.human_speed(speed.map(|speed| speed.worst));
         // The same as in sight, but for how fast the two truly come nearer to each other.
         if near.distance > self.reach(approach.max(0.0), moves.change).sight(assumed) {
             return None;

@@ -54,7 +54,7 @@ impl Undercut {
         may_approach: bool,
         settings: &SeparationSettings,
     ) {
-        let (moved, spread) = part.since_seen(settings);
+        let (moved, spread) = part.since_seen();
         let error = settings.human_uncertainty + spread;
         let too_near = error + settings.intrusion + settings.robot_uncertainty;
         // By moving, the part has come nearer by no more than it has moved.

@@ -47,6 +47,7 @@ fn a_tick_allocates_nothing() {
         (0..5).map(|i| RobotBody { capsule: capsule(0.2 * f64::from(i)), joints: 10 }).collect();
     let person: Vec<_> = (0..8_u8)
         .map(|i| PersonBody {
+            assumed_speed: 1.6,
             capsule: capsule(1.0 + 0.2 * f64::from(i)),
             velocity: None,
             age: 0.1,

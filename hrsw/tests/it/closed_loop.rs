@@ -116,7 +116,7 @@ proptest! {
         people in prop::collection::vec(point(2.0), 1..4),
         goals in prop::collection::vec(point(2.5), 1..5),
     ) {
-        let still = |at: &Vector3<f64>| PersonBody {
+        let still = |at: &Vector3<f64>| PersonBody { assumed_speed: 1.6,
             capsule: Capsule::new(*at, at + Vector3::z() * 0.4, 0.2).unwrap(),
             velocity: Some(MeasuredVelocity::exact(Vector3::zeros())),
             age: 0.0,
@@ -157,14 +157,14 @@ proptest! {
         let mut gantry = Gantry::new(&kind);
         for (at, velocity, goal, ticks) in jumps {
             let person = [
-                PersonBody {
+                PersonBody { assumed_speed: 1.6,
                     capsule: Capsule::sphere(gantry.position + at, 0.3).unwrap(),
                     velocity: Some(MeasuredVelocity::exact(velocity)),
                     age: 0.0,
                     uncertainty: 0.0,
                     contact: None,
                 },
-                PersonBody {
+                PersonBody { assumed_speed: 1.6,
                     capsule: Capsule::new(at, goal, 0.1).unwrap(),
                     velocity: None,
                     age: 0.0,

@@ -67,7 +67,7 @@ proptest! {
             let velocity_of_person = Some(MeasuredVelocity { mean: walking, uncertainty });
             let parts: Vec<_> = person
                 .iter()
-                .map(|&capsule| PersonBody { capsule, velocity: velocity_of_person, age: 0.0, uncertainty: 0.0, contact: None })
+                .map(|&capsule| PersonBody { assumed_speed: 1.6, capsule, velocity: velocity_of_person, age: 0.0, uncertainty: 0.0, contact: None })
                 .collect();
             let all = JointMotion {
                 jacobian: &jacobian,
@@ -129,7 +129,7 @@ proptest! {
             }
             let bodies: Vec<_> =
                 robot.iter().map(|&capsule| RobotBody { capsule, joints: JOINTS }).collect();
-            let part = |(&capsule, contact): (&Capsule, &Option<(f64, f64, bool)>)| PersonBody {
+            let part = |(&capsule, contact): (&Capsule, &Option<(f64, f64, bool)>)| PersonBody { assumed_speed: 1.6,
                 capsule,
                 velocity: contact.is_none_or(|(_, _, of_arm)| !of_arm).then_some(measured),
                 age: 0.0,
@@ -255,8 +255,14 @@ fn a_turning_joint_keeps_what_it_can_reach() {
     let capsule = Capsule::sphere(Vector3::new(2.0, 0.0, 0.0), 0.1).unwrap();
     let head = Capsule::sphere(Vector3::new(2.0, 0.5, 0.0), 0.1).unwrap();
     let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
-    let person =
-        [PersonBody { capsule: head, velocity, age: 0.0, uncertainty: 0.0, contact: None }];
+    let person = [PersonBody {
+        assumed_speed: 1.6,
+        capsule: head,
+        velocity,
+        age: 0.0,
+        uncertainty: 0.0,
+        contact: None,
+    }];
     let motion = JointMotion {
         jacobian: &jacobian,
         origin: Vector3::zeros(),

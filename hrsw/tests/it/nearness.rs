@@ -63,7 +63,7 @@ proptest! {
         let motion = flying(&jacobian, &twist);
         let body = RobotBody { capsule: robot, joints: JOINTS };
         let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
-        let part = PersonBody { capsule: person, velocity, age: 0.0, uncertainty: 0.0, contact: None };
+        let part = PersonBody { assumed_speed: 1.6, capsule: person, velocity, age: 0.0, uncertainty: 0.0, contact: None };
         let mut separation = ApproachRows::new(STATE, settings, 3).unwrap();
         let mut rows = separation.rows();
         separation.write(&motion, &[body], &[part], &mut rows).unwrap();
@@ -99,8 +99,8 @@ proptest! {
         let person = moved(&person, &(near.normal * (near.distance - away - uncertainty)));
         let shape = Capsule::new(*person.start(), *person.end(), person.radius() + uncertainty).unwrap();
         let velocity = walking.map(|(mean, uncertainty)| MeasuredVelocity { mean, uncertainty });
-        let part = PersonBody { capsule: shape, velocity, age, uncertainty, contact: None };
-        let human = velocity.map_or(settings.human_speed, |v| v.mean.dot(&near.normal).max(0.0));
+        let part = PersonBody { assumed_speed: 1.6, capsule: shape, velocity, age, uncertainty, contact: None };
+        let human = velocity.map_or(part.assumed_speed, |v| v.mean.dot(&near.normal).max(0.0));
         prop_assume!(away < settings.protective_distance(human, 0.0));
 
         let jacobian = Matrix6xX::identity(JOINTS);
@@ -117,7 +117,7 @@ proptest! {
 
         let (mean, spread) = match velocity {
             Some(v) => (v.mean * age, v.uncertainty * age),
-            None => (Vector3::zeros(), settings.human_speed * age),
+            None => (Vector3::zeros(), part.assumed_speed * age),
         };
         let beside = beside.cap_magnitude(1.0) * (settings.human_uncertainty + spread + uncertainty);
         let person = moved(&person, &(mean + beside));
@@ -137,8 +137,14 @@ fn a_direction_away_from_where_the_person_was_is_none_away_from_where_they_are()
     let mut rows = separation.rows();
     let mut keeps = |away: f64, twist: [f64; JOINTS], age: f64| {
         let capsule = Capsule::sphere(Vector3::new(-0.15 - away, 0.0, 0.0), 0.1).unwrap();
-        let person =
-            PersonBody { capsule, velocity: Some(walking), age, uncertainty: 0.0, contact: None };
+        let person = PersonBody {
+            assumed_speed: 1.6,
+            capsule,
+            velocity: Some(walking),
+            age,
+            uncertainty: 0.0,
+            contact: None,
+        };
         let motion = flying(&jacobian, &twist);
         separation.write(&motion, &[robot], &[person], &mut rows).unwrap();
         separation.is_kept_by(&motion, &rows, &twist, &[0.0; JOINTS])
@@ -161,6 +167,7 @@ fn a_point_keeps_its_row() {
         let parts: Vec<_> = people
             .iter()
             .map(|at| PersonBody {
+                assumed_speed: 1.6,
                 capsule: Capsule::sphere(*at, 0.1).unwrap(),
                 velocity: Some(MeasuredVelocity::exact(Vector3::zeros())),
                 age: 0.0,

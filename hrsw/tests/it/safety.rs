@@ -36,6 +36,7 @@ fn settings() -> impl Strategy<Value = SeparationSettings> {
     (0.0..2.5_f64, 0.01..0.5_f64, 0.3..10.0_f64, 0.0..0.3_f64, 0.0..0.1_f64).prop_map(
         |(human_speed, reaction_time, deceleration, intrusion, uncertainty)| SeparationSettings {
             human_speed,
+            arm_speed: human_speed,
             reaction_time,
             deceleration,
             base: None,
@@ -63,15 +64,21 @@ fn robot() -> impl Strategy<Value = Vec<RobotBody>> {
 fn person() -> impl Strategy<Value = Vec<PersonBody>> {
     let velocity = (vector(1.0), 0.0..0.5_f64)
         .prop_map(|(mean, uncertainty)| MeasuredVelocity { mean, uncertainty });
-    let body =
-        (capsule(1.5), prop::option::of(velocity), 0.0..0.2_f64, prop::option::of(contact()))
-            .prop_map(|(capsule, velocity, age, contact)| PersonBody {
-                capsule,
-                velocity,
-                age,
-                uncertainty: 0.0,
-                contact,
-            });
+    let body = (
+        capsule(1.5),
+        prop::option::of(velocity),
+        0.0..2.5_f64,
+        0.0..0.2_f64,
+        prop::option::of(contact()),
+    )
+        .prop_map(|(capsule, velocity, assumed_speed, age, contact)| PersonBody {
+            assumed_speed,
+            capsule,
+            velocity,
+            age,
+            uncertainty: 0.0,
+            contact,
+        });
     prop::collection::vec(body, 1..6)
 }
 
@@ -258,7 +265,7 @@ proptest! {
                 degenerate |= (near.on_first - near.on_second).norm() < 1e-2;
                 let measured = part.velocity.map(|v| v.mean.dot(&near.normal));
                 let worst = part.velocity.zip(measured).map(|(v, speed)| speed + v.uncertainty);
-                let human = worst.map_or(settings.human_speed, |speed| speed.max(0.0));
+                let human = worst.map_or(part.assumed_speed, |speed| speed.max(0.0));
                 let distance = near.distance.min(seen.distance);
                 let mut limit = settings.approach_limit(distance, human);
                 if let Some(Contact { limit: contact, fastest, velocity }) = part.contact {
@@ -441,8 +448,14 @@ fn bad_safety_input_is_named() {
     assert!(matches!(wrong, Err(Error::Size { .. })));
     assert!(separation.write_own(&motion, &[], &[(0, 1)], &mut rows).is_err());
     let body = Capsule::sphere(origin, 0.1).unwrap();
-    let person =
-        PersonBody { capsule: body, velocity: None, age: 0.0, uncertainty: 0.0, contact: None };
+    let person = PersonBody {
+        assumed_speed: 1.6,
+        capsule: body,
+        velocity: None,
+        age: 0.0,
+        uncertainty: 0.0,
+        contact: None,
+    };
     let adrift = |mean: f64, uncertainty: f64| PersonBody {
         velocity: Some(MeasuredVelocity { mean: Vector3::repeat(mean), uncertainty }),
         ..person

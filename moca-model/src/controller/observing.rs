@@ -36,7 +36,7 @@ impl Controller {
             return Err(Error::Frame { fault, stamp: percept.time, now, newest });
         }
         self.space.observe(percept)?;
-        self.safety.observe(percept, self.space.person_at(percept.time).as_ref());
+        self.safety.observe(percept);
         self.look(percept);
         self.turn_to_camera()?;
         let kept = self.safety.observe_others(percept, others);

@@ -1,15 +1,15 @@
 //! The parts of a person's body, as capsules between joints, and how far each reaches.
 
-use hrsw::{BodyRegion, Capsule, SeparationSettings};
+use hrsw::{BodyRegion, Capsule, MeasuredVelocity, SeparationSettings};
 use nalgebra::Vector3;
 use vision_models::Body25;
 
-/// How a part of the body moves.
+/// What kind of speed is assumed of a part where none is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Limb {
-    /// With the pelvis.
+    /// That of walking.
     Body,
-    /// On its own.
+    /// That of reaching.
     Arm,
 }
 
@@ -98,6 +98,21 @@ impl Part {
     ) -> Option<Capsule> {
         let beyond = (to - from).try_normalize(1e-9).unwrap_or_default() * self.beyond;
         Capsule::new(*from, to + beyond, self.radius + growth).ok()
+    }
+
+    /// Its velocity, with joints at `from` and `to` \[m\] that have the velocities `ends`: the mean of both of its
+    /// ends, with an uncertainty that holds for all of its points.
+    pub(super) fn velocity(
+        &self,
+        from: &Vector3<f64>,
+        to: &Vector3<f64>,
+        (near, far): (MeasuredVelocity, MeasuredVelocity),
+    ) -> MeasuredVelocity {
+        let length = (to - from).norm();
+        let share = if length > 0.0 { self.beyond / length } else { 0.0 };
+        let across = (far.mean - near.mean) * (0.5 * (1.0 + share));
+        let uncertainty = across.norm() + near.uncertainty.max(far.uncertainty);
+        MeasuredVelocity { mean: near.mean + across, uncertainty }
     }
 
     /// How much less is known of its end beyond the second joint than of the joints \[m\]: in the root mean square it

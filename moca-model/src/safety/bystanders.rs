@@ -9,8 +9,7 @@ use super::settings::PersonBodySettings;
 /// How many there is room for.
 pub(crate) const MOST: usize = 4;
 
-/// Everybody in view but the person who works with the robot. Nobody of them is tracked, so that their speed is not
-/// measured, and nobody may be touched. Who is missed in a frame, or leaves the view, counts as long as the
+/// Everybody in view but the person who works with the robot. Nobody of them may be touched. Who is missed in a frame, or leaves the view, counts as long as the
 /// person does who works with the robot.
 #[derive(Debug, Clone)]
 pub(super) struct Bystanders {
@@ -53,7 +52,7 @@ impl Bystanders {
             let slot = place.and_then(|index| self.people.get_mut(index).zip(taken.get_mut(index)));
             match slot {
                 Some((person, taken)) => {
-                    person.see(time, body, None);
+                    person.see(time, body);
                     // A body of which nothing is seen is nobody.
                     *taken = !person.is_empty();
                 }
@@ -77,7 +76,7 @@ impl Bystanders {
         bodies: &mut Vec<PersonBody>,
     ) {
         for person in self.people.iter_mut().filter(|person| !person.is_empty()) {
-            bodies.extend_from_slice(person.place(now, None, separation, 0.0));
+            bodies.extend_from_slice(person.place(now, separation, 0.0));
         }
     }
 }

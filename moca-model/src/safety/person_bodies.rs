@@ -1,13 +1,11 @@
 //! The person's capsules, from the keypoints that the camera sees.
 
-use hrsw::{
-    Age, Capsule, Contact, ContactLimit, ContactLimits, MeasuredVelocity, PersonBody,
-    SeparationSettings,
-};
-use nalgebra::{Vector2, Vector3};
-use vision_models::{Body, Body25, Percept, TrackStatus, TrackedPerson};
+use hrsw::{Age, Capsule, Contact, ContactLimit, ContactLimits, PersonBody, SeparationSettings};
+use nalgebra::Vector3;
+use vision_models::{Body, Body25, Percept};
 
 use super::body_parts::{Limb, PARTS, Part};
+use super::joint_velocity::JointVelocities;
 use super::settings::PersonBodySettings;
 
 /// How far a standing trunk may seem to move from frame to frame, all of its joints alike \[m\].
@@ -66,14 +64,13 @@ impl Seen {
 pub(super) struct PersonBodies {
     settings: PersonBodySettings,
     joints: [Option<Seen>; Body25::COUNT],
+    velocities: JointVelocities,
     /// Somebody who was seen where nobody can have gone since the frame before: not believed alone, but there
     /// may be somebody.
     doubtful: Option<Sighting>,
     newest: f64,
     /// When the newest frame was taken that shows nobody, or somebody who can have come there \[s\].
     plausible: f64,
-    /// Since when the tracked person has been where the person is seen.
-    agrees_since: Option<f64>,
     /// What a contact with each part may do.
     contacts: [Option<ContactLimit>; PARTS.len()],
     bodies: Vec<PersonBody>,
@@ -88,10 +85,10 @@ impl PersonBodies {
             settings,
             contacts: PARTS.map(|part| limits.of(part.region)),
             joints: [None; Body25::COUNT],
+            velocities: JointVelocities::new(),
             doubtful: None,
             newest: f64::NEG_INFINITY,
             plausible: f64::NEG_INFINITY,
-            agrees_since: None,
             bodies: Vec::with_capacity(Self::ROOM),
         }
     }
@@ -99,10 +96,10 @@ impl PersonBodies {
     /// Forgets what was seen, and when.
     pub(super) fn forget(&mut self) {
         self.joints = [None; Body25::COUNT];
+        self.velocities.forget();
         self.doubtful = None;
         self.newest = f64::NEG_INFINITY;
         self.plausible = f64::NEG_INFINITY;
-        self.agrees_since = None;
         self.bodies.clear();
     }
 
@@ -112,10 +109,10 @@ impl PersonBodies {
         Age::new((now - self.plausible).max(0.0)).unwrap_or(Age::NEVER)
     }
 
-    /// Takes a camera frame, and the tracked person at its time.
-    pub(super) fn observe(&mut self, percept: &Percept, tracked: Option<&TrackedPerson>) {
+    /// Takes a camera frame.
+    pub(super) fn observe(&mut self, percept: &Percept) {
         match &percept.body {
-            Some(body) => self.see(percept.time, body, tracked),
+            Some(body) => self.see(percept.time, body),
             // A frame without anybody says nothing of who was seen before.
             None => self.plausible = percept.time,
         }
@@ -147,7 +144,7 @@ impl PersonBodies {
     }
 
     /// Takes the body of a frame. Joints that it misses move along with the trunk.
-    pub(super) fn see(&mut self, time: f64, body: &Body, tracked: Option<&TrackedPerson>) {
+    pub(super) fn see(&mut self, time: f64, body: &Body) {
         let doubtful = self.doubtful.take();
         let least = self.settings.least_confidence;
         let displacement =
@@ -162,12 +159,12 @@ impl PersonBodies {
             if !is_again {
                 let joints = Body25::ALL.map(|joint| place(body, joint, least));
                 self.doubtful = Some(Sighting { joints, time });
-                self.agrees_since = None;
+                self.velocities.forget();
                 return;
             }
+            self.velocities.forget();
         }
         self.plausible = time;
-        let unsettled = jumped || elapsed > self.settings.gap;
         for (joint, seen) in Body25::ALL.into_iter().zip(&mut self.joints) {
             let place = place(body, joint, self.settings.least_confidence);
             match seen {
@@ -178,13 +175,12 @@ impl PersonBodies {
                 self.newest = time;
             }
         }
-        let root = self.root();
-        let agrees = tracked.zip(root).is_some_and(|(person, root)| {
-            person.status == TrackStatus::Tracked
-                && (person.floor.coords - root).norm() <= self.settings.agreement
-        });
-        self.agrees_since =
-            if agrees && !unsettled { self.agrees_since.or(Some(time)) } else { None };
+        let joints = &self.joints;
+        let believed = |joint: Body25| {
+            let seen = joints[joint as usize]?;
+            (seen.time == time).then_some(seen.place)
+        };
+        self.velocities.observe(time, body, believed, &self.settings);
     }
 
     /// The capsules at the time `now`; at `contact_speed` they may be touched where their region allows
@@ -192,7 +188,6 @@ impl PersonBodies {
     pub(super) fn place(
         &mut self,
         now: f64,
-        tracked: Option<&TrackedPerson>,
         separation: &SeparationSettings,
         contact_speed: f64,
     ) -> &[PersonBody] {
@@ -202,36 +197,21 @@ impl PersonBodies {
             self.joints = [None; Body25::COUNT];
         }
         self.doubtful = self.doubtful.take().filter(|seen| !is_old(seen.time));
-        self.place_believed(now, tracked, separation, contact_speed);
+        self.place_believed(now, separation, contact_speed);
         self.place_doubtful(now, separation);
         &self.bodies
     }
 
-    fn place_believed(
-        &mut self,
-        now: f64,
-        tracked: Option<&TrackedPerson>,
-        separation: &SeparationSettings,
-        contact_speed: f64,
-    ) {
-        let motion = tracked.filter(|person| self.is_measured(person, now));
-        let uncertainty = motion.map_or(0.0, |person| {
-            let variance = person.velocity_covariance.symmetric_eigenvalues().max();
-            self.settings.speed_deviations * variance.max(0.0).sqrt()
-        });
+    fn place_believed(&mut self, now: f64, separation: &SeparationSettings, contact_speed: f64) {
         for (part, limit) in PARTS.iter().zip(&self.contacts) {
             let ends = (self.joints[part.from as usize], self.joints[part.to as usize]);
             let (Some(from), Some(to)) = ends else { continue };
-            let middle = (from.place + to.place) * 0.5;
-            let carried = motion.map(|person| carried(person, &middle));
-            let carried = carried.map(|mean| MeasuredVelocity {
-                mean,
-                uncertainty: uncertainty.min((separation.human_speed - mean.norm()).max(0.0)),
-            });
-            // What an arm does on its own is not measured.
-            let velocity = carried.filter(|_| part.limb == Limb::Body);
-            let fastest =
-                velocity.map_or(separation.human_speed, |v| v.mean.norm() + v.uncertainty);
+            let assumed = assumed_speed(part, separation);
+            let of = |joint| self.velocities.of(joint, now, assumed, &self.settings);
+            let velocity = of(part.from).zip(of(part.to));
+            let velocity = velocity.map(|ends| part.velocity(&from.place, &to.place, ends));
+            let touched = self.velocities.for_contact(velocity, now, &self.settings);
+            let fastest = velocity.map_or(assumed, |v| v.mean.norm() + v.uncertainty);
             let growth = |seen: &Seen| fastest * beyond_reaction(now - seen.time, separation);
             let beyond = part.uncertainty_beyond(&from.place, &to.place, separation);
             let grown =
@@ -247,11 +227,14 @@ impl PersonBodies {
                 let contact = limit.filter(|_| contact_speed > 0.0).map(|limit| Contact {
                     limit,
                     fastest: contact_speed,
-                    velocity: carried,
+                    velocity: touched,
                 });
                 let age = covered_by_reaction(now - from.time.min(to.time), separation);
                 let uncertainty = capsule.radius() - part.radius;
-                self.bodies.push(PersonBody { capsule, velocity, age, uncertainty, contact });
+                let assumed_speed = assumed;
+                let part =
+                    PersonBody { capsule, velocity, assumed_speed, age, uncertainty, contact };
+                self.bodies.push(part);
             }
         }
     }
@@ -271,16 +254,18 @@ impl PersonBodies {
     fn place_doubtful(&mut self, now: f64, separation: &SeparationSettings) {
         let Some(seen) = &self.doubtful else { return };
         let elapsed = now - seen.time;
-        let growth = separation.human_speed * beyond_reaction(elapsed, separation);
         let age = covered_by_reaction(elapsed, separation);
         for part in &PARTS {
             let ends = (seen.joints[part.from as usize], seen.joints[part.to as usize]);
             let (Some(from), Some(to)) = ends else { continue };
-            let growth = growth + part.uncertainty_beyond(&from, &to, separation);
+            let assumed_speed = assumed_speed(part, separation);
+            let growth = assumed_speed * beyond_reaction(elapsed, separation)
+                + part.uncertainty_beyond(&from, &to, separation);
             if let Some(capsule) = part.capsule(&from, &to, growth) {
                 self.bodies.push(PersonBody {
                     capsule,
                     velocity: None,
+                    assumed_speed,
                     age,
                     uncertainty: growth,
                     contact: None,
@@ -294,42 +279,25 @@ impl PersonBodies {
         &self.bodies
     }
 
-    /// Where the velocity of a person counts as measured, that of the floor point below them
-    /// \[m/s\]; else zero.
-    pub(super) fn velocity(&self, now: f64, tracked: Option<&TrackedPerson>) -> Vector3<f64> {
-        let person = tracked.filter(|person| self.is_measured(person, now));
-        person.map_or(Vector3::zeros(), |person| person.velocity.push(0.0))
-    }
-
-    fn is_measured(&self, person: &TrackedPerson, now: f64) -> bool {
-        person.status.is_usable()
-            && person.age <= self.settings.believed_for
-            && self.agrees_since.is_some_and(|since| now - since >= self.settings.settling)
+    /// Where it is measured, the velocity of the pelvis along the floor \[m/s\]; else zero.
+    pub(super) fn velocity(&self, now: f64, separation: &SeparationSettings) -> Vector3<f64> {
+        let pelvis =
+            self.velocities.of(Body25::MidHip, now, separation.human_speed, &self.settings);
+        pelvis.map_or(Vector3::zeros(), |velocity| velocity.mean.xy().push(0.0))
     }
 
     /// Where the joints were seen last.
     fn places(&self) -> Places {
         self.joints.map(|seen| seen.map(|seen| seen.place))
     }
-
-    /// Below the middle of the trunk, of the joints in the newest frame.
-    fn root(&self) -> Option<Vector2<f64>> {
-        let (mut sum, mut count) = (Vector2::zeros(), 0.0);
-        for seen in ROOT.iter().filter_map(|&joint| self.joints[joint as usize]) {
-            if seen.time == self.newest {
-                sum += seen.place.xy();
-                count += 1.0;
-            }
-        }
-        (count > 0.0).then(|| sum / count)
-    }
 }
 
-/// The velocity of a point of the body with the person's walking and turning \[m/s\].
-fn carried(person: &TrackedPerson, point: &Vector3<f64>) -> Vector3<f64> {
-    let arm = point.xy() - person.floor.coords;
-    let turning = Vector2::new(-arm.y, arm.x) * person.heading_rate;
-    (person.velocity + turning).push(0.0)
+/// How fast a part may be of which no velocity is measured \[m/s\].
+fn assumed_speed(part: &Part, separation: &SeparationSettings) -> f64 {
+    match part.limb {
+        Limb::Body => separation.human_speed,
+        Limb::Arm => separation.arm_speed,
+    }
 }
 
 /// Where a joint is seen, if it is seen well enough.

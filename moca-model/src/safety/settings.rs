@@ -17,21 +17,29 @@ pub struct PersonBodySettings {
     /// A joint that moved farther against the trunk since the frame before counts as missing, unless
     /// it is seen there again in the next \[m\]. Default 0.3.
     pub limb_gate: f64,
-    /// Who moves faster than this from frame to frame jumped: the tracked velocity then does not
-    /// count \[m/s\]. Default 1.6.
+    /// Who moves faster than this from frame to frame jumped: velocities are then measured anew \[m/s\].
+    /// Default 1.6.
     pub jump_speed: f64,
-    /// After not being seen for longer than this the tracked velocity has to settle anew \[s\].
-    /// Default 0.5, as long as the tracker goes on without measurements.
+    /// The velocity of a joint that was not seen for longer than this is measured anew \[s\]. Default 0.5.
     pub gap: f64,
-    /// How far tracked and seen person may lie apart for the tracked velocity to count \[m\].
-    /// Default 0.25.
+    /// Somebody who is seen no farther than this from where another was is the same \[m\]. Default 0.25.
     pub agreement: f64,
-    /// How long they must have agreed for that \[s\]. Default 0.3.
+    /// How long a joint must have been seen for its velocity to count \[s\]. Default 0.3.
     pub settling: f64,
     /// How long the velocity measured last is believed, with an uncertainty that grows \[s\]. Default 0.5.
     pub believed_for: f64,
-    /// How many standard deviations faster than tracked a person may be \[-\]. Default 3.
+    /// Standard deviation of where a joint is seen, each axis, where no covariance is known \[m\]. Default 0.02.
+    pub position_sigma: f64,
+    /// Standard deviation of the acceleration of somebody who stands \[m/s²\]: how soon they may begin to lean or
+    /// to walk. Default 1.6.
+    pub acceleration: f64,
+    /// The same of the trunk of somebody who works with the robot \[m/s²\]: for contacts a part moves as the trunk
+    /// until its own joints show that it does not. Default 0.4.
+    pub working_acceleration: f64,
+    /// How many standard deviations faster than measured a part may be \[-\]. Default 3.
     pub speed_deviations: f64,
+    /// How much faster than measured it may be for each second since it was seen \[m/s²\]. Default 1.
+    pub onset: f64,
     /// After how long without being seen a person is taken to have left \[s\]. Until then what is
     /// not seen grows as fast as a person may come nearer. Default 10.
     pub forget_after: f64,
@@ -47,7 +55,11 @@ impl Default for PersonBodySettings {
             agreement: 0.25,
             settling: 0.3,
             believed_for: 0.5,
+            position_sigma: 0.02,
+            acceleration: 1.6,
+            working_acceleration: 0.4,
             speed_deviations: 3.0,
+            onset: 1.0,
             forget_after: 10.0,
         }
     }
@@ -175,6 +187,9 @@ impl SafetySettings {
             ("safety.person.settling", self.person.settling),
             ("safety.person.believed_for", self.person.believed_for),
             ("safety.person.forget_after", self.person.forget_after),
+            ("safety.person.position_sigma", self.person.position_sigma),
+            ("safety.person.acceleration", self.person.acceleration),
+            ("safety.person.working_acceleration", self.person.working_acceleration),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Error::Setting { name, value, expected: "positive and finite" });
@@ -188,6 +203,7 @@ impl SafetySettings {
             ("safety.person.gap", self.person.gap),
             ("safety.person.agreement", self.person.agreement),
             ("safety.person.speed_deviations", self.person.speed_deviations),
+            ("safety.person.onset", self.person.onset),
         ] {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(Error::Setting { name, value, expected: "finite and not negative" });

@@ -5,13 +5,11 @@ use moca_model::{
     CollaborationStack, ControllerSettings, Kinematics, MOCA_AXIS_SPEED, MOCA_HOME, MOCA_TOOL,
     Safety, SafetyInput, SafetySettings,
 };
-use nalgebra::{Matrix2, Matrix3, Point2, Point3, Vector2, Vector3};
+use nalgebra::{Matrix3, Point3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use vision_models::{
-    Body, Body25, BodyTracker, Confidence, Keypoint, Percept, TrackStatus, TrackedPerson,
-};
+use vision_models::{Body, Body25, BodyTracker, Confidence, Keypoint, Percept};
 
 use crate::drive::{Drive, FRAME, PERIOD, body, percept};
 use crate::shared::MOCA;
@@ -117,28 +115,17 @@ fn share_in_retreat(towards: f64) -> f64 {
     };
     let x =
         (0..3000).map(|step| 3.0 - 1e-3 * f64::from(step)).find(|&x| distance(x) < 0.165).unwrap();
-    let person = TrackedPerson {
-        floor: Point2::new(x, 0.0),
-        heading: std::f64::consts::PI,
-        velocity: Vector2::new(-towards, 0.0),
-        heading_rate: 0.0,
-        floor_covariance: Matrix2::zeros(),
-        velocity_covariance: Matrix2::zeros(),
-        age: 0.0,
-        heading_age: 0.0,
-        status: TrackStatus::Tracked,
-    };
     for tick in 0..2000_u32 {
         let now = f64::from(tick) * PERIOD;
         if tick.is_multiple_of(FRAME) {
-            safety.observe(&percept(now, Some(x)), Some(&person));
+            // There in the last frame.
+            safety.observe(&percept(now, Some(x + towards * (1.95 - now))));
         }
         let input = SafetyInput {
             velocity: &[0.0; 10],
             now,
             elapsed: PERIOD,
             age: Age::new(0.0).unwrap(),
-            person: Some(&person),
             together: false,
             feels: false,
         };
