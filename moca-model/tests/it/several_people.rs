@@ -116,7 +116,7 @@ fn who_begins_to_work_is_nobody_else_any_more() {
 
 /// Frames come from another thread.
 mod from_another_thread {
-    use hrsw::{PersonBody, SafetyState};
+    use hrsw::SafetyState;
     use moca_model::CameraFrame;
     use moca_model::whole_body::{ControlLaw, JointCommand};
 
