@@ -75,9 +75,11 @@ pub struct Contact {
 
 impl Contact {
     /// How fast the robot may come nearer to the part, which comes nearer to the robot at `measured`, and
-    /// at `worst` if the measurement is as wrong as it may be \[m/s\].
+    /// at `worst` if the measurement is as wrong as it may be \[m/s\]. A part that leaves counts only as far as it surely
+    /// does: noise would let the robot come faster.
     pub(crate) fn approach_limit(&self, robot_mass: f64, measured: f64, worst: f64) -> f64 {
-        (self.limit.speed(robot_mass) - worst).min(self.fastest - measured)
+        let coming = measured.max(0.0) + worst.min(0.0);
+        (self.limit.speed(robot_mass) - worst).min(self.fastest - coming)
     }
 
     pub(crate) fn validate(&self) -> Result<(), Error> {
