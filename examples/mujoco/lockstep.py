@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import packets
-from robot import ARM, Robot
+from robot import ARM, HOME, Robot
 
 ROBOT_NUMBER = 7  # of each session
 PATIENCE = 20.0  # s: for a packet of the controller
@@ -31,6 +31,7 @@ class Trouble:
 class Run:
     """Of each tick the true state at its end; what was commanded in it; and what the controller says of the run."""
 
+    position: list = field(default_factory=list)
     velocity: list = field(default_factory=list)
     error: list = field(default_factory=list)  # following error of the arm [rad]
     torque: list = field(default_factory=list)
@@ -49,7 +50,7 @@ class Run:
         return None
 
 
-def play(drive, model, *, recording, ergonomics, seconds, seed, delay=1, every=1, troubles=()):
+def play(drive, model, *, recording, ergonomics, seconds, seed, start=HOME, delay=1, every=1, troubles=()):
     """Returns the run of so many seconds, with measurements every so many ticks, so many ticks late."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
         link.bind(("127.0.0.1", 0))
@@ -59,7 +60,7 @@ def play(drive, model, *, recording, ergonomics, seconds, seed, delay=1, every=1
         command += ["--recording", recording, "--map", ergonomics, "--duration", str(seconds)]
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         try:
-            run = answer(link, process, Robot(model, seed, delay), every, troubles)
+            run = answer(link, process, Robot(model, start, seed, delay), every, troubles)
             output, refusal = process.communicate(timeout=PATIENCE)
         finally:
             process.kill()
@@ -101,6 +102,7 @@ def answer(link, process, robot, every, troubles):
             else:
                 robot.obey(velocity, torque)
             robot.step()
+            run.position.append(robot.position.copy())
             run.velocity.append(robot.velocity.copy())
         heard += 1
         measured = robot.measure()

@@ -52,10 +52,10 @@ def compile_model():
 class Robot:
     """Moves by commands, and measures with noise, late; its true state is `position` and `velocity`."""
 
-    def __init__(self, model, seed, delay):
+    def __init__(self, model, start, seed, delay):
         self.model, self.data = model, mujoco.MjData(model)
         self.random = np.random.default_rng(seed)
-        self.data.qpos[:] = HOME
+        self.data.qpos[:] = start
         mujoco.mj_forward(model, self.data)
         self.lost, self.took = 0, True
         self.base, self.change = np.zeros(3), np.zeros(3)
