@@ -2,7 +2,7 @@
 """Judges what the controller makes of measurements that are missing, frozen, late or seldom, by MuJoCo's true joints.
 
     python3 examples/mujoco/bounds.py --programs target/debug              # 3 moments, a minute
-    python3 examples/mujoco/bounds.py --programs target/debug --moments 50 --table rows.json
+    python3 examples/mujoco/bounds.py --programs target/debug --moments 50 --rows rows.json
 
 Needs numpy and mujoco (PyPI). The exit status is 1 if a bound does not hold.
 """
@@ -178,7 +178,7 @@ def main():
     parser.add_argument("--seconds", type=float, default=3.0, help="of each run with a rate and a delay")
     parser.add_argument("--only", default="", help="troubles whose kind this is, or `steady`")
     parser.add_argument("--places", action="store_true", help="only play the whole run, and write places.csv")
-    parser.add_argument("--table", type=pathlib.Path, help="write the rows here, for table.py")
+    parser.add_argument("--rows", type=pathlib.Path, help="write the rows here, for table.py")
     options = parser.parse_args()
     rows, failures = {"carrying": [], "trouble": [], "steady": [], "refused": []}, 0
 
@@ -206,8 +206,8 @@ def main():
                 outcomes = list(pool.map(partial(suffer, bench, kind, lengths), times))
                 for ticks, of_one in zip(lengths, zip(*outcomes)):
                     note("trouble", judge_trouble(kind, ticks, of_one))
-    if options.table:
-        options.table.write_text(json.dumps(rows, indent=1, default=float) + "\n")
+    if options.rows:
+        options.rows.write_text(json.dumps(rows, indent=1, default=float) + "\n")
     print(f"{failures} bounds do not hold" if failures else "all bounds hold")
     sys.exit(failures > 0)
 

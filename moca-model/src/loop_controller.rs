@@ -79,7 +79,7 @@ impl LoopController {
         if robot.is_stopped() || self.refused >= REFUSED {
             self.controller.controller_mut().robot_stopped();
         } else if self.refused >= AGAIN {
-            self.controller.controller_mut().resynchronise();
+            self.controller.controller_mut().restart();
             if self.refused >= LOST {
                 self.controller.controller_mut().report(Fault::LostCommand);
             }
