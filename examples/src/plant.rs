@@ -227,10 +227,10 @@ impl Plant {
             Robot::Torque(both) => {
                 let (controller, robot) = &mut **both;
                 robot.measure(&mut self.random)?;
-                if robot.status().is_stopped() {
-                    controller.controller_mut().robot_stopped();
-                }
                 if heard == Heard::Measurement {
+                    if robot.status().is_stopped() {
+                        controller.controller_mut().robot_stopped();
+                    }
                     let measured = robot.measured();
                     told.position.copy_from_slice(measured.position);
                     told.velocity.copy_from_slice(measured.velocity);

@@ -14,8 +14,8 @@ use crate::torque::{LONGEST_INTERVAL, Measured, TorqueController};
 const WAITING: usize = 8;
 /// Commands in a row that the robot does not take, after which q* starts anew; a single one is a usual loss.
 const AGAIN: u32 = 2;
-/// After which they are a fault, within 10 ms as what is not measured.
-const LOST: u32 = 8;
+/// After which they are a fault: as long as measurements may be missing.
+const LOST: u32 = 6;
 /// After which the robot has stopped: as many as stop a Panda.
 const REFUSED: u32 = 20;
 

@@ -77,6 +77,8 @@ const AT_ONCE: f64 = 0.2;
 const FRAME: f64 = 0.14;
 /// Ages at which frames that stay away lead to reduced speed and to a stop \[s\].
 const STALE: [f64; 2] = [0.3, 0.8];
+/// After so long without a measurement a loop halts the robot \[s\].
+const BLIND: f64 = 0.1;
 /// How long, and how hard, the tool is pushed \[s, N\].
 const PUSH: f64 = 0.1;
 const FORCE: f64 = 150.0;
@@ -321,11 +323,16 @@ impl Disturbances {
         }
     }
 
-    /// The share of the commands that do not arrive.
-    pub(super) fn loss(&self) -> f64 {
-        match self.now {
-            Some(Disturbance::CommandsThinned) => 1.0 / 3.0,
-            Some(Disturbance::CommandsLost) => 1.0,
+    /// The share of the commands that do not arrive. A robot that is not measured for long is halted by its loop.
+    pub(super) fn loss(&self, time: f64) -> f64 {
+        match self.present(time) {
+            Some((Disturbance::CommandsThinned, _)) => 1.0 / 3.0,
+            Some((Disturbance::CommandsLost, _)) => 1.0,
+            Some((Disturbance::MeasurementMissing | Disturbance::MeasurementFrozen, lasts))
+                if lasts > BLIND =>
+            {
+                1.0
+            }
             _ => DynamicRobotSettings::default().loss,
         }
     }

@@ -208,7 +208,7 @@ impl Episode {
             }
             self.ended = now;
         }
-        self.plant.lose_commands(self.disturbances.loss())?;
+        self.plant.lose_commands(self.disturbances.loss(now))?;
         let supervisor = self.plant.controller_mut().safety_mut().supervisor_mut();
         let is_over = self.disturbances.present(now).is_none() && now > self.ended + ACKNOWLEDGED;
         if is_over && supervisor.waits_for_acknowledgement() {

@@ -200,11 +200,13 @@ impl Monitor {
         false
     }
 
-    /// Somebody pushes a joint, or the robot brakes by itself, which may take it out of its range. Returns true if that,
+    /// Somebody pushes a joint, or the robot brakes by itself or unseen, which may take it out of its range. Returns true if that,
     /// and its braking, may be so.
     fn settle(&mut self, tick: &Tick<'_>) -> bool {
-        use Disturbance::{ArmPushed, CommandsLost};
-        if matches!(tick.disturbance, Some((ArmPushed | CommandsLost, _))) {
+        use Disturbance::{ArmPushed, CommandsLost, MeasurementFrozen, MeasurementMissing};
+        let disturbance = tick.disturbance.map(|(disturbance, _)| disturbance);
+        if let Some(ArmPushed | CommandsLost | MeasurementMissing | MeasurementFrozen) = disturbance
+        {
             self.settling = SETTLING;
         }
         let is_settling = self.settling > 0;
@@ -212,12 +214,19 @@ impl Monitor {
         // Of a robot that does not follow, what is commanded starts anew from what is measured, noise included. A
         // command that takes a joint farther out counts all the same.
         let starts_anew =
-            matches!(tick.command.fault, Some(Fault::RobotStopped | Fault::FollowingError));
+            matches!(tick.command.fault, Some(Fault::RobotStopped | Fault::FollowingError))
+                || is_unseen(tick.command);
         if is_settling || starts_anew {
             self.limits.move_outside(tick.reference);
         }
         is_settling
     }
+}
+
+/// Where the robot is is only predicted.
+fn is_unseen(command: &Command) -> bool {
+    let unseen = [Fault::MissingMeasurement, Fault::FrozenMeasurement];
+    command.fault.is_some_and(|fault| unseen.contains(&fault))
 }
 
 /// A robot that gives a little under its own weight comes no nearer to itself than this \[m\].

@@ -147,6 +147,7 @@ fn a_packet_without_the_key_is_refused_with_what_is_missing() {
 /// What a byte may not be, at its offset of the page, in a packet of one joint.
 #[test]
 fn bytes_that_could_be_mistaken_are_refused() {
+    use PacketKind::{Command, Halt, Hello, Measurement};
     let bytes_of = |kind: PacketKind| {
         let mut packet = Packet::new(1, None);
         match kind {
@@ -164,7 +165,6 @@ fn bytes_that_could_be_mistaken_are_refused() {
         change(&mut bytes);
         Packet::new(1, None).take(&bytes).unwrap_err()
     };
-    use PacketKind::{Command, Halt, Hello, Measurement};
     let of = |at: usize, value: u8| move |bytes: &mut Vec<u8>| bytes[at] = value;
     let number = |at: usize, value: f64| {
         move |bytes: &mut Vec<u8>| bytes[at..at + 8].copy_from_slice(&value.to_le_bytes())

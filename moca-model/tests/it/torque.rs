@@ -2,7 +2,7 @@
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Attachment, Fault, SafetyState};
-use moca_model::whole_body::{Compensation, Contact, ExternalWrench, RandomSource};
+use moca_model::whole_body::{Compensation, Contact, Data, ExternalWrench, RandomSource};
 use moca_model::{
     Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, LeashSettings, MOCA_HOME,
     MOCA_TOOL, Measured, TorqueController, TorqueLoopSettings,
@@ -96,7 +96,7 @@ impl Loop {
     }
 
     fn tool(&self) -> Vector3<f64> {
-        let mut data = moca_model::whole_body::Data::new(&MOCA);
+        let mut data = Data::new(&MOCA);
         let posed = data.pose(&MOCA, self.robot.simulation().position()).unwrap();
         posed.world_from(MOCA.frame_id(MOCA_TOOL).unwrap()).unwrap().translation.vector
     }
@@ -490,5 +490,40 @@ fn after_a_stop_of_the_robot_the_command_begins_at_rest() {
             let faster = (now.abs() - before.abs()) / PERIOD;
             assert!(faster < 0.6, "joint {joint} is driven at {faster} m/s²");
         }
+    }
+}
+
+/// Gravity is added once: by a robot that does so itself, and else by the controller. Where both add it the arm goes up.
+#[test]
+fn gravity_is_added_by_one_of_both() {
+    for (compensation, robot_adds, stays) in [
+        (Compensation::FRANKA, true, true),
+        (Compensation::BARE, false, true),
+        (Compensation::BARE, true, false),
+        (Compensation::FRANKA, false, false),
+    ] {
+        let mut robot = Loop::new(ControllerSettings::default());
+        let settings = TorqueLoopSettings::new(compensation);
+        let controller = robot.controller.controller().clone();
+        robot.controller = TorqueController::new(controller, settings).unwrap();
+        let start = robot.tool();
+        let mut data = Data::new(&MOCA);
+        let mut gravity = vec![0.0; 10];
+        for _ in 0..1000 {
+            robot.robot.measure(&mut robot.noise).unwrap();
+            let now = f64::from(robot.tick) * PERIOD;
+            robot.controller.step(now, &robot.robot.measured()).unwrap();
+            let mut torque = robot.controller.torque().to_vec();
+            if robot_adds {
+                let position = robot.robot.simulation().position();
+                data.pose(&MOCA, position).unwrap().gravity_into(&mut gravity).unwrap();
+                torque.iter_mut().zip(&gravity[3..]).for_each(|(own, gravity)| *own += gravity);
+            }
+            let command = robot.controller.controller().command();
+            robot.robot.step(command, &torque, &[], PERIOD, &mut robot.noise).unwrap();
+            robot.tick += 1;
+        }
+        let gone = (robot.tool() - start).norm();
+        assert_eq!(gone < 5e-3, stays, "{compensation:?}, {robot_adds}: {gone} m");
     }
 }

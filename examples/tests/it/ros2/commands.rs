@@ -6,10 +6,7 @@ use proptest::prelude::*;
 use super::{after, twist};
 
 fn at_rest() -> JointCommand {
-    let none = vec![0.0; 10];
-    let measured =
-        JointMeasurement { position: none.clone(), velocity: none.clone(), torque: none };
-    JointCommand::at_rest(&measured)
+    JointCommand::at_rest(&JointMeasurement::resting(vec![0.0; 10], 10))
 }
 
 fn numbers(data: Vec<f64>) -> Float64MultiArray {

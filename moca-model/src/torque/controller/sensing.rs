@@ -47,7 +47,7 @@ impl TorqueController {
         let period = self.controller.settings().period;
         let measured = JointState { position: &self.position, velocity: &self.velocity };
         let commanded = &self.controller.command().joint_velocity;
-        let age = self.watch.update(measured, commanded, age, period);
+        let age = self.watch.update(measured, commanded, age, self.elapsed);
         // The sizes are those of the robot.
         let _ = self.prediction.update(measured, commanded, self.delay + age, period);
         let fault = self.watch.fault().map(|fault| match fault {
@@ -67,7 +67,7 @@ impl TorqueController {
     /// Finds the force from outside by a new measurement, and tells the supervisor. Gravity is that of where the robot
     /// is.
     pub(super) fn feel(&mut self, usable: Usable, is_new: bool) {
-        self.unobserved += self.controller.settings().period;
+        self.unobserved += self.elapsed;
         if usable.is_bad() {
             self.controller.report(Fault::BadMeasurement);
         } else if usable.torque == Torques::Measured && is_new && self.observe_force().is_err() {
@@ -137,7 +137,7 @@ impl TorqueController {
     fn weigh(&mut self) {
         let gives_way = self.controller.safety().supervisor().gives_way();
         let force = Some(&self.force).filter(|_| gives_way);
-        self.unknown_payload = self.payload_watch.update(force, self.period());
+        self.unknown_payload = self.payload_watch.update(force, self.elapsed);
         if self.unknown_payload.is_some() {
             self.controller.report(Fault::UnknownPayload);
         }

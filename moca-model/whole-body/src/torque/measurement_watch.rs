@@ -2,12 +2,14 @@
 
 use super::impedance::JointState;
 
-/// Without anything new for this long a robot is not measured \[s\]: twice the period of 250 Hz, and a millisecond.
-const MISSING: f64 = 9e-3;
+/// Without anything new for this long a robot is not measured \[s\]; or for twice as long as it usually takes, which is no
+/// more than the period of 250 Hz.
+const MISSING: f64 = 6e-3;
+const SELDOM: f64 = 4e-3;
 /// Measurements at first by which is judged whether every one differs from the one before, as noise makes it.
 const JUDGED: u32 = 20;
-/// So many equal measurements in a row are no lost packet that was measured again, nor a robot that measures at 250 Hz.
-const EQUAL: u32 = 8;
+/// So many equal measurements in a row are no lost packets that were measured again.
+const EQUAL: u32 = 6;
 /// Commanded motion by which a measured position must change \[rad or m\]: several steps of an encoder of 16 bit.
 const MOTION: f64 = 3e-4;
 /// The same of one joint alone, while others are measured \[rad or m\]: joints may stick for a while.
@@ -16,7 +18,7 @@ const MOTION_OF_ONE: f64 = 5e-2;
 /// What is wrong with the measurements of a robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MeasurementFault {
-    /// None came for more than 9 ms.
+    /// None came for 6 ms, or for twice as long as it usually takes.
     Missing,
     /// They came, but all of them, or those of one joint, were the same while the robot was to move, or while noise
     /// had changed every one before.
@@ -52,6 +54,9 @@ pub struct MeasurementWatch {
     seen: u32,
     /// Whether each of these was another.
     differs: bool,
+    /// The longest time between the first measurements that differed, and how many there were of these \[s\].
+    usual: f64,
+    changes: u32,
     /// Measurements in a row that were the same, and since when \[s\].
     equal: u32,
     since: f64,
@@ -68,6 +73,8 @@ impl MeasurementWatch {
             motion: vec![0.0; joints],
             seen: 0,
             differs: true,
+            usual: 0.0,
+            changes: 0,
             equal: 0,
             since: 0.0,
             age: 0.0,
@@ -118,12 +125,22 @@ impl MeasurementWatch {
         if equal {
             self.equal = self.equal.saturating_add(1);
         } else {
+            if (1..JUDGED).contains(&self.changes) {
+                self.usual = self.usual.max(self.since.min(SELDOM));
+            }
+            self.changes = self.changes.saturating_add(1);
             (self.equal, self.since) = (0, 0.0);
         }
         if is_old {
             self.age = self.since;
         }
-        self.frozen = (is_old && self.equal >= EQUAL) || moved > MOTION_OF_ONE;
+        let is_long = self.equal >= EQUAL && self.since >= self.longest();
+        self.frozen = (is_old && is_long) || moved > MOTION_OF_ONE;
+    }
+
+    /// From which age on a measurement is missing \[s\].
+    fn longest(&self) -> f64 {
+        MISSING.max(2.0 * self.usual) - 1e-6
     }
 
     /// How old what is known of the robot is \[s\].
@@ -135,7 +152,7 @@ impl MeasurementWatch {
     pub fn fault(&self) -> Option<MeasurementFault> {
         if self.frozen {
             Some(MeasurementFault::Frozen)
-        } else if self.age > MISSING - 1e-6 {
+        } else if self.age >= self.longest() {
             Some(MeasurementFault::Missing)
         } else {
             None
