@@ -52,7 +52,6 @@ fn drive(lost: u32, moments: u32) -> (Vec<(u32, Fault)>, f64) {
 #[test]
 fn commands_that_are_lost_are_named_within_10_ms() {
     let (faults, worst) = drive(19, 5);
-    println!("{faults:?}, {worst}");
     assert!(faults.iter().all(|(_, fault)| *fault == Fault::LostCommand), "{faults:?}");
     // The tick before says in which the robot has not taken a command.
     assert_eq!(faults.iter().filter(|(tick, _)| *tick == 6).count(), 5, "{faults:?}");
