@@ -27,8 +27,8 @@ PLACES = pathlib.Path(__file__).with_name("places.csv")  # where the robot is in
 WARM_UP = 1500  # ms at least before a moment, in which the robot sets out from where it is in the run
 SEED = 20
 FASTER, BEYOND = 1.2, 0.1  # no joint above 1.2 times its speed when it began, and 0.1 m/s or rad/s
-# What is allowed beyond that here [rad/s]: of 20 moments two have .02, where motors turn about that the torque rate holds
-# back. Commands that are lost are the robot's to bridge, under the torques that it holds.
+# What is allowed beyond that here [rad/s]: of 20 moments two have .02, where motors turn about and the torque rate
+# holds them back. Commands that are lost are the robot's to bridge, under the torques that it holds.
 ALLOWED = {"silent": 0.05, "frozen": 0.05, "lost": 0.2}
 NAMED_WITHIN = 10  # ms
 BRIDGED = 3  # ms without a fault
@@ -59,7 +59,7 @@ class Bench:
         self.drive, self.folder, self.model = programs / "drive", folder, compile_model()
         lines = RECORDING.read_text().splitlines()
         self.header, self.frames = lines[0], [json.loads(line) for line in lines[1:-1]]
-        command = [programs / "ergo_map", "--preset", "average", "--spacing", "0.1", "--output", folder]
+        command = [programs / "ergo_map", "--preset", "average", "--spacing", "0.1", "--quiet", "--output", folder]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         self.ergonomics = next(folder.glob("*.ergomap"))
 
@@ -78,12 +78,13 @@ class Bench:
     def write_places(self):
         """Plays the whole run, and writes where the robot is in it each half second."""
         run = self.play(0.0, self.frames[-1]["time"], seed=SEED)
-        rows = [f"{tick / 1000}," + ",".join(f"{q:.4f}" for q in run.position[tick]) for tick in range(0, len(run.position), 500)]
+        places = list(enumerate(run.position))[::500]
+        rows = [",".join([f"{tick / 1000}", *(f"{q:.4f}" for q in place)]) for tick, place in places]
         PLACES.write_text("\n".join(["time,x,y,yaw,q1,q2,q3,q4,q5,q6,q7", *rows]) + "\n")
 
 
 def moments(count):
-    """Returns moments of the run: number, second from which on it is played, place there, and the tick of the moment."""
+    """Returns moments of the run: number, second from which on it is played, place there, and tick of the moment."""
     places = np.loadtxt(PLACES, delimiter=",", skiprows=1)
     # Not while nobody is there, at its beginning and end.
     places = places[(places[:, 0] >= 3) & (places[:, 0] <= 50)]
@@ -116,7 +117,8 @@ def suffer(bench, kind, lengths, moment):
         excess = window - (FASTER * speed[begin - 1] + BEYOND)
         tick, joint = np.unravel_index(excess.argmax(), excess.shape)
         if excess.max() > 0:
-            print(f"    {kind} {ticks}, moment {index} at {time:.2f} s: joint {joint} {excess.max():.3f} beyond after {tick + 1} ms")
+            beyond = f"joint {joint} {excess.max():.3f} beyond after {tick + 1} ms"
+            print(f"    {kind} {ticks}, moment {index} at {time:.2f} s: {beyond}")
         fault = run.first_fault(begin, begin + judged(ticks))
         found.append((excess.max(), speed[begin - 1].max(), fault and (fault[0], fault[1] - begin + 1)))
     return found
@@ -190,8 +192,8 @@ def main():
         row, wrong = result
         failures += len(wrong)
         rows[what].append(row)
-        shown = ", ".join(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}" for key, value in row.items())
-        print(f"{what}: {shown}" + "".join(f"\n  WRONG: {each}" for each in wrong), flush=True)
+        cells = [f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}" for key, value in row.items()]
+        print(f"{what}: {', '.join(cells)}" + "".join(f"\n  WRONG: {each}" for each in wrong), flush=True)
 
     with tempfile.TemporaryDirectory() as folder, ProcessPoolExecutor() as pool:
         bench = Bench(options.programs.resolve(), pathlib.Path(folder))
