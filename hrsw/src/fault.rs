@@ -85,6 +85,9 @@ pub enum Fault {
     /// What the robot measures does not change although it must.
     #[error("measurement frozen")]
     FrozenMeasurement,
+    /// The robot does not take the commands that it is sent: they are lost on the way.
+    #[error("command lost")]
+    LostCommand,
     /// The robot does not follow: measured and commanded state are farther apart than they may be,
     /// because it is held or pushed.
     #[error("following error")]
@@ -117,7 +120,7 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 27] = [
         Self::Clock(ClockFault::NotFinite),
         Self::Clock(ClockFault::StandsStill),
         Self::Clock(ClockFault::SetBack),
@@ -135,6 +138,7 @@ impl Fault {
         Self::BadMeasurement,
         Self::MissingMeasurement,
         Self::FrozenMeasurement,
+        Self::LostCommand,
         Self::FollowingError,
         Self::RobotStopped,
         Self::ContactForce,
@@ -170,7 +174,8 @@ impl Fault {
             | Self::IterationLimit
             | Self::Frame(_)
             | Self::TooManyPeople
-            | Self::MissingMeasurement => false,
+            | Self::MissingMeasurement
+            | Self::LostCommand => false,
             Self::Clock(_)
             | Self::BadMeasurement
             | Self::FrozenMeasurement

@@ -172,6 +172,11 @@ impl Leash {
         self.joints.resynchronise();
     }
 
+    /// The commanded configuration is the measured one in the next tick, and goes on from there.
+    pub(crate) fn restart(&mut self) {
+        self.joints.restart();
+    }
+
     /// Holds the desired pose to the tool's: at it while the joints are resynchronised, else within
     /// the leash.
     pub(crate) fn hold_pose(

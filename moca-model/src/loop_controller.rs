@@ -2,6 +2,7 @@
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
+use hrsw::Fault;
 use whole_body::{ControlLaw, JointCommand, JointMeasurement, RobotStatus};
 
 use crate::camera_frame::CameraFrame;
@@ -11,7 +12,11 @@ use crate::torque::{LONGEST_INTERVAL, Measured, TorqueController};
 
 /// Camera frames that may wait for the next tick: more than come within one.
 const WAITING: usize = 8;
-/// Commands in a row of which a robot takes none when it has stopped: as many as stop a Panda.
+/// Commands in a row that the robot does not take, after which q* starts anew; a single one is a usual loss.
+const AGAIN: u32 = 2;
+/// After which they are a fault: as long as measurements may be missing.
+const LOST: u32 = 6;
+/// After which the robot has stopped: as many as stop a Panda.
 const REFUSED: u32 = 20;
 
 /// [`TorqueController`] as the law of a [`ControlLoop`](whole_body::ControlLoop).
@@ -64,6 +69,7 @@ impl LoopController {
     }
 
     /// What the robot says of itself: one that takes no commands has stopped, whether it says so or takes none of many.
+    /// What it did not take is not made up for.
     fn listen(&mut self, robot: RobotStatus) {
         match robot.took_command {
             Some(true) => self.refused = 0,
@@ -72,6 +78,11 @@ impl LoopController {
         }
         if robot.is_stopped() || self.refused >= REFUSED {
             self.controller.controller_mut().robot_stopped();
+        } else if self.refused >= AGAIN {
+            self.controller.controller_mut().restart();
+            if self.refused >= LOST {
+                self.controller.controller_mut().report(Fault::LostCommand);
+            }
         }
     }
 

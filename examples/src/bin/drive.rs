@@ -25,12 +25,13 @@ use examples::robot_side::ros2::{
     TopicReport,
 };
 use examples::robot_side::{
-    AnnouncedLaw, LinkReport, SharedKey, SimulatedSide, UdpServer, UdpSide,
+    AnnouncedLaw, DriveReport, LinkReport, LockstepSide, RecordedCamera, SharedKey, SimulatedSide,
+    UdpServer, UdpSide,
 };
 use examples::settings::SettingsFile;
 use moca_model::whole_body::{
-    Clock, Compensation, ControlLoop, DeadlineStatistics, JointMeasurement, LoopEnding,
-    LoopSettings, MonotonicClock, RobotSide, Scheduling, StopCause, TimeHistogram,
+    Clock, Compensation, ControlLoop, JointMeasurement, LoopSettings, ManualClock, MonotonicClock,
+    RobotSide, Scheduling, StopCause,
 };
 use moca_model::{AnswerDelay, CameraFrame, Controller, LoopController, TorqueController};
 use serde::Serialize;
@@ -63,6 +64,10 @@ struct Options {
     #[arg(long, value_name = "HOST:PORT", conflicts_with = "robot")]
     #[expect(clippy::option_option, reason = "an option whose value may be left out")]
     serve: Option<Option<String>>,
+    /// Take each packet of the robot's as one period, however long it takes to come: for robots in simulators. The
+    /// same run twice is the same.
+    #[arg(long, requires = "robot")]
+    lockstep: bool,
     /// Take packets only from whoever has the key in this file, with `--robot` and `--serve`: 32 bytes or more,
     /// the same at both ends.
     #[arg(long, value_name = "FILE")]
@@ -115,26 +120,11 @@ enum RobotAdds {
     Franka,
 }
 
-/// How well the deadlines were kept. Times in µs.
-#[derive(Debug, Serialize)]
-struct Report {
-    ended: &'static str,
-    /// None if nobody knows.
-    at_rest: Option<bool>,
-    ticks: u64,
-    missed: u64,
-    /// Ticks so late that others were missed.
-    late: u64,
-    unmeasured: u64,
-    latency_us: Times,
-    duration_us: Times,
-}
-
 /// The same over UDP.
 #[derive(Debug, Serialize)]
 struct OverUdp {
     #[serde(flatten)]
-    report: Report,
+    report: DriveReport,
     link: LinkReport,
 }
 
@@ -143,16 +133,8 @@ struct OverUdp {
 #[derive(Debug, Serialize)]
 struct OnRos2 {
     #[serde(flatten)]
-    report: Report,
+    report: DriveReport,
     ros2: Ros2Report,
-}
-
-#[derive(Debug, Serialize)]
-struct Times {
-    p50: f64,
-    p99: f64,
-    p999: f64,
-    max: f64,
 }
 
 impl Program for Options {
@@ -184,22 +166,28 @@ impl Program for Options {
             writeln!(session.output(), "{}", LinkReport::from(server.statistics()))?;
             return Ok(Ending::Complete);
         }
-        let recorded = recorded(session, &scenario, clock);
         if let Some(address) = &self.robot {
             let mut robot = UdpSide::connect(address, scenario.start.len(), key.as_ref())
                 .with_context(|| format!("--robot {address}"))?;
-            let driven = self.drive(session, &scenario, &mut robot, clock, recorded);
-            let link = LinkReport::from(robot.statistics());
-            let (ending, statistics) = driven.inspect_err(|_| session.warn(&link))?;
-            let report = OverUdp { report: Report::new(ending, &statistics), link };
+            let (driven, link) = if self.lockstep {
+                let mut robot = LockstepSide::new(robot)?;
+                let driven = self.drive_in_lockstep(session, &scenario, &mut robot);
+                (driven, LinkReport::from(robot.statistics()))
+            } else {
+                let recorded = recorded(session, &scenario, clock);
+                let driven = self.drive(session, &scenario, &mut robot, clock, recorded);
+                (driven, LinkReport::from(robot.statistics()))
+            };
+            let report = driven.inspect_err(|_| session.warn(&link))?;
+            let (cause, report) = (report.cause, OverUdp { report, link });
             writeln!(session.output(), "{}\n{}", report.report, report.link)?;
-            return session.conclude(self.json, &report, ended(session, ending));
+            return session.conclude(self.json, &report, ended(session, cause));
         }
+        let recorded = recorded(session, &scenario, clock);
         let mut robot = SimulatedSide::new(&scenario.start, period, SEED)?;
-        let (ending, statistics) = self.drive(session, &scenario, &mut robot, clock, recorded)?;
-        let report = Report::new(ending, &statistics);
+        let report = self.drive(session, &scenario, &mut robot, clock, recorded)?;
         writeln!(session.output(), "{report}")?;
-        session.conclude(self.json, &report, ended(session, ending))
+        session.conclude(self.json, &report, ended(session, report.cause))
     }
 }
 
@@ -297,10 +285,10 @@ impl Options {
         let driven =
             self.drive(session, scenario, &mut robot, clock, seen_by_others(&persons, clock));
         let messages = Ros2Report::from(&robot.close()?);
-        let (ending, statistics) = driven.inspect_err(|_| session.warn(&messages))?;
-        let report = OnRos2 { report: Report::new(ending, &statistics), ros2: messages };
+        let report = driven.inspect_err(|_| session.warn(&messages))?;
+        let (cause, report) = (report.cause, OnRos2 { report, ros2: messages });
         writeln!(session.output(), "{}\n{}", report.report, report.ros2)?;
-        session.conclude(self.json, &report, ended(session, ending))
+        session.conclude(self.json, &report, ended(session, cause))
     }
 
     /// Moves the robot from a thread of its own; this one is the camera, until the loop has ended.
@@ -311,18 +299,14 @@ impl Options {
         robot: &mut R,
         mut clock: MonotonicClock,
         camera: impl FnOnce(&SyncSender<CameraFrame>, &AtomicBool),
-    ) -> Result<(LoopEnding, DeadlineStatistics)>
+    ) -> Result<DriveReport>
     where
         R: RobotSide + Send,
         R::Error: fmt::Display + Send,
     {
-        let Scenario { model, comfort, settings, torques, start, .. } = scenario;
-        let controller = Controller::new(model.clone(), *comfort, settings.clone(), start)?;
-        let controller = TorqueController::new(controller, torques.clone())?;
-        let (law, frames) = LoopController::new(controller);
+        let (law, frames) = law(scenario)?;
         let mut law = AnnouncedLaw::new(law, |text| session.warn(text));
-        let times = LoopSettings { period: settings.period, ..LoopSettings::default() };
-        let mut control = ControlLoop::new(times, JointMeasurement::at_rest(model))?;
+        let mut control = control_loop(scenario)?;
         let scheduling = Scheduling { priority: self.priority, lock_memory: self.lock_memory };
         let (interrupt, ended) = (session.interrupt().clone(), AtomicBool::new(false));
         let watch = clock;
@@ -346,11 +330,46 @@ impl Options {
             camera(&frames, &ended);
             looping.join().map_err(|_| anyhow!("the loop panicked"))?
         })
-        .map(|ending| (ending, control.statistics().clone()))
+        .map(|ending| DriveReport::new(ending, control.statistics(), law.faults()))
+    }
+
+    /// Moves the robot, and is its camera, as its packets come.
+    fn drive_in_lockstep(
+        &self,
+        session: &Session,
+        scenario: &Scenario,
+        robot: &mut LockstepSide,
+    ) -> Result<DriveReport> {
+        let (law, frames) = law(scenario)?;
+        let mut law = AnnouncedLaw::new(law, |text| session.warn(text));
+        let mut control = control_loop(scenario)?;
+        let mut clock = ManualClock::default();
+        let mut camera = RecordedCamera::new(scenario.camera_frames(), frames);
+        let watch = clock.clone();
+        let stop = || {
+            camera.show(watch.now());
+            session.interrupt().requested() || watch.now() > self.duration
+        };
+        let ending =
+            control.run(robot, &mut law, &mut clock, stop).map_err(|error| anyhow!("{error}"))?;
+        Ok(DriveReport::new(ending, control.statistics(), law.faults()))
     }
 }
 
-/// A camera that plays what was recorded at its pace, stamped with the present.
+/// The controller, and where its camera frames go.
+fn law(scenario: &Scenario) -> Result<(LoopController, SyncSender<CameraFrame>)> {
+    let Scenario { model, comfort, settings, torques, start, .. } = scenario;
+    let controller = Controller::new(model.clone(), *comfort, settings.clone(), start)?;
+    Ok(LoopController::new(TorqueController::new(controller, torques.clone())?))
+}
+
+fn control_loop(scenario: &Scenario) -> Result<ControlLoop> {
+    let period = scenario.settings.period;
+    let times = LoopSettings { period, ..LoopSettings::default() };
+    Ok(ControlLoop::new(times, JointMeasurement::at_rest(&scenario.model))?)
+}
+
+/// A camera that plays what was recorded at its pace.
 fn recorded(
     session: &Session,
     scenario: &Scenario,
@@ -359,24 +378,13 @@ fn recorded(
     let recorded = scenario.camera_frames();
     let progress = session.open_progress("drive");
     move |frames, ended| {
-        let mut seen = 0;
-        loop {
-            let (begin, first) =
-                (clock.now(), recorded.first().map_or(0.0, |frame| frame.percept.time));
-            for frame in &recorded {
-                clock.sleep_until(begin + frame.percept.time - first);
-                if ended.load(Ordering::Acquire) {
-                    progress.finish();
-                    return;
-                }
-                // A loop that takes none for a while misses these, as it would miss a camera's.
-                let mut now = frame.clone();
-                now.percept.time = clock.now();
-                let _ = frames.try_send(now);
-                seen += 1;
-                progress.set(seen);
-            }
+        let mut camera = RecordedCamera::new(recorded, frames.clone());
+        while !ended.load(Ordering::Acquire) {
+            let (seen, next) = camera.show(clock.now());
+            progress.set(seen);
+            clock.sleep_until(next);
         }
+        progress.finish();
     }
 }
 
@@ -400,66 +408,11 @@ fn seen_by_others(
 }
 
 /// How a program ends whose loop ends so.
-fn ended(session: &Session, ending: LoopEnding) -> Ending {
-    match ending.cause {
+fn ended(session: &Session, cause: StopCause) -> Ending {
+    match cause {
         StopCause::Requested if session.interrupt().requested() => Ending::Partial,
         StopCause::Requested => Ending::Complete,
         _ => Ending::Failed,
-    }
-}
-
-impl Report {
-    fn new(ending: LoopEnding, statistics: &DeadlineStatistics) -> Self {
-        let times = |histogram: &TimeHistogram| Times {
-            p50: 1e6 * histogram.quantile(0.5),
-            p99: 1e6 * histogram.quantile(0.99),
-            p999: 1e6 * histogram.quantile(0.999),
-            max: 1e6 * histogram.longest(),
-        };
-        Self {
-            ended: match ending.cause {
-                StopCause::Requested => "requested",
-                StopCause::RobotSilent => "robot silent",
-                StopCause::PerceptionSilent => "perception silent",
-                _ => "unknown",
-            },
-            at_rest: ending.at_rest,
-            ticks: statistics.ticks,
-            missed: statistics.missed,
-            late: statistics.late,
-            unmeasured: statistics.unmeasured,
-            latency_us: times(&statistics.latency),
-            duration_us: times(&statistics.duration),
-        }
-    }
-}
-
-impl fmt::Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { ended, at_rest, ticks, missed, late, unmeasured, latency_us, duration_us } =
-            self;
-        let rest = match at_rest {
-            Some(true) => "at rest",
-            Some(false) => "moving",
-            None => "nobody knows whether at rest",
-        };
-        writeln!(f, "{:30} {ended}, {rest}", "ended")?;
-        for (what, count) in [
-            ("ticks", ticks),
-            ("ticks missed", missed),
-            ("ticks late", late),
-            ("ticks without measurement", unmeasured),
-        ] {
-            writeln!(f, "{what:30} {count:>10}")?;
-        }
-        let Times { p50, p99, p999, max } = latency_us;
-        writeln!(
-            f,
-            "{:30} {p50:.0}, {p99:.0}, {p999:.0}, {max:.0}",
-            "late [µs] p50 p99 p99.9 max"
-        )?;
-        let Times { p50, p99, p999, max } = duration_us;
-        write!(f, "{:30} {p50:.0}, {p99:.0}, {p999:.0}, {max:.0}", "took [µs] p50 p99 p99.9 max")
     }
 }
 

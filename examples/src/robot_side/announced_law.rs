@@ -3,17 +3,26 @@
 use moca_model::whole_body::{ControlLaw, JointCommand, JointMeasurement};
 use moca_model::{Error, LoopController};
 
-/// A [`LoopController`] that tells people, once and before the first command, what it does without.
+use super::fault_log::FaultLog;
+
+/// A [`LoopController`] that tells people, once and before the first command, what it does without; and remembers its
+/// faults.
 #[derive(Debug)]
 pub struct AnnouncedLaw<F> {
     law: LoopController,
     tell: F,
+    faults: FaultLog,
 }
 
 impl<F: FnMut(&str)> AnnouncedLaw<F> {
     /// Of this law, with what tells people.
     pub fn new(law: LoopController, tell: F) -> Self {
-        Self { law, tell }
+        Self { law, tell, faults: FaultLog::default() }
+    }
+
+    /// What went wrong so far.
+    pub fn faults(&self) -> &FaultLog {
+        &self.faults
     }
 }
 
@@ -43,7 +52,9 @@ impl<F: FnMut(&str)> ControlLaw for AnnouncedLaw<F> {
         measured: &JointMeasurement,
         command: &mut JointCommand,
     ) -> Result<(), Error> {
-        self.law.step(now, measured, command)
+        let stepped = self.law.step(now, measured, command);
+        self.faults.push(now, self.law.controller().controller().command().fault);
+        stepped
     }
 
     fn perception_age(&self) -> Option<f64> {

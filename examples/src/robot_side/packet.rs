@@ -10,6 +10,8 @@ use super::shared_key::{CODE, SharedKey};
 pub enum PacketKind {
     /// Of the robot: positions, velocities, torques, and its own status.
     Measurement,
+    /// Of the robot, in lockstep: a period in which it measures nothing.
+    Nothing,
     /// To the robot: positions, velocities, torques.
     Command,
     /// To the robot: somebody asks for one measurement.
@@ -70,8 +72,9 @@ pub struct Packet {
 }
 
 impl PacketKind {
-    const ALL: [(Self, [u8; 3]); 4] = [
+    const ALL: [(Self, [u8; 3]); 5] = [
         (Self::Measurement, *b"MOm"),
+        (Self::Nothing, *b"MOn"),
         (Self::Command, *b"MOc"),
         (Self::Hello, *b"MOh"),
         (Self::Halt, *b"MOx"),
@@ -109,7 +112,7 @@ impl Packet {
         &self.bytes
     }
 
-    /// Becomes a packet without numbers: a hello, or a halt.
+    /// Becomes a packet without numbers: a hello, a halt, or nothing measured.
     pub fn write(&mut self, head: PacketHead) {
         self.begin(head);
         self.seal();
@@ -239,8 +242,7 @@ impl Packet {
         let flags = bytes.get(NUMBERS + 24 * self.joints..).unwrap_or_default();
         let flags = flags.get(..self.joints).unwrap_or_default();
         if kind != PacketKind::Measurement {
-            let empty = matches!(kind, PacketKind::Hello | PacketKind::Halt);
-            let rest = if empty { numbers } else { &[] };
+            let rest = if kind == PacketKind::Command { &[] } else { numbers };
             if [mode, took].iter().chain(flags).chain(rest).any(|byte| *byte != 0) {
                 return Err(PacketError::NotZero);
             }

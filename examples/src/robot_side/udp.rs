@@ -3,6 +3,7 @@
 use std::convert::Infallible;
 use std::io::{self, ErrorKind};
 use std::net::{ToSocketAddrs, UdpSocket};
+use std::time::{Duration, Instant};
 
 use moca_model::whole_body::{JointCommand, JointMeasurement, Received, RobotSide};
 
@@ -70,15 +71,64 @@ impl UdpSide {
         PacketHead { kind, controller: self.controller, robot, counter: self.sent }
     }
 
+    /// Says hello, until the first command.
+    fn hello(&mut self) {
+        if !self.commands {
+            let head = self.head(PacketKind::Hello);
+            self.outgoing.write(head);
+            self.transmit();
+        }
+    }
+
+    /// Makes it one that waits for packets, in a session of this number.
+    pub(super) fn waiting(mut self, controller: u64, patience: Duration) -> io::Result<Self> {
+        self.socket.set_nonblocking(false)?;
+        self.socket.set_read_timeout(Some(patience))?;
+        self.controller = controller;
+        Ok(self)
+    }
+
+    /// Waits for the robot's next packet; none if it does not come for so long. A period in which it measures nothing
+    /// is a packet, too.
+    pub(super) fn next(
+        &mut self,
+        measured: &mut JointMeasurement,
+        patience: Duration,
+    ) -> Option<Received> {
+        self.hello();
+        let since = Instant::now();
+        while since.elapsed() < patience {
+            match self.socket.recv(&mut self.buffer) {
+                Ok(length) => match self.take(length) {
+                    Ok(kind) => return Some(self.read(kind, measured)),
+                    Err(refusal) => self.statistics.refuse(refusal),
+                },
+                Err(_) => self.statistics.lost += 1,
+            }
+        }
+        None
+    }
+
+    /// Reads the packet that was taken.
+    fn read(&mut self, kind: PacketKind, measured: &mut JointMeasurement) -> Received {
+        self.statistics.taken += 1;
+        if kind == PacketKind::Measurement {
+            self.incoming.read_measurement(measured);
+            Received::Fresh
+        } else {
+            Received::Nothing
+        }
+    }
+
     fn transmit(&mut self) {
         self.statistics.lost += u64::from(self.socket.send(self.outgoing.bytes()).is_err());
     }
 
     /// Takes a packet that has come.
-    fn take(&mut self, length: usize) -> Result<(), LinkRefusal> {
+    fn take(&mut self, length: usize) -> Result<PacketKind, LinkRefusal> {
         let bytes = self.buffer.get(..length).unwrap_or_default();
         let head = self.incoming.take(bytes)?;
-        if head.kind != PacketKind::Measurement {
+        if !matches!(head.kind, PacketKind::Measurement | PacketKind::Nothing) {
             return Err(LinkRefusal::Direction);
         }
         let same_robot = !self.commands || self.robot == Some(head.robot);
@@ -94,7 +144,7 @@ impl UdpSide {
             None => self.newest = Some(Newest::begin(head.counter)?),
         }
         self.robot = Some(head.robot);
-        Ok(())
+        Ok(head.kind)
     }
 }
 
@@ -102,19 +152,15 @@ impl RobotSide for UdpSide {
     type Error = Infallible;
 
     fn receive(&mut self, measured: &mut JointMeasurement) -> Result<Received, Infallible> {
-        if !self.commands {
-            let head = self.head(PacketKind::Hello);
-            self.outgoing.write(head);
-            self.transmit();
-        }
+        self.hello();
         let mut received = Received::Nothing;
         for _ in 0..MOST {
             match self.socket.recv(&mut self.buffer) {
                 Ok(length) => match self.take(length) {
-                    Ok(()) => {
-                        self.incoming.read_measurement(measured);
-                        self.statistics.taken += 1;
-                        received = Received::Fresh;
+                    Ok(kind) => {
+                        if self.read(kind, measured) == Received::Fresh {
+                            received = Received::Fresh;
+                        }
                     }
                     Err(refusal) => self.statistics.refuse(refusal),
                 },

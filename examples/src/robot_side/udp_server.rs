@@ -154,7 +154,7 @@ impl UdpServer {
         let bytes = self.buffer.get(..length).unwrap_or_default();
         let head = self.incoming.take(bytes)?;
         match head.kind {
-            PacketKind::Measurement => return Err(LinkRefusal::Direction),
+            PacketKind::Measurement | PacketKind::Nothing => return Err(LinkRefusal::Direction),
             PacketKind::Hello => self.answer(&head, from)?,
             PacketKind::Halt => {
                 self.continue_session(&head, from)?;

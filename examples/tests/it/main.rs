@@ -19,6 +19,7 @@ mod hqp;
 mod ik;
 mod infer;
 mod limits;
+mod lockstep;
 #[cfg(feature = "mcap")]
 mod mcap_files;
 mod page;

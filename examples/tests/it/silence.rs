@@ -88,6 +88,7 @@ fn no_joint_runs_away_when_measurements_stop() {
     for heard in [Heard::Nothing, Heard::Frozen] {
         for ticks in [BRIDGED, 5, 19, 100, 1000] {
             let outcomes = moments.iter().map(|(time, plant)| branch(plant, *time, heard, ticks));
+            let (mut worst, mut latest) = (f64::NEG_INFINITY, 0);
             for (moment, Outcome { excess, fault }) in outcomes.enumerate() {
                 let what = format!("{heard:?} for {ticks} ms at moment {moment}");
                 assert!(excess <= 0.0, "{what}: {excess} rad/s too fast");
@@ -95,7 +96,11 @@ fn no_joint_runs_away_when_measurements_stop() {
                     None => assert!(ticks < FAULT, "{what}: no fault"),
                     Some(tick) => assert!(ticks > BRIDGED && tick <= FAULT, "{what}: at {tick}"),
                 }
+                worst = worst.max(excess);
+                latest = latest.max(fault.unwrap_or_default());
             }
+            // For the table of the book.
+            println!("bound {heard:?} {ticks} ms: {worst:.4} rad/s, fault {latest} ms");
         }
     }
 }

@@ -38,9 +38,10 @@ impl Controller {
         self.report(Fault::RobotStopped);
     }
 
-    /// The commanded state starts anew from where the robot is in the coming tick.
-    pub(crate) fn resynchronise(&mut self) {
-        self.leash.resynchronise();
+    /// The commanded state starts anew from where the robot is in the coming tick. Its springs hold on while it brakes: the
+    /// arm would drift without them.
+    pub(crate) fn restart(&mut self) {
+        self.leash.restart();
     }
 
     /// Tells the supervisor what went wrong.

@@ -133,9 +133,13 @@ fn every_fault_does_what_the_table_of_the_book_says() {
         // Nothing that this test can do brings the others about.
         let Some(make) = scenarios.get(&name) else {
             let others = [Fault::IterationLimit, Fault::BadData, Fault::LimitViolated];
-            // A robot under torques has them: `silence` and `torque` bring them about.
-            let of_torques =
-                [Fault::MissingMeasurement, Fault::FrozenMeasurement, Fault::UnknownPayload];
+            // A robot under torques has them: `silence`, `torque` and `lost_commands` bring them about.
+            let of_torques = [
+                Fault::MissingMeasurement,
+                Fault::FrozenMeasurement,
+                Fault::UnknownPayload,
+                Fault::LostCommand,
+            ];
             assert!(others.contains(&fault) || of_torques.contains(&fault), "{name}");
             continue;
         };

@@ -13,6 +13,7 @@ mod held_object;
 mod hidden_legs;
 mod late_ticks;
 mod left_out;
+mod lost_commands;
 mod misplaced_head;
 mod person_speed;
 mod properties;

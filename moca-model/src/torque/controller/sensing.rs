@@ -56,7 +56,7 @@ impl TorqueController {
         });
         // Nothing is made up for when the robot is measured again.
         if fault.is_some() || self.is_lost {
-            self.controller.resynchronise();
+            self.controller.restart();
         }
         self.is_lost = fault.is_some();
         if let Some(fault) = fault {

@@ -10,14 +10,14 @@ const LOST: f64 = 8e-3;
 const FADE: f64 = 4e-3;
 /// How fast joints that are lost are brought to rest \[s\]: in this time to a share of 1/e. Accelerations that the command
 /// may ask for ask for torques that no torque rate can follow, and each joint would come too late by another time.
-const BRAKING: f64 = 0.1;
+const BRAKING: f64 = 0.2;
 /// Ticks of which the commanded accelerations are remembered: those of 8 ms, or more.
 const REMEMBERED: usize = 16;
 
 /// Positions and velocities of joints now, from what was measured `age` seconds ago.
 ///
 /// A joint is taken to accelerate as it was commanded since it was measured, â = q̈*; one that torque drives after 8 ms as
-/// it is brought to rest, â = −v̂ / 0.1 s. So v̂ = v + ∫ â dt and q̂ = q + ∫ v̂ dt. The weight w says how far the measurement can be trusted: 1 up
+/// it is brought to rest, â = −v̂ / 0.2 s. So v̂ = v + ∫ â dt and q̂ = q + ∫ v̂ dt. The weight w says how far the measurement can be trusted: 1 up
 /// to an age of 2 ms, then 2 ms over the age, and from 8 to 12 ms to 0. Springs and dampers on the predicted state count
 /// by it ([`towards`](Self::towards)): a damper on an old velocity is a constant push. What they lack, 1 − w, the model
 /// is to give: M(q̂) â + C(q̂, v̂) v̂.

@@ -51,6 +51,8 @@ enum State {
     Unknown,
     Following,
     Resynchronising,
+    /// For one tick.
+    Restarting,
 }
 
 impl Resynchronisation {
@@ -105,12 +107,13 @@ impl Resynchronisation {
         check_size("the desired position", desired.len(), self.lengths.len())?;
         check_size("the measured position", measured.len(), self.lengths.len())?;
         let is_new = self.state == State::Unknown;
-        let reached = !is_new && self.is_reached(desired, measured);
+        let starts = is_new || self.state == State::Restarting;
+        let reached = !starts && self.is_reached(desired, measured);
         if self.state == State::Following && !reached {
             return Ok(Following::Follows);
         }
         desired.copy_from_slice(measured);
-        if is_new || (may_go_on && !reached) {
+        if starts || (may_go_on && !reached) {
             self.state = State::Following;
             return Ok(if is_new { Following::Follows } else { Following::Resynchronising });
         }
@@ -122,6 +125,12 @@ impl Resynchronisation {
     /// that is to give way.
     pub fn resynchronise(&mut self) {
         self.state = State::Resynchronising;
+    }
+
+    /// Lets the desired position start from the measured one in the next tick, and go on from there at once: the robot
+    /// follows, but did something else meanwhile.
+    pub fn restart(&mut self) {
+        self.state = State::Restarting;
     }
 
     /// A number that is none counts as too far.
