@@ -190,7 +190,7 @@ impl TorqueControl {
         let lost = self.watch.fault().is_some();
         // Nothing is made up for when the robot is measured again.
         if lost || self.is_lost {
-            self.resynchronisation.resynchronise();
+            self.resynchronisation.restart();
         }
         self.is_lost = lost;
         self.following = self.resynchronisation.hold(&mut self.desired, &self.position, rests)?;
