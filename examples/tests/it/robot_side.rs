@@ -398,7 +398,8 @@ fn drive_ends_in_order_and_counts() {
     let json = drive().with(&["--duration=0.3"]).run().done().json();
     assert_eq!((&json["ended"], &json["at_rest"]), (&"requested".into(), &true.into()));
     let ticks = json["ticks"].as_u64().unwrap() + json["missed"].as_u64().unwrap();
-    assert!(ticks >= 300, "{json}");
+    // It listens for the first 50 ms.
+    assert!(ticks >= 250, "{json}");
     drive().with(&["--robot=127.0.0.1:9"]).run().failed(1, "--compensation: say what");
     let drive = || drive().with(&["--compensation=nothing"]);
     drive().with(&["--robot=nowhere"]).run().failed(1, "--robot nowhere");
