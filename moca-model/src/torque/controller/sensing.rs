@@ -68,9 +68,8 @@ impl TorqueController {
     /// is.
     pub(super) fn feel(&mut self, usable: Usable, is_new: bool) {
         self.unobserved += self.elapsed;
-        if usable.is_bad() {
-            self.controller.report(Fault::BadMeasurement);
-        } else if usable.torque == Torques::Measured && is_new && self.observe_force().is_err() {
+        let observes = usable.torque == Torques::Measured && is_new;
+        if usable.is_bad() || (observes && self.observe_force().is_err()) {
             self.controller.report(Fault::BadMeasurement);
         }
         self.feels = usable.torque == Torques::Measured;
