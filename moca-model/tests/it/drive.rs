@@ -8,8 +8,8 @@ use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Attachment, Capsule, Cause, Fault, SafetyState, proximity};
 use moca_model::whole_body::{Compensation, Data, JointMeasurement, Model};
 use moca_model::{
-    CameraFrame, Controller, ControllerSettings, Error, LoopController, MOCA_HOME, SimulatedRobot,
-    TorqueController, TorqueLoopSettings,
+    AnswerDelay, CameraFrame, Controller, ControllerSettings, Error, LoopController, MOCA_HOME,
+    SimulatedRobot, TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
@@ -46,11 +46,19 @@ pub(crate) fn doing(action: Action, time: f64, person: Option<f64>) -> Percept {
     Percept { time, body: person.map(body), action: Some(action), surface: None }
 }
 
-/// A controller that takes frames from another thread, its way in, and joints at rest.
+/// A controller that takes frames from another thread, its way in, and joints at rest. It takes the robot to answer at
+/// once.
 pub(crate) fn loop_controller() -> (LoopController, SyncSender<CameraFrame>, JointMeasurement) {
+    loop_controller_of(AnswerDelay::Known(0.0))
+}
+
+/// The same of a robot that answers so late.
+pub(crate) fn loop_controller_of(
+    delay: AnswerDelay,
+) -> (LoopController, SyncSender<CameraFrame>, JointMeasurement) {
     let controller = Drive::new().controller;
-    let controller =
-        TorqueController::new(controller, TorqueLoopSettings::new(Compensation::BARE)).unwrap();
+    let settings = TorqueLoopSettings { delay, ..TorqueLoopSettings::new(Compensation::BARE) };
+    let controller = TorqueController::new(controller, settings).unwrap();
     let (law, frames) = LoopController::new(controller);
     let mut measured = JointMeasurement::resting(MOCA_HOME.to_vec(), 10);
     measured.torque.fill(Some(0.0));

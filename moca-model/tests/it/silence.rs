@@ -7,12 +7,12 @@ use moca_model::whole_body::{
     RandomSource, Received, RobotSide, StopCause,
 };
 use moca_model::{
-    Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, MOCA_HOME, Measured,
-    TorqueController, TorqueLoopSettings,
+    AnswerDelay, Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, MOCA_HOME,
+    Measured, TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
-use crate::drive::{FRAME, PERIOD, loop_controller, percept};
+use crate::drive::{FRAME, PERIOD, loop_controller_of, percept};
 use crate::shared::MOCA;
 use crate::torque::Noise;
 
@@ -307,7 +307,9 @@ impl RobotSide for Line {
             // Its brakes are closed: the arm does not move.
             return Ok(());
         }
-        torque.iter_mut().for_each(|torque| *torque *= self.strength);
+        for torque in &mut torque {
+            *torque *= self.strength;
+        }
         self.robot.drive(&command.velocity, &torque, &[], PERIOD, &mut self.noise).unwrap();
         Ok(())
     }
@@ -320,7 +322,7 @@ impl RobotSide for Line {
 impl Line {
     /// Drives for half a second; the delay that was found [s], or why the robot was refused.
     fn drive(delay: usize, every: u32, strength: Option<f64>) -> Result<f64, String> {
-        let (mut law, _frames, _) = loop_controller();
+        let (mut law, _frames, _) = loop_controller_of(AnswerDelay::Measured);
         let settings = DynamicRobotSettings { delay, ..DynamicRobotSettings::default() };
         let robot = DynamicRobot::new(&MOCA, &settings, &MOCA_HOME).unwrap();
         let mut line =

@@ -42,7 +42,7 @@ struct Held {
     velocity: Vec<f64>,
     now: f64,
     /// How long the velocity was held.
-    held: f64,
+    lasts: f64,
     seen: f64,
     changed: f64,
     /// How near a joint came to a limit of its position, as a share of its range.
@@ -69,7 +69,7 @@ impl Held {
             position: MOCA_HOME.to_vec(),
             velocity: vec![0.0; 10],
             now: 0.0,
-            held: PERIOD,
+            lasts: PERIOD,
             seen: f64::NEG_INFINITY,
             changed: f64::NEG_INFINITY,
             nearest: f64::INFINITY,
@@ -112,11 +112,11 @@ impl Held {
                 self.now
             );
             // A clock counts a difference of a thousandth of the period as rounding.
-            let change = limits.acceleration * (self.held + 1e-3 * PERIOD) * (1.0 + 1e-9);
+            let change = limits.acceleration * (self.lasts + 1e-3 * PERIOD) * (1.0 + 1e-9);
             assert!(
                 (v - before).abs() <= change,
                 "{before} to {v} after {} s, joint {joint}",
-                self.held
+                self.lasts
             );
             let q = self.position[joint] + v * time;
             for q in [q, command.joint_position[joint]] {
@@ -131,7 +131,7 @@ impl Held {
             self.position[joint] = q;
             self.velocity[joint] = v;
         }
-        self.held = time;
+        self.lasts = time;
     }
 
     /// Ran into its limits, and fast.
