@@ -213,17 +213,14 @@ fn record(
         }
     }
     progress.finish();
-    let output = match ending {
-        Ending::Partial => {
-            truth
-                .map(|truth| truth.finish_partial()?.keep_partial().map_err(anyhow::Error::from))
-                .transpose()?;
-            writer.finish_partial()?.keep_partial()?
-        }
-        _ => {
-            truth.map(|truth| truth.finish()?.keep().map_err(anyhow::Error::from)).transpose()?;
-            writer.finish()?.keep().map(|()| output)?
-        }
+    let output = if ending == Ending::Partial {
+        truth
+            .map(|truth| truth.finish_partial()?.keep_partial().map_err(anyhow::Error::from))
+            .transpose()?;
+        writer.finish_partial()?.keep_partial()?
+    } else {
+        truth.map(|truth| truth.finish()?.keep().map_err(anyhow::Error::from)).transpose()?;
+        writer.finish()?.keep().map(|()| output)?
     };
     Ok((Recorded { output, frames }, ending))
 }
