@@ -5,7 +5,6 @@ use examples::follow::{Run, Scenario};
 use examples::plant::{Heard, Plant};
 use examples::recording;
 use moca_model::{Goal, MOCA_BASE_JOINTS};
-use nalgebra::Vector3;
 use vision_models::Percept;
 
 use crate::support::average_map;
@@ -36,6 +35,8 @@ fn arm(plant: &Plant) -> Vec<f64> {
 fn branch(plant: &Plant, begin: f64, heard: Heard, ticks: u32) -> Outcome {
     let mut plant = plant.clone();
     let before = arm(&plant);
+    // The person goes on working as at that moment.
+    let push = *plant.push();
     let mut outcome = Outcome { excess: f64::NEG_INFINITY, fault: None };
     // What ends sooner than a fault is followed by whatever the robot is told.
     let judged = if ticks > FAULT { ticks + 100 } else { ticks };
@@ -48,7 +49,7 @@ fn branch(plant: &Plant, begin: f64, heard: Heard, ticks: u32) -> Outcome {
         if tick > BLIND {
             plant.lose_commands(1.0).unwrap();
         }
-        plant.act(&Vector3::zeros()).unwrap();
+        plant.act(&push).unwrap();
         for (now, before) in arm(&plant).iter().zip(&before) {
             outcome.excess = outcome.excess.max(now - (1.2 * before + 0.1));
         }
@@ -69,7 +70,8 @@ fn moments() -> Vec<(f64, Plant)> {
             tick += 1.0;
             if tick > next && moments.len() < MOMENTS {
                 let mut plant = plant.clone();
-                plant.act(&Vector3::zeros())?;
+                let push = *plant.push();
+                plant.act(&push)?;
                 moments.push((row.time, plant));
                 next += ticks * (0.4 + (moments.len() * 37 % 17) as f64 / 14.0) / 50.0;
             }

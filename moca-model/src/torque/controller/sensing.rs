@@ -164,8 +164,10 @@ impl TorqueController {
             share: 1.0 - self.prediction.weight(),
         };
         let torque = self.support.update(&mut self.data, model, &motion)?;
-        for (own, joint) in self.law.support.iter_mut().zip(&self.joints) {
-            *own = torque.get(*joint).copied().unwrap_or_default();
+        // What springs and dampers held goes on as they fade.
+        let joints = self.law.support.iter_mut().zip(&self.joints).zip(&self.load);
+        for ((own, joint), load) in joints {
+            *own = torque.get(*joint).copied().unwrap_or_default() + motion.share * load;
         }
         Ok(())
     }
