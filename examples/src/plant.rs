@@ -79,8 +79,6 @@ pub struct Plant {
     breaks_torque: bool,
     /// Where the object is pushed, in the tool's frame \[m\].
     face: Vector3<f64>,
-    /// What pushes it, as of the last period \[N, world\].
-    push: Vector3<f64>,
 }
 
 #[derive(Clone, Debug)]
@@ -148,7 +146,6 @@ impl Plant {
             reference: start,
             breaks_torque: false,
             face: Vector3::zeros(),
-            push: Vector3::zeros(),
             robot,
             model,
             period,
@@ -287,7 +284,6 @@ impl Plant {
     /// # Errors
     /// Commands that are not finite.
     pub fn act(&mut self, force: &Vector3<f64>) -> Result<()> {
-        self.push = *force;
         let moment = (self.tool()?.rotation * self.face).cross(force);
         match &mut self.robot {
             Robot::Torque(both) => {
@@ -305,11 +301,6 @@ impl Plant {
             }
         }
         Ok(())
-    }
-
-    /// What pushed what the robot holds in the last period \[N, world\].
-    pub fn push(&self) -> &Vector3<f64> {
-        &self.push
     }
 
     /// From now on this share of the commands is lost on the way to a robot under torques.

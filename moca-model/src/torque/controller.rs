@@ -92,8 +92,6 @@ pub struct TorqueController {
     /// The time since the observer's last update \[s\].
     unobserved: f64,
     support: SupportTorque,
-    /// What spring and damper held lately \[Nm\].
-    load: Vec<f64>,
     payload_watch: PayloadWatch,
     unknown_payload: Option<f64>,
     /// What the tool holds.
@@ -104,8 +102,6 @@ pub struct TorqueController {
 
 /// The share of the gains of an arm that waits: soft enough for any delay.
 const SOFT: f64 = 0.04;
-/// Over which time the load that spring and damper hold is taken \[s\].
-const LOAD: f64 = 0.02;
 /// Joints that are no faster are at rest \[m/s or rad/s\]: noise of measured velocities, and what friction lets creep.
 const AT_REST: f64 = 0.02;
 
@@ -168,7 +164,6 @@ impl TorqueController {
             delay,
             unobserved: 0.0,
             support: SupportTorque::new(&model, settings.compensation, settings.rotor_inertia)?,
-            load: none.clone(),
             payload_watch: PayloadWatch::default(),
             unknown_payload: None,
             held: None,
@@ -221,18 +216,6 @@ impl TorqueController {
             *support += torque;
         }
         self.apply();
-    }
-
-    /// Remembers what spring and damper hold while the robot is measured: a load that the model does not know.
-    fn remember_load(&mut self) {
-        if self.prediction.weight() < 1.0 {
-            return;
-        }
-        let share = (self.elapsed / LOAD).min(1.0);
-        let joints = self.load.iter_mut().zip(&self.torque).zip(&self.law.support);
-        for ((load, torque), support) in joints {
-            *load += share * (torque - support - *load);
-        }
     }
 
     /// Spring, damper and support, within the limits. Numbers that are no numbers leave the torque as it was.
@@ -350,7 +333,6 @@ impl TorqueController {
         let outcome = self.controller.step(now, configuration).map(|_| ());
         self.write_law(usable);
         self.apply();
-        self.remember_load();
         outcome.map(|()| self.controller.command())
     }
 

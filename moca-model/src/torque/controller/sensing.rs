@@ -164,10 +164,8 @@ impl TorqueController {
             share: 1.0 - self.prediction.weight(),
         };
         let torque = self.support.update(&mut self.data, model, &motion)?;
-        // What springs and dampers held goes on as they fade.
-        let joints = self.law.support.iter_mut().zip(&self.joints).zip(&self.load);
-        for ((own, joint), load) in joints {
-            *own = torque.get(*joint).copied().unwrap_or_default() + motion.share * load;
+        for (own, joint) in self.law.support.iter_mut().zip(&self.joints) {
+            *own = torque.get(*joint).copied().unwrap_or_default();
         }
         Ok(())
     }
