@@ -24,14 +24,14 @@ pub struct PersonBody {
     /// Its own velocity, where it is measured.
     pub velocity: Option<MeasuredVelocity>,
     /// How fast it may come nearer where its velocity is not measured \[m/s\]:
-    /// [`SeparationSettings::human_speed`] or, for hands and arms, [`SeparationSettings::arm_speed`].
+    /// [`SeparationSettings::human_speed`](crate::SeparationSettings::human_speed) or, for hands and arms, [`SeparationSettings::arm_speed`](crate::SeparationSettings::arm_speed).
     pub assumed_speed: f64,
     /// How long ago it was seen there, as far as the reaction time covers that, and the shape does not: it has
     /// moved on since \[s\]. A robot that may come no nearer goes away from where it is now, and one that may
     /// touch it is slow towards there.
     pub age: f64,
     /// How much of the shape's radius stands for not knowing where the part is \[m\], beyond
-    /// [`SeparationSettings::human_uncertainty`]: which direction leads away from it is the less certain.
+    /// [`SeparationSettings::human_uncertainty`](crate::SeparationSettings::human_uncertainty): which direction leads away from it is the less certain.
     pub uncertainty: f64,
     /// For a part that the robot may touch now: whatever the distance, the two may come nearer to each
     /// other as fast as their contact allows. None where only the distance counts.
