@@ -32,7 +32,7 @@ pub struct Limits {
     upper: f64,
     velocity: f64,
     acceleration: f64,
-    /// For how long a velocity may last; zero for the period.
+    /// The time that a velocity may last; zero for the period.
     hold: f64,
 }
 

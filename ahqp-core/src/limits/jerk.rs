@@ -193,7 +193,7 @@ struct Approach {
     /// Of the distance.
     rounding: f64,
     period: f64,
-    /// For how long the velocity may last, if that may be longer than the period.
+    /// The time that the velocity may last, if that may be longer than the period.
     hold: Option<f64>,
 }
 
@@ -206,7 +206,7 @@ impl Approach {
 
     /// How far the coordinate goes before the next command, and the derivative by the acceleration.
     ///
-    /// With a hold at least as far as the largest velocity would take it that comes while the acceleration fades:
+    /// A hold takes it at least as far as the largest velocity would that comes while the acceleration fades:
     /// braking then never makes this longer.
     fn travel(&self, braking: &Braking, velocity: f64, acceleration: f64) -> (f64, f64) {
         let along = (velocity * self.period, self.period * self.period);

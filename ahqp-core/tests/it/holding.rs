@@ -23,7 +23,7 @@ fn decades(from: f64, to: f64) -> impl Strategy<Value = f64> {
     (from..to).prop_map(|exponent: f64| 10_f64.powf(exponent))
 }
 
-/// With and without a limit of the jerk.
+/// Both cases: a limit of the jerk, and none.
 fn limits() -> impl Strategy<Value = JerkLimits> {
     let jerk = prop_oneof![1 => Just(f64::INFINITY), 2 => decades(0.0, 4.5)];
     (-3.0..3.0_f64, decades(-3.0, 1.0), decades(-1.0, 1.0), decades(-0.5, 1.5), jerk).prop_map(

@@ -81,7 +81,7 @@ struct Tally {
     stops: u64,
     retreats: u64,
     separation_violations: u64,
-    /// Of each tick with a part of the true person within 5 cm that may be touched \[m/s\].
+    /// One element a tick with a part of the true person within 5 cm that may be touched \[m/s\].
     contact_speeds: Vec<f64>,
     failures: u64,
 }
