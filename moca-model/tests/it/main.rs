@@ -8,6 +8,7 @@ mod drive;
 mod fault_table;
 mod faults;
 mod golden;
+mod guarantees;
 mod headway;
 mod held_object;
 mod hidden_legs;

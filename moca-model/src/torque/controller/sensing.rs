@@ -49,7 +49,8 @@ impl TorqueController {
         let commanded = &self.controller.command().joint_velocity;
         let age = self.watch.update(measured, commanded, age, self.elapsed);
         // The sizes are those of the robot.
-        let _ = self.prediction.update(measured, commanded, self.delay + age, period);
+        let (age, awaited) = (self.delay + age, self.delay + self.watch.awaited());
+        let _ = self.prediction.update(measured, commanded, age, awaited, period);
         let fault = self.watch.fault().map(|fault| match fault {
             MeasurementFault::Missing => Fault::MissingMeasurement,
             MeasurementFault::Frozen => Fault::FrozenMeasurement,

@@ -214,7 +214,7 @@ impl TorqueControl {
         }
         let state = JointState { position: &room.measured, velocity: &room.measured_velocity };
         let age = watch.update(state, &room.commanded, age, period);
-        prediction.update(state, &room.commanded, age, period)?;
+        prediction.update(state, &room.commanded, age, watch.awaited(), period)?;
         self.position.copy_from_slice(measured.position);
         self.velocity.copy_from_slice(measured.velocity);
         for (joint, (position, entry)) in joints.iter().enumerate() {

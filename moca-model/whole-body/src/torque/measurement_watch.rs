@@ -6,6 +6,8 @@ use super::impedance::JointState;
 /// more than the period of 250 Hz.
 const MISSING: f64 = 6e-3;
 const SELDOM: f64 = 4e-3;
+/// Time by which a measurement may come later than usual before the robot is braked \[s\]. A robot is told of a fault later.
+const AWAITED: f64 = 2e-3;
 /// Measurements at first by which is judged whether every one differs from the one before, as noise makes it.
 const JUDGED: u32 = 20;
 /// So many equal measurements in a row are no lost packets that were measured again.
@@ -61,6 +63,9 @@ pub struct MeasurementWatch {
     equal: u32,
     since: f64,
     age: f64,
+    /// The age in the last tick as it was told, and that of the newest measurement when it came \[s\].
+    told: f64,
+    fresh: f64,
     frozen: bool,
 }
 
@@ -78,6 +83,8 @@ impl MeasurementWatch {
             equal: 0,
             since: 0.0,
             age: 0.0,
+            told: f64::INFINITY,
+            fresh: 0.0,
             frozen: false,
         }
     }
@@ -96,6 +103,10 @@ impl MeasurementWatch {
         }
         self.since += period;
         self.age = age.max(0.0);
+        if age <= self.told + 0.5 * period {
+            self.fresh = self.age;
+        }
+        self.told = age;
         if age < 0.5 * period {
             self.take(measured);
         }
@@ -146,6 +157,12 @@ impl MeasurementWatch {
     /// How old what is known of the robot is \[s\].
     pub fn age(&self) -> f64 {
         self.age
+    }
+
+    /// Age up to which the next measurement is awaited \[s\]: 2 ms more than usual. Joints that accelerate are braked
+    /// from then on.
+    pub fn awaited(&self) -> f64 {
+        self.fresh + self.usual + AWAITED + 1e-6
     }
 
     /// What is wrong with the measurements now.

@@ -5,7 +5,7 @@ use crate::error::{Error, check_size};
 
 /// Age up to which a measurement counts in full \[s\]: the delay of a loop that measures in every millisecond.
 const IN_FULL: f64 = 2e-3;
-/// Age from which a measurement counts less and less \[s\], and how long that takes until it says nothing.
+/// Age up to which joints are predicted from what was measured \[s\], and time in which its weight then fades to nothing.
 const LOST: f64 = 8e-3;
 const FADE: f64 = 4e-3;
 /// How fast joints that are lost are brought to rest \[s\]: in this time to a share of 1/e. Accelerations that the command
@@ -16,8 +16,8 @@ const REMEMBERED: usize = 16;
 
 /// Positions and velocities of joints now, from what was measured `age` seconds ago.
 ///
-/// A joint is taken to accelerate as it was commanded since it was measured, â = q̈*; one that torque drives after 8 ms as
-/// it is brought to rest, â = −v̂ / 0.2 s. So v̂ = v + ∫ â dt and q̂ = q + ∫ v̂ dt. The weight w says how far the measurement can be trusted: 1 up
+/// A joint is taken to accelerate as it was commanded since it was measured, â = q̈*. Once the next measurement is
+/// overdue ([`MeasurementWatch::awaited`](crate::MeasurementWatch::awaited)), a joint that torque drives is brought to rest, â = −v̂ / 0.2 s. So v̂ = v + ∫ â dt and q̂ = q + ∫ v̂ dt. The weight w says how far the measurement can be trusted: 1 up
 /// to an age of 2 ms, then 2 ms over the age, and from 8 to 12 ms to 0. Springs and dampers on the predicted state count
 /// by it ([`towards`](Self::towards)): a damper on an old velocity is a constant push. What they lack, 1 − w, the model
 /// is to give: M(q̂) â + C(q̂, v̂) v̂.
@@ -27,11 +27,11 @@ const REMEMBERED: usize = 16;
 ///
 /// let mut prediction = StatePrediction::new(&[0.0], &[0]);
 /// let measured = JointState { position: &[0.0], velocity: &[1.0] };
-/// prediction.update(measured, &[1.0], 0.0, 1e-3)?;
+/// prediction.update(measured, &[1.0], 0.0, 5e-3, 1e-3)?;
 /// for tick in 1..=4 {
 ///     // Nothing comes, and the command slows down by 0.01 rad/s a tick.
 ///     let age = 1e-3 * f64::from(tick);
-///     prediction.update(measured, &[1.0 - 0.01 * f64::from(tick)], age, 1e-3)?;
+///     prediction.update(measured, &[1.0 - 0.01 * f64::from(tick)], age, 5e-3, 1e-3)?;
 /// }
 /// assert!((prediction.velocity()[0] - 0.96).abs() < 1e-12);
 /// assert!((prediction.weight() - 0.5).abs() < 1e-12);
@@ -55,6 +55,8 @@ pub struct StatePrediction {
     began: bool,
     /// The age of what is predicted now \[s\].
     age: f64,
+    /// Whether the next measurement is overdue.
+    is_overdue: bool,
 }
 
 /// How far a measurement of this age \[s\] can be trusted, 0 to 1; not at all if the age is no number.
@@ -77,11 +79,12 @@ impl StatePrediction {
             newest: 0,
             began: false,
             age: 0.0,
+            is_overdue: false,
         }
     }
 
-    /// Takes what was measured last, `age` \[s\] ago, and q̇* of the period that ends now, one element a joint. Allocates
-    /// nothing.
+    /// Takes what was measured last, `age` \[s\] ago, and q̇* of the period that ends now, one element a joint. The next
+    /// measurement is overdue above an age of `awaited` \[s\], and at the latest of 8 ms. Allocates nothing.
     ///
     /// # Errors
     /// [`Error::WrongSize`]; nothing has changed then.
@@ -90,6 +93,7 @@ impl StatePrediction {
         measured: JointState<'_>,
         commanded: &[f64],
         age: f64,
+        awaited: f64,
         period: f64,
     ) -> Result<(), Error> {
         let joints = self.position.len();
@@ -98,8 +102,9 @@ impl StatePrediction {
         check_size("the commanded velocity", commanded.len(), joints)?;
         self.remember(commanded);
         self.age = if age > 0.0 { age } else { 0.0 };
+        self.is_overdue = self.age > awaited.min(LOST);
         self.accelerate(period);
-        if self.age > LOST {
+        if self.is_overdue {
             let joints = self.position.iter_mut().zip(&mut self.velocity).zip(&self.acceleration);
             for ((position, velocity), acceleration) in joints {
                 *velocity += acceleration * period;
@@ -121,7 +126,7 @@ impl StatePrediction {
         let joints =
             self.acceleration.iter_mut().zip(changes).zip(&self.velocity).zip(&self.driven);
         for (((acceleration, change), velocity), is_driven) in joints {
-            let is_lost = *is_driven && self.age > LOST;
+            let is_lost = *is_driven && self.is_overdue;
             *acceleration = if is_lost { -velocity / BRAKING } else { change / period };
         }
     }
