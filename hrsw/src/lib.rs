@@ -36,7 +36,7 @@
 //! for _tick in 0..4000 {
 //!     person.advance(PERIOD);
 //!     workspace.place(*person.pose(), person.twist())?;
-//!     soft.write_rows(&workspace, None, &desired, hierarchy.constraints_mut(inside)?)?;
+//!     soft.write_rows(&workspace, &desired, hierarchy.constraints_mut(inside)?)?;
 //!     let x = solver.solve(&hierarchy)?.optimum()?;
 //!     let twist = Vector6::from_column_slice(&x[state.desired_velocity()]);
 //!     desired = integrate_pose(&desired, &twist, PERIOD);
@@ -71,7 +71,6 @@ mod shape;
 mod softening;
 mod speed_cap;
 mod supervisor;
-mod surroundings;
 mod workspace;
 
 pub use age::Age;
@@ -95,10 +94,9 @@ pub use separation::{BaseBraking, SeparationSettings};
 pub use shape::{
     Bounds, Capsule, Cone, HalfSpace, Mesh, OrientationShape, OrientedBox, Polytope, PositionShape,
 };
-pub use softening::{Slack, SoftWorkspace, Softening};
+pub use softening::{SoftWorkspace, Softening};
 pub use speed_cap::SpeedCap;
 pub use supervisor::{Cause, Observation, Supervisor, SupervisorSettings};
-pub use surroundings::{ForbiddenRegion, Intersection, Reach, Surroundings};
 pub use workspace::Workspace;
 
 /// The program of the crate's README.

@@ -1,4 +1,4 @@
-//! A workspace that is carried along: by the person, the robot's base, a path, or not at all.
+//! A workspace that is carried along: by the person, a path, or not at all.
 
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3, Vector6};
 
@@ -18,8 +18,6 @@ pub enum Attachment {
     World(Isometry3<f64>),
     /// The person: the frame of the workspace in theirs.
     Person(Isometry3<f64>),
-    /// The robot's base: the frame of the workspace in its.
-    RobotBase(Isometry3<f64>),
     /// A path in the world, begun when it is attached.
     Path(Path),
 }
@@ -31,7 +29,7 @@ pub struct MovingSettings {
     pub frame: FollowerSettings,
     /// Rates of the reference of orientations; only the angular ones count.
     pub reference: FollowerSettings,
-    /// How person and base are extrapolated.
+    /// How the person is extrapolated.
     pub anchor: AnchorSettings,
 }
 
@@ -66,7 +64,6 @@ pub struct MovingWorkspace {
     frame: FrameFollower,
     reference: Reorientation,
     person: Anchor,
-    base: Anchor,
     lead: Vector3<f64>,
     on_path: f64,
 }
@@ -82,7 +79,6 @@ impl MovingWorkspace {
             frame: FrameFollower::new(pose, settings.frame)?,
             reference: Reorientation::new(*workspace.reference(), settings.reference)?,
             person: Anchor::new(settings.anchor)?,
-            base: Anchor::new(settings.anchor)?,
             attachment: Attachment::World(pose),
             lead: Vector3::zeros(),
             on_path: 0.0,
@@ -111,9 +107,7 @@ impl MovingWorkspace {
     /// [`Error::NotFinite`], [`Error::NotUnit`]; the attachment then stays as it was.
     pub fn attach(&mut self, attachment: Attachment) -> Result<(), Error> {
         match &attachment {
-            Attachment::World(pose) | Attachment::Person(pose) | Attachment::RobotBase(pose) => {
-                check_pose(pose)?;
-            }
+            Attachment::World(pose) | Attachment::Person(pose) => check_pose(pose)?,
             Attachment::Path(_) => {}
         }
         self.attachment = attachment;
@@ -140,19 +134,6 @@ impl MovingWorkspace {
         age: f64,
     ) -> Result<(), Error> {
         self.person.observe(pose, twist, age)
-    }
-
-    /// Takes a measurement of the robot base's frame, as [`observe_person`](Self::observe_person).
-    ///
-    /// # Errors
-    /// Those of [`Anchor::observe`]; the measurement is then ignored.
-    pub fn observe_base(
-        &mut self,
-        pose: Isometry3<f64>,
-        twist: Vector6<f64>,
-        age: f64,
-    ) -> Result<(), Error> {
-        self.base.observe(pose, twist, age)
     }
 
     /// Shifts the workspace by `lead` in the axes of what carries it \[m\], at its limited rates.
@@ -223,7 +204,6 @@ impl MovingWorkspace {
     pub fn advance(&mut self, period: f64) -> Result<(), Error> {
         positive("the period", period)?;
         self.person.advance(period);
-        self.base.advance(period);
         self.on_path += period;
         if let Some((pose, twist)) = self.target()
             && self.frame.retarget(pose, twist).is_err()
@@ -252,7 +232,6 @@ impl MovingWorkspace {
         };
         match &self.attachment {
             Attachment::Person(offset) => carried(&self.person, offset),
-            Attachment::RobotBase(offset) => carried(&self.base, offset),
             Attachment::World(pose) => Some((led(pose, &self.lead), Vector6::zeros())),
             Attachment::Path(path) => {
                 let (pose, twist) = path.at(self.on_path);

@@ -1,31 +1,17 @@
 //! Softening by slack, so that no motion of the workspace makes the problem infeasible.
 
 use ahqp_core::{AugmentedState, Level, Rows};
-use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, Isometry3, Vector6};
 
 use crate::error::{Error, check_pose, check_size, not_negative, positive};
-use crate::rows::{PoseRow, stack};
-use crate::surroundings::Surroundings;
+use crate::rows::PoseRow;
 use crate::workspace::Workspace;
 
-/// Who gives way when a pose cannot lie within.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Slack {
-    /// One slack a coordinate, shared by all rows that the coordinate moves (the paper's
-    /// Sec. III-C): the shape grows by the box of half-widths s. Needs 6 slack variables.
-    #[default]
-    Shared,
-    /// One slack a row, without variables of its own: the squares of the excesses are minimised.
-    RowWise,
-}
-
-/// How a workspace gives way.
+/// Softening of a workspace by one slack a coordinate, shared by all rows that the coordinate moves (the paper's
+/// Sec. III-C). The shape grows by the box of half-widths s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Softening {
-    /// Shared by coordinate or one a row. Default shared.
-    pub slack: Slack,
-    /// What a slack costs, by coordinate of the workspace \[1/m², 1/rad²\]; a row between two
-    /// coordinates takes the mean of theirs, weighted by the squares of its parts. Default 1.
+    /// Cost of a slack by coordinate of the workspace \[1/m², 1/rad²\]. Default 1.
     pub weights: Vector6<f64>,
     /// How far within its bounds the pose is kept \[m or rad\], so that a frame that is not known exactly does
     /// not carry it out of them; the slack counts what the margin lacks, too. In a shape that is narrower than
@@ -36,20 +22,11 @@ pub struct Softening {
     pub position_rows: usize,
     /// Room for rows of the orientation. Default 6, a box.
     pub orientation_rows: usize,
-    /// Room for rows of the [`Surroundings`](crate::Surroundings). Default 0.
-    pub surrounding_rows: usize,
 }
 
 impl Default for Softening {
     fn default() -> Self {
-        Self {
-            slack: Slack::Shared,
-            weights: Vector6::repeat(1.0),
-            margin: 0.0,
-            position_rows: 6,
-            orientation_rows: 6,
-            surrounding_rows: 0,
-        }
+        Self { weights: Vector6::repeat(1.0), margin: 0.0, position_rows: 6, orientation_rows: 6 }
     }
 }
 
@@ -100,18 +77,14 @@ impl SoftWorkspace {
     /// With the layout of χ, the horizon τ \[s\], and how the workspace gives way.
     ///
     /// # Errors
-    /// As [`new`](Self::new), the 6 slacks only where they are shared; [`Error::Parameter`] for
-    /// weights that are not positive.
+    /// As [`new`](Self::new); [`Error::Parameter`] for weights that are not positive.
     pub fn with_softening(
         state: AugmentedState,
         horizon: f64,
         softening: Softening,
     ) -> Result<Self, Error> {
-        let shared = softening.slack == Slack::Shared;
-        for (what, found, needed) in
-            [("task dimensions", state.task, true), ("slack variables", state.slack, shared)]
-        {
-            if needed && found != 6 {
+        for (what, found) in [("task dimensions", state.task), ("slack variables", state.slack)] {
+            if found != 6 {
                 return Err(Error::State { what, found, expected: 6 });
             }
         }
@@ -124,8 +97,7 @@ impl SoftWorkspace {
 
     /// How many rows a level holds.
     pub fn capacity(&self) -> usize {
-        let softening = &self.softening;
-        softening.position_rows + softening.orientation_rows + softening.surrounding_rows
+        self.softening.position_rows + self.softening.orientation_rows
     }
 
     /// The level, its rows still to be written.
@@ -134,19 +106,14 @@ impl SoftWorkspace {
     /// [`Error::Hierarchy`] for weights that are not from 1e-100 to 1e100.
     pub fn level(&self) -> Result<Level, Error> {
         let rows = free_rows(self.capacity(), self.state.len());
-        match self.softening.slack {
-            Slack::RowWise => Ok(Level::least_squares(rows)),
-            Slack::Shared => {
-                let slack = self.state.slack();
-                let mut selection = DMatrix::zeros(slack.len(), self.state.len());
-                for (i, j) in slack.clone().enumerate() {
-                    selection[(i, j)] = 1.0;
-                }
-                let mut objective = Rows::equalities(&selection, &DVector::zeros(slack.len()))?;
-                objective.set_weights(&self.softening.weights)?;
-                Ok(Level::least_squares(objective).with_constraints(rows))
-            }
+        let slack = self.state.slack();
+        let mut selection = DMatrix::zeros(slack.len(), self.state.len());
+        for (i, j) in slack.clone().enumerate() {
+            selection[(i, j)] = 1.0;
         }
+        let mut objective = Rows::equalities(&selection, &DVector::zeros(slack.len()))?;
+        objective.set_weights(&self.softening.weights)?;
+        Ok(Level::least_squares(objective).with_constraints(rows))
     }
 
     /// Writes the rows τ gradient · ẋ_d − |axes| · s ≤ −excess − τ drift for the desired pose
@@ -163,71 +130,39 @@ impl SoftWorkspace {
         desired: &Isometry3<f64>,
         level: &mut Level,
     ) -> Result<(), Error> {
-        self.write_within(workspace, None, desired, level)
+        self.write_rows(workspace, desired, level.constraints_mut())
     }
 
-    /// As [`write`](Self::write), with rows of reach and forbidden regions, softened alike.
-    ///
-    /// # Errors
-    /// As [`write`](Self::write).
-    pub fn write_within(
-        &self,
-        workspace: &Workspace,
-        surroundings: Option<&Surroundings>,
-        desired: &Isometry3<f64>,
-        level: &mut Level,
-    ) -> Result<(), Error> {
-        let rows = match self.softening.slack {
-            Slack::Shared => level.constraints_mut(),
-            Slack::RowWise => level.rows_mut()?,
-        };
-        self.write_rows(workspace, surroundings, desired, rows)
-    }
-
-    /// As [`write_within`](Self::write_within), into [`capacity`](Self::capacity) rows that stand
-    /// by themselves: constraints where slacks are shared, else rows to be minimised.
+    /// As [`write`](Self::write), into [`capacity`](Self::capacity) constraints that stand by themselves.
     ///
     /// # Errors
     /// As [`write`](Self::write).
     pub fn write_rows(
         &self,
         workspace: &Workspace,
-        surroundings: Option<&Surroundings>,
         desired: &Isometry3<f64>,
         rows: &mut Rows,
     ) -> Result<(), Error> {
         check_pose(desired)?;
-        self.check_room(workspace, surroundings)?;
+        self.check_room(workspace)?;
         check_size("the level's rows", rows.len(), self.capacity())?;
         check_size("the level's columns", rows.columns(), self.state.len())?;
         rows.set_free();
         for index in 0..rows.len() {
             rows.row_mut(index)?.fill(0.0);
         }
-        let to_axes = workspace.world_from_workspace().rotation.inverse();
-        let around = surroundings.into_iter().flat_map(|around| around.rows(desired));
-        let around = around.map(|row| {
-            let axes = to_axes * row.gradient.fixed_rows::<3>(0).into_owned();
-            PoseRow { axes: stack(&axes, &Vector3::zeros()), ..row }
-        });
-        for (index, row) in workspace.rows(desired).chain(around).enumerate() {
+        for (index, row) in workspace.rows(desired).enumerate() {
             self.write_row(&row, rows, index)?;
         }
         Ok(())
     }
 
-    fn check_room(
-        &self,
-        workspace: &Workspace,
-        surroundings: Option<&Surroundings>,
-    ) -> Result<(), Error> {
+    fn check_room(&self, workspace: &Workspace) -> Result<(), Error> {
         let (positions, orientations) = workspace.row_counts();
-        let around = surroundings.map_or(0, Surroundings::row_count);
         let softening = &self.softening;
         for (what, found, limit) in [
             ("rows of the position", positions, softening.position_rows),
             ("rows of the orientation", orientations, softening.orientation_rows),
-            ("rows of the surroundings", around, softening.surrounding_rows),
         ] {
             if found > limit {
                 return Err(Error::TooMany { what, found, limit });
@@ -237,28 +172,18 @@ impl SoftWorkspace {
     }
 
     fn write_row(&self, row: &PoseRow, rows: &mut Rows, index: usize) -> Result<(), Error> {
-        let (scale, slack) = match self.softening.slack {
-            Slack::Shared => (1.0, self.state.slack()),
-            Slack::RowWise => (self.weight(&row.axes).sqrt(), 0..0),
-        };
         let velocity = self.state.desired_velocity();
         let out = rows.row_mut(index)?;
         for (out, gradient) in out[velocity].iter_mut().zip(&row.gradient) {
-            *out = scale * self.horizon * gradient;
+            *out = self.horizon * gradient;
         }
-        for (out, part) in out[slack].iter_mut().zip(&row.axes) {
+        for (out, part) in out[self.state.slack()].iter_mut().zip(&row.axes) {
             *out = -part.abs();
         }
         // A row that fades out has a gradient that does.
         let margin = self.softening.margin * row.gradient.norm();
-        rows.upper_mut()[index] = -scale * (row.excess + margin + self.horizon * row.drift);
+        rows.upper_mut()[index] = -(row.excess + margin + self.horizon * row.drift);
         Ok(())
-    }
-
-    /// The weights' mean by the squares of the parts.
-    fn weight(&self, axes: &Vector6<f64>) -> f64 {
-        let parts = axes.component_mul(axes);
-        parts.dot(&self.softening.weights) / parts.sum().max(f64::MIN_POSITIVE)
     }
 }
 

@@ -11,8 +11,6 @@ use crate::safety_state::SafetyState;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Cause {
-    /// A person is near, but not too near.
-    PersonNear(Nearest),
     /// The protective distance is undercut.
     TooClose(Nearest),
     /// People were not seen for too long.
@@ -31,7 +29,7 @@ impl Cause {
         match self {
             Self::Fault(_) => 2,
             Self::TooClose(_) => 1,
-            Self::PersonNear(_) | Self::Stale { .. } => 0,
+            Self::Stale { .. } => 0,
         }
     }
 
@@ -41,7 +39,7 @@ impl Cause {
         match self {
             Self::Fault(_) => state == SafetyState::ProtectiveStop,
             Self::TooClose(pair) => pair.approach > CREEP,
-            Self::PersonNear(_) | Self::Stale { .. } => false,
+            Self::Stale { .. } => false,
         }
     }
 }
@@ -54,8 +52,6 @@ const CREEP: f64 = 0.02;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SupervisorSettings {
-    /// Room above the protective distance below which speed is reduced \[m\]. Default 0.5.
-    pub reduced_room: f64,
     /// By how much the protective distance may be undercut before the robot retreats, for noise
     /// \[m\]. Default 0.02.
     pub tolerance: f64,
@@ -85,7 +81,6 @@ pub struct SupervisorSettings {
 impl Default for SupervisorSettings {
     fn default() -> Self {
         Self {
-            reduced_room: 0.5,
             tolerance: 0.02,
             hysteresis: 0.1,
             dwell: 0.5,
@@ -106,7 +101,6 @@ impl SupervisorSettings {
     /// # Errors
     /// [`Error::Parameter`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
-        not_negative("supervisor.reduced_room", self.reduced_room)?;
         not_negative("supervisor.tolerance", self.tolerance)?;
         not_negative("supervisor.hysteresis", self.hysteresis)?;
         not_negative("supervisor.dwell", self.dwell)?;
@@ -358,9 +352,6 @@ impl Supervisor {
         }
         if let Some(pair) = nearest.filter(|_| room < extra - settings.tolerance) {
             return Some((Retreat, Cause::TooClose(pair)));
-        }
-        if let Some(pair) = nearest.filter(|_| room < settings.reduced_room + extra) {
-            return Some((Reduced, Cause::PersonNear(pair)));
         }
         (age.seconds() > settings.reduced_age).then_some((Reduced, Cause::Stale { age }))
     }

@@ -95,9 +95,9 @@ impl Safety {
         period: f64,
     ) -> Result<Self, Error> {
         settings.validate()?;
-        let SupervisorSettings { reduced_room, tolerance, hysteresis, .. } = settings.supervisor;
+        let SupervisorSettings { tolerance, hysteresis, .. } = settings.supervisor;
         let separation = ApproachRows::new(state, settings.separation, settings.pairs)?
-            .watching(reduced_room + tolerance + hysteresis);
+            .watching(tolerance + hysteresis);
         let SafetySettings { own_deceleration, own_margin, .. } = settings;
         let between = SeparationSettings::between_own_bodies(period, own_deceleration, own_margin);
         let own = ApproachRows::new(state, between, settings.own_rows)?;

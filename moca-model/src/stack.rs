@@ -5,7 +5,7 @@ mod goal;
 mod settings;
 
 use ahqp_core::{AugmentedState, Budget, Rows, Settings, Solution, VelocityInterval};
-use hrsw::{Slack, SoftWorkspace, Workspace};
+use hrsw::{SoftWorkspace, Workspace};
 use nalgebra::{Isometry3, Translation3};
 use whole_body::{AugmentedFrameTask, TaskId, TaskLevel, TaskStack, VariableLayout, VelocityTask};
 
@@ -107,16 +107,13 @@ impl CollaborationStack {
             own_bodies: task(safety.own).map(|task| own_bodies.push("own bodies", task)),
             returns: returns.push("return", entries(0..joints)?),
             kinematics: kinematics.push("tool", augmented),
-            workspace: match softening.slack {
-                Slack::Shared => {
-                    let mut slacks = entries(slack.range())?;
-                    for (row, weight) in softening.weights.iter().enumerate() {
-                        slacks.set_weight(row, *weight)?;
-                    }
-                    workspace.push("slack", slacks);
-                    workspace.constrain("workspace", bounds)
+            workspace: {
+                let mut slacks = entries(slack.range())?;
+                for (row, weight) in softening.weights.iter().enumerate() {
+                    slacks.set_weight(row, *weight)?;
                 }
-                Slack::RowWise => workspace.push("workspace", bounds),
+                workspace.push("slack", slacks);
+                workspace.constrain("workspace", bounds)
             },
             goal: goal.push_quadratic("goal", GoalTask::new(desired, *horizon)),
         };
@@ -161,7 +158,7 @@ impl CollaborationStack {
         let kinematics = stack.task_mut(tasks.kinematics)?;
         kinematics.set_desired(*input.desired)?;
         kinematics.set_point(Translation3::from(*robot.tool_from_hand()).into())?;
-        soft.write_rows(input.workspace, None, input.desired, workspace_rows)?;
+        soft.write_rows(input.workspace, input.desired, workspace_rows)?;
         stack.task_mut(tasks.workspace)?.copy_from(workspace_rows)?;
         stack.task_mut(tasks.goal)?.set(&input.goal, &input.desired.translation.vector)?;
         stack.write(&mut robot.posed()?, input.velocity, self.period)?;

@@ -163,7 +163,6 @@ pub(super) fn surface(surface: Surface) -> &'static str {
 pub(super) fn safety(state: SafetyState, cause: Option<&Cause>) -> (Cow<'static, str>, Tone) {
     let why: Cow<'static, str> = match cause {
         None => "".into(),
-        Some(Cause::PersonNear(_)) => ": person near".into(),
         Some(Cause::TooClose(_)) => ": person too close".into(),
         Some(Cause::Stale { .. }) => ": nobody seen for too long".into(),
         Some(Cause::Fault(fault)) => format!(": {fault}").into(),

@@ -5,10 +5,9 @@ use std::hint::black_box;
 use ahqp_core::AugmentedState;
 use hrsw::{
     ApproachRows, Attachment, BodyRegion, Bounds, Capsule, ClockSettings, Cone, Contact,
-    ContactLimits, Fault, ForbiddenRegion, JointMotion, LoopClock, MovingSettings, MovingWorkspace,
-    Observation, OrientedBox, PersonBody, Polytope, PositionShape, Reach, RobotBody,
-    SeparationSettings, Slack, SoftWorkspace, Softening, SpeedCap, Supervisor, SupervisorSettings,
-    Surroundings, Workspace,
+    ContactLimits, Fault, JointMotion, LoopClock, MovingSettings, MovingWorkspace, Observation,
+    OrientedBox, PersonBody, Polytope, PositionShape, RobotBody, SeparationSettings, SoftWorkspace,
+    Softening, SpeedCap, Supervisor, SupervisorSettings, Workspace,
 };
 use nalgebra::{DMatrix, Isometry3, Matrix6xX, UnitQuaternion, Vector3, Vector6};
 
@@ -29,18 +28,9 @@ fn a_tick_allocates_nothing() {
     let workspace = Workspace::new(Isometry3::identity(), bounds, turn).unwrap();
     let mut moving = MovingWorkspace::new(workspace, MovingSettings::default()).unwrap();
     moving.attach(Attachment::Person(Isometry3::identity())).unwrap();
-    let around = Surroundings {
-        reach: Some(Reach::new(Vector3::zeros(), 0.2, 0.9).unwrap()),
-        forbidden: vec![ForbiddenRegion::new(Isometry3::identity(), bounds, 0.05).unwrap()],
-    };
-    let room = Softening { position_rows: 12, surrounding_rows: 3, ..Softening::default() };
-    let row_wise = Softening { slack: Slack::RowWise, ..room };
-    let softs = [room, row_wise].map(|softening| {
-        let soft = SoftWorkspace::with_softening(state, 0.2, softening).unwrap();
-        let level = soft.level().unwrap();
-        (soft, level)
-    });
-    let [mut shared, mut row_wise] = softs;
+    let softening = Softening { position_rows: 12, ..Softening::default() };
+    let soft = SoftWorkspace::with_softening(state, 0.2, softening).unwrap();
+    let mut level = soft.level().unwrap();
     let capsule =
         |x: f64| Capsule::new(Vector3::new(x, 0.1, 0.0), Vector3::new(x, 0.0, 0.4), 0.1).unwrap();
     let robot: Vec<_> =
@@ -89,9 +79,7 @@ fn a_tick_allocates_nothing() {
             moving.reshape_orientation(&orientation, 0.2).unwrap();
         }
         moving.advance(1e-3).unwrap();
-        for (soft, level) in [&mut shared, &mut row_wise] {
-            soft.write_within(moving.workspace(), Some(&around), &desired, level).unwrap();
-        }
+        soft.write(moving.workspace(), &desired, &mut level).unwrap();
         black_box(moving.workspace().violation(&desired));
         let nearest = separation.write(&motion, &robot, &person, &mut separation_rows).unwrap();
         own.write_own(&motion, &robot, &[(0, 2), (0, 3), (1, 4)], &mut own_rows).unwrap();

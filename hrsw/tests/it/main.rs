@@ -15,4 +15,3 @@ mod shapes;
 mod softening;
 mod supervisor;
 mod support;
-mod surroundings;

@@ -16,7 +16,6 @@ enum Event {
     Attach(Attachment),
     Detach,
     Person(Isometry3<f64>, Vector6<f64>, f64),
-    Base(Isometry3<f64>, Vector6<f64>),
     Lead(Vector3<f64>),
     Reorient(UnitQuaternion<f64>, Vector3<f64>),
     Position(PositionShape, f64),
@@ -29,14 +28,12 @@ fn event() -> impl Strategy<Value = Event> {
     let attachment = prop_oneof![
         pose(1.0, 1.5).prop_map(Attachment::World),
         pose(1.0, 1.5).prop_map(Attachment::Person),
-        pose(1.0, 1.5).prop_map(Attachment::RobotBase),
         path,
     ];
     prop_oneof![
         2 => attachment.prop_map(Event::Attach),
         1 => Just(Event::Detach),
         4 => (pose(2.0, 1.5), twist(), 0.0..0.5_f64).prop_map(|(p, v, age)| Event::Person(p, v, age)),
-        2 => (pose(2.0, 1.5), twist()).prop_map(|(p, v)| Event::Base(p, v)),
         1 => vector(0.5).prop_map(Event::Lead),
         1 => (rotation(), direction()).prop_map(|(goal, axis)| Event::Reorient(goal, axis)),
         1 => (position_shape(), 0.1..1.0_f64).prop_map(|(s, t)| Event::Position(s, t)),
@@ -52,7 +49,6 @@ fn happens(event: Event, moving: &mut MovingWorkspace) {
             let older = age > moving.person().age() + 1e-6;
             assert_eq!(moving.observe_person(pose, twist, age).is_err(), older);
         }
-        Event::Base(pose, twist) => moving.observe_base(pose, twist, 0.0).unwrap(),
         Event::Lead(lead) => moving.set_lead(lead).unwrap(),
         Event::Reorient(goal, axis) => {
             moving.reorient(goal, &nalgebra::Unit::new_normalize(axis)).unwrap();
@@ -140,16 +136,16 @@ proptest! {
         offset in pose(1.0, 1.0), velocity in vector(0.2), turning in -0.4..0.4_f64,
     ) {
         let mut moving = moving();
-        moving.attach(Attachment::RobotBase(offset)).unwrap();
+        moving.attach(Attachment::Person(offset)).unwrap();
         let twist = Vector6::new(velocity.x, velocity.y, velocity.z, 0.0, 0.0, turning);
-        let mut base = Isometry3::identity();
+        let mut carrier = Isometry3::identity();
         for _ in 0..6000 {
-            base = ahqp_core::integrate_pose(&base, &twist, PERIOD);
-            moving.observe_base(base, twist, 0.0).unwrap();
+            carrier = ahqp_core::integrate_pose(&carrier, &twist, PERIOD);
+            moving.observe_person(carrier, twist, 0.0).unwrap();
             moving.advance(PERIOD).unwrap();
         }
         let error = ahqp_core::pose_error(
-            &(base * offset), moving.workspace().world_from_workspace());
+            &(carrier * offset), moving.workspace().world_from_workspace());
         prop_assert!(error.norm() < 5e-3, "{error}");
     }
 
@@ -288,19 +284,18 @@ proptest! {
     fn a_running_workspace_never_becomes_invalid(
         poses in prop::collection::vec(wild_pose(), 12),
         twists in prop::collection::vec(prop::array::uniform6(wild()), 12),
-        numbers in prop::collection::vec(wild(), 12), person in any::<bool>(),
+        numbers in prop::collection::vec(wild(), 12),
     ) {
         let mut moving = moving();
         let at = Isometry3::identity();
         let soft = hrsw::SoftWorkspace::new(
             ahqp_core::AugmentedState { joints: 10, task: 6, slack: 6 }, 0.2).unwrap();
         let mut level = soft.level().unwrap();
-        let offset = if person { Attachment::Person(at) } else { Attachment::RobotBase(at) };
-        moving.attach(offset).unwrap();
+        moving.attach(Attachment::Person(at)).unwrap();
         for ((pose, twist), number) in poses.into_iter().zip(twists).zip(numbers) {
             let twist = Vector6::from(twist);
             let _ = moving.observe_person(pose, twist, number);
-            let _ = moving.observe_base(pose, twist, number.abs());
+            let _ = moving.observe_person(pose, twist, number.abs());
             let _ = moving.set_lead(pose.translation.vector);
             let _ = moving.reorient(pose.rotation, &Vector3::z_axis());
             let _ = moving.attach(Attachment::World(pose));
@@ -343,7 +338,7 @@ fn bad_motion_is_named_and_changes_nothing() {
     assert!(moving.attach(Attachment::World(nowhere)).is_err());
     assert!(moving.observe_person(nowhere, rest, 0.0).is_err());
     assert!(moving.observe_person(Isometry3::identity(), rest, -1.0).is_err());
-    assert!(moving.observe_base(Isometry3::identity(), rest * f64::NAN, 0.0).is_err());
+    assert!(moving.observe_person(Isometry3::identity(), rest * f64::NAN, 0.0).is_err());
     assert!(moving.set_lead(Vector3::repeat(f64::INFINITY)).is_err());
     assert_eq!(moving, before);
     assert!(Path::new(&[], 1.0).is_err());

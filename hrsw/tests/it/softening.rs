@@ -4,18 +4,15 @@ use crate::support::*;
 use ahqp_core::{
     AugmentedState, Hierarchy, Level, Rows, Settings, Solver, integrate_pose, solve_reference,
 };
-use hrsw::{
-    Bounds, Error, ForbiddenRegion, Polytope, Reach, Slack, SoftWorkspace, Softening, Surroundings,
-    Workspace,
-};
+use hrsw::{Bounds, Error, Polytope, SoftWorkspace, Softening, Workspace};
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
 use proptest::prelude::*;
 
 const SLACK: AugmentedState = AugmentedState { joints: 1, task: 6, slack: 6 };
 const HORIZON: f64 = 0.2;
 
-fn softening(slack: Slack) -> Softening {
-    Softening { slack, position_rows: 64, surrounding_rows: 8, ..Softening::default() }
+fn softening() -> Softening {
+    Softening { position_rows: 64, ..Softening::default() }
 }
 
 /// One level over χ with ẋ_d held within ±`speed`.
@@ -26,33 +23,9 @@ fn hierarchy(soft: &SoftWorkspace, level: Level, speed: f64) -> Hierarchy {
         lower[index] = -speed;
         upper[index] = speed;
     }
-    assert_eq!(soft.capacity(), 78);
+    assert_eq!(soft.capacity(), 70);
     hierarchy.push(level).unwrap();
     hierarchy
-}
-
-/// Σ e² over the excesses τ ahead, as the row-wise level counts them.
-fn row_excess(
-    workspace: &Workspace,
-    around: &Surroundings,
-    desired: &Isometry3<f64>,
-    twist: &Vector6<f64>,
-) -> f64 {
-    workspace
-        .rows(desired)
-        .chain(around.rows(desired))
-        .map(|row| row.excess + HORIZON * (row.gradient.dot(twist) + row.drift))
-        .map(|excess| excess.max(0.0).powi(2))
-        .sum()
-}
-
-fn around() -> impl Strategy<Value = Surroundings> {
-    (vector(1.0), 0.5..1.5_f64, pose(1.0, 1.0), bounds()).prop_map(|(center, outer, at, bounds)| {
-        Surroundings {
-            reach: Some(Reach::new(center, 0.1, outer).unwrap()),
-            forbidden: vec![ForbiddenRegion::new(at, bounds, 0.02).unwrap()],
-        }
-    })
 }
 
 proptest! {
@@ -61,25 +34,17 @@ proptest! {
     /// As little slack as Clarabel finds, and none where it finds none.
     #[test]
     fn the_slack_is_the_least_there_is(
-        workspace in workspace(), relative in pose(0.6, 0.8), around in around(),
-        speed in 0.2..2.0_f64, shared in any::<bool>(),
+        workspace in workspace(), relative in pose(0.6, 0.8), speed in 0.2..2.0_f64,
     ) {
         let desired = workspace.world_from_workspace() * relative;
-        let kind = if shared { Slack::Shared } else { Slack::RowWise };
-        let soft = SoftWorkspace::with_softening(SLACK, HORIZON, softening(kind)).unwrap();
+        let soft = SoftWorkspace::with_softening(SLACK, HORIZON, softening()).unwrap();
         let mut level = soft.level().unwrap();
-        soft.write_within(&workspace, Some(&around), &desired, &mut level).unwrap();
+        soft.write(&workspace, &desired, &mut level).unwrap();
         let hierarchy = hierarchy(&soft, level, speed);
         let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
         let ours = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
         let reference = solve_reference(&hierarchy).unwrap();
-        let cost = |x: &[f64]| {
-            if shared {
-                x[7..].iter().map(|s| s * s).sum()
-            } else {
-                row_excess(&workspace, &around, &desired, &Vector6::from_column_slice(&x[1..7]))
-            }
-        };
+        let cost = |x: &[f64]| x[7..].iter().map(|s| s * s).sum();
         let (ours, reference): (f64, f64) = (cost(&ours), cost(reference.as_slice()));
         prop_assert!(ours <= reference + 1e-7, "{ours} {reference}");
         if reference < 1e-12 {
@@ -87,38 +52,15 @@ proptest! {
         }
     }
 
-    /// For boxes the two ways of giving way cost the same.
-    #[test]
-    fn shared_and_row_wise_slack_agree_on_boxes(
-        frame in pose(1.0, 1.0), bounds in bounds(), turn in vector(0.4),
-        relative in pose(1.0, 0.8), speed in 0.1..1.0_f64,
-    ) {
-        let orientation = Bounds::symmetric(turn.abs()).unwrap();
-        let workspace = Workspace::new(frame, bounds, orientation).unwrap();
-        let desired = frame * relative;
-        let costs = [Slack::Shared, Slack::RowWise].map(|kind| {
-            let soft = SoftWorkspace::with_softening(SLACK, HORIZON, softening(kind)).unwrap();
-            let mut level = soft.level().unwrap();
-            soft.write(&workspace, &desired, &mut level).unwrap();
-            let hierarchy = hierarchy(&soft, level, speed);
-            let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
-            let x = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
-            let nothing = Surroundings::default();
-            row_excess(&workspace, &nothing, &desired, &Vector6::from_column_slice(&x[1..7]))
-        });
-        prop_assert!((costs[0] - costs[1]).abs() < 1e-9, "{costs:?}");
-    }
-
     /// From anywhere the pose comes that far within all bounds, and stays there; by no more than it has to.
     #[test]
     fn a_margin_keeps_the_pose_that_far_within(
         frame in pose(1.0, 1.0), half in vector(0.2), turn in vector(0.15), relative in pose(0.6, 0.7),
-        margin in 0.0..0.05_f64, shared in any::<bool>(),
+        margin in 0.0..0.05_f64,
     ) {
         let wide = |half: Vector3<f64>| Bounds::symmetric(half.abs().add_scalar(0.06)).unwrap();
         let workspace = Workspace::new(frame, wide(half), wide(turn)).unwrap();
-        let slack = if shared { Slack::Shared } else { Slack::RowWise };
-        let softening = Softening { margin, ..softening(slack) };
+        let softening = Softening { margin, ..softening() };
         let soft = SoftWorkspace::with_softening(SLACK, HORIZON, softening).unwrap();
         let mut desired = frame * relative;
         let outermost = |desired: &Isometry3<f64>| {
@@ -141,12 +83,11 @@ proptest! {
 
     /// With ẋ + ẏ held at zero, x and y compete: each gives way as the inverse of its weight.
     #[test]
-    fn weights_trade_directions_off(wx in 0.1..10.0_f64, wy in 0.1..10.0_f64, row_wise in any::<bool>()) {
+    fn weights_trade_directions_off(wx in 0.1..10.0_f64, wy in 0.1..10.0_f64) {
         let small = Bounds::symmetric(Vector3::repeat(0.1)).unwrap();
         let workspace = Workspace::new(Isometry3::identity(), small, small).unwrap();
-        let slack = if row_wise { Slack::RowWise } else { Slack::Shared };
         let weights = Vector6::new(wx, wy, 1.0, 1.0, 1.0, 1.0);
-        let softening = Softening { slack, weights, ..Softening::default() };
+        let softening = Softening { weights, ..Softening::default() };
         let soft = SoftWorkspace::with_softening(SLACK, HORIZON, softening).unwrap();
         let mut level = soft.level().unwrap();
         let desired = Isometry3::translation(0.5, 0.5, 0.0);
@@ -176,18 +117,12 @@ fn what_does_not_fit_is_named() {
     workspace.reshape_position(unit, 1.0).unwrap();
     let crowded = soft.write(&workspace, &here, &mut level).unwrap_err();
     assert!(matches!(crowded, Error::TooMany { found: 10, limit: 6, .. }), "{crowded}");
-    let region = ForbiddenRegion::new(here, unit, 0.0).unwrap();
-    let around = Surroundings { reach: None, forbidden: vec![region] };
     let boxed = Workspace::new(here, unit, unit).unwrap();
-    let crowded = soft.write_within(&boxed, Some(&around), &here, &mut level).unwrap_err();
-    assert!(matches!(crowded, Error::TooMany { found: 1, limit: 0, .. }), "{crowded}");
     let mut other = Level::constraints_only(Rows::zeros(3, SLACK.len()));
     assert!(matches!(soft.write(&boxed, &here, &mut other), Err(Error::Size { .. })));
-    let row_wise = Softening { slack: Slack::RowWise, ..Softening::default() };
     let without_slack = AugmentedState { slack: 0, ..SLACK };
-    let soft = SoftWorkspace::with_softening(without_slack, HORIZON, row_wise).unwrap();
-    let error = soft.write(&boxed, &here, &mut other).unwrap_err();
-    assert!(matches!(error, Error::Hierarchy(ahqp_core::Error::OtherObjective { .. })), "{error}");
+    let error = SoftWorkspace::new(without_slack, HORIZON).unwrap_err();
+    assert!(matches!(error, Error::State { found: 0, expected: 6, .. }), "{error}");
     let weights = Vector6::new(1.0, 1.0, 0.0, 1.0, 1.0, 1.0);
     let softening = Softening { weights, ..Softening::default() };
     let error = SoftWorkspace::with_softening(SLACK, HORIZON, softening).unwrap_err();

@@ -38,9 +38,7 @@ proptest! {
             let asked = fault.map_or(SafetyState::Normal, Fault::state);
             let stop = asked == SafetyState::ProtectiveStop || age > settings.stop_age;
             let close = room < -settings.tolerance;
-            let near = asked == SafetyState::Reduced
-                || age > settings.reduced_age
-                || room < settings.reduced_room;
+            let slow = asked == SafetyState::Reduced || age > settings.reduced_age;
             for _ in 0..ticks {
                 let before = supervisor;
                 if let Some(fault) = fault {
@@ -52,10 +50,10 @@ proptest! {
                     prop_assert_eq!(supervisor.state(), SafetyState::ProtectiveStop);
                 } else if close {
                     prop_assert!(supervisor.state() >= SafetyState::Retreat);
-                } else if near {
+                } else if slow {
                     prop_assert!(supervisor.state() >= SafetyState::Reduced);
                 }
-                clear = if stop || close || near { 0.0 } else { clear + 1e-3 };
+                clear = if stop || close || slow { 0.0 } else { clear + 1e-3 };
                 if supervisor.state() < before.state() {
                     prop_assert!(!supervisor.waits_for_acknowledgement());
                     prop_assert!(!supervisor.stops_at_once());

@@ -128,7 +128,6 @@ impl Default for SafetySettings {
             contact_acceleration: 1.0,
             speed_cap: SpeedCap::default(),
             supervisor: SupervisorSettings {
-                reduced_room: 0.0,
                 tolerance: 0.0,
                 hysteresis: 0.03,
                 dwell: 0.2,
