@@ -59,6 +59,7 @@ mod rula;
 mod side;
 mod skeleton;
 mod steps;
+mod upper_arm;
 
 pub use body_segment::BodySegment;
 pub use error::{Error, MapFileProblem, Unreachable};
@@ -67,7 +68,9 @@ pub use map::{
     ErgonomicsMap, MapNode, MapOptions, MapSample, MeasuredOptions, MeasuredSample, Validation,
     read_samples,
 };
-pub use measured_posture::{JointPositions, MeasuredPosture, PostureFilter};
+pub use measured_posture::{
+    JointPositions, MeasuredPosture, NeutralEstimate, NeutralPosture, PostureFilter,
+};
 pub use nalgebra;
 pub use person::{Person, Segments};
 pub use person_frame::PersonFrame;

@@ -1,13 +1,23 @@
 //! The posture of a person whose joints were measured.
 
+mod direction;
 mod filter;
+mod neutral;
+mod support;
+mod trunk;
 
 use nalgebra::Vector3;
 
 use crate::posture::Posture;
+use crate::reba::LegSupport;
 use crate::side::Side;
+use crate::upper_arm::UpperArm;
+use neutral::Landmark;
+use support::is_sitting;
+use trunk::Trunk;
 
 pub use filter::PostureFilter;
+pub use neutral::{NeutralEstimate, NeutralPosture};
 
 /// The elbow has to be bent by so much for the forearm to tell how the upper arm is turned \[rad\].
 const BENT: f64 = 0.4;
@@ -62,6 +72,9 @@ pub struct JointPositions {
 pub struct MeasuredPosture {
     /// The angles.
     pub posture: Posture,
+    /// What carries the body: [`LegSupport::Sitting`] where the body could not balance over its feet,
+    /// else [`LegSupport::Bilateral`]; a [`PostureFilter`] sees [`LegSupport::Walking`], too.
+    pub support: LegSupport,
     seen: [bool; Posture::LEN],
 }
 
@@ -93,15 +106,27 @@ impl JointPositions {
         Self { neck, pelvis, nose, ears, shoulders, elbows, wrists, hips, knees, ankles }
     }
 
-    /// The posture, with the arm of one side; `None` where neck, pelvis or both pairs of shoulders and
-    /// hips were not seen, or for positions that are not finite. The middle of a pair stands in for the
-    /// neck and the pelvis.
-    ///
-    /// The trunk's axis is from pelvis to neck, its left from the right to the left shoulder, or hip;
-    /// the upper arm's flexion and abduction are those of [`crate::Skeleton`]; the neck's flexion is
-    /// the inclination of the line from neck to the middle of the ears against the trunk's; of the
-    /// knees the more bent one counts.
+    /// The posture against an average neutral one: [`JointPositions::posture_from`] with
+    /// [`NeutralPosture::default`].
     pub fn posture(&self, side: Side) -> Option<MeasuredPosture> {
+        self.posture_from(side, &NeutralPosture::default())
+    }
+
+    /// The posture, with the arm of one side, against the person's neutral one; `None` where neck, pelvis
+    /// or both pairs of shoulders and hips were not seen, or for positions that are not finite. The middle
+    /// of a pair stands in for the neck and the pelvis.
+    ///
+    /// - The trunk's axis is from pelvis to neck. Its inclination is forward as hips and shoulders
+    ///   together face, its twist is from the hips to the shoulders about that axis. Its left is from the
+    ///   right to the left shoulder, or hip.
+    /// - The upper arm's flexion and abduction are those of [`crate::Skeleton`], flexion from -π/2 to
+    ///   3π/2.
+    /// - The neck's flexion is the inclination of the line from neck to the middle of the ears, or to
+    ///   the nose, against the trunk's and the neutral one. One ear alone does not tell how the head is
+    ///   bent aside or turned.
+    /// - Extension of trunk and neck counts from the end of the neutral posture's dead bands.
+    /// - Of the knees the more bent one counts.
+    pub fn posture_from(&self, side: Side, neutral: &NeutralPosture) -> Option<MeasuredPosture> {
         let trunk = Trunk::of(self)?;
         let side_index = usize::from(side == Side::Right);
         let pick = |pair: &[Option<Vector3<f64>>; 2]| pair.get(side_index).copied().flatten();
@@ -109,10 +134,8 @@ impl JointPositions {
         let upper = between(pick(&self.shoulders), pick(&self.elbows));
         let fore = between(pick(&self.elbows), pick(&self.wrists));
         let arm = upper.and_then(|upper| Arm::of(&trunk, &upper, side));
-        let head = middle(&self.ears).or(self.nose);
-        let neck = between(self.neck, head).and_then(|line| trunk.local(&line));
-        let face = between(middle(&self.ears), self.nose).and_then(|line| trunk.local(&line));
-        let hips = between(self.hips[1], self.hips[0]);
+        let head = Head::of(self, &trunk);
+        let bend = head.neck.filter(|_| head.tells_bend);
         let knee = [0, 1].map(|leg| {
             let thigh = between(self.hips[leg], self.knees[leg])?;
             let shank = between(self.knees[leg], self.ankles[leg])?;
@@ -125,12 +148,12 @@ impl JointPositions {
             .zip(elbow)
             .and_then(|((arm, fore), elbow)| (elbow > BENT).then(|| arm.rotation(&fore)));
         let angles = [
-            Some(trunk.flexion),
+            Some(neutral.trunk_flexion(trunk.flexion)),
             Some(trunk.side),
-            hips.map(|hips| trunk.twist(&hips)),
-            neck.map(|neck| neck.x.atan2(neck.z)),
-            neck.map(|neck| neck.y.atan2(neck.z)),
-            face.map(|face| face.y.atan2(face.x)),
+            trunk.twist,
+            head.neck.map(|neck| neutral.neck_flexion(neck.x.atan2(neck.z), head.by)),
+            bend.map(|neck| neck.y.atan2(neck.z)),
+            head.face.map(|face| face.y.atan2(face.x)),
             knee.into_iter().flatten().reduce(f64::max),
             arm.as_ref().map(|arm| arm.flexion),
             arm.as_ref().map(|arm| arm.abduction),
@@ -143,47 +166,39 @@ impl JointPositions {
         let angles = angles.map(|angle: Option<f64>| angle.filter(|angle| angle.is_finite()));
         Some(MeasuredPosture {
             posture: Posture::from_array(angles.map(Option::unwrap_or_default)),
+            support: if is_sitting(self) { LegSupport::Sitting } else { LegSupport::Bilateral },
             seen: angles.map(|angle| angle.is_some()),
         })
     }
 }
 
-/// The trunk: its axes and how it is inclined.
-struct Trunk {
-    forward: Vector3<f64>,
-    left: Vector3<f64>,
-    up: Vector3<f64>,
-    /// Horizontal, from the right to the left shoulder.
-    shoulders: Vector3<f64>,
-    flexion: f64,
-    side: f64,
+/// The head against the trunk.
+struct Head {
+    /// From the neck to what `by` says, in the trunk's axes.
+    neck: Option<Vector3<f64>>,
+    by: Landmark,
+    /// Whether that is in the middle of the head.
+    tells_bend: bool,
+    /// From the middle of both ears to the nose, in the trunk's axes.
+    face: Option<Vector3<f64>>,
 }
 
-impl Trunk {
-    fn of(joints: &JointPositions) -> Option<Self> {
-        let pelvis = joints.pelvis.or_else(|| between(&joints.hips))?;
-        let neck = joints.neck.or_else(|| between(&joints.shoulders))?;
-        let up = unit(&(neck - pelvis))?;
-        let pair = |[left, right]: [Option<Vector3<f64>>; 2]| Some(left? - right?);
-        let across = pair(joints.shoulders).or_else(|| pair(joints.hips))?;
-        let level = unit(&Vector3::new(across.x, across.y, 0.0))?;
-        let ahead = level.cross(&Vector3::z());
-        let forward = unit(&level.cross(&up))?;
-        let flexion = up.dot(&ahead).atan2(up.z);
-        let side = up.dot(&level).clamp(-1.0, 1.0).asin();
-        Some(Self { forward, left: up.cross(&forward), up, shoulders: level, flexion, side })
-    }
-
-    /// A direction in the trunk's axes: x forward, y left, z along the trunk.
-    fn local(&self, line: &Vector3<f64>) -> Option<Vector3<f64>> {
-        let line = unit(line)?;
-        Some(Vector3::new(line.dot(&self.forward), line.dot(&self.left), line.dot(&self.up)))
-    }
-
-    /// From the line of the hips to that of the shoulders about the vertical, to the left positive.
-    fn twist(&self, hips: &Vector3<f64>) -> f64 {
-        let cross = hips.x * self.shoulders.y - hips.y * self.shoulders.x;
-        cross.atan2(hips.x * self.shoulders.x + hips.y * self.shoulders.y)
+impl Head {
+    fn of(joints: &JointPositions, trunk: &Trunk) -> Self {
+        let ears = between(&joints.ears);
+        let (head, by) = match middle(&joints.ears) {
+            Some(ears) => (Some(ears), Landmark::Ears),
+            None => (joints.nose, Landmark::Nose),
+        };
+        let neck = joints.neck.or_else(|| between(&joints.shoulders));
+        let line =
+            |from: Option<Vector3<f64>>, to: Option<Vector3<f64>>| trunk.local(&(to? - from?));
+        Self {
+            neck: line(neck, head),
+            by,
+            tells_bend: ears.is_some() || by == Landmark::Nose,
+            face: line(ears, joints.nose),
+        }
     }
 }
 
@@ -199,13 +214,12 @@ struct Arm {
 
 impl Arm {
     fn of(trunk: &Trunk, upper: &Vector3<f64>, side: Side) -> Option<Self> {
-        let outward = trunk.left * side.sign();
-        let along = unit(upper)?;
-        let flexion = along.dot(&trunk.forward).atan2(-along.dot(&trunk.up));
-        let abduction = along.dot(&outward).clamp(-1.0, 1.0).asin();
+        let along = trunk.local(upper)?;
+        let direction = Vector3::new(along.x, along.y * side.sign(), -along.z);
+        let [flexion, abduction] = UpperArm::of_vector(&direction)?.angles();
         // Flexion turns about the trunk's left, abduction about the axis that it leaves forward.
         let ahead = trunk.forward * flexion.cos() + trunk.up * flexion.sin();
-        let inside = along.cross(&ahead) * side.sign();
+        let inside = unit(upper)?.cross(&ahead) * side.sign();
         Some(Self { flexion, abduction, ahead, inside })
     }
 

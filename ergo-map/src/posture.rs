@@ -1,10 +1,15 @@
 use crate::error::{Result, angle};
+use crate::upper_arm::UpperArm;
 
 /// A posture as an assessor sees it: the angles that REBA and RULA ask for \[rad\].
 ///
 /// Zero everywhere is upright standing with hanging arms. Signs: flexion is positive and extension
 /// negative; side bends, twists and rotations count by magnitude. The trunk's flexion is its
 /// inclination from the vertical; the neck's and the upper arm's are relative to the trunk.
+///
+/// Flexion and abduction say where the upper arm points, as degrees of longitude and latitude do.
+/// At an abduction of 90° flexion means nothing; scores therefore read the elevation, which every
+/// direction has: [`Posture::upper_arm_elevation`].
 ///
 /// ```
 /// let leaning = ergo_map::Posture { trunk_flexion: 0.5, ..Default::default() };
@@ -118,6 +123,24 @@ impl Posture {
             wrist_deviation,
             wrist_twist,
         }
+    }
+
+    /// Elevation of the upper arm: its angle from hanging along the trunk \[rad\], 0 to π (ISB, Wu
+    /// et al. 2005).
+    pub fn upper_arm_elevation(&self) -> f64 {
+        self.upper_arm().elevation()
+    }
+
+    /// Plane in which the upper arm is elevated \[rad\]: 0 to the side, π/2 forward, negative behind
+    /// the trunk (ISB, Wu et al. 2005). An arm that hangs or points straight up has none: any value.
+    pub fn upper_arm_plane_of_elevation(&self) -> f64 {
+        let UpperArm { forward, outward, .. } = self.upper_arm();
+        forward.atan2(outward)
+    }
+
+    /// Where the upper arm points.
+    pub(crate) fn upper_arm(&self) -> UpperArm {
+        UpperArm::of_angles(self.upper_arm_flexion, self.upper_arm_abduction)
     }
 
     /// Checks that every angle is finite and at most a full turn.

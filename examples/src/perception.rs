@@ -16,7 +16,7 @@ pub use chain::{Perceiver, PerceiverSettings, PerceptionError};
 pub use pipeline::{Perceived, Pipeline, StageTimes};
 pub use pose_network::PoseNetwork;
 pub use pose_source::{Frame, PoseSource, SkeletonFolder};
-pub use posture::{Assessor, MeasuredAssessment, assess};
+pub use posture::{Assessor, MeasuredAssessment, PostureOptions, assess};
 pub use quantiles::Quantiles;
 pub use summary::{Summary, Tally};
 pub use surface_network::{SurfaceDecision, SurfaceNetwork};

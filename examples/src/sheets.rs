@@ -2,15 +2,18 @@
 
 mod column;
 mod error;
+mod form;
 mod header;
 mod lines;
 
-use std::io::{BufRead, Write};
+use std::io::{BufRead, Chain, Cursor, Read, Write};
 
 pub use column::{Cell, Column};
-pub use error::TableError;
+use column::{Numbers, RATINGS_END};
+pub use error::{Instead, TableError};
+use form::Form;
 use header::Matched;
-pub use header::Unknown;
+pub use header::{Elsewhere, Unknown};
 use lines::{LONGEST_ROW, Lines};
 
 use crate::program::{WithoutMark, without_byte_order_mark};
@@ -22,6 +25,8 @@ pub trait Sheet: Default + 'static {
 
     /// What the table may hold.
     const COLUMNS: &'static [Column<Self>];
+    /// Columns of other sheets, which this one does not have under these names.
+    const ELSEWHERE: &'static [Elsewhere] = &[];
     /// The names of the scores, in the order in which [`Sheet::scores`] gives them.
     const SCORES: &'static [&'static str];
 
@@ -41,7 +46,11 @@ pub enum Extent {
     Begun,
 }
 
-/// A comma-separated table of sheets, whose header has been read.
+/// A table of sheets as spreadsheets write it, whose header has been read.
+///
+/// Commas separate cells, or semicolons or tabs; the header tells, or a line `sep=;` before it. With
+/// semicolons a comma may stand before decimals, and does so in the scores. Rows without any content
+/// are left out.
 ///
 /// The first line names the columns of [`Sheet::COLUMNS`], in any order; other columns are passed
 /// through, unless that is not wanted. The scored table has the columns of [`Sheet::SCORES`] behind
@@ -63,10 +72,15 @@ pub enum Extent {
 /// ```
 #[derive(Debug)]
 pub struct SheetTable<S: 'static, R: BufRead> {
-    rows: csv::Reader<Lines<WithoutMark<R>>>,
+    rows: csv::Reader<Lines<Text<R>>>,
+    form: Form,
+    numbers: Numbers,
     names: Vec<String>,
     columns: Matched<S>,
 }
+
+/// The header, which has been read to see how the table is written, and what follows.
+type Text<R> = Chain<Cursor<Vec<u8>>, WithoutMark<R>>;
 
 impl<S: Sheet, R: BufRead> SheetTable<S, R> {
     /// Reads the header.
@@ -74,17 +88,29 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
     /// # Errors
     /// [`TableError`] with line and column for the first fault.
     pub fn new(table: R, unknown: Unknown) -> Result<Self, TableError> {
-        let text = without_byte_order_mark(table)
-            .map_err(|source| TableError::Read { line: 1, source })?;
+        let unread = |source| TableError::Read { line: 1, source };
+        let mut text = without_byte_order_mark(table).map_err(unread)?;
+        let (form, begun) = Form::read(&mut text).map_err(unread)?;
+        let text = Cursor::new(begun).chain(text);
         let mut builder = csv::ReaderBuilder::new();
-        let mut rows = builder.has_headers(false).flexible(true).from_reader(Lines::new(text));
+        builder.has_headers(false).flexible(true).delimiter(form.delimiter);
+        let mut rows = builder.from_reader(Lines::new(text, usize::from(form.declared)));
         let mut row = csv::StringRecord::new();
         if !read(&mut rows, &mut row)? {
             return Err(TableError::Empty);
         }
         let names: Vec<String> = row.iter().map(str::to_owned).collect();
         let columns = header::matched::<S>(rows.get_ref().line(), &names, unknown)?;
-        Ok(Self { rows, names, columns })
+        let decimal_comma = form.has_decimal_comma();
+        let numbers = Numbers { decimal_comma, ratings_end: RATINGS_END };
+        Ok(Self { rows, form, numbers, names, columns })
+    }
+
+    /// The same, with ratings from 0 to 100, which go on the sheets as 0 to 20.
+    #[must_use]
+    pub fn with_ratings_to_hundred(mut self) -> Self {
+        self.numbers.ratings_end = 100.0;
+        self
     }
 
     /// The names of the columns that are passed through.
@@ -101,10 +127,15 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
     /// [`TableError`] with line and column for the first fault.
     pub fn score(
         &mut self,
-        output: impl Write,
+        mut output: impl Write,
         go_on: impl FnMut(&S) -> bool,
     ) -> Result<Extent, TableError> {
-        let mut scored = csv::Writer::from_writer(output);
+        if self.form.declared {
+            let mark = char::from(self.form.delimiter);
+            writeln!(output, "sep={mark}").map_err(TableError::Write)?;
+        }
+        let mut builder = csv::WriterBuilder::new();
+        let mut scored = builder.delimiter(self.form.delimiter).from_writer(output);
         let outcome = self.append_scores(&mut scored, go_on);
         // What was right before a fault is worth having.
         scored.flush().map_err(TableError::Write)?;
@@ -123,8 +154,11 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
             let line = self.rows.get_ref().line();
             let sheet = self.sheet(line, &row)?;
             let scores = sheet.scores();
-            let scores =
+            let mut scores =
                 scores.map_err(|source| TableError::Sheet { line, source: Box::new(source) })?;
+            if self.numbers.decimal_comma {
+                scores.iter_mut().for_each(|score| *score = score.replace('.', ","));
+            }
             write(scored, row.iter().chain(scores.iter().map(String::as_str)))?;
             if !go_on(&sheet) {
                 return Ok(Extent::Begun);
@@ -142,35 +176,42 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
         let mut sheet = S::default();
         for (index, (column, cell)) in self.columns.iter().zip(row).enumerate() {
             let Some(column) = column else { continue };
-            column.fill(&mut sheet, cell.trim()).map_err(|expected| TableError::Cell {
-                line,
-                number: index + 1,
-                column: column.name,
-                found: cell.into(),
-                expected,
+            column.fill(&mut sheet, cell.trim(), self.numbers).map_err(|expected| {
+                let (number, column, found) = (index + 1, column.name, cell.into());
+                let end = self.numbers.ratings_end;
+                if expected == Cell::Rating && end != RATINGS_END {
+                    TableError::Rating { line, number, column, found, end }
+                } else {
+                    TableError::Cell { line, number, column, found, expected }
+                }
             })?;
         }
         Ok(sheet)
     }
 }
 
-/// The next row that is not blank.
+/// The next row that is not blank: spreadsheets end tables with rows of empty cells.
 fn read(
     rows: &mut csv::Reader<Lines<impl BufRead>>,
     row: &mut csv::StringRecord,
 ) -> Result<bool, TableError> {
-    rows.get_mut().begin_row();
-    rows.read_record(row).map_err(|error| {
-        let lines = rows.get_ref();
-        let line = lines.line();
-        match error.into_kind() {
-            csv::ErrorKind::Io(_) if lines.too_long() => {
-                TableError::RowTooLong { line, limit: LONGEST_ROW }
+    loop {
+        rows.get_mut().begin_row();
+        let found = rows.read_record(row).map_err(|error| {
+            let lines = rows.get_ref();
+            let line = lines.line();
+            match error.into_kind() {
+                csv::ErrorKind::Io(_) if lines.too_long() => {
+                    TableError::RowTooLong { line, limit: LONGEST_ROW }
+                }
+                csv::ErrorKind::Io(source) => TableError::Read { line: line + 1, source },
+                _ => TableError::NotText { line },
             }
-            csv::ErrorKind::Io(source) => TableError::Read { line: line + 1, source },
-            _ => TableError::NotText { line },
+        })?;
+        if !found || row.iter().any(|cell| !cell.trim().is_empty()) {
+            return Ok(found);
         }
-    })
+    }
 }
 
 fn write<'a>(

@@ -1,8 +1,12 @@
 //! Postures over time: what single frames say, weighed by how well they say it.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
-use super::{JointPositions, MeasuredPosture};
+use super::direction::{between, towards, turned};
+use super::support::Gait;
+use super::{JointPositions, MeasuredPosture, NeutralPosture};
+use crate::reba::LegSupport;
+use crate::upper_arm::UpperArm;
 use crate::{posture::Posture, side::Side};
 
 /// An angle that was not measured for so long counts as not seen \[s\].
@@ -18,6 +22,9 @@ const LASTING: f64 = 0.015;
 /// Innovations of more standard deviations than this count as so many: a hidden joint is seldom where it
 /// seems to be.
 const LARGEST_INNOVATION: f64 = 2.0;
+
+/// Whether somebody sits is a mean over so long \[s\].
+const SEATED: f64 = 0.5;
 
 /// How an angle varies as people work: about its mean, with a standard deviation, and over a time.
 struct Habit {
@@ -52,10 +59,20 @@ const HABITS: [Habit; Posture::LEN] = [
     habit(0.0, 40.0, 2.0),
 ];
 
+/// Places of the upper arm's flexion and abduction in [`Posture::NAMES`].
+const FLEXION: usize = 7;
+const ABDUCTION: usize = 8;
+
+/// Of the upper arm's direction; its mean is that of flexion and abduction.
+const ARM_HABIT: Habit = habit(0.0, 30.0, 2.0);
+
 /// Follows the angles of a person's posture, with the arm of one side, by a Kalman filter each: an angle
 /// wanders about a mean (an Ornstein-Uhlenbeck process), and is measured as well as the covariances of
 /// the joints say. So noise does not make a neutral posture a bent one, and an angle that is not seen for
-/// a moment stays known.
+/// a moment stays known. Angles are followed on the circle and the direction of the upper arm on the
+/// sphere: an arm that goes round ends where it began.
+///
+/// A pelvis that moves over the floor is that of somebody who walks, [`LegSupport::Walking`].
 ///
 /// ```
 /// use ergo_map::{JointPositions, PostureFilter, Side};
@@ -80,23 +97,74 @@ const HABITS: [Habit; Posture::LEN] = [
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PostureFilter {
     side: Side,
-    angles: [Option<Angle>; Posture::LEN],
+    neutral: NeutralPosture,
+    /// Of flexion and abduction nothing: they follow from `arm`.
+    angles: [Option<Known<f64>>; Posture::LEN],
+    arm: Option<Known<Vector3<f64>>>,
+    gait: Gait,
+    /// Share of the time, lately, in which the person sat, and its time \[s\].
+    seated: Option<(f64, f64)>,
 }
 
-/// What is known of an angle.
+/// What is known of an angle, or of a direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Angle {
-    value: f64,
+struct Known<T> {
+    value: T,
+    /// \[rad²\], of a direction about each of its two axes.
     variance: f64,
     /// When it was measured last, and the time of `value` \[s\].
     seen: f64,
     time: f64,
 }
 
+/// Where an angle is on the circle, and a direction on the sphere.
+trait Place: Copy {
+    /// The angle between the two.
+    fn distance(self, other: Self) -> f64;
+    /// Nearer to another by an angle.
+    fn towards(self, other: Self, angle: f64) -> Self;
+    fn is_finite(self) -> bool;
+}
+
+impl Place for f64 {
+    fn distance(self, other: Self) -> f64 {
+        turned(other - self).abs()
+    }
+
+    fn towards(self, other: Self, angle: f64) -> Self {
+        turned(self + angle.copysign(turned(other - self)))
+    }
+
+    fn is_finite(self) -> bool {
+        Self::is_finite(self)
+    }
+}
+
+impl Place for Vector3<f64> {
+    fn distance(self, other: Self) -> f64 {
+        between(&self, &other)
+    }
+
+    fn towards(self, other: Self, angle: f64) -> Self {
+        towards(&self, &other, angle)
+    }
+
+    fn is_finite(self) -> bool {
+        self.iter().all(|value| value.is_finite())
+    }
+}
+
 impl PostureFilter {
-    /// A filter that has seen nothing yet.
+    /// A filter that has seen nothing yet, of a person whose neutral posture is average.
     pub fn new(side: Side) -> Self {
-        Self { side, angles: [None; Posture::LEN] }
+        let (angles, gait) = ([None; Posture::LEN], Gait::default());
+        Self { side, neutral: NeutralPosture::default(), angles, arm: None, gait, seated: None }
+    }
+
+    /// The same, of a person with this neutral posture. What was seen before is forgotten.
+    #[must_use]
+    pub fn with_neutral(self, neutral: NeutralPosture) -> Self {
+        Self { neutral, ..Self::new(self.side) }
     }
 
     /// Takes a frame in and gives the posture at its time \[s\]; `None` as long as the trunk's flexion was
@@ -109,94 +177,155 @@ impl PostureFilter {
         joints: &JointPositions,
         covariances: &[Matrix3<f64>; JointPositions::LEN],
     ) -> Option<MeasuredPosture> {
-        let measured = joints.posture(self.side);
-        let variances =
-            measured.map(|measured| variances(joints, self.side, &measured, covariances));
-        for (index, (angle, habit)) in self.angles.iter_mut().zip(&HABITS).enumerate() {
-            let now =
-                angle.filter(|angle| angle.time < time).map(|angle| angle.advanced(time, habit));
-            let value = measured.filter(|measured| measured.seen[index]);
-            let value = value.map(|measured| measured.posture.to_array()[index]);
-            let frame = value.zip(variances.map(|variances| variances[index]));
-            *angle = match frame.filter(|(value, variance)| (value + variance).is_finite()) {
-                None => now,
-                Some((value, variance)) => {
-                    let before = now.unwrap_or_else(|| Angle::before_any(time, habit));
-                    Some(before.corrected(value, variance))
-                }
-            };
+        let measured = joints.posture_from(self.side, &self.neutral);
+        let variances = measured.map(|measured| self.variances(joints, &measured, covariances));
+        let frame = measured.zip(variances);
+        for (index, (known, habit)) in self.angles.iter_mut().zip(&HABITS).enumerate() {
+            let value = frame.filter(|(measured, _)| measured.seen[index]);
+            let value = value.map(|(measured, variances)| {
+                (measured.posture.to_array()[index], variances.angles[index])
+            });
+            Known::follow(known, time, value, habit, habit.mean.to_radians());
         }
-        let known = self.angles.map(|angle| angle.filter(|angle| time - angle.seen <= KEPT));
-        known[0]?;
-        Some(MeasuredPosture {
-            posture: Posture::from_array(known.map(|angle| angle.map_or(0.0, |angle| angle.value))),
-            seen: known.map(|angle| angle.is_some()),
-        })
+        let arm = frame.filter(|(measured, _)| measured.seen[FLEXION]);
+        let arm = arm
+            .map(|(measured, variances)| (measured.posture.upper_arm().to_vector(), variances.arm));
+        let [flexion, abduction] =
+            [FLEXION, ABDUCTION].map(|index| HABITS[index].mean.to_radians());
+        let mean = UpperArm::of_angles(flexion, abduction).to_vector();
+        Known::follow(&mut self.arm, time, arm, &ARM_HABIT, mean);
+        let support = self.support(time, joints, measured.map(|measured| measured.support));
+
+        let recent = |seen: f64| time - seen <= KEPT;
+        let mut angles = self.angles.map(|known| known.filter(|known| recent(known.seen)));
+        angles[0]?;
+        let arm = self.arm.filter(|known| recent(known.seen));
+        for index in [FLEXION, ABDUCTION] {
+            angles[index] = None;
+        }
+        let mut posture = angles.map(|known| known.map_or(0.0, |known| known.value));
+        let mut seen = angles.map(|known| known.is_some());
+        if let Some(direction) = arm.and_then(|known| UpperArm::of_vector(&known.value)) {
+            [posture[FLEXION], posture[ABDUCTION]] = direction.angles();
+            [seen[FLEXION], seen[ABDUCTION]] = [true; 2];
+        }
+        Some(MeasuredPosture { posture: Posture::from_array(posture), support, seen })
+    }
+
+    /// What carries the body, by the last half second.
+    fn support(
+        &mut self,
+        time: f64,
+        joints: &JointPositions,
+        measured: Option<LegSupport>,
+    ) -> LegSupport {
+        let walks = self.gait.update(time, joints);
+        let before = self.seated.filter(|(_, last)| *last < time);
+        if let Some(support) = measured {
+            let now = f64::from(u8::from(support == LegSupport::Sitting));
+            let share = before
+                .map_or(now, |(share, last)| now + (share - now) * (-(time - last) / SEATED).exp());
+            self.seated = Some((share, time));
+        }
+        match self.seated {
+            _ if walks => LegSupport::Walking,
+            Some((share, _)) if share > 0.5 => LegSupport::Sitting,
+            _ => LegSupport::Bilateral,
+        }
+    }
+
+    /// The variances of the angles, by moving each joint along the axes of its covariance.
+    fn variances(
+        &self,
+        joints: &JointPositions,
+        measured: &MeasuredPosture,
+        covariances: &[Matrix3<f64>; JointPositions::LEN],
+    ) -> Variances {
+        let (angles, positions) = (measured.posture.to_array(), joints.to_array());
+        let arm = measured.posture.upper_arm().to_vector();
+        let mut variances = Variances { angles: [0.0; Posture::LEN], arm: 0.0 };
+        for (index, (position, covariance)) in positions.into_iter().zip(covariances).enumerate() {
+            let lasting = Matrix3::identity() * LASTING.powi(2);
+            let Some((position, factor)) = position.zip((covariance + lasting).cholesky()) else {
+                continue;
+            };
+            for axis in factor.l().column_iter() {
+                let mut moved = positions;
+                moved[index] = Some(position + axis);
+                let moved = JointPositions::from_array(moved);
+                let Some(moved) = moved.posture_from(self.side, &self.neutral) else { continue };
+                for (variance, (one, other)) in variances
+                    .angles
+                    .iter_mut()
+                    .zip(moved.posture.to_array().into_iter().zip(angles))
+                {
+                    *variance += turned(one - other).powi(2);
+                }
+                // Two axes share it.
+                let way = between(&moved.posture.upper_arm().to_vector(), &arm);
+                variances.arm += 0.5 * way.powi(2);
+            }
+        }
+        variances
     }
 }
 
-impl Angle {
-    /// As people are.
-    fn before_any(time: f64, habit: &Habit) -> Self {
-        let (value, variance) = (habit.mean.to_radians(), habit.spread.to_radians().powi(2));
-        Self { value, variance, seen: f64::NEG_INFINITY, time }
+/// How well a frame tells each angle, and where the upper arm points \[rad²\].
+#[derive(Clone, Copy)]
+struct Variances {
+    angles: [f64; Posture::LEN],
+    arm: f64,
+}
+
+impl<T: Place> Known<T> {
+    /// Takes what a frame says, a value and its variance, into what was known.
+    fn follow(
+        known: &mut Option<Self>,
+        time: f64,
+        frame: Option<(T, f64)>,
+        habit: &Habit,
+        mean: T,
+    ) {
+        let now =
+            known.filter(|known| known.time < time).map(|known| known.advanced(time, habit, mean));
+        *known = match frame {
+            Some((value, variance)) if value.is_finite() && variance.is_finite() => {
+                // As people are.
+                let spread = habit.spread.to_radians();
+                let before = now.unwrap_or(Self {
+                    value: mean,
+                    variance: spread.powi(2),
+                    seen: f64::NEG_INFINITY,
+                    time,
+                });
+                Some(before.corrected(value, variance))
+            }
+            _ => now,
+        };
     }
 
-    fn advanced(&self, time: f64, habit: &Habit) -> Self {
-        let (mean, spread) = (habit.mean.to_radians(), habit.spread.to_radians());
+    fn advanced(&self, time: f64, habit: &Habit, mean: T) -> Self {
+        let spread = habit.spread.to_radians();
         let kept = (-(time - self.time) / habit.time).exp();
-        let value = mean + kept * (self.value - mean);
+        let value = self.value.towards(mean, (1.0 - kept) * self.value.distance(mean));
         let variance = spread * spread + kept * kept * (self.variance - spread * spread);
         Self { value, variance, time, ..*self }
     }
 
     /// With a measurement at its time taken in.
-    fn corrected(&self, value: f64, variance: f64) -> Self {
+    fn corrected(&self, value: T, variance: f64) -> Self {
         let interval = if self.seen.is_finite() { self.time - self.seen } else { f64::INFINITY };
         let correlation = (-interval / CORRELATION_TIME).exp();
         let variance = variance * (1.0 + correlation) / (1.0 - correlation).max(1e-3);
         let expected = self.variance + variance;
         let limit = LARGEST_INNOVATION * expected.sqrt();
-        let innovation = turned(value - self.value).clamp(-limit, limit);
+        let innovation = self.value.distance(value).min(limit);
         let gain = self.variance / expected;
         Self {
-            value: self.value + gain * innovation,
+            value: self.value.towards(value, gain * innovation),
             variance: self.variance * (1.0 - gain),
             seen: self.time,
             time: self.time,
         }
     }
-}
-
-/// The variances of the angles \[rad²\], by moving each joint along the axes of its covariance.
-fn variances(
-    joints: &JointPositions,
-    side: Side,
-    measured: &MeasuredPosture,
-    covariances: &[Matrix3<f64>; JointPositions::LEN],
-) -> [f64; Posture::LEN] {
-    let (angles, positions) = (measured.posture.to_array(), joints.to_array());
-    let mut variances = [0.0; Posture::LEN];
-    for (index, (position, covariance)) in positions.into_iter().zip(covariances).enumerate() {
-        let lasting = Matrix3::identity() * LASTING.powi(2);
-        let Some((position, factor)) = position.zip((covariance + lasting).cholesky()) else {
-            continue;
-        };
-        for axis in factor.l().column_iter() {
-            let mut moved = positions;
-            moved[index] = Some(position + axis);
-            let Some(moved) = JointPositions::from_array(moved).posture(side) else { continue };
-            for (variance, (one, other)) in
-                variances.iter_mut().zip(moved.posture.to_array().into_iter().zip(angles))
-            {
-                *variance += turned(one - other).powi(2);
-            }
-        }
-    }
-    variances
-}
-
-/// An angle in [-π, π].
-fn turned(angle: f64) -> f64 {
-    angle.sin().atan2(angle.cos())
 }

@@ -40,9 +40,11 @@ impl Coupling {
 /// What carries the body's weight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum LegSupport {
-    /// Both feet, or walking.
+    /// Both feet.
     #[default]
     Bilateral,
+    /// Feet that walk: the knees' flexion does not count.
+    Walking,
     /// One foot, or an unstable posture.
     Unilateral,
     /// A seat: the knees' flexion does not count.

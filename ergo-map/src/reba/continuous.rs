@@ -5,6 +5,7 @@ use super::table::{interpolate_a, interpolate_b, interpolate_c};
 use super::worksheet::Worksheet;
 use crate::error::{Result, within};
 use crate::posture::Posture;
+use crate::upper_arm::UpperArm;
 
 /// How the printed classes become continuous.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -122,7 +123,7 @@ impl ContinuousReba {
             neck_flexion: sheet.neck_flexion,
             neck_bend: ticked(sheet.neck_twisted_or_bent),
             knee_flexion: sheet.knee_flexion,
-            upper_arm_flexion: sheet.upper_arm_flexion,
+            upper_arm: curve::UPPER_ARM.curve(sheet.upper_arm_flexion, mode).0,
             arm_turned: ticked(sheet.arm_abducted_or_rotated),
             elbow_flexion: sheet.elbow_flexion,
             wrist_flexion: sheet.wrist_flexion,
@@ -171,7 +172,8 @@ struct Angles<S> {
     neck_flexion: S,
     neck_bend: S,
     knee_flexion: S,
-    upper_arm_flexion: S,
+    /// Of the flexion alone, without adjustments.
+    upper_arm: S,
     arm_turned: S,
     elbow_flexion: S,
     wrist_flexion: S,
@@ -184,13 +186,13 @@ impl<S: Smooth> Angles<S> {
         let legs = match conditions.support {
             LegSupport::Bilateral => class(&curve::KNEE, self.knee_flexion).shifted(1.0),
             LegSupport::Unilateral => class(&curve::KNEE, self.knee_flexion).shifted(2.0),
-            LegSupport::Sitting => self.knee_flexion.chain(1.0, 0.0),
+            LegSupport::Sitting | LegSupport::Walking => self.knee_flexion.chain(1.0, 0.0),
         };
         [
             class(&curve::NECK, self.neck_flexion).plus(self.neck_bend),
             class(&curve::TRUNK, self.trunk_flexion).plus(self.trunk_bend),
             legs,
-            class(&curve::UPPER_ARM, self.upper_arm_flexion)
+            self.upper_arm
                 .plus(self.arm_turned)
                 .shifted(f64::from(conditions.arm_adjustment()))
                 .clamped(1.0, f64::INFINITY),
@@ -226,23 +228,79 @@ fn sub_scores<S: Smooth>(
         deviation,
         wrist_twist,
     ] = posture;
-    let magnitude = |angle: S| angle.chain(angle.value().abs(), angle.value().signum());
-    let turned = |part: &Part, angle: S| apply(part, magnitude(angle), mode);
-    // One +1 for either, not two.
-    let either = |a: &Part, x: S, b: &Part, y: S| turned(a, x).larger(turned(b, y));
+    let arm = UpperArm::of_angles(upper_arm_flexion.value(), abduction.value());
+    let pair = [upper_arm_flexion, abduction, abduction];
+    let elevation = elevation(arm, pair);
+    let (sin, cos) = (abduction.value().sin(), abduction.value().cos());
+    let down = upper_arm_flexion.value().cos() * cos;
+    let sideways = -upper_arm_flexion.value().sin() * sin;
+    let forward = S::chain3(pair, arm.forward, [down, sideways, 0.0]);
+    let in_front = apply(&curve::IN_FRONT, forward, mode);
+    let mix = |behind: S, front: S| blend(behind, front, in_front);
+    let of_arm = |part: &Part| apply(part, elevation, mode);
+    let entering = |part: &Part, angle: S| {
+        let (value, slope) = part.entering(angle.value(), mode);
+        angle.chain(value, slope)
+    };
+    let of_trunk = entering(&curve::TRUNK, trunk_flexion);
+    let of_neck = entering(&curve::NECK, neck_flexion);
+    let behind_entering = entering(&curve::UPPER_ARM_BEHIND, elevation);
+    let arm_entering = mix(behind_entering, entering(&curve::UPPER_ARM, elevation));
+    let outward = abduction.chain(arm.abduction(), if cos < 0.0 { -1.0 } else { 1.0 });
+    let none = elbow_flexion.chain(0.0, 0.0);
+    let bend = |part: &Part, x: S, y: S, entering: S| {
+        turned(part, x, entering, mode).larger(turned(part, y, entering, mode))
+    };
     Angles {
         trunk_flexion,
-        trunk_bend: either(&curve::TRUNK_BEND, trunk_side, &curve::TRUNK_BEND, trunk_twist),
+        trunk_bend: bend(&curve::TRUNK_BEND, trunk_side, trunk_twist, of_trunk),
         neck_flexion,
-        neck_bend: either(&curve::NECK_BEND, neck_side, &curve::NECK_BEND, neck_twist),
+        neck_bend: bend(&curve::NECK_BEND, neck_side, neck_twist, of_neck),
         knee_flexion,
-        upper_arm_flexion,
-        arm_turned: either(&curve::ABDUCTION, abduction, &curve::ARM_ROTATION, rotation),
+        upper_arm: mix(of_arm(&curve::UPPER_ARM_BEHIND), of_arm(&curve::UPPER_ARM)),
+        // One +1 for either, not two.
+        arm_turned: turned(&curve::ABDUCTION, outward, arm_entering, mode).larger(turned(
+            &curve::ARM_ROTATION,
+            rotation,
+            arm_entering,
+            mode,
+        )),
         elbow_flexion,
         wrist_flexion,
-        wrist_turned: either(&curve::DEVIATION, deviation, &curve::WRIST_TWIST, wrist_twist),
+        wrist_turned: turned(&curve::DEVIATION, deviation, none, mode).larger(turned(
+            &curve::WRIST_TWIST,
+            wrist_twist,
+            none,
+            mode,
+        )),
     }
     .sub_scores(conditions, mode)
+}
+
+/// The elevation of an arm of this flexion and abduction; at its singularities, hanging and straight up,
+/// with the derivative 0, which lies between the one-sided ones.
+fn elevation<S: Smooth>(arm: UpperArm, [flexion, abduction, other]: [S; 3]) -> S {
+    let level = arm.forward.hypot(arm.outward);
+    let rates = if level < 1e-9 {
+        [0.0; 3]
+    } else {
+        [arm.forward / level, flexion.value().cos() * abduction.value().sin() / level, 0.0]
+    };
+    S::chain3([flexion, abduction, other], arm.elevation(), rates)
+}
+
+/// An adjustment by the magnitude of an angle. As far as the part is just entering its class, a margin
+/// more is needed.
+fn turned<S: Smooth>(part: &Part, angle: S, entering: S, mode: Mode) -> S {
+    let magnitude = angle.chain(angle.value().abs(), angle.value().signum());
+    let (value, slope) = part.curve_with_margin(magnitude.value(), mode);
+    blend(apply(part, magnitude, mode), magnitude.chain(value, slope), entering)
+}
+
+/// The first number where `share` is 0, the second where it is 1.
+fn blend<S: Smooth>(first: S, second: S, share: S) -> S {
+    let (from, to, by) = (first.value(), second.value(), share.value());
+    S::chain3([first, second, share], from + by * (to - from), [1.0 - by, by, to - from])
 }
 
 fn mean<S: Smooth>([neck, trunk, legs, upper_arm, lower_arm, wrist]: SubScores<S>) -> S {

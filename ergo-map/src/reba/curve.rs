@@ -9,13 +9,21 @@
 
 use super::Mode;
 use crate::steps::Steps;
+use crate::upper_arm::LARGEST_EXTENSION;
 
 /// One body part: its printed classes, and the knots (degrees, value) of the graded curve, which
 /// passes half-way between two classes at the threshold between them.
 pub(super) struct Part {
     steps: Steps,
     knots: &'static [(f64, f64)],
+    /// By how much the angle may turn where every measured joint is a centimetre elsewhere \[°\].
+    margin: f64,
+    /// The middle of the best class \[°\].
+    neutral: f64,
 }
+
+/// No angle is so large \[°\].
+const NEVER: f64 = 1e3;
 
 /// Trunk: upright (within 5°) 1; to 20° 2; 20-60° flexion or more than 20° extension 3; more 4.
 pub(super) const TRUNK: Part = Part {
@@ -31,6 +39,8 @@ pub(super) const TRUNK: Part = Part {
         (68.0, 4.3),
         (100.0, 4.49),
     ],
+    margin: 6.0,
+    neutral: 0.0,
 };
 /// Neck: 0-20° flexion 1; more, or extension, 2.
 pub(super) const NECK: Part = Part {
@@ -46,6 +56,8 @@ pub(super) const NECK: Part = Part {
         (28.0, 2.3),
         (45.0, 2.49),
     ],
+    margin: 11.0,
+    neutral: 10.0,
 };
 /// Knees, added to the legs: 30-60° 1; more 2.
 pub(super) const KNEE: Part = Part {
@@ -59,6 +71,8 @@ pub(super) const KNEE: Part = Part {
         (68.0, 2.3),
         (130.0, 2.49),
     ],
+    margin: 0.0,
+    neutral: 0.0,
 };
 /// Upper arm: within 20° 1; 20-45° flexion or more than 20° extension 2; 45-90° 3; more 4.
 pub(super) const UPPER_ARM: Part = Part {
@@ -73,11 +87,38 @@ pub(super) const UPPER_ARM: Part = Part {
         (90.0, 3.5),
         (180.0, 3.8),
     ],
+    margin: 7.0,
+    neutral: 0.0,
+};
+/// Upper arm behind the trunk, by its elevation: within 20° 1; extension, up to 70°, 2. Further up
+/// it has come over the head.
+pub(super) const UPPER_ARM_BEHIND: Part = Part {
+    steps: Steps::new(1.0, &[(20.0, 1.0), (LARGEST_EXTENSION, 1.0), (90.0, 1.0)]),
+    knots: &[
+        (0.0, 1.0),
+        (20.0, 1.5),
+        (60.0, 2.45),
+        (LARGEST_EXTENSION, 2.5),
+        (82.0, 3.1),
+        (90.0, 3.5),
+        (180.0, 3.8),
+    ],
+    margin: 7.0,
+    neutral: 0.0,
+};
+/// By the sine of the upper arm's angle to the trunk's frontal plane: 1 in front of it, 0 behind.
+pub(super) const IN_FRONT: Part = Part {
+    steps: Steps::new(0.0, &[(0.0, 1.0)]),
+    knots: &[(-10.0, 0.0), (10.0, 1.0)],
+    margin: 0.0,
+    neutral: 0.0,
 };
 /// Lower arm: elbow flexion 60-100° 1, else 2.
 pub(super) const LOWER_ARM: Part = Part {
     steps: Steps::new(2.0, &[(60.0, -1.0), (100.0, 1.0)]),
     knots: &[(0.0, 2.49), (60.0, 1.5), (80.0, 1.0), (100.0, 1.5), (145.0, 2.49)],
+    margin: 0.0,
+    neutral: 0.0,
 };
 /// Wrist: within 15° 1, else 2.
 pub(super) const WRIST: Part = Part {
@@ -91,32 +132,102 @@ pub(super) const WRIST: Part = Part {
         (22.0, 2.2),
         (75.0, 2.49),
     ],
+    margin: 0.0,
+    neutral: 0.0,
 };
 
 /// The +1 adjustments that follow from an angle's magnitude. The printed sheets only say
 /// "twisted", "abducted" and so on; the threshold is the middle of the ramp.
-pub(super) const TRUNK_BEND: Part =
-    Part { steps: Steps::new(0.0, &[(10.0, 1.0)]), knots: &[(5.0, 0.0), (15.0, 1.0)] };
+pub(super) const TRUNK_BEND: Part = Part {
+    steps: Steps::new(0.0, &[(10.0, 1.0)]),
+    knots: &[(5.0, 0.0), (15.0, 1.0)],
+    margin: 10.0,
+    neutral: 0.0,
+};
 /// Neck twisted or side-flexed.
-pub(super) const NECK_BEND: Part =
-    Part { steps: Steps::new(0.0, &[(20.0, 1.0)]), knots: &[(10.0, 0.0), (30.0, 1.0)] };
+pub(super) const NECK_BEND: Part = Part {
+    steps: Steps::new(0.0, &[(20.0, 1.0)]),
+    knots: &[(10.0, 0.0), (30.0, 1.0)],
+    margin: 16.0,
+    neutral: 0.0,
+};
 /// Upper arm abducted.
-pub(super) const ABDUCTION: Part =
-    Part { steps: Steps::new(0.0, &[(32.5, 1.0)]), knots: &[(20.0, 0.0), (45.0, 1.0)] };
+pub(super) const ABDUCTION: Part = Part {
+    steps: Steps::new(0.0, &[(32.5, 1.0)]),
+    knots: &[(20.0, 0.0), (45.0, 1.0)],
+    margin: 10.0,
+    neutral: 0.0,
+};
 /// Upper arm rotated.
-pub(super) const ARM_ROTATION: Part =
-    Part { steps: Steps::new(0.0, &[(45.0, 1.0)]), knots: &[(30.0, 0.0), (60.0, 1.0)] };
+pub(super) const ARM_ROTATION: Part = Part {
+    steps: Steps::new(0.0, &[(45.0, 1.0)]),
+    knots: &[(30.0, 0.0), (60.0, 1.0)],
+    margin: NEVER,
+    neutral: 0.0,
+};
 /// Wrist deviated.
-pub(super) const DEVIATION: Part =
-    Part { steps: Steps::new(0.0, &[(10.0, 1.0)]), knots: &[(5.0, 0.0), (15.0, 1.0)] };
+pub(super) const DEVIATION: Part = Part {
+    steps: Steps::new(0.0, &[(10.0, 1.0)]),
+    knots: &[(5.0, 0.0), (15.0, 1.0)],
+    margin: 0.0,
+    neutral: 0.0,
+};
 /// Forearm twisted.
-pub(super) const WRIST_TWIST: Part =
-    Part { steps: Steps::new(0.0, &[(45.0, 1.0)]), knots: &[(30.0, 0.0), (60.0, 1.0)] };
+pub(super) const WRIST_TWIST: Part = Part {
+    steps: Steps::new(0.0, &[(45.0, 1.0)]),
+    knots: &[(30.0, 0.0), (60.0, 1.0)],
+    margin: 0.0,
+    neutral: 0.0,
+};
 
 impl Part {
     /// The printed class.
     pub(super) fn class(&self, angle: f64) -> u8 {
         self.steps.class(angle)
+    }
+
+    /// The class of a box's angle \[rad\]. Where the part that it belongs to has only just entered its
+    /// class, a box needs a larger angle, so that an error of a centimetre never counts twice.
+    pub(super) fn is_ticked(&self, angle: f64, just_entered: bool) -> bool {
+        let needed = if just_entered { self.margin.to_radians() } else { 0.0 };
+        self.class(angle.abs() - needed) > 0
+    }
+
+    /// Returns true if the angle \[rad\] is within the margin of a better class.
+    pub(super) fn has_just_entered(&self, angle: f64) -> bool {
+        self.class(angle) > self.class(self.nearer_neutral(angle))
+    }
+
+    /// The continuous counterpart of [`Part::has_just_entered`], 0 to 1, and its derivative \[1/rad\]. Graded
+    /// curves have no classes to enter: 0.
+    pub(super) fn entering(&self, angle: f64, mode: Mode) -> (f64, f64) {
+        let Mode::Faithful { half_width } = mode else { return (0.0, 0.0) };
+        let nearer = self.nearer_neutral(angle);
+        let (there, rate) = self.steps.softened(angle, half_width);
+        let (back, back_rate) = self.steps.softened(nearer, half_width);
+        let moves = f64::from(u8::from(nearer != self.neutral()));
+        let share = there - back;
+        if (0.0..=1.0).contains(&share) {
+            (share, rate - moves * back_rate)
+        } else {
+            (share.clamp(0.0, 1.0), 0.0)
+        }
+    }
+
+    /// An angle \[rad\] that is nearer to the neutral one by the margin.
+    fn nearer_neutral(&self, angle: f64) -> f64 {
+        let away = angle - self.neutral();
+        self.neutral() + away.signum() * (away.abs() - self.margin.to_radians()).max(0.0)
+    }
+
+    /// \[rad\]
+    fn neutral(&self) -> f64 {
+        self.neutral.to_radians()
+    }
+
+    /// A box that needs a margin more, as [`Part::is_ticked`] says: the continuous value and its derivative.
+    pub(super) fn curve_with_margin(&self, angle: f64, mode: Mode) -> (f64, f64) {
+        self.curve(angle - self.margin.to_radians(), mode)
     }
 
     /// The continuous value and its derivative \[1/rad\].

@@ -1,5 +1,5 @@
 use super::conditions::{Conditions, LegSupport};
-use super::curve::{self, Part};
+use super::curve;
 use super::score::{Reba, RebaSubScores};
 use crate::error::{Result, angle};
 use crate::posture::Posture;
@@ -47,26 +47,40 @@ pub struct Worksheet {
 }
 
 impl Worksheet {
-    /// Fills the sheet from a posture. Boxes are ticked above these magnitudes, a choice of this
-    /// crate where the sheet names no angle: trunk 10°, neck 20°, abduction 32.5°, rotation of the
-    /// arm 45°, deviation of the wrist 10°, twist of the forearm 45°.
+    /// Fills the sheet from a posture.
+    ///
+    /// The upper arm's flexion is its elevation, negative behind the trunk up to 70° (no shoulder
+    /// extends further): see [`Posture::upper_arm_elevation`].
+    ///
+    /// Boxes are ticked above these magnitudes, a choice of this crate where the sheet names no angle:
+    /// trunk 10°, neck 20°, abduction 32.5°, rotation of the arm 45°, deviation of the wrist 10°, twist
+    /// of the forearm 45°. Two thresholds are never passed at once: where the trunk is within 6° of a
+    /// better class its box needs 20°, where the neck is within 11° of one 36°, and where the upper arm
+    /// is within 7° of one an abduction of 42.5°. So joints that are off by a centimetre change no
+    /// sub-score by more than one.
     pub fn from_posture(posture: &Posture, conditions: Conditions) -> Self {
-        let ticked = |part: &Part, angle: f64| part.class(angle.abs()) > 0;
+        let arm = posture.upper_arm();
+        let side = if arm.is_behind() { &curve::UPPER_ARM_BEHIND } else { &curve::UPPER_ARM };
+        let trunk_entered = curve::TRUNK.has_just_entered(posture.trunk_flexion);
+        let neck_entered = curve::NECK.has_just_entered(posture.neck_flexion);
+        let arm_entered = side.has_just_entered(arm.elevation());
         Self {
             trunk_flexion: posture.trunk_flexion,
-            trunk_twisted_or_bent: ticked(&curve::TRUNK_BEND, posture.trunk_side)
-                || ticked(&curve::TRUNK_BEND, posture.trunk_twist),
+            trunk_twisted_or_bent: [posture.trunk_side, posture.trunk_twist]
+                .iter()
+                .any(|angle| curve::TRUNK_BEND.is_ticked(*angle, trunk_entered)),
             neck_flexion: posture.neck_flexion,
-            neck_twisted_or_bent: ticked(&curve::NECK_BEND, posture.neck_side)
-                || ticked(&curve::NECK_BEND, posture.neck_twist),
+            neck_twisted_or_bent: [posture.neck_side, posture.neck_twist]
+                .iter()
+                .any(|angle| curve::NECK_BEND.is_ticked(*angle, neck_entered)),
             knee_flexion: posture.knee_flexion,
-            upper_arm_flexion: posture.upper_arm_flexion,
-            arm_abducted_or_rotated: ticked(&curve::ABDUCTION, posture.upper_arm_abduction)
-                || ticked(&curve::ARM_ROTATION, posture.upper_arm_rotation),
+            upper_arm_flexion: arm.sheet_flexion(),
+            arm_abducted_or_rotated: curve::ABDUCTION.is_ticked(arm.abduction(), arm_entered)
+                || curve::ARM_ROTATION.is_ticked(posture.upper_arm_rotation, arm_entered),
             elbow_flexion: posture.elbow_flexion,
             wrist_flexion: posture.wrist_flexion,
-            wrist_deviated_or_twisted: ticked(&curve::DEVIATION, posture.wrist_deviation)
-                || ticked(&curve::WRIST_TWIST, posture.wrist_twist),
+            wrist_deviated_or_twisted: curve::DEVIATION.is_ticked(posture.wrist_deviation, false)
+                || curve::WRIST_TWIST.is_ticked(posture.wrist_twist, false),
             conditions,
         }
     }
@@ -96,8 +110,8 @@ impl Worksheet {
 
     fn sub_scores(&self) -> RebaSubScores {
         let knees = match self.conditions.support {
-            LegSupport::Sitting => 0,
-            _ => curve::KNEE.class(self.knee_flexion),
+            LegSupport::Sitting | LegSupport::Walking => 0,
+            LegSupport::Bilateral | LegSupport::Unilateral => curve::KNEE.class(self.knee_flexion),
         };
         let upper_arm =
             curve::UPPER_ARM.class(self.upper_arm_flexion) + u8::from(self.arm_abducted_or_rotated);

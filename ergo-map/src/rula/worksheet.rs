@@ -90,13 +90,14 @@ pub struct RulaWorksheet {
 
 impl RulaWorksheet {
     /// Fills the sheet's angles and posture boxes from a posture; legs supported, no muscle use, no
-    /// load. Boxes are ticked above the magnitudes that [`crate::Worksheet::from_posture`] names;
-    /// "across or out" above 45° of upper-arm rotation.
+    /// load. The upper arm's flexion is its elevation, as in [`crate::Worksheet::from_posture`]. Boxes are
+    /// ticked above the magnitudes named there; "across or out" above 45° of upper-arm rotation.
     pub fn from_posture(posture: &Posture) -> Self {
         let ticked = |steps: Steps, angle: f64| steps.class(angle.abs()) > 0;
+        let arm = posture.upper_arm();
         Self {
-            upper_arm_flexion: posture.upper_arm_flexion,
-            arm_abducted: ticked(ABDUCTED, posture.upper_arm_abduction),
+            upper_arm_flexion: arm.sheet_flexion(),
+            arm_abducted: ticked(ABDUCTED, arm.abduction()),
             elbow_flexion: posture.elbow_flexion,
             arm_across_or_out: ticked(ACROSS, posture.upper_arm_rotation),
             wrist_flexion: posture.wrist_flexion,

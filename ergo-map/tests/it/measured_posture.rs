@@ -1,8 +1,8 @@
 //! Postures from joints, against the skeleton's forward kinematics.
 
 use ergo_map::{
-    Conditions, JointAngles, JointPositions, Person, Posture, PostureFilter, Side, Skeleton,
-    Worksheet,
+    Conditions, JointAngles, JointPositions, NeutralPosture, Person, Posture, PostureFilter, Side,
+    Skeleton, Worksheet,
 };
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
@@ -53,7 +53,9 @@ proptest! {
             ..JointAngles::default()
         };
         let expected = angles.posture();
-        let measured = joints(&angles, side, turn).posture(side).unwrap();
+        // The model's own neutral: a trunk that stands straight, and no dead band.
+        let neutral = NeutralPosture { trunk: 0.0, trunk_band: 0.0, ..NeutralPosture::default() };
+        let measured = joints(&angles, side, turn).posture_from(side, &neutral).unwrap();
         for (name, found, expected) in [
             ("trunk", measured.posture.trunk_flexion, expected.trunk_flexion),
             ("knee", measured.posture.knee_flexion, expected.knee_flexion),

@@ -17,6 +17,7 @@ use examples::follow::{Comparison, Run, Scenario, Summary, TrueMotion};
 #[cfg(feature = "mcap")]
 use examples::mcap_files::RobotLog;
 use examples::page::{ResultRow, Results, page};
+use examples::perception::PostureOptions;
 use examples::picture::{animation, still};
 use examples::program::{
     self, Ending, Json, OutputFile, Program, Progress, Quiet, Session, check_folder,
@@ -89,6 +90,8 @@ struct Options {
     /// Write no report.
     #[arg(long)]
     no_report: bool,
+    #[command(flatten)]
+    posture: PostureOptions,
     #[command(flatten)]
     json: Json,
     #[command(flatten)]
@@ -216,6 +219,7 @@ impl Options {
         };
         let (person, map) = self.person(session, &header)?;
         let mut scenario = Scenario::new(percepts, &person, map)?.among(others).arriving(&timings);
+        scenario.posture = self.posture.checked()?;
         scenario.truth = match &self.truth {
             Some(path) => Some(TrueMotion::read(path)?),
             None => None,

@@ -14,7 +14,8 @@ use clap::{ArgGroup, Args, Parser};
 use examples::frames::{FramesReader, truth};
 use examples::perception::{
     ActionNetwork, ActionSettings, AgainstTruth, Perceiver, PerceiverSettings, Pipeline,
-    PoseNetwork, PoseSource, SkeletonFolder, Summary, SurfaceDecision, SurfaceNetwork, Tally,
+    PoseNetwork, PoseSource, PostureOptions, SkeletonFolder, Summary, SurfaceDecision,
+    SurfaceNetwork, Tally,
 };
 use examples::program::{
     self, Ending, Interrupt, Json, OutputFile, Program, Quiet, Session, Threads,
@@ -67,6 +68,8 @@ struct Options {
     /// The person's stature (m), in place of the one that is measured.
     #[arg(long, value_name = "METRES")]
     stature: Option<f64>,
+    #[command(flatten)]
+    posture: PostureOptions,
     #[command(flatten)]
     json: Json,
     #[command(flatten)]
@@ -202,7 +205,7 @@ impl Options {
             (_, Some(weights)) => Box::new(PoseNetwork::load(weights, size, passes, threads)?),
             (None, None) => anyhow::bail!("give --skeletons or --pose-weights"),
         };
-        let mut pipeline = Pipeline::new(perceiver, poses);
+        let mut pipeline = Pipeline::new(perceiver, poses).with_posture(self.posture.checked()?);
         if let Some(network) = self.surface.network(threads, interrupt)? {
             let images = reader.surfaces();
             ensure!(images.is_dir(), "{}: there are no images of a surface", images.display());

@@ -9,7 +9,7 @@ use examples::program::{self, Ending, InputFile, Json, Program, Quiet, ResultFil
 use examples::sheets::{Extent, Sheet, SheetTable, TableError, Unknown};
 use serde::Serialize;
 
-/// Scores filled-in REBA sheets, one a row of a comma-separated table.
+/// Scores filled-in REBA sheets, one a row of a table (CSV, also with semicolons and decimal commas).
 ///
 /// The first line names the columns. Needed are the angles in degrees: trunk_flex_deg,
 /// neck_flex_deg, knee_flex_deg, upper_arm_flex_deg, lower_arm_flex_deg and wrist_flex_deg. The

@@ -14,7 +14,7 @@ use examples::program::{
 use examples::sheets::{SheetTable, Unknown};
 use examples::workload::{Questionnaire, WorkloadStudy, figure};
 
-/// Scores NASA-TLX questionnaires, one a row of a comma-separated table, and compares conditions.
+/// Scores NASA-TLX questionnaires, one a row of a table (CSV), and compares conditions.
 ///
 /// The first line names the columns. Needed are subject, the ratings from 0 to 20 temporal_demand,
 /// mental_demand, effort, physical_demand and frustration, and either performance (0 is perfect, as on
@@ -35,6 +35,9 @@ struct Options {
     /// Draw the box plot, as SVG.
     #[arg(long, value_name = "FILE")]
     figure: Option<PathBuf>,
+    /// Ratings run from 0 to 100. They are divided by 5: all results are on NASA's scale from 0 to 20.
+    #[arg(long)]
+    hundred: bool,
     /// Refuse columns that are not known instead of passing them through.
     #[arg(long)]
     strict: bool,
@@ -90,6 +93,9 @@ impl Options {
     ) -> Result<Vec<Questionnaire>> {
         let unknown = if self.strict { Unknown::Refuse } else { Unknown::PassThrough };
         let mut table = SheetTable::<Questionnaire, _>::new(table, unknown)?;
+        if self.hundred {
+            table = table.with_ratings_to_hundred();
+        }
         let passed_through = table.unknown().collect::<Vec<_>>().join(", ");
         if !passed_through.is_empty() {
             session.note(format_args!("{}: not used: {passed_through}", self.input));

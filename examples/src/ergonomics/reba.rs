@@ -2,10 +2,15 @@
 
 use ergo_map::{ContinuousReba, Coupling, Error, LegSupport, Mode, Worksheet};
 
-use crate::sheets::{Cell, Column, Sheet};
+use crate::sheets::{Cell, Column, Elsewhere, Sheet};
 
 const COUPLINGS: [Coupling; 4] =
     [Coupling::Good, Coupling::Fair, Coupling::Poor, Coupling::Unacceptable];
+
+/// A box that only RULA's sheet has by itself.
+const fn of_rula(name: &'static str, here: Option<&'static str>) -> Elsewhere {
+    Elsewhere { name, sheet: "RULA", here }
+}
 
 impl Sheet for Worksheet {
     type Error = Error;
@@ -29,8 +34,15 @@ impl Sheet for Worksheet {
         Column::flag("trunk_twist_or_side", |s, x| s.trunk_twisted_or_bent = x > 0.0),
         Column::flag("neck_twist_or_side", |s, x| s.neck_twisted_or_bent = x > 0.0),
         Column::flag("unilateral", |s, x| {
-            s.conditions.support =
-                if x > 0.0 { LegSupport::Unilateral } else { LegSupport::Bilateral };
+            if x > 0.0 && s.conditions.support == LegSupport::Bilateral {
+                s.conditions.support = LegSupport::Unilateral;
+            }
+        }),
+        // A seat carries, whatever the legs do.
+        Column::flag("sitting", |s, x| {
+            if x > 0.0 {
+                s.conditions.support = LegSupport::Sitting;
+            }
         }),
         Column::flag("arm_abducted_or_rotated", |s, x| s.arm_abducted_or_rotated = x > 0.0),
         Column::flag("shoulder_raised", |s, x| s.conditions.shoulder_raised = x > 0.0),
@@ -40,6 +52,18 @@ impl Sheet for Worksheet {
         Column::flag("static", |s, x| s.conditions.held_static = x > 0.0),
         Column::flag("repeated", |s, x| s.conditions.repeated = x > 0.0),
         Column::flag("rapid_or_unstable", |s, x| s.conditions.rapid_or_unstable = x > 0.0),
+    ];
+
+    const ELSEWHERE: &'static [Elsewhere] = &[
+        of_rula("trunk_twist", Some("trunk_twist_or_side")),
+        of_rula("trunk_side", Some("trunk_twist_or_side")),
+        of_rula("neck_twist", Some("neck_twist_or_side")),
+        of_rula("neck_side", Some("neck_twist_or_side")),
+        of_rula("arm_abducted", Some("arm_abducted_or_rotated")),
+        of_rula("arm_across_or_out", None),
+        of_rula("wrist_dev", Some("wrist_dev_or_twist")),
+        of_rula("wrist_twist", Some("wrist_dev_or_twist")),
+        of_rula("legs_unsupported", Some("unilateral")),
     ];
 
     const SCORES: &'static [&'static str] = &[

@@ -48,6 +48,7 @@ impl Sheet for RulaWorksheet {
             |_, _| (),
         ),
         Column::flag("rapid_or_unstable", |_, _| ()),
+        Column::flag("sitting", |_, _| ()),
     ];
 
     const SCORES: &'static [&'static str] = &[

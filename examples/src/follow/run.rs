@@ -104,7 +104,7 @@ impl<'a> Run<'a> {
         let mut run = Self {
             on_board: OnBoardEye::new(SEED),
             scorer: Scorer::new(&scenario.map),
-            assessor: Assessor::default(),
+            assessor: Assessor::new(scenario.posture),
             measured: None,
             plant,
             work: WorkForce::default(),

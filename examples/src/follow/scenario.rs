@@ -10,6 +10,7 @@ use moca_model::{
 use vision_models::{Body, Percept};
 
 use super::true_person::TrueMotion;
+use crate::perception::PostureOptions;
 use crate::plant::Drive;
 use crate::recording::{Timing, arrivals};
 use crate::settings::{RobotSettings, SettingsError, SettingsFile};
@@ -46,6 +47,8 @@ pub struct Scenario {
     pub object: HeldObject,
     /// How it comes by that.
     pub delivery: Delivery,
+    /// What is known of the person beside their joints.
+    pub posture: PostureOptions,
 }
 
 /// How the robot comes by the object.
@@ -96,6 +99,7 @@ impl Scenario {
             drive,
             object,
             delivery: Delivery::Held,
+            posture: PostureOptions::default(),
         })
     }
 

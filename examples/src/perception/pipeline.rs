@@ -12,7 +12,7 @@ use super::{
     action_network::ActionNetwork,
     chain::Perceiver,
     pose_source::{Frame, PoseSource},
-    posture::{Assessor, MeasuredAssessment},
+    posture::{Assessor, MeasuredAssessment, PostureOptions},
     surface_network::SurfaceNetwork,
 };
 use crate::frames::{FrameEntry, FramesReader};
@@ -34,6 +34,7 @@ pub struct Pipeline {
     seen_action: Option<Seen<RecognisedAction>>,
     /// The next frame for the surface.
     next_surface: u64,
+    posture: PostureOptions,
     assessor: Option<(PersonId, Assessor)>,
     stature: Option<StatureEstimate>,
 }
@@ -89,6 +90,7 @@ impl Pipeline {
             seen_surface: None,
             seen_action: None,
             next_surface: 0,
+            posture: PostureOptions::default(),
             assessor: None,
             stature: None,
         }
@@ -105,6 +107,13 @@ impl Pipeline {
     #[must_use]
     pub fn with_action(mut self, network: ActionNetwork) -> Self {
         self.action = Some(network);
+        self
+    }
+
+    /// The same, and this is known of whoever works with the robot.
+    #[must_use]
+    pub fn with_posture(mut self, posture: PostureOptions) -> Self {
+        self.posture = posture;
         self
     }
 
@@ -203,7 +212,7 @@ impl Pipeline {
         };
         let (_, assessor) = match &mut self.assessor {
             Some(same) if same.0 == id => same,
-            other => other.insert((id, Assessor::default())),
+            other => other.insert((id, Assessor::new(self.posture))),
         };
         Ok(assessor.update(time, body)?)
     }

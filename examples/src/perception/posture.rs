@@ -1,8 +1,9 @@
 //! REBA and RULA of a person whose joints were measured.
 
+use clap::Args;
 use ergo_map::{
-    Conditions, Error, JointPositions, MeasuredPosture, PostureFilter, Reba, Rula, RulaWorksheet,
-    Side, Worksheet,
+    Conditions, Error, JointPositions, LegSupport, MeasuredPosture, NeutralEstimate, PostureFilter,
+    Reba, Rula, RulaWorksheet, Side, Worksheet,
 };
 use nalgebra::Matrix3;
 use vision_models::{Body, Body25};
@@ -13,8 +14,8 @@ const SIGMA: f64 = 0.025;
 
 /// The scores of a measured posture, with the arm that is worse off.
 ///
-/// What nobody can see counts as on an easy sheet: no load, a good hold, both feet on the floor, nothing
-/// held for long or repeated; [`MeasuredPosture::unseen`] names the angles that are missing.
+/// What nobody can see counts as on an easy sheet: no load, a good hold, nothing held for long or repeated;
+/// [`MeasuredPosture::unseen`] names the angles that are missing. Whether somebody walks or sits is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredAssessment {
     /// Whose arm it is.
@@ -25,6 +26,44 @@ pub struct MeasuredAssessment {
     pub reba: Reba,
     /// The RULA score.
     pub rula: Rula,
+}
+
+/// What is known of a person beside their joints.
+#[derive(Args, Clone, Copy, Debug, Default, PartialEq)]
+pub struct PostureOptions {
+    /// Score the person as seated; without it a seat is found by balance.
+    #[arg(long)]
+    pub sitting: bool,
+    /// Score the person's arm as supported.
+    #[arg(long)]
+    pub arm_supported: bool,
+    /// The person stands upright and looks ahead for so long after being seen first (s): their angles count
+    /// from there. An average is taken with 0.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    pub upright: f64,
+}
+
+/// No neutral posture needs longer (s).
+const LONGEST_UPRIGHT: f64 = 600.0;
+
+impl PostureOptions {
+    /// Checks the time, and gives the options back.
+    ///
+    /// # Errors
+    /// [`Error`] for a time that is negative, over ten minutes or not finite.
+    pub fn checked(self) -> Result<Self, Error> {
+        let Self { upright: value, .. } = self;
+        if (0.0..=LONGEST_UPRIGHT).contains(&value) {
+            return Ok(self);
+        }
+        let (name, min, max) = ("--upright", 0.0, LONGEST_UPRIGHT);
+        Err(Error::OutOfRange { name, value, min, max, unit: "s" })
+    }
+
+    fn conditions(&self, measured: &MeasuredPosture) -> Conditions {
+        let support = if self.sitting { LegSupport::Sitting } else { measured.support };
+        Conditions { support, arm_supported: self.arm_supported, ..Conditions::default() }
+    }
 }
 
 /// Follows the posture of one person from frame to frame and scores it.
@@ -39,16 +78,28 @@ pub struct MeasuredAssessment {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Assessor {
+    options: PostureOptions,
     sides: [PostureFilter; 2],
+    /// As long as the person's own neutral posture is measured.
+    neutral: Option<NeutralEstimate>,
+    /// When the trunk was first seen (s).
+    since: Option<f64>,
 }
 
 impl Default for Assessor {
     fn default() -> Self {
-        Self { sides: [Side::Right, Side::Left].map(PostureFilter::new) }
+        Self::new(PostureOptions::default())
     }
 }
 
 impl Assessor {
+    /// Of a person who has not been seen yet.
+    pub fn new(options: PostureOptions) -> Self {
+        let sides = [Side::Right, Side::Left].map(PostureFilter::new);
+        let neutral = (options.upright > 0.0).then(NeutralEstimate::default);
+        Self { options, sides, neutral, since: None }
+    }
+
     /// Takes a frame in, and gives the scores at its time (s); `None` as long as the trunk was not seen
     /// in the last second.
     ///
@@ -56,11 +107,27 @@ impl Assessor {
     /// None for a body whose joints are finite.
     pub fn update(&mut self, time: f64, body: &Body) -> Result<Option<MeasuredAssessment>, Error> {
         let (joints, covariances) = (joint_positions(body), covariances(body));
+        self.stand_upright(time, &joints);
         let [right, left] = &mut self.sides;
-        worse(&[
+        let postures = [
             (Side::Right, right.update(time, &joints, &covariances)),
             (Side::Left, left.update(time, &joints, &covariances)),
-        ])
+        ];
+        worse(&postures, &self.options)
+    }
+
+    /// Measures the person's own neutral posture while it lasts.
+    fn stand_upright(&mut self, time: f64, joints: &JointPositions) {
+        let Some(estimate) = &mut self.neutral else { return };
+        if joints.posture(Side::Right).is_none() {
+            return;
+        }
+        estimate.push(joints);
+        if time - *self.since.get_or_insert(time) >= self.options.upright {
+            let own = estimate.neutral();
+            self.sides = self.sides.map(|filter| filter.with_neutral(own));
+            self.neutral = None;
+        }
     }
 }
 
@@ -71,19 +138,22 @@ impl Assessor {
 /// None for a body whose joints are finite.
 pub fn assess(body: &Body) -> Result<Option<MeasuredAssessment>, Error> {
     let joints = joint_positions(body);
-    worse(&[Side::Right, Side::Left].map(|side| (side, joints.posture(side))))
+    let postures = [Side::Right, Side::Left].map(|side| (side, joints.posture(side)));
+    worse(&postures, &PostureOptions::default())
 }
 
 /// The scores of the side that is worse off.
 fn worse(
     postures: &[(Side, Option<MeasuredPosture>); 2],
+    options: &PostureOptions,
 ) -> Result<Option<MeasuredAssessment>, Error> {
     let mut worst: Option<MeasuredAssessment> = None;
     for &(side, measured) in postures {
         let Some(measured) = measured else { continue };
         let posture = &measured.posture;
-        let reba = Worksheet::from_posture(posture, Conditions::default()).score()?;
-        let rula = RulaWorksheet::from_posture(posture).score()?;
+        let reba = Worksheet::from_posture(posture, options.conditions(&measured)).score()?;
+        let sheet = RulaWorksheet::from_posture(posture);
+        let rula = RulaWorksheet { arm_supported: options.arm_supported, ..sheet }.score()?;
         if worst.is_none_or(|worst| (reba.reba, rula.rula) > (worst.reba.reba, worst.rula.rula)) {
             worst = Some(MeasuredAssessment { side, measured, reba, rula });
         }

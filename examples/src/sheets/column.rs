@@ -9,7 +9,7 @@ pub enum Cell {
     Angle,
     /// A mass in kilograms, from 0 to 1000.
     Load,
-    /// 0 or 1; an empty cell is 0.
+    /// 0 or 1, or a spreadsheet's TRUE or FALSE; an empty cell is 0.
     Flag,
     /// One of these words, or its index from 0.
     Choice(&'static [&'static str]),
@@ -31,6 +31,32 @@ pub struct Column<S> {
     pub needed: bool,
     set: Set<S>,
 }
+
+/// TRUE and FALSE, as spreadsheets in English, German, French, Italian and Spanish write them.
+const TRUTHS: [(&str, f64); 10] = [
+    ("true", 1.0),
+    ("wahr", 1.0),
+    ("vrai", 1.0),
+    ("vero", 1.0),
+    ("verdadero", 1.0),
+    ("false", 0.0),
+    ("falsch", 0.0),
+    ("faux", 0.0),
+    ("falso", 0.0),
+    ("", 0.0),
+];
+
+/// How the numbers of a table are written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Numbers {
+    /// Whether a comma may stand before the decimals, as in a table whose cells other marks separate.
+    pub(super) decimal_comma: bool,
+    /// The end of the scales of ratings.
+    pub(super) ratings_end: f64,
+}
+
+/// The end of the scales of ratings on a sheet.
+pub(super) const RATINGS_END: f64 = 20.0;
 
 /// How a cell goes on the sheet.
 enum Set<S> {
@@ -60,9 +86,9 @@ impl<S> Column<S> {
     }
 
     /// Puts a cell on the sheet; the error says what it should hold.
-    pub(super) fn fill(&self, sheet: &mut S, cell: &str) -> Result<(), Cell> {
+    pub(super) fn fill(&self, sheet: &mut S, cell: &str, numbers: Numbers) -> Result<(), Cell> {
         match self.set {
-            Set::Number(set) => set(sheet, self.cell.value(cell).ok_or(self.cell)?),
+            Set::Number(set) => set(sheet, self.cell.value(cell, numbers).ok_or(self.cell)?),
             Set::Text(_) if cell.is_empty() => return Err(self.cell),
             Set::Text(set) => set(sheet, cell),
         }
@@ -82,22 +108,32 @@ impl<S> fmt::Debug for Column<S> {
 }
 
 impl Cell {
-    /// The number that a cell holds, angles in radians; `None` if it cannot be there.
-    fn value(self, cell: &str) -> Option<f64> {
-        let number = cell.parse::<f64>().ok();
+    /// The number that a cell holds, angles in radians and ratings from 0 to 20; `None` if it cannot be there.
+    fn value(self, cell: &str, numbers: Numbers) -> Option<f64> {
+        let number = match cell.split_once(',') {
+            Some((whole, decimals)) if numbers.decimal_comma => {
+                format!("{whole}.{decimals}").parse::<f64>().ok()
+            }
+            _ => cell.parse::<f64>().ok(),
+        };
         let within = |min: f64, max: f64| number.filter(|x| (min..=max).contains(x));
         match self {
             Self::Angle => within(-180.0, 180.0).map(f64::to_radians),
             Self::Load => within(0.0, 1000.0),
-            Self::Flag if cell.is_empty() => Some(0.0),
-            Self::Flag => number.filter(|x| *x == 0.0 || *x == 1.0),
+            Self::Flag => {
+                let truth = TRUTHS.iter().find(|(word, _)| word.eq_ignore_ascii_case(cell));
+                truth.map(|(_, value)| *value).or(number.filter(|x| *x == 0.0 || *x == 1.0))
+            }
             Self::Choice(words) => {
                 let named = words.iter().position(|word| word.eq_ignore_ascii_case(cell));
                 let index =
                     number.filter(|x| x.fract() == 0.0 && (0.0..words.len() as f64).contains(x));
                 named.map(|index| index as f64).or(index)
             }
-            Self::Rating => within(0.0, 20.0),
+            Self::Rating => {
+                let end = numbers.ratings_end;
+                within(0.0, end).map(|rating| rating * RATINGS_END / end)
+            }
             Self::Tally => within(0.0, 5.0).filter(|x| x.fract() == 0.0),
             Self::Name => None,
         }

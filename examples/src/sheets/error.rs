@@ -29,8 +29,8 @@ pub enum TableError {
     /// Nothing at all.
     #[error("the table is empty; its first line must name the columns")]
     Empty,
-    /// Cells that are not separated by commas.
-    #[error("line {line}: separate the cells by commas, not by semicolons or tabs")]
+    /// Cells that are separated now by one mark and now by another.
+    #[error("line {line}: separate the cells by commas, by semicolons or by tabs throughout")]
     Separator {
         /// The header's line.
         line: usize,
@@ -77,6 +77,20 @@ pub enum TableError {
         column: String,
         /// The name that is so near.
         known: &'static str,
+    },
+    /// A column that another sheet has, and this one not under this name.
+    #[error("line {line}, column {number}: {column} is a column of {sheet}; {instead}")]
+    OtherSheet {
+        /// The header's line.
+        line: usize,
+        /// The column's number.
+        number: usize,
+        /// Its name.
+        column: &'static str,
+        /// Whose it is.
+        sheet: &'static str,
+        /// What would be right.
+        instead: Instead,
     },
     /// A column that the sheet does not have.
     #[error(
@@ -139,6 +153,22 @@ pub enum TableError {
         /// What would be right.
         expected: Cell,
     },
+    /// A rating beyond the end of its scale, where that is not a sheet's own.
+    #[error(
+        "line {line}, column {number} ({column}): {found:?} is not possible; give a rating from 0 to {end}", found = Shown(found)
+    )]
+    Rating {
+        /// The line.
+        line: usize,
+        /// The column's number.
+        number: usize,
+        /// Its name.
+        column: &'static str,
+        /// What stands there.
+        found: String,
+        /// The end of the scale.
+        end: f64,
+    },
     /// A sheet that is refused as a whole.
     #[error("line {line}: {source}")]
     Sheet {
@@ -150,6 +180,24 @@ pub enum TableError {
     /// The scores cannot be written.
     #[error("cannot write the scores: {0}")]
     Write(io::Error),
+}
+
+/// What to do with a column of another sheet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Instead {
+    /// This sheet has another name for it.
+    Name(&'static str),
+    /// This sheet does not ask for it.
+    Remove,
+}
+
+impl fmt::Display for Instead {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Name(name) => write!(f, "here it is {name}"),
+            Self::Remove => write!(f, "this sheet does not ask for it: remove the column"),
+        }
+    }
 }
 
 /// A text that may be long: its beginning is enough in a message.

@@ -1,6 +1,6 @@
 //! The first line of a table: which columns there are.
 
-use super::{Column, Sheet, TableError};
+use super::{Column, Instead, Sheet, TableError};
 
 /// No table has more columns.
 const MOST_COLUMNS: usize = 1000;
@@ -8,6 +8,17 @@ const MOST_COLUMNS: usize = 1000;
 const SLIP: usize = 2;
 /// What columns are called that the table may hold beside the sheets'.
 pub(super) type Matched<S> = Vec<Option<&'static Column<S>>>;
+
+/// A column of another sheet: passed through, it would silently not be scored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Elsewhere {
+    /// Its name there.
+    pub name: &'static str,
+    /// Which sheet has it.
+    pub sheet: &'static str,
+    /// What the same is called on this sheet, if it is asked for.
+    pub here: Option<&'static str>,
+}
 
 /// What becomes of columns that the sheet does not have.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -69,6 +80,11 @@ fn refuse<S: Sheet>(
         return Err(TableError::ScoreColumn { line, number, column });
     }
     let plain = plain(name);
+    if let Some(known) = S::ELSEWHERE.iter().find(|known| known.name == plain) {
+        let Elsewhere { name: column, sheet, here } = *known;
+        let instead = here.map_or(Instead::Remove, Instead::Name);
+        return Err(TableError::OtherSheet { line, number, column, sheet, instead });
+    }
     let distance = |known: &str| strsim::osa_distance(&plain, known);
     let nearest = S::COLUMNS
         .iter()

@@ -19,8 +19,9 @@ pub(super) struct Lines<R> {
 pub(super) const LONGEST_ROW: usize = 1 << 20;
 
 impl<R: BufRead> Lines<R> {
-    pub(super) fn new(inner: R) -> Self {
-        Self { inner, line: 0, inside: false, row: 0 }
+    /// Hands out the lines after the first `before`, which have been read.
+    pub(super) fn new(inner: R, before: usize) -> Self {
+        Self { inner, line: before, inside: false, row: 0 }
     }
 
     /// The line from which text was handed out last; the first is 1.

@@ -16,6 +16,9 @@ const THIGH: f64 = 0.530 - 0.285;
 const TRUNK: f64 = 0.818 - 0.530;
 const SHOULDER: f64 = 0.118;
 const HIP: f64 = 0.055;
+/// Ears of people upright are so far ahead of their shoulders: by 24° from the vertical; on film it was 17 to
+/// 46° (`ergo_map::NeutralPosture`).
+const FACE: f64 = 0.05;
 /// Feet stand a little wider than hips.
 const FOOT: f64 = 0.07;
 /// A straight leg is not locked.
@@ -55,7 +58,7 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
     let of_head = |x: f64, y: f64, z: f64| neck + bent * Vector3::new(x, y, z);
     set(Body25::MidHip, pelvis);
     set(Body25::Neck, neck);
-    set(Body25::Nose, of_head(0.06, 0.0, 0.092));
+    set(Body25::Nose, of_head(FACE + 0.06, 0.0, 0.092));
 
     let hand = |left: bool| motion.hand(left) + carried + posture.hands[usize::from(!left)];
     for (joints, side, foot, hand) in
@@ -76,8 +79,8 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
         set(joints.shoulder, shoulder);
         set(joints.elbow, bend(shoulder, hand, UPPER_ARM, FOREARM, elbow_side(side)));
         set(joints.wrist, hand);
-        set(joints.eye, of_head(0.05, side * 0.018, 0.118));
-        set(joints.ear, of_head(0.0, side * 0.043, 0.11));
+        set(joints.eye, of_head(FACE + 0.05, side * 0.018, 0.118));
+        set(joints.ear, of_head(FACE, side * 0.043, 0.11));
     }
 
     let world_from_person = Isometry3::from_parts(

@@ -66,7 +66,8 @@ impl Scale {
 ///
 /// The table says how performance was rated: in the column `performance` 0 is perfect and 20 is
 /// failure, as on NASA's sheet; in `performance_inverted` 20 is perfect, and the rating is turned
-/// over when it is read.
+/// over when it is read. [`crate::sheets::SheetTable::with_ratings_to_hundred`] reads ratings from 0 to
+/// 100.
 ///
 /// ```
 /// use examples::sheets::{SheetTable, Unknown};

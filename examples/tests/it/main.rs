@@ -22,6 +22,7 @@ mod limits;
 mod lockstep;
 #[cfg(feature = "mcap")]
 mod mcap_files;
+mod measured_posture;
 mod page;
 mod perceive;
 mod perceive_networks;

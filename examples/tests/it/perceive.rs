@@ -7,6 +7,7 @@ use std::{
 };
 
 use crate::support::{Ran, Runs, cases};
+use ergo_map::{Conditions, LegSupport, Worksheet};
 use examples::perception::{Assessor, Perceiver, PerceiverSettings, assess};
 use examples::rendering::{Film, Viewpoint};
 use examples::simulation::{CameraSettings, Occupation, WalkerSettings, WalkingPath};
@@ -62,6 +63,7 @@ fn walk(viewpoint: Viewpoint, seed: u64, until: f64) -> Figures {
     let (mut wrists, mut possible) = (0.0, 0.0);
     let mut stature = None;
     let mut assessor = Assessor::default();
+    let mut pelves = Vec::new();
     for shot in film {
         let shot = shot.unwrap();
         let time = shot.entry.time;
@@ -76,6 +78,10 @@ fn walk(viewpoint: Viewpoint, seed: u64, until: f64) -> Figures {
         let scores = body.as_ref().and_then(|body| assessor.update(time, body).unwrap());
         let truth = shot.truth.body.unwrap();
         let at = |joint| truth.get(joint).unwrap().position;
+        // Somebody walks whose true pelvis has moved by more than 10 cm in half a second.
+        pelves.push((time, at(Body25::MidHip).xy()));
+        let before = pelves.iter().rev().find(|(then, _)| time - then >= 0.5);
+        let walks = before.is_some_and(|(_, then)| (at(Body25::MidHip).xy() - then).norm() > 0.1);
         if time > until {
             break;
         }
@@ -95,7 +101,11 @@ fn walk(viewpoint: Viewpoint, seed: u64, until: f64) -> Figures {
         let turned = person.heading - (-left.x).atan2(left.y);
         figures.heading += (turned - TAU * (turned / TAU).round()).powi(2);
         if let (Some(seen), Some(true_score)) = (scores, assess(&truth).unwrap()) {
-            let difference = f64::from(seen.reba.reba) - f64::from(true_score.reba.reba);
+            let support = if walks { LegSupport::Walking } else { LegSupport::Bilateral };
+            let conditions = Conditions { support, ..Conditions::default() };
+            let sheet = Worksheet::from_posture(&true_score.measured.posture, conditions);
+            let true_reba = sheet.score().unwrap().reba;
+            let difference = f64::from(seen.reba.reba) - f64::from(true_reba);
             figures.reba_within += f64::from(u8::from(difference.abs() <= 1.0));
             figures.reba_bias += difference;
             figures.reba_of += 1.0;

@@ -91,6 +91,7 @@ fn every_box_changes_what_it_should() {
         ("trunk_twist_or_side", "1", &[("s_trunk", 1.0)]),
         ("neck_twist_or_side", "1", &[("s_neck", 1.0)]),
         ("unilateral", "1", &[("s_legs", 1.0)]),
+        ("sitting", "1", &[]),
         ("arm_abducted_or_rotated", "1", &[("s_upper_arm", 1.0)]),
         ("shoulder_raised", "1", &[("s_upper_arm", 1.0)]),
         ("arm_supported", "1", &[("s_upper_arm", -1.0)]),
@@ -208,6 +209,54 @@ fn spreadsheets_habits_do_not_matter() {
     assert!(header.starts_with(ANGLES) && header.lines().count() == 1);
 }
 
+/// Excel, where a comma stands before decimals: semicolons, TRUE in its languages, rows of empty cells, and
+/// the line that says what separates cells.
+#[test]
+fn tables_as_excel_writes_them_are_scored_and_written_alike() {
+    let plain = format!("{ANGLES},coupling,shock\n10.5,20,30,40,50,-5.5,1,1\n");
+    let plain = scored::<Worksheet>(&plain).unwrap();
+    let excel = format!("{ANGLES},coupling,shock").replace(',', ";");
+    let rows = "10,5;20;30;40;50,0;-5,5;fair;";
+    for truth in ["TRUE", "true", "WAHR", "VRAI", "1"] {
+        for end in ["", "\r\n", "\r\n;;;;;;;\r\n;;; ;;;;\r\n"] {
+            let table = format!("\u{feff}{excel}\r\n{rows}{truth}{end}");
+            let found = scored::<Worksheet>(&table).unwrap();
+            let scores = |text: &str| -> Vec<String> {
+                text.lines().last().unwrap().rsplit(';').take(15).map(str::to_owned).collect()
+            };
+            let expected = plain.replace('.', "#").replace(',', ";").replace('#', ",");
+            assert_eq!(scores(&found), scores(&expected), "{table:?}");
+            assert_eq!(found.lines().count(), 2);
+            let declared = table.replace('\u{feff}', "\u{feff}sep=;\r\n");
+            let declared = scored::<Worksheet>(&declared).unwrap();
+            assert_eq!(declared.strip_prefix("sep=;\n"), Some(found.as_str()));
+        }
+    }
+    let tabs = format!("{ANGLES}\n10.5,20,30,40,50,-5.5\n").replace(',', "\t");
+    let found = scored::<Worksheet>(&tabs).unwrap();
+    let [tabs, commas] = [found, plain].map(|text| text.replace('\t', ","));
+    assert!(tabs.lines().nth(1).unwrap().starts_with("10.5,20,30,40,50,-5.5,2,2,2,"), "{tabs}");
+    assert!(commas.lines().nth(1).unwrap().contains(",-5.5,1,1,2,2,2,"), "{commas}");
+    // Without semicolons a comma separates cells.
+    let comma = format!("{ANGLES}\n10,5,20,30,40,50,-5\n");
+    assert!(matches!(scored::<Worksheet>(&comma), Err(TableError::Cells { line: 2, .. })));
+}
+
+#[test]
+fn what_the_sheets_can_say_the_columns_can() {
+    let reba = |columns: &str, cells: &str| {
+        let table = format!("{ANGLES}{columns}\n{cells}\n");
+        numbers(&rows(&scored::<Worksheet>(&table).unwrap())[0], &["s_legs", "s_upper_arm", "reba"])
+    };
+    // At a bench, with the knees at a right angle.
+    assert_eq!(reba("", "10,15,90,30,80,10"), [3.0, 2.0, 4.0]);
+    assert_eq!(reba(",sitting", "10,15,90,30,80,10,1")[0], 1.0);
+    assert_eq!(reba(",sitting,unilateral", "10,15,90,30,80,10,1,1")[0], 1.0);
+    assert_eq!(reba(",unilateral,sitting", "10,15,90,30,80,10,1,1")[0], 1.0);
+    assert_eq!(reba(",sitting", "10,15,90,30,80,10,0")[0], 3.0);
+    assert_eq!(reba(",arm_supported", "10,15,0,60,80,20,1")[1], 2.0);
+}
+
 #[test]
 fn what_is_wrong_is_named_with_line_and_column() {
     let rows =
@@ -248,7 +297,20 @@ fn what_is_wrong_is_named_with_line_and_column() {
             "trunk_flex_deg,shock\n0,0\n".into(),
             "line 1: missing columns: neck_flex_deg, knee_flex_deg",
         ),
-        (ANGLES.replace(',', ";"), "separate the cells by commas"),
+        (format!("{ANGLES};shock\n"), "separate the cells by commas, by semicolons or by tabs"),
+        (
+            format!("{ANGLES},trunk_side\n"),
+            "line 1, column 7: trunk_side is a column of RULA; here it is trunk_twist_or_side",
+        ),
+        (
+            format!("{ANGLES},Arm across or out\n"),
+            "column 7: arm_across_or_out is a column of RULA; this sheet does not ask for it",
+        ),
+        ("sep=;\n".into(), "the table is empty"),
+        (
+            format!("sep=;\n{}\n0;0;0;x;0;0\n", ANGLES.replace(',', ";")),
+            "line 3, column 4 (upper_arm_flex_deg): \"x\"",
+        ),
     ];
     for (table, says) in cases {
         let message = scored::<Worksheet>(&table).expect_err(&table).to_string();

@@ -226,3 +226,21 @@ fn the_figure_shows_each_condition() {
     assert_eq!(boxes, 1 + 2 * 12 + 2, "{svg}");
     assert!(svg.contains("off") && svg.contains("on"));
 }
+
+#[test]
+fn ratings_to_a_hundred_are_those_to_twenty_times_five() {
+    let row = |values: [f64; 6]| format!("subject,{RATINGS}\nS1,{}\n", join(values));
+    let twenty = row([4.0, 6.5, 8.0, 2.0, 17.0, 1.0]);
+    let hundred = row([20.0, 32.5, 40.0, 10.0, 85.0, 5.0]);
+    let tlx = |arguments: &[&str], table: &str| {
+        Runs::new("tlx").with(&["--input", "-"]).with(arguments).run_on(table)
+    };
+    let expected = tlx(&[], &twenty).done().output;
+    assert_eq!(tlx(&["--hundred"], &hundred).done().output, expected);
+    tlx(&[], &hundred).failed(
+        1,
+        "column 3 (mental_demand): \"32.5\" is not possible; give a rating from 0 to 20",
+    );
+    let beyond = row([101.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    tlx(&["--hundred"], &beyond).failed(1, "\"101\" is not possible; give a rating from 0 to 100");
+}

@@ -40,7 +40,7 @@ keyword_class!(
         shock: bool = false,
         /// Quality of the hold: "good", "fair", "poor" or "unacceptable".
         coupling: String = { String::from("good") },
-        /// What carries the body: "bilateral", "unilateral" or "sitting".
+        /// What carries the body: "bilateral", "walking", "unilateral" or "sitting".
         support: String = { String::from("bilateral") },
         /// The shoulder is raised.
         shoulder_raised: bool = false,
@@ -98,8 +98,9 @@ const COUPLINGS: [(&str, Coupling); 4] = [
     ("unacceptable", Coupling::Unacceptable),
 ];
 
-const SUPPORTS: [(&str, LegSupport); 3] = [
+const SUPPORTS: [(&str, LegSupport); 4] = [
     ("bilateral", LegSupport::Bilateral),
+    ("walking", LegSupport::Walking),
     ("unilateral", LegSupport::Unilateral),
     ("sitting", LegSupport::Sitting),
 ];

@@ -1,0 +1,140 @@
+//! Where the angles of trunk and neck are zero.
+
+use nalgebra::Vector2;
+
+use super::direction::turned;
+use super::{Head, JointPositions, Trunk};
+
+/// The lines of a person who stands upright, as measured joints show them \[rad\].
+///
+/// A detector's ears and nose are in front of its shoulders, also of somebody who holds the head upright:
+/// the line from the shoulders to the ears is no zero for a neck.
+///
+/// The default is an average. From mid-shoulders to ears it was 30° (17 to 43) for a woman who walked and
+/// 42 and 46° for two men who stood, by a detector on film (pose2sim and sports2d, BSD-3, BlazePose); 17°
+/// in motion capture of a gait (pybullet); and is 0 in Kendall's ideal plumb line, the lobe of the ear
+/// above the shoulder. It is taken as 30°, the nose's as 57°, and extension of the neck counts where the
+/// ears are 5° behind the trunk's line. From pelvis to neck upright people read -9 to 0°: extension of the
+/// trunk counts from 5° on, and the sheets take 5° more for upright. [`NeutralEstimate`] measures a person's own.
+///
+/// ```
+/// use ergo_map::{JointPositions, NeutralEstimate, NeutralPosture, Side};
+/// use nalgebra::Vector3;
+///
+/// let at = |x, y, z| Some(Vector3::new(x, y, z));
+/// let upright = JointPositions {
+///     neck: at(-0.04, 0.0, 1.43),
+///     pelvis: at(0.0, 0.0, 0.93),
+///     ears: [at(0.06, 0.075, 1.56), at(0.06, -0.075, 1.56)],
+///     shoulders: [at(-0.04, 0.18, 1.43), at(-0.04, -0.18, 1.43)],
+///     ..JointPositions::default()
+/// };
+/// let mut estimate = NeutralEstimate::default();
+/// estimate.push(&upright);
+/// let own = estimate.neutral();
+/// let posture = upright.posture_from(Side::Right, &own).expect("the trunk is seen").posture;
+/// assert!(posture.trunk_flexion.abs() < 1e-9 && posture.neck_flexion.abs() < 1e-9);
+/// assert!(own != NeutralPosture::default());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NeutralPosture {
+    /// Inclination of the line from pelvis to neck, forward positive.
+    pub trunk: f64,
+    /// From that to the line from neck to the middle of the ears, forward positive.
+    pub ears: f64,
+    /// The same to the nose, where no ear is seen.
+    pub nose: f64,
+    /// Extension of the trunk counts from here on.
+    pub trunk_band: f64,
+    /// The same of the neck.
+    pub neck_band: f64,
+}
+
+/// Of a person whose own neutral posture was measured \[rad\].
+const OWN_NECK_BAND: f64 = 10.0 * core::f64::consts::PI / 180.0;
+
+/// By what the head is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Landmark {
+    Ears,
+    Nose,
+}
+
+impl Default for NeutralPosture {
+    fn default() -> Self {
+        Self {
+            trunk: 0.0,
+            ears: 30_f64.to_radians(),
+            nose: 57_f64.to_radians(),
+            trunk_band: 5_f64.to_radians(),
+            neck_band: 35_f64.to_radians(),
+        }
+    }
+}
+
+impl NeutralPosture {
+    /// Flexion of a trunk that is inclined by so much.
+    pub(super) fn trunk_flexion(&self, inclination: f64) -> f64 {
+        without_band(inclination - self.trunk, self.trunk_band)
+    }
+
+    /// Flexion of a neck whose line is inclined to the trunk's by so much.
+    pub(super) fn neck_flexion(&self, inclination: f64, by: Landmark) -> f64 {
+        let neutral = match by {
+            Landmark::Ears => self.ears,
+            Landmark::Nose => self.nose,
+        };
+        without_band(inclination - neutral, self.neck_band)
+    }
+}
+
+/// An angle in [-π, π] whose extension counts from the end of a band.
+fn without_band(angle: f64, band: f64) -> f64 {
+    let angle = turned(angle);
+    if angle < 0.0 { (angle + band).min(0.0) } else { angle }
+}
+
+/// The neutral posture of one person, from frames in which they stand upright and look ahead: the mean of
+/// each line. Some seconds average out what a detector errs from frame to frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct NeutralEstimate {
+    /// Sums of unit vectors: an angle has no other mean.
+    trunk: Vector2<f64>,
+    ears: Vector2<f64>,
+    nose: Vector2<f64>,
+}
+
+impl NeutralEstimate {
+    /// Takes a frame in; one in which the trunk is not seen says nothing.
+    pub fn push(&mut self, joints: &JointPositions) {
+        let Some(trunk) = Trunk::of(joints) else { return };
+        let unit = |angle: f64| Vector2::new(angle.cos(), angle.sin());
+        self.trunk += unit(trunk.flexion);
+        let nose_alone = JointPositions { ears: [None, None], ..*joints };
+        for (sum, joints, landmark) in [
+            (&mut self.ears, joints, Landmark::Ears),
+            (&mut self.nose, &nose_alone, Landmark::Nose),
+        ] {
+            let head = Head::of(joints, &trunk);
+            if let Some(line) = head.neck.filter(|_| head.by == landmark) {
+                *sum += unit(line.x.atan2(line.z));
+            }
+        }
+    }
+
+    /// The neutral posture as far as it was seen; the rest is average.
+    pub fn neutral(&self) -> NeutralPosture {
+        let average = NeutralPosture::default();
+        let mean = |sum: &Vector2<f64>| {
+            (sum.norm() > 0.5 && sum.norm().is_finite()).then(|| sum.y.atan2(sum.x))
+        };
+        let ears = mean(&self.ears);
+        NeutralPosture {
+            trunk: mean(&self.trunk).unwrap_or(average.trunk),
+            ears: ears.unwrap_or(average.ears),
+            nose: mean(&self.nose).unwrap_or(average.nose),
+            trunk_band: average.trunk_band,
+            neck_band: if ears.is_some() { OWN_NECK_BAND } else { average.neck_band },
+        }
+    }
+}
