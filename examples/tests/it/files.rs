@@ -29,7 +29,7 @@ fn files_that_are_too_large_are_refused_in_little_memory() {
         assert!(read_bytes(path, 1 << 20).is_err());
         let held = SettingsFile::read(path).unwrap_err().to_string();
         assert!(held.contains("at most 4194304 bytes"), "{held}");
-        let description = Description::fixed();
+        let description = Description::default();
         let error = Model::from_urdf_file(path, &description).unwrap_err().to_string();
         assert!(error.contains("larger than a URDF can be"), "{error}");
     }
