@@ -323,15 +323,15 @@ impl Work {
         if self.broken > MOST_NAMED {
             session.warn(format_args!("{} frames were left out", self.broken));
         }
-        if self.percepts.is_empty()
-            && let Some(broken) = self.last_broken.take()
-        {
-            return Err(anyhow::Error::new(broken).context("no frame can be used"));
+        let nobody = self.percepts.iter().all(|(percept, _)| percept.body.is_none());
+        if nobody && let Some(broken) = self.last_broken.take() {
+            let text = format!("nobody was found, and {} frames cannot be used", self.broken);
+            return Err(anyhow::Error::new(broken).context(text));
         }
         if interrupt.requested() {
             return Ok(Ending::Partial);
         }
-        if self.percepts.iter().all(|(percept, _)| percept.body.is_none()) {
+        if nobody {
             self.pipeline.check_sightings(self.first.unwrap_or_default())?;
             session.warn("nobody was seen long enough to be followed: the recording is of nobody");
         }

@@ -10,7 +10,7 @@ use examples::{
 };
 use moca_model::whole_body::{Description, Model};
 
-use crate::support::{Runs, resnet18, save_picture, small_frames};
+use crate::support::{Runs, SmallDisk, resnet18, save_picture, small_frames};
 
 /// A file of so many bytes that takes no room.
 fn sparse(folder: &Path, name: &str) -> String {
@@ -246,4 +246,22 @@ fn a_broken_frame_is_named_and_the_good_ones_are_kept() {
     assert_eq!(json["frames"].as_u64().unwrap() + 2, whole["frames"].as_u64().unwrap());
     let text = fs::read_to_string(folder.path().join("out.jsonl")).unwrap();
     assert_eq!(text.lines().count() as u64, json["frames"].as_u64().unwrap() + 2);
+}
+
+/// A frame that a full disk has no room for is not there, in place of an empty file under its name.
+#[test]
+fn a_full_disk_leaves_no_empty_frame() {
+    let Some(disk) = SmallDisk::new(300) else { return };
+    let folder = disk.path().join("walk");
+    let film = ["--size=64x48", "--duration=20", "--walk", "--frames"];
+    Runs::new("record").with(&film).with(&[&folder]).run().failed(1, "walk");
+    let mut pictures = 0;
+    for part in ["colour", "depth", "surface", "skeletons"] {
+        for entry in fs::read_dir(folder.join(part)).unwrap() {
+            let path = entry.unwrap().path();
+            assert!(fs::metadata(&path).unwrap().len() > 0, "{} is empty", path.display());
+            pictures += 1;
+        }
+    }
+    assert!(pictures > 10, "{pictures} files");
 }

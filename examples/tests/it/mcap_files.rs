@@ -184,6 +184,21 @@ fn what_comes_out_is_held_to_the_reader_of_recordings() {
     assert!(matches!(to_json_lines(&file), Err(McapFileError::Recording(_))));
 }
 
+/// A schema that claims four gigabytes takes none of them.
+#[test]
+fn the_length_of_a_schema_is_held_against_the_file() {
+    let mut file = from_json_lines(&beginning(2)).unwrap();
+    let name = b"\x0a\0\0\0jsonschema";
+    let place = file.windows(name.len()).rposition(|text| text == name).unwrap() + name.len();
+    file[place..place + 4].fill(0xff);
+    let folder = tempfile::tempdir().unwrap();
+    let [from, to] = ["a.mcap", "a.jsonl"].map(|name| folder.path().join(name));
+    fs::write(&from, file).unwrap();
+    // What is in the summary is not needed for the recording.
+    Runs::within("mcap", 1000).with(&[&from]).with(&["--output"]).with(&[&to]).run().done();
+    assert_eq!(fs::read(&to).unwrap(), beginning(2));
+}
+
 /// LZ4 is named, and what would help.
 #[test]
 fn a_compression_that_is_not_read_is_named() {
