@@ -1,8 +1,8 @@
 //! The file that describes a trained model: JSON with the version of its format.
 
-use std::path::Path;
+use std::{io::ErrorKind, path::Path};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::program::{OutputFile, read_text};
@@ -26,7 +26,13 @@ pub fn write(path: &Path, description: &impl Serialize) -> Result<()> {
 /// With the file's name: it cannot be read, is too long, or is no description.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
     let named = || path.display().to_string();
-    let text = read_text(path, LARGEST).with_context(named)?;
+    let text = read_text(path, LARGEST).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => {
+            let most = LARGEST >> 20;
+            anyhow!("{}: a model's description takes at most {most} MiB", named())
+        }
+        _ => anyhow::Error::new(error).context(named()),
+    })?;
     serde_json::from_str(&text).with_context(named)
 }
 

@@ -82,14 +82,22 @@ impl SettingsFile {
         }
         let settings = RobotSettings::deserialize(Value::Table(table))
             .map_err(|error| SettingsError::Range { line: None, reason: error.to_string() })?;
+        let table = as_table(&settings)?;
         let range = |error: moca_model::Error| {
             let reason = error.to_string();
-            SettingsError::Range { line: self.line_of(&reason), reason }
+            match (self.line_of(&reason), ranges::check(&table)) {
+                // What does not name its setting is said by the setting's range.
+                (None, Err(OutOfRange { path, reason })) => {
+                    SettingsError::Range { line: self.line_of(&path), reason }
+                }
+                (line, _) => SettingsError::Range { line, reason },
+            }
         };
         settings.validate().map_err(range)?;
         // Of what was given, and of what goes with it.
-        ranges::check(&as_table(&settings)?).map_err(|OutOfRange { path, reason }| {
-            SettingsError::Range { line: self.line_of(&path), reason }
+        ranges::check(&table).map_err(|OutOfRange { path, reason }| SettingsError::Range {
+            line: self.line_of(&path),
+            reason,
         })?;
         Ok(settings)
     }
