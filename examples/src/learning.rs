@@ -11,3 +11,4 @@ pub mod evaluation;
 pub mod head_options;
 pub mod random_network;
 pub mod split;
+pub mod twins;

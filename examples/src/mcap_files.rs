@@ -7,6 +7,7 @@
 mod error;
 mod from_json_lines;
 mod messages;
+mod records;
 mod robot_log;
 mod sink;
 mod to_json_lines;

@@ -7,13 +7,14 @@ mod pose_network;
 mod pose_source;
 mod posture;
 mod quantiles;
+mod sighting;
 mod summary;
 mod surface_network;
 mod truth;
 
 pub use action_network::{ActionNetwork, ActionSettings};
 pub use chain::{Perceiver, PerceiverSettings, PerceptionError};
-pub use pipeline::{Perceived, Pipeline, StageTimes};
+pub use pipeline::{BrokenFrame, Perceived, Pipeline, StageTimes};
 pub use pose_network::PoseNetwork;
 pub use pose_source::{Frame, PoseSource, SkeletonFolder};
 pub use posture::{Assessor, MeasuredAssessment, PostureOptions, assess};

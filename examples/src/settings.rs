@@ -20,6 +20,7 @@
 mod error;
 mod field;
 mod file;
+mod ranges;
 mod robot;
 mod text;
 

@@ -45,6 +45,23 @@ const AXIS_SIGNS: [[f64; 3]; 4] =
     [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
 
 impl MecanumBase {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] names the first that is out of its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        for (name, value) in [("base.speed", self.speed), ("base.axis_speed", self.axis_speed)] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::Setting { name, value, expected: "positive and finite" });
+            }
+        }
+        let (name, value) = ("base.lever", self.lever);
+        if !(0.0..=1e3).contains(&value) {
+            return Err(Error::Setting { name, value, expected: "from 0 to 1000 m" });
+        }
+        Ok(())
+    }
+
     /// Rows for [`write`](Self::write).
     pub fn rows(&self, state: AugmentedState) -> Rows {
         Rows::zeros(WHEEL_SIGNS.len() + AXIS_SIGNS.len(), state.len())

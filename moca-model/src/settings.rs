@@ -16,6 +16,26 @@ use crate::safety::SafetySettings;
 use crate::singularity::SingularitySettings;
 use crate::stack::PostureSettings;
 
+/// Above it a tracking error of a period is overshot, at any period that a controller is run with \[1/s\].
+const HIGHEST_GAIN: f64 = 1e3;
+/// Nobody sees farther ahead \[s\].
+const LONGEST_HORIZON: f64 = 100.0;
+/// More rows of one kind than a hierarchy is solved with in time.
+const MOST_ROWS: usize = 1000;
+
+/// Checks a number of rows, before memory is taken for them.
+///
+/// # Errors
+/// [`Error::Setting`].
+pub(crate) fn check_count(name: &'static str, count: usize) -> Result<(), Error> {
+    if count > MOST_ROWS {
+        #[expect(clippy::cast_precision_loss, reason = "it is shown")]
+        let value = count as f64;
+        return Err(Error::Setting { name, value, expected: "at most 1000" });
+    }
+    Ok(())
+}
+
 /// What the third level of the stack minimises while person and robot work together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
@@ -294,7 +314,23 @@ impl ControllerSettings {
                 return Err(Error::Setting { name, value, expected: "finite and not negative" });
             }
         }
+        if let Some(&value) = self.gain.iter().find(|gain| !(0.0..=HIGHEST_GAIN).contains(*gain)) {
+            return Err(Error::Setting { name: "gain", value, expected: "from 0 to 1000 1/s" });
+        }
+        if self.horizon > LONGEST_HORIZON {
+            let (name, value) = ("horizon", self.horizon);
+            return Err(Error::Setting { name, value, expected: "at most 100 s" });
+        }
+        if let Some(base) = &self.base {
+            base.validate()?;
+        }
         let space = &self.space;
+        for (name, rows) in [
+            ("space.position_rows", space.position_rows),
+            ("space.orientation_rows", space.orientation_rows),
+        ] {
+            check_count(name, rows)?;
+        }
         Bounds::new(space.min, space.max)?;
         Bounds::symmetric(space.turn)?;
         let narrowest = (0.5 * (space.max - space.min)).min().min(space.turn.min());

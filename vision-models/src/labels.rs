@@ -23,7 +23,8 @@ pub(crate) const MAX_CLASSES: usize = 100_000;
 /// so the file that came with the weights counts. At most 100,000 names are read.
 ///
 /// Names are told apart by their letters and digits, by case too: ImageNet has a dog `Cardigan` and
-/// a jacket `cardigan`. [`Self::index`] overlooks case where that leaves one class.
+/// a jacket `cardigan`. [`Self::index`] overlooks case where that leaves one class. Classes that are written alike, as
+/// the two `crane` of ImageNet, are told apart by their number alone: [`Self::label`] shows it.
 ///
 /// ```
 /// use vision_models::{Action, ClassNames};
@@ -39,10 +40,18 @@ pub struct ClassNames {
     names: Vec<String>,
     /// The number of the first class in the file.
     first: usize,
-    /// The class of each name, by its letters.
-    by_letters: BTreeMap<String, usize>,
+    /// The classes of each name, by its letters.
+    by_letters: BTreeMap<String, Named>,
     /// The same in lower case; `None` where that makes two names one.
     by_lower_case: BTreeMap<String, Option<usize>>,
+}
+
+/// The classes of one name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Named {
+    first: usize,
+    /// Whether others are written alike.
+    is_shared: bool,
 }
 
 impl ClassNames {
@@ -69,8 +78,25 @@ impl ClassNames {
         &self.names
     }
 
+    /// The name of a class as it is shown: with the number of the class, from zero, where another class is written
+    /// alike. `None` for a class that has no name.
+    ///
+    /// ```
+    /// use vision_models::ClassNames;
+    ///
+    /// let names: ClassNames = "crane\nheron\ncrane\n".parse()?;
+    /// assert_eq!(names.label(1).as_deref(), Some("heron"));
+    /// assert_eq!(names.label(2).as_deref(), Some("crane (2)"));
+    /// # Ok::<(), vision_models::Error>(())
+    /// ```
+    pub fn label(&self, class: usize) -> Option<String> {
+        let name = self.names.get(class)?;
+        let is_shared = self.by_letters.get(&letters(name)).is_some_and(|named| named.is_shared);
+        Some(if is_shared { format!("{name} ({class})") } else { name.clone() })
+    }
+
     /// The class of a name, however its words are joined, or of a number as the file has it. Case
-    /// counts only where names differ by nothing else.
+    /// counts only where names differ by nothing else. `None` for a name of several classes.
     pub fn index(&self, label: &str) -> Option<usize> {
         let letters = letters(label);
         let by_number = || {
@@ -79,7 +105,7 @@ impl ClassNames {
         };
         self.by_letters
             .get(&letters)
-            .copied()
+            .and_then(|named| (!named.is_shared).then_some(named.first))
             .or_else(|| self.by_lower_case.get(&letters.to_lowercase()).copied().flatten())
             .or_else(by_number)
     }
@@ -140,7 +166,7 @@ impl ClassNames {
         Self { names: Vec::new(), first, by_letters, by_lower_case }
     }
 
-    /// Adds the next class. Returns the class that has this name already, if there is one.
+    /// Adds the next class. Returns the class that has these letters in another writing, if there is one.
     fn insert(&mut self, name: String, letters: String) -> Option<usize> {
         let class = self.names.len();
         match self.by_lower_case.entry(letters.to_lowercase()) {
@@ -151,8 +177,19 @@ impl ClassNames {
                 place.insert(None);
             }
         }
+        let other = match self.by_letters.entry(letters) {
+            Entry::Vacant(place) => {
+                place.insert(Named { first: class, is_shared: false });
+                None
+            }
+            Entry::Occupied(mut place) => {
+                place.get_mut().is_shared = true;
+                Some(place.get().first)
+            }
+        };
+        let other = other.filter(|&other| self.names.get(other) != Some(&name));
         self.names.push(name);
-        self.by_letters.insert(letters, class)
+        other
     }
 }
 

@@ -116,7 +116,8 @@ pub use pose::{
 };
 #[cfg(feature = "inference")]
 pub use preprocessing::{
-    ClipSampling, Crops, Library, Preprocessing, Resize, decode_image, list_frames, read_image,
+    ClipSampling, Crops, ImageFolder, Library, Orientation, OtherFiles, Preprocessing, Resize,
+    decode_image, decode_image_oriented, is_hidden, list_frames, read_image, read_image_oriented,
     resize_opencv, resize_pillow,
 };
 pub use surface::Surface;

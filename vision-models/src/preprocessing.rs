@@ -3,13 +3,18 @@
 
 mod antialiased;
 mod files;
+mod folder;
 mod interpolated;
+mod jpeg;
 mod library;
 mod sampling;
 
 use ndarray::{Array3, Array4, Array5, ArrayView3, Axis, s};
 
-pub use files::{decode_image, list_frames, read_image};
+pub use files::{
+    Orientation, decode_image, decode_image_oriented, read_image, read_image_oriented,
+};
+pub use folder::{ImageFolder, OtherFiles, is_hidden, list_frames};
 pub use library::Library;
 pub use sampling::ClipSampling;
 
@@ -65,7 +70,8 @@ pub struct Preprocessing {
 }
 
 impl Preprocessing {
-    /// ImageNet's, with the paper's 255: short side 255, the middle 224 × 224.
+    /// ImageNet's, with the paper's 255: short side 255, the middle 224 × 224. torchvision's own weights were measured
+    /// with 256 (`IMAGENET1K_V1`) and 232 (`IMAGENET1K_V2`).
     pub const TORCHVISION: Self = Self {
         library: Library::Torchvision,
         resize: Resize::ShortSide(255),

@@ -5,6 +5,7 @@ use nalgebra::{Isometry3, Rotation3, Unit, UnitQuaternion, Vector3};
 use numpy::ndarray::{ArrayView2, Axis, Ix1, Ix2};
 use numpy::{Element, PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray};
 use numpy::{PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyException, PyMemoryError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -94,12 +95,13 @@ pub(crate) fn pose(name: &str, value: &Bound<'_, PyAny>) -> Result<Isometry3<f64
 
 /// Reads an orientation: a rotation matrix, or a unit quaternion x, y, z, w.
 pub(crate) fn orientation(name: &str, value: &Bound<'_, PyAny>) -> Result<UnitQuaternion<f64>> {
-    if let Ok(vector) = vector(name, value) {
+    let array = doubles(name, value)?;
+    if let Ok(vector) = vector(name, &array) {
         if vector.len() != 4 {
             let text = "must be a rotation matrix, (3, 3), or a quaternion x, y, z, w, (4,)";
             return Err(Failure::value(format!("{name} {text}")));
         }
-        let [x, y, z, w] = numbers(name, value)?;
+        let [x, y, z, w] = numbers(name, &array)?;
         let quaternion = nalgebra::Quaternion::new(w, x, y, z);
         let norm = quaternion.norm();
         if (norm - 1.0).abs() < 1e-6 {
@@ -107,7 +109,7 @@ pub(crate) fn orientation(name: &str, value: &Bound<'_, PyAny>) -> Result<UnitQu
         }
         return Err(Failure::value(format!("{name} has norm {norm}; it must be 1")));
     }
-    let matrix = Matrix::read(name, value)?.to_nalgebra();
+    let matrix = Matrix::read(name, &array)?.to_nalgebra();
     rotation(name, &fixed::<3>(name, &matrix)?)
 }
 
@@ -223,7 +225,14 @@ fn doubles<'py>(name: &str, value: &Bound<'py, PyAny>) -> Result<Bound<'py, PyAn
     let py = value.py();
     let asarray = ASARRAY.import(py, "numpy", "asarray")?;
     let array = asarray.call1((value,)).map_err(|error| {
-        Failure::type_of_argument(format!("{name} must be an array of numbers: {error}"))
+        // An interrupt, or memory that ran out, within the object's own `__array__` is no wrong argument.
+        let is_of_argument =
+            error.is_instance_of::<PyException>(py) && !error.is_instance_of::<PyMemoryError>(py);
+        if is_of_argument {
+            Failure::type_of_argument(format!("{name} must be an array of numbers: {error}"))
+        } else {
+            error.into()
+        }
     })?;
     let array = array.cast_into::<PyUntypedArray>().map_err(PyErr::from)?;
     let entries = array.shape().iter().try_fold(1_usize, |all, &size| all.checked_mul(size));

@@ -109,6 +109,34 @@ def test_bad_input_is_named(call, kind, text):
     assert isinstance(caught.value, Exception)
 
 
+class Raises:
+    """An object whose conversion to an array ends in an exception."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def __array__(self, *_args, **_keywords):
+        raise self.error
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), MemoryError(), SystemExit(3)])
+def test_what_is_no_wrong_argument_comes_through(error):
+    for call in [
+        lambda: ahqp.solve(Raises(error), [1, 1], [1, 1], [2]),
+        lambda: ahqp.Hierarchy(2).name_variables(["a", "b"]) or ahqp.Limits(Raises(error), [1.0], [1.0], [1.0]),
+        lambda: ik().step(Raises(error), 1e-3),
+    ]:
+        with pytest.raises(type(error)):
+            call()
+    with pytest.raises(TypeError, match="array of numbers"):
+        ik().step(Raises(RuntimeError("no array")), 1e-3)
+
+
+def test_a_file_without_an_end_is_refused():
+    with pytest.raises(OSError, match="larger than a URDF can be"):
+        whole_body.Model.from_file("/dev/zero")
+
+
 def test_a_rotation_that_is_none_is_refused():
     model = whole_body.Model.from_file(PANDA)
     tasks = {"turn": whole_body.OrientationTask("panda_hand_tcp"), "pose": whole_body.FrameTask("panda_hand_tcp")}

@@ -1,14 +1,14 @@
 //! Clips as folders of frames.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail, ensure};
+use vision_models::{Action, ClassNames};
+
+use crate::vision::{
+    errors::in_file,
+    folders::{folders_in, images_in, list_classes},
 };
-
-use anyhow::{Context, Result, bail, ensure};
-use vision_models::{Action, ClassNames, list_frames};
-
-use crate::vision::{errors::in_file, folders::list_classes};
 
 /// A folder of frames of a known class.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,14 +50,8 @@ impl ClipSet {
         let mut clips = Vec::new();
         for (label, class) in folders.iter().enumerate() {
             let own = folder.join(class);
-            let named = || own.display().to_string();
-            let mut names = Vec::new();
-            for entry in fs::read_dir(&own).with_context(named)? {
-                let entry = entry.with_context(named)?;
-                if entry.path().is_dir() {
-                    names.push(entry.file_name().to_string_lossy().into_owned());
-                }
-            }
+            let name = |folder: PathBuf| Some(folder.file_name()?.to_string_lossy().into_owned());
+            let mut names: Vec<_> = folders_in(&own)?.into_iter().filter_map(name).collect();
             ensure!(
                 !names.is_empty(),
                 "{}: no folders of frames: give a folder for each clip",
@@ -104,7 +98,7 @@ impl ClipSet {
 /// # Errors
 /// With the folder, if it has fewer.
 pub fn frames_of(folder: &Path, least: usize) -> Result<Vec<PathBuf>> {
-    let frames = list_frames(folder).map_err(|error| in_file(folder, error))?;
+    let frames = images_in(folder)?;
     ensure!(
         frames.len() >= least,
         "{}: {} frames are fewer than the {least} of a window: give a longer clip, or a smaller --length",

@@ -7,8 +7,8 @@ use std::{
 };
 
 use anyhow::Result;
-use clap::Parser;
-use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session, Threads};
+use clap::{Parser, ValueEnum};
+use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session, Threads, shown};
 use examples::vision::{
     choices,
     classifier::Classifier,
@@ -18,7 +18,7 @@ use examples::vision::{
     top_k::{ScoredClass, check_names, top_classes, write_top_classes},
 };
 use serde::Serialize;
-use vision_models::{ClassNames, Preprocessing, ResNetDepth, softmax};
+use vision_models::{ClassNames, Orientation, Preprocessing, ResNetDepth, Resize, softmax};
 
 /// Classifies images by a ResNet: the five most probable classes of each. `surface` trains on classes of your own.
 ///
@@ -39,9 +39,17 @@ struct Arguments {
     /// The names of the network's classes, one a line.
     #[arg(long, value_name = "FILE")]
     names: Option<PathBuf>,
-    /// Resize to 255 × 255, as the paper says, instead of the short side to 255.
+    /// The size that images are brought to before the middle 224 × 224 is cut out (pixels): the paper's 255, 256 for
+    /// torchvision's weights IMAGENET1K_V1, 232 for IMAGENET1K_V2.
+    #[arg(long, value_name = "PIXELS", default_value_t = 255, value_parser = clap::value_parser!(u16).range(224..=16_384))]
+    resize: u16,
+    /// Bring both sides to that size, as the paper does, instead of the short side.
     #[arg(long)]
     square: bool,
+    /// Which way up: `stored`, as the pixels stand in the file, which is what torchvision does; `exif`, as the camera was
+    /// held, where the file says so, which is what OpenCV does.
+    #[arg(long, default_value = "stored")]
+    orientation: OrientationOption,
     /// Stop at the first image that cannot be read.
     #[arg(long)]
     strict: bool,
@@ -53,6 +61,21 @@ struct Arguments {
     json: Json,
     #[command(flatten)]
     quiet: Quiet,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum OrientationOption {
+    Stored,
+    Exif,
+}
+
+impl From<OrientationOption> for Orientation {
+    fn from(option: OrientationOption) -> Self {
+        match option {
+            OrientationOption::Stored => Self::Stored,
+            OrientationOption::Exif => Self::Exif,
+        }
+    }
 }
 
 /// The line of `--json`.
@@ -71,8 +94,9 @@ struct ImageReport {
 
 impl Arguments {
     fn load(&self, names: Option<&ClassNames>) -> Result<Classifier> {
-        let preprocessing =
-            if self.square { Preprocessing::SURFACE } else { Preprocessing::TORCHVISION };
+        let side = self.resize.into();
+        let resize = if self.square { Resize::Square(side) } else { Resize::ShortSide(side) };
+        let preprocessing = Preprocessing { resize, ..Preprocessing::TORCHVISION };
         let classifier =
             Classifier::load(&self.weights, self.depth, preprocessing, self.threads.count())?;
         if let (Some(names), Some(file)) = (names, &self.names) {
@@ -127,7 +151,7 @@ impl Arguments {
             if session.interrupt().requested() {
                 return Ok((reports, Ending::Partial));
             }
-            match classifier.read(path) {
+            match classifier.read(path, self.orientation.into()) {
                 Ok(image) => {
                     let classes = top_classes(&softmax(&classifier.infer(&image)?), names);
                     let report = ImageReport { image: path.clone(), classes };
@@ -145,7 +169,7 @@ impl Arguments {
 
 impl ImageReport {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        writeln!(out, "{}", self.image.display())?;
+        writeln!(out, "{}", shown(&self.image))?;
         write_top_classes(out, &self.classes)
     }
 }

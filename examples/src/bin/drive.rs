@@ -102,13 +102,18 @@ struct Options {
     /// Keep all memory from being paged out.
     #[arg(long)]
     lock_memory: bool,
-    /// How long before each tick the loop waits awake, in microseconds.
-    #[arg(long, value_name = "MICROSECONDS", default_value_t = 0.0)]
+    /// How long before each tick the loop waits awake, in microseconds, at most a second.
+    #[arg(long, value_name = "MICROSECONDS", default_value_t = 0.0, value_parser = spin, allow_negative_numbers = true)]
     spin: f64,
     #[command(flatten)]
     json: Json,
     #[command(flatten)]
     quiet: Quiet,
+}
+
+fn spin(text: &str) -> std::result::Result<f64, &'static str> {
+    let number = text.parse().ok().filter(|number| (0.0..=1e6).contains(number));
+    number.ok_or("give 0 to 1000000 microseconds")
 }
 
 /// What a robot adds to the torques that it is sent.
@@ -304,9 +309,9 @@ impl Options {
         R: RobotSide + Send,
         R::Error: fmt::Display + Send,
     {
-        let (law, frames) = law(scenario)?;
+        let (law, frames) = of_settings(self.settings.as_ref(), law(scenario))?;
         let mut law = AnnouncedLaw::new(law, |text| session.warn(text));
-        let mut control = control_loop(scenario)?;
+        let mut control = of_settings(self.settings.as_ref(), control_loop(scenario))?;
         let scheduling = Scheduling { priority: self.priority, lock_memory: self.lock_memory };
         let (interrupt, ended) = (session.interrupt().clone(), AtomicBool::new(false));
         let watch = clock;
@@ -340,9 +345,9 @@ impl Options {
         scenario: &Scenario,
         robot: &mut LockstepSide,
     ) -> Result<DriveReport> {
-        let (law, frames) = law(scenario)?;
+        let (law, frames) = of_settings(self.settings.as_ref(), law(scenario))?;
         let mut law = AnnouncedLaw::new(law, |text| session.warn(text));
-        let mut control = control_loop(scenario)?;
+        let mut control = of_settings(self.settings.as_ref(), control_loop(scenario))?;
         let mut clock = ManualClock::default();
         let mut camera = RecordedCamera::new(scenario.camera_frames(), frames);
         let watch = clock.clone();
@@ -353,6 +358,14 @@ impl Options {
         let ending =
             control.run(robot, &mut law, &mut clock, stop).map_err(|error| anyhow!("{error}"))?;
         Ok(DriveReport::new(ending, control.statistics(), law.faults()))
+    }
+}
+
+/// What a controller refuses is in the file of settings, if there is one.
+fn of_settings<T>(settings: Option<&PathBuf>, result: Result<T>) -> Result<T> {
+    match settings {
+        Some(path) => result.with_context(|| format!("with {}", path.display())),
+        None => result,
     }
 }
 

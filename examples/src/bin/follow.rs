@@ -19,6 +19,8 @@ use examples::mcap_files::RobotLog;
 use examples::page::{ResultRow, Results, page};
 use examples::perception::PostureOptions;
 use examples::picture::{animation, still};
+#[cfg(feature = "mcap")]
+use examples::program::read_bytes;
 use examples::program::{
     self, Ending, Json, OutputFile, Program, Progress, Quiet, Session, check_folder,
 };
@@ -32,6 +34,9 @@ use moca_model::{Goal, MOCA_URDF};
 const DEFAULT_STATURE: f64 = 1.75;
 /// Two statures that are no farther apart are of one person (m).
 const SAME_STATURE: f64 = 0.01;
+/// The largest recording that is written into an MCAP file (bytes).
+#[cfg(feature = "mcap")]
+const LARGEST_RECORDING: u64 = 1 << 30;
 /// Of the page.
 const TITLE: &str = "MOCA follows a person";
 /// Ticks that travel to the report together.
@@ -129,7 +134,12 @@ impl Program for Options {
         let mut log = self.mcap_log(&scenario)?;
         let play = |goal, title: &str, name, watch: Watch<'_>| {
             let table = folder.map(|folder| folder.join(format!("ticks-{name}.csv")));
-            play(session, &scenario, goal, title, table.as_deref(), recorded, watch)
+            let played = play(session, &scenario, goal, title, table.as_deref(), recorded, watch);
+            // What a controller refuses is in the file of settings, if there is one.
+            match &self.settings {
+                Some(path) => played.with_context(|| format!("with {}", path.display())),
+                None => played,
+            }
         };
         let title = |ergonomics: &str| {
             let separation = if scenario.has_separation() { "" } else { ", NO SEPARATION" };
@@ -159,7 +169,8 @@ impl Program for Options {
             on: on.summary.clone(),
             off: off.as_ref().map(|off| off.summary.clone()),
         };
-        let ending = comparison.ending();
+        let unsolved = comparison.unsolved(scenario.settings.period);
+        let ending = if unsolved { Ending::Failed } else { comparison.ending() };
         // Before anything is printed: a reader who goes away loses nothing of the report.
         if let Some(folder) = folder
             && comparison.on.duration > 0.0
@@ -183,11 +194,16 @@ impl Program for Options {
         if ending == Ending::Partial {
             session.warn("interrupted: what follows is of the time up to there");
         }
+        if unsolved {
+            session.warn(
+                "no control period of a run was solved: the robot only braked; check the settings",
+            );
+        }
         writeln!(session.output(), "{comparison}")?;
         if let Some(folder) = folder {
             writeln!(session.output(), "report: {}", folder.display())?;
         }
-        let whole = [ending, recorded].iter().all(|part| *part == Ending::Complete);
+        let whole = [ending, recorded].iter().all(|part| *part != Ending::Partial);
         let marked = if whole { Ending::Complete } else { Ending::Partial };
         session.print_json(self.json, &comparison, marked)?;
         // A partial recording that was asked for is played in full.
@@ -239,7 +255,8 @@ impl Options {
         let Some(path) = &self.mcap else { return Ok(None) };
         let file = OutputFile::create(path)?;
         let text = match &self.recording {
-            Some(recording) => fs::read(recording)?,
+            Some(recording) => read_bytes(recording, LARGEST_RECORDING)
+                .with_context(|| recording.display().to_string())?,
             None => recording::shipped_bytes().to_vec(),
         };
         Ok(Some((RobotLog::new(&text, &scenario.model)?, file)))

@@ -9,7 +9,12 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use clap::Parser;
 use examples::ik::{Path, RobotOptions, Run, Shape, figure, table};
-use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Session, check_folder};
+use examples::program::{
+    self, Ending, Json, OutputFile, Program, Quiet, Session, check_folder, read_text,
+};
+
+/// The largest file of a path (bytes).
+const LARGEST_PATH: u64 = 256 << 20;
 
 /// Moves a frame of any robot along a path, within the limits of all joints: the position first,
 /// then the orientation, then the posture.
@@ -45,8 +50,8 @@ struct Options {
     /// How many rounds.
     #[arg(long, value_name = "COUNT", default_value_t = 2.0, value_parser = positive)]
     rounds: f64,
-    /// The control period in seconds.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.001, value_parser = positive)]
+    /// The control period in seconds, 0.00001 to 1.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.001, value_parser = period)]
     period: f64,
     /// The report's folder, made if it is not there: ik.csv and ik.svg.
     #[arg(long, short, value_name = "FOLDER", default_value = "report")]
@@ -58,6 +63,13 @@ struct Options {
     json: Json,
     #[command(flatten)]
     quiet: Quiet,
+}
+
+fn period(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if (1e-5..=1.0).contains(&number) => Ok(number),
+        _ => Err("a number from 0.00001 to 1 is needed".to_owned()),
+    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -143,7 +155,7 @@ impl Options {
             "circle" => Shape::Circle(self.radius),
             "line" => Shape::Line(self.length),
             file => {
-                let text = fs::read_to_string(file).with_context(|| {
+                let text = read_text(file, LARGEST_PATH).with_context(|| {
                     format!("--path is `circle`, `line` or a file, but {file} cannot be read")
                 })?;
                 text.trim_start_matches('\u{feff}').parse().with_context(|| file.to_owned())?

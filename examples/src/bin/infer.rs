@@ -9,7 +9,7 @@ use examples::program::{
 };
 use examples::vision::{
     choices::{self, Accepted},
-    errors::{of_weights, open_checkpoint},
+    errors::{of_weights, open_weights},
     npy::read_array,
 };
 use ndarray::{Array, Array4, Array5, ArrayD, ArrayViewD, Dimension};
@@ -179,7 +179,7 @@ impl Arguments {
     fn load(&self) -> Result<Inference> {
         let options = Options { threads: self.threads.count(), ..Options::default() };
         let input = read_array(&self.input)?;
-        let weights = open_checkpoint(&self.weights)?;
+        let weights = open_weights(&self.weights)?;
         let of_weights = |error| of_weights(&self.weights, Accepted::All, error);
         if let NetworkKind::ResNet(form) = self.model {
             let images: Array4<f32> = self.of_dimension(input, "images are N × 3 × H × W")?;

@@ -1,11 +1,11 @@
 //! Turns a recording into MCAP, and back.
 
-use std::{fs, io::Write, path::PathBuf, process::ExitCode};
+use std::{io::Write, path::PathBuf, process::ExitCode};
 
 use anyhow::{Context, Result};
 use clap::Parser;
 use examples::mcap_files::{from_json_lines, to_json_lines};
-use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Session};
+use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Session, read_bytes};
 use serde::Serialize;
 
 /// Turns a recording in JSON Lines into MCAP, which Foxglove shows, or such a file back; nothing is lost either way.
@@ -35,6 +35,8 @@ struct Converted {
     bytes_out: usize,
 }
 
+/// The largest file of either kind (bytes).
+const LARGEST: u64 = 1 << 30;
 /// How every MCAP file begins.
 const MAGIC: &[u8] = b"\x89MCAP";
 
@@ -45,7 +47,8 @@ impl Program for Options {
 
     fn run(self, session: &mut Session) -> Result<Ending> {
         let name = self.input.display().to_string();
-        let input = fs::read(&self.input).with_context(|| format!("cannot open {name}"))?;
+        let input =
+            read_bytes(&self.input, LARGEST).with_context(|| format!("cannot open {name}"))?;
         let (from, output) = if input.starts_with(MAGIC) {
             ("MCAP", to_json_lines(&input))
         } else {

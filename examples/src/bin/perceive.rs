@@ -13,8 +13,8 @@ use anyhow::{Result, ensure};
 use clap::{ArgGroup, Args, Parser};
 use examples::frames::{FramesReader, truth};
 use examples::perception::{
-    ActionNetwork, ActionSettings, AgainstTruth, Perceiver, PerceiverSettings, Pipeline,
-    PoseNetwork, PoseSource, PostureOptions, SkeletonFolder, Summary, SurfaceDecision,
+    ActionNetwork, ActionSettings, AgainstTruth, BrokenFrame, Perceiver, PerceiverSettings,
+    Pipeline, PoseNetwork, PoseSource, PostureOptions, SkeletonFolder, Summary, SurfaceDecision,
     SurfaceNetwork, Tally,
 };
 use examples::program::{
@@ -30,8 +30,9 @@ use vision_models::{
 /// Makes a recording, as `follow` plays it, of a folder of camera frames with depth.
 ///
 /// The folder has camera.json, frames.jsonl and depth/, as `record --frames` writes them, and colour/ and
-/// surface/ for networks. Joints come from a pose network or from OpenPose's JSON. Ctrl-C ends early and
-/// keeps what there is, in a file named *.partial.*.
+/// surface/ for networks. Joints come from a pose network or from OpenPose's JSON. A frame of which a file cannot be
+/// used is named and left out; the exit status is then 1. Ctrl-C ends early and keeps what there is, in a file named
+/// *.partial.*.
 #[derive(Debug, Parser)]
 #[command(version, group(ArgGroup::new("joints").required(true)))]
 struct Options {
@@ -40,7 +41,8 @@ struct Options {
     /// Where the recording goes (JSON Lines).
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
-    /// The folder of OpenPose's JSON, a file a frame such as 000012_keypoints.json.
+    /// The folder of OpenPose's JSON, a file a frame such as 000012_keypoints.json or 000000000012_keypoints.json, joints in
+    /// pixels.
     #[arg(long, value_name = "FOLDER", group = "joints")]
     skeletons: Option<PathBuf>,
     /// The weights of a pose network: a simple baseline or OpenPose, as their tensors say.
@@ -149,6 +151,8 @@ struct Report {
     output: PathBuf,
     /// Frames that the camera lost.
     lost: u64,
+    /// Frames that are left out because a file of theirs cannot be used.
+    broken: u64,
     /// As measured (m).
     stature: Option<f64>,
     stature_standard_error: Option<f64>,
@@ -184,6 +188,9 @@ impl Program for Options {
             truth,
             tally: Tally::default(),
             started: Instant::now(),
+            first: None,
+            broken: 0,
+            last_broken: None,
         };
         let ending = work.run(session)?;
         self.finish(work, file, ending, session)
@@ -270,7 +277,15 @@ struct Work {
     truth: Option<Vec<Percept>>,
     tally: Tally,
     started: Instant,
+    /// The number of the first frame.
+    first: Option<u64>,
+    /// Frames of which a file cannot be used.
+    broken: u64,
+    last_broken: Option<BrokenFrame>,
 }
+
+/// How many frames are named that are left out.
+const MOST_NAMED: u64 = 5;
 
 impl Work {
     fn run(&mut self, session: &Session) -> Result<Ending> {
@@ -285,7 +300,19 @@ impl Work {
             interrupt.requested()
         };
         while let Some(entry) = self.reader.next_entry(stop)? {
-            let perceived = self.pipeline.perceive(&self.reader, &entry)?;
+            self.first.get_or_insert(entry.frame);
+            let perceived = match self.pipeline.perceive(&self.reader, &entry) {
+                Ok(perceived) => perceived,
+                Err(error) => {
+                    let broken = error.downcast::<BrokenFrame>()?;
+                    self.broken += 1;
+                    if self.broken <= MOST_NAMED {
+                        progress.note(format_args!("frame {} left out: {broken}", entry.frame));
+                    }
+                    self.last_broken = Some(broken);
+                    continue;
+                }
+            };
             self.tally.push(&perceived);
             self.percepts.push((perceived.percept, perceived.timing));
             self.others.push(perceived.others);
@@ -295,7 +322,22 @@ impl Work {
             }
         }
         progress.finish();
-        Ok(if interrupt.requested() { Ending::Partial } else { Ending::Complete })
+        if self.broken > MOST_NAMED {
+            session.warn(format_args!("{} frames were left out", self.broken));
+        }
+        let nobody = self.percepts.iter().all(|(percept, _)| percept.body.is_none());
+        if nobody && let Some(broken) = self.last_broken.take() {
+            let text = format!("nobody was found, and {} frames cannot be used", self.broken);
+            return Err(anyhow::Error::new(broken).context(text));
+        }
+        if interrupt.requested() {
+            return Ok(Ending::Partial);
+        }
+        if nobody {
+            self.pipeline.check_sightings(self.first.unwrap_or_default())?;
+            session.warn("nobody was seen long enough to be followed: the recording is of nobody");
+        }
+        Ok(if self.broken > 0 { Ending::Failed } else { Ending::Complete })
     }
 }
 
@@ -333,6 +375,7 @@ impl Options {
         let report = Report {
             output,
             lost: work.reader.lost(),
+            broken: work.broken,
             stature: estimate.map(|estimate| estimate.stature),
             stature_standard_error: estimate.map(|estimate| estimate.standard_error),
             jumps: people.tracks().iter().map(PersonTrack::jumps).sum(),

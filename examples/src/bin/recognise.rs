@@ -12,14 +12,14 @@ use examples::vision::{
     choices::{self, Accepted},
     clip_stream::preprocessing_of,
     clips::read_clip,
-    errors::{in_file, of_option, of_weights, open_checkpoint},
+    errors::{in_file, of_option, of_weights, open_weights},
+    folders::images_in,
     results::Results,
     top_k::{ScoredClass, check_names, top_classes, write_top_classes},
 };
 use serde::Serialize;
 use vision_models::{
-    ClassNames, ClipSampling, Crops, Options, Preprocessing, SlowOnly, SlowOnlyForm, list_frames,
-    softmax,
+    ClassNames, ClipSampling, Crops, Options, Preprocessing, SlowOnly, SlowOnlyForm, softmax,
 };
 
 /// Recognises the action in a folder of frames with SlowOnly, and prints the five most probable
@@ -114,7 +114,7 @@ impl Program for Arguments {
 
     fn run(self, session: &mut Session) -> Result<Ending> {
         let mut results = Results::begin(&self.result)?;
-        let frames = list_frames(&self.folder).map_err(|error| in_file(&self.folder, error))?;
+        let frames = images_in(&self.folder)?;
         let clips = self.sampling().indices(frames.len()).map_err(of_option)?;
         let names = self.names.as_deref().map(read_names).transpose()?;
         let preprocessing = self.preprocessing();
@@ -163,7 +163,7 @@ impl Arguments {
     fn load(&self, preprocessing: &Preprocessing) -> Result<SlowOnly> {
         let size = [self.length, preprocessing.crop, preprocessing.crop];
         let options = Options { threads: self.threads.count(), ..Options::default() };
-        SlowOnly::load(self.model, open_checkpoint(&self.weights)?, size, options)
+        SlowOnly::load(self.model, open_weights(&self.weights)?, size, options)
             .map_err(|error| of_weights(&self.weights, Accepted::SlowOnlys, error))
     }
 

@@ -61,7 +61,8 @@ impl Program for Options {
         let part = soak.part(|ticks| {
             progress.set(ticks);
             if interrupt.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        })?;
+        });
+        let part = self.of_settings(part)?;
         progress.finish();
         let summary = summary(&part);
         let ending = if summary.ticks < wanted {
@@ -99,7 +100,8 @@ impl Options {
             done = ticks;
             progress.set(ticks);
             if interrupt.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        })?;
+        });
+        let results = self.of_settings(results)?;
         progress.finish();
         let ending = match results.wrong() {
             _ if done < wanted => Ending::Partial,
@@ -111,6 +113,14 @@ impl Options {
         }
         writeln!(session.output(), "{results}")?;
         session.conclude(self.json, &results, ending)
+    }
+
+    /// What a controller refuses is in the file of settings, if there is one.
+    fn of_settings<T>(&self, result: anyhow::Result<T>) -> anyhow::Result<T> {
+        match &self.settings {
+            Some(path) => result.with_context(|| format!("with {}", path.display())),
+            None => result,
+        }
     }
 
     /// The settings of the robot.

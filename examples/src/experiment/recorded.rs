@@ -1,6 +1,5 @@
 //! Recordings of people in place of simulated ones.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -10,8 +9,12 @@ use vision_models::{
 
 use super::walk::Walk;
 use crate::learning::digest::Digest;
+use crate::program::read_bytes;
 use crate::recording::{IfPartial, Reader, Recording, arrivals};
 use crate::simulation::Truth;
+
+/// The largest recording that is played: some days (bytes).
+const LARGEST: u64 = 1 << 30;
 
 /// What a recording must hold beside joints and tools.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,7 +72,7 @@ impl Recorded {
     }
 
     fn read(path: &Path, needs: Needs) -> Result<Self> {
-        let bytes = fs::read(path)?;
+        let bytes = read_bytes(path, LARGEST)?;
         let recording = Recording::read(Reader::new(bytes.as_slice())?, IfPartial::Refuse)?;
         Self::new(recording, Digest::of_bytes(&bytes), needs)
     }

@@ -61,6 +61,14 @@ impl Comparison {
         }
     }
 
+    /// Returns true if a run found no solution in any control period \[s\].
+    pub fn unsolved(&self, period: f64) -> bool {
+        let is_unsolved = |run: &Summary| {
+            run.solver_failures > 0 && run.solver_failures as f64 * period >= 0.999 * run.duration
+        };
+        self.runs().any(is_unsolved)
+    }
+
     /// Simulated seconds a wall second, all runs counted.
     pub fn speedup(&self) -> f64 {
         let sum = |of: fn(&Summary) -> f64| self.runs().map(of).sum::<f64>();

@@ -15,6 +15,7 @@ use super::{
     format::{CAMERA, CameraFile, EndLine, INDEX},
 };
 use crate::excerpt::excerpt;
+use crate::program::read_text;
 use crate::vision::npy;
 
 /// How often a folder that grows is looked at.
@@ -66,9 +67,7 @@ impl FramesReader {
             move |source| FramesError::File { path, source }
         };
         let path = folder.join(CAMERA);
-        let mut text = String::new();
-        let file = File::open(&path).map_err(of_file(&path))?;
-        file.take(LARGEST).read_to_string(&mut text).map_err(of_file(&path))?;
+        let text = read_text(&path, LARGEST).map_err(of_file(&path))?;
         let problem = |problem: String| FramesError::Camera { path: path.clone(), problem };
         let camera: CameraFile =
             serde_json::from_str(&text).map_err(|error| problem(error.to_string()))?;

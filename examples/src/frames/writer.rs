@@ -99,6 +99,11 @@ fn line(value: &impl Serialize) -> Result<String, FramesError> {
         .map_err(|error| FramesError::File { path: PathBuf::from(INDEX), source: error.into() })
 }
 
+/// Writes a whole file, or none: what could not be written is taken away again.
 fn write(path: &Path, bytes: &[u8]) -> Result<(), FramesError> {
-    fs::write(path, bytes).map_err(|source| FramesError::File { path: path.to_owned(), source })
+    fs::write(path, bytes).map_err(|source| {
+        // Whether it can be removed changes nothing in what is said.
+        let _ = fs::remove_file(path);
+        FramesError::File { path: path.to_owned(), source }
+    })
 }

@@ -12,7 +12,7 @@ use crate::{
     program::Interrupt,
     vision::{
         choices::Accepted,
-        errors::{of_weights, open_checkpoint},
+        errors::{of_weights, open_weights},
     },
 };
 
@@ -123,7 +123,7 @@ impl ImageBackbone {
     pub fn load(&self) -> Result<ResNet> {
         let (depth, size, options) = (self.depth, [self.side, self.side], self.options);
         match &self.weights {
-            Weights::File(path) => ResNet::load(depth, open_checkpoint(path)?, size, options)
+            Weights::File(path) => ResNet::load(depth, open_weights(path)?, size, options)
                 .map_err(|error| of_weights(path, Accepted::ResNets, error)),
             Weights::Random(seed) => {
                 let tensors = random_network(NetworkKind::ResNet(depth.into()), *seed)?;
@@ -170,7 +170,7 @@ impl ClipBackbone {
     pub fn load(&self) -> Result<SlowOnly> {
         match &self.weights {
             Weights::File(path) => {
-                SlowOnly::load(self.form, open_checkpoint(path)?, self.size, self.options)
+                SlowOnly::load(self.form, open_weights(path)?, self.size, self.options)
                     .map_err(|error| of_weights(path, Accepted::SlowOnlys, error))
             }
             Weights::Random(seed) => {

@@ -1,11 +1,11 @@
 //! The file that describes a trained model: JSON with the version of its format.
 
-use std::{fs::File, io::Read, path::Path};
+use std::{io::ErrorKind, path::Path};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use serde::{Serialize, de::DeserializeOwned};
 
-use crate::program::OutputFile;
+use crate::program::{OutputFile, read_text};
 
 /// The most that one may take (bytes): the names of some hundred thousand images.
 const LARGEST: u64 = 64 << 20;
@@ -26,15 +26,13 @@ pub fn write(path: &Path, description: &impl Serialize) -> Result<()> {
 /// With the file's name: it cannot be read, is too long, or is no description.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
     let named = || path.display().to_string();
-    let mut text = String::new();
-    let file = File::open(path).with_context(named)?;
-    file.take(LARGEST + 1).read_to_string(&mut text).with_context(named)?;
-    ensure!(
-        text.len() as u64 <= LARGEST,
-        "{}: a model's description takes at most {} MiB",
-        named(),
-        LARGEST >> 20
-    );
+    let text = read_text(path, LARGEST).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => {
+            let most = LARGEST >> 20;
+            anyhow!("{}: a model's description takes at most {most} MiB", named())
+        }
+        _ => anyhow::Error::new(error).context(named()),
+    })?;
     serde_json::from_str(&text).with_context(named)
 }
 

@@ -17,6 +17,33 @@ pub enum McapFileError {
         /// Its claim.
         claimed: u64,
     },
+    /// A chunk is compressed in a way that is not read.
+    #[error(
+        "a chunk is compressed by {found:?}, and zstd alone is read here; convert the file with \
+         `mcap compress --compression zstd IN -o OUT`"
+    )]
+    Compression {
+        /// The name of the compression.
+        found: String,
+    },
+    /// A record ends before what it says it holds.
+    #[error("a {what} record says that {needed} bytes follow, and {left} do; the file is broken")]
+    Record {
+        /// Which record.
+        what: &'static str,
+        /// What it claims (bytes).
+        needed: usize,
+        /// What there is (bytes).
+        left: usize,
+    },
+    /// A message of no channel.
+    #[error(
+        "a message is of channel {channel}, which the file does not describe; the file is broken"
+    )]
+    Channel {
+        /// The channel's number.
+        channel: u64,
+    },
     /// It is a file of something else.
     #[error("the file holds no recording: {missing} is missing; its topics are {topics}")]
     NoRecording {
@@ -45,7 +72,9 @@ pub enum McapFileError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// A recording that was cut within a letter.
-    #[error("the end of the recording is no text: {0}; take the cut line away")]
+    #[error(
+        "text that is not UTF-8: {0}; the end of a recording was cut within a letter, or the file is broken"
+    )]
     NotText(#[from] std::string::FromUtf8Error),
     /// A message that is not JSON.
     #[error("a message that cannot be written: {0}")]

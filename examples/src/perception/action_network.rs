@@ -14,7 +14,7 @@ use crate::{
     vision::{
         choices::Accepted,
         clip_stream::{ClipStream, preprocessing_of},
-        errors::{in_file, of_weights, open_checkpoint},
+        errors::{in_file, of_weights, open_weights},
     },
 };
 
@@ -62,7 +62,7 @@ impl ActionNetwork {
         let options = Options { threads, ..Options::default() };
         let of_network = |error| of_weights(weights, Accepted::SlowOnlys, error);
         let network =
-            SlowOnly::load(form, open_checkpoint(weights)?, size, options).map_err(of_network)?;
+            SlowOnly::load(form, open_weights(weights)?, size, options).map_err(of_network)?;
         let (classes, count) = (network.classes(), actions.len());
         ensure!(
             classes == count,

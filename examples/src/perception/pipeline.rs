@@ -13,9 +13,11 @@ use super::{
     chain::Perceiver,
     pose_source::{Frame, PoseSource},
     posture::{Assessor, MeasuredAssessment, PostureOptions},
+    sighting::Sightings,
     surface_network::SurfaceNetwork,
 };
 use crate::frames::{FrameEntry, FramesReader};
+use crate::program::ProgramError;
 use crate::recording::{MeasuredSegments, Stamp, Timing};
 
 /// An action or a surface whose images are older is no longer said (s).
@@ -36,7 +38,24 @@ pub struct Pipeline {
     next_surface: u64,
     posture: PostureOptions,
     assessor: Option<(PersonId, Assessor)>,
+    sightings: Sightings,
     stature: Option<StatureEstimate>,
+}
+
+/// A frame of which a file cannot be used, with the file's name: the next one may be better.
+#[derive(Debug, thiserror::Error)]
+#[error("{0:#}")]
+pub struct BrokenFrame(anyhow::Error);
+
+/// An error of a file as [`BrokenFrame`], any other as it is.
+fn of_file(error: anyhow::Error) -> anyhow::Error {
+    use vision_models::Error::{File, Image, OpenPose};
+    let is_of_file = error.chain().any(|cause| {
+        matches!(cause.downcast_ref(), Some(File { .. } | Image { .. } | OpenPose { .. }))
+            || cause.is::<std::io::Error>()
+    });
+    let is_interrupt = error.chain().any(|cause| cause.is::<ProgramError>());
+    if is_of_file && !is_interrupt { BrokenFrame(error).into() } else { error }
 }
 
 /// What was recognised, and when.
@@ -92,6 +111,7 @@ impl Pipeline {
             next_surface: 0,
             posture: PostureOptions::default(),
             assessor: None,
+            sightings: Sightings::default(),
             stature: None,
         }
     }
@@ -122,6 +142,15 @@ impl Pipeline {
         &self.perceiver
     }
 
+    /// Checks that somebody could be found in the frames so far, where nobody was.
+    ///
+    /// # Errors
+    /// Why nobody could be; `frame` is the first of the frames.
+    pub fn check_sightings(&self, frame: u64) -> Result<()> {
+        let expected = self.poses.expected(frame).map(|path| path.display().to_string());
+        self.sightings.clone().check(expected.as_deref())
+    }
+
     /// The stature of who worked with the robot last.
     pub fn stature(&self) -> Option<StatureEstimate> {
         self.stature
@@ -147,11 +176,12 @@ impl Pipeline {
     /// Looks at the next frame.
     ///
     /// # Errors
-    /// Files that cannot be used, with their names, and what [`Perceiver::see`] says.
+    /// [`BrokenFrame`] for files that cannot be used, with their names, after which the next frame may be looked at;
+    /// what [`Perceiver::see`] says.
     pub fn perceive(&mut self, reader: &FramesReader, entry: &FrameEntry) -> Result<Perceived> {
         let started = Instant::now();
         let known = || entry.arrived.map(|arrived| arrived + started.elapsed().as_secs_f64());
-        let depth = reader.depth(entry)?;
+        let depth = reader.depth(entry).map_err(BrokenFrame)?;
         let colour = reader.colour(entry);
         let frame = Frame {
             entry,
@@ -160,7 +190,8 @@ impl Pipeline {
             camera: reader.camera(),
             expected: self.perceiver.expected(entry.time),
         };
-        let people = self.poses.people(&frame)?;
+        let people = self.poses.people(&frame).map_err(of_file)?;
+        self.sightings.push(people.as_deref(), &depth);
         let mut times = StageTimes { poses: started.elapsed(), ..StageTimes::default() };
         let has_skeletons = people.is_some();
         self.perceiver.see(entry.time, &people.unwrap_or_default(), &depth)?;
@@ -179,14 +210,14 @@ impl Pipeline {
             && image.exists()
         {
             let begun = Instant::now();
-            let what = network.recognise(&image)?;
+            let what = network.recognise(&image).map_err(of_file)?;
             self.seen_surface = what.map(|what| Seen { what, stamp: stamp() });
             self.next_surface = entry.frame.saturating_add(self.surface_interval);
             times.surface = Some(begun.elapsed());
         }
         if let Some(network) = self.action.as_mut().filter(|network| network.wants(entry.frame)) {
             let begun = Instant::now();
-            if let Some(what) = network.push(entry.frame, &colour)? {
+            if let Some(what) = network.push(entry.frame, &colour).map_err(of_file)? {
                 self.seen_action = Some(Seen { what, stamp: stamp() });
                 times.action = Some(begun.elapsed());
             }

@@ -9,7 +9,7 @@ use vision_models::{
 };
 
 use super::pose_source::{Frame, PoseSource};
-use crate::vision::errors::{in_file, open_checkpoint};
+use crate::vision::errors::{in_file, open_weights};
 
 /// Rows of the images that OpenPose sees; columns follow.
 const ROWS: f64 = 368.0;
@@ -40,7 +40,7 @@ impl PoseNetwork {
         threads: usize,
     ) -> Result<Self> {
         let options = Options { threads, ..Options::default() };
-        let checkpoint = open_checkpoint(weights)?;
+        let checkpoint = open_weights(weights)?;
         let of_file = |error| in_file(weights, error);
         let network = match NetworkKind::of(&checkpoint) {
             Some(NetworkKind::SimpleBaseline(_)) => {

@@ -5,10 +5,18 @@ use std::{
     io::{Write, stderr},
 };
 
+use super::shown::escaped;
+
 /// Writes a line to standard error. A standard error that is closed or full is no reason to stop.
 pub(super) fn line(text: impl Display) {
+    let line = format!("{text}\n").into_bytes();
     // One call, so that lines of several threads do not mix.
-    let _ = stderr().lock().write_all(format!("{text}\n").as_bytes());
+    let _ = stderr().lock().write_all(&escaped(&line).unwrap_or(line));
+}
+
+/// Says on standard error what must be known, where there is no [`Session`](super::Session).
+pub fn warn(text: impl Display) {
+    line(text);
 }
 
 /// An error with its causes, in one line; never a backtrace. A cause that its error has told

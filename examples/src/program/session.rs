@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::{
     Ending, Interrupt, Json, ProgramError, Progress, Quiet, StandardInput, StandardOutput, message,
+    shown::json as json_text,
 };
 
 /// A running program's ways to the outside: standard output, notes on standard error, progress,
@@ -87,7 +88,7 @@ impl Session {
     ) -> anyhow::Result<()> {
         if json.wanted() {
             let partial = ending == Ending::Partial;
-            let line = serde_json::to_string(&Line { result, partial })?;
+            let line = json_text(&serde_json::to_string(&Line { result, partial })?);
             writeln!(self.output, "{line}")?;
         }
         Ok(())

@@ -2,6 +2,8 @@
 
 use std::io::{self, Stdout, Write, stdout};
 
+use super::shown::escaped;
+
 /// Standard output, by lines. It remembers the first failure, by which the program's end is judged
 /// however the error travels.
 #[derive(Debug)]
@@ -41,7 +43,11 @@ impl StandardOutput {
 
 impl Write for StandardOutput {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let result = self.inner.write(bytes);
+        // Names from outside steer no terminal.
+        let result = match escaped(bytes) {
+            None => self.inner.write(bytes),
+            Some(escaped) => self.inner.write_all(&escaped).map(|()| bytes.len()),
+        };
         self.noted(result)
     }
 

@@ -1,6 +1,5 @@
 //! Reading a file of settings.
 
-use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
@@ -10,8 +9,12 @@ use toml::{Spanned, Table, Value};
 
 use super::error::SettingsError;
 use super::field::Field;
+use super::ranges::{self, OutOfRange};
 use super::robot::{RobotSettings, SETTINGS_VERSION};
+use crate::program::read_text;
 
+/// The largest file: a hundred times one with all settings (bytes).
+const LARGEST: u64 = 4 << 20;
 /// The word for what is not to be used.
 const NONE: &str = "none";
 
@@ -44,7 +47,7 @@ impl SettingsFile {
     /// [`SettingsError::Read`], and those of [`parse`](Self::parse).
     pub fn read(path: &Path) -> Result<Self, SettingsError> {
         let fail = |source| SettingsError::Read { path: path.to_owned(), source };
-        Self::parse(&fs::read_to_string(path).map_err(fail)?)
+        Self::parse(&read_text(path, LARGEST).map_err(fail)?)
     }
 
     /// Reads the text of a file.
@@ -79,11 +82,23 @@ impl SettingsFile {
         }
         let settings = RobotSettings::deserialize(Value::Table(table))
             .map_err(|error| SettingsError::Range { line: None, reason: error.to_string() })?;
+        let table = as_table(&settings)?;
         let range = |error: moca_model::Error| {
             let reason = error.to_string();
-            SettingsError::Range { line: self.line_of(&reason), reason }
+            match (self.line_of(&reason), ranges::check(&table)) {
+                // What does not name its setting is said by the setting's range.
+                (None, Err(OutOfRange { path, reason })) => {
+                    SettingsError::Range { line: self.line_of(&path), reason }
+                }
+                (line, _) => SettingsError::Range { line, reason },
+            }
         };
         settings.validate().map_err(range)?;
+        // Of what was given, and of what goes with it.
+        ranges::check(&table).map_err(|OutOfRange { path, reason }| SettingsError::Range {
+            line: self.line_of(&path),
+            reason,
+        })?;
         Ok(settings)
     }
 

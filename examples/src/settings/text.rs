@@ -6,6 +6,7 @@ use toml::{Table, Value};
 
 use super::error::SettingsError;
 use super::field::{Field, join};
+use super::ranges;
 use super::robot::{RobotSettings, SETTINGS_VERSION};
 
 /// Settings that follow from the person unless a file says otherwise.
@@ -37,7 +38,7 @@ fn table(text: &mut String, field: &Field, path: &str, values: &Table, defaults:
     for field in fields().filter(|field| !is_table(field)) {
         let (name, value) = (&field.name, values.get(&field.name));
         text.push('\n');
-        comment(text, &meaning(field, defaults.get(name)));
+        comment(text, &meaning(field, &join(path, name), defaults.get(name)));
         let value = value.map_or_else(|| "\"none\"".to_owned(), inline);
         let is_default = values.get(name) == defaults.get(name);
         let hidden = if is_default && OF_THE_PERSON.contains(&&*join(path, name)) {
@@ -57,7 +58,7 @@ fn table(text: &mut String, field: &Field, path: &str, values: &Table, defaults:
             _ => &empty,
         };
         text.push('\n');
-        comment(text, &meaning(field, None));
+        comment(text, &meaning(field, &path, None));
         line(text, format_args!("[{path}]"));
         table(text, field, &path, within, defaults);
     }
@@ -71,7 +72,7 @@ fn ordered<'a>(field: &'a Field, values: &'a Table) -> impl Iterator<Item = &'a 
 }
 
 /// What a setting means, with its default and its choices if its documentation does not name them.
-fn meaning(field: &Field, default: Option<&Value>) -> String {
+fn meaning(field: &Field, path: &str, default: Option<&Value>) -> String {
     let mut meaning = field.meaning.clone();
     let mut add = |sentence: String| {
         if !meaning.is_empty() {
@@ -86,6 +87,9 @@ fn meaning(field: &Field, default: Option<&Value>) -> String {
         && !field.meaning.contains("efault")
     {
         add(format!("Default {}.", inline(default)));
+    }
+    if let Some(range) = ranges::range_of(path) {
+        add(format!("From {}.", ranges::words(range)).replace("From at", "At"));
     }
     if field.is_optional {
         add("May be \"none\".".to_owned());

@@ -1,7 +1,6 @@
 //! What one shard has computed, and the file that holds it.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
@@ -9,6 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use super::error::ShardError;
 use super::shard::Shard;
+use crate::program::read_text;
+
+/// The largest file of a shard (bytes).
+const LARGEST: u64 = 1 << 30;
 
 /// The results of a shard.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -64,7 +67,7 @@ pub fn program_of(path: &Path) -> Result<String, ShardError> {
 }
 
 fn text(path: &Path) -> Result<String, ShardError> {
-    fs::read_to_string(path).map_err(|source| ShardError::Read { path: path.to_owned(), source })
+    read_text(path, LARGEST).map_err(|source| ShardError::Read { path: path.to_owned(), source })
 }
 
 fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, ShardError> {

@@ -1,19 +1,13 @@
 //! Where the person leads the robot.
 
-use std::{
-    f64::consts::TAU,
-    fs::File,
-    io::{self, Read},
-    path::Path,
-    str::FromStr,
-};
+use std::{f64::consts::TAU, path::Path, str::FromStr};
 
 use nalgebra::{Point2, Rotation2, Vector2};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
 use super::{WalkerError, script::TOWARDS_ROBOT};
-use crate::excerpt::excerpt;
+use crate::{excerpt::excerpt, program::read_text};
 
 /// Where the person receives the robot and works first, in the world (m).
 pub(super) const WORKPLACE: Point2<f64> = Point2::new(1.4, 0.0);
@@ -81,15 +75,7 @@ impl WalkingPath {
             return argument.parse();
         }
         let fail = |source| WalkerError::PathFile { path: file.to_owned(), source };
-        let mut text = String::new();
-        let file_handle = File::open(file).map_err(fail)?;
-        let read = file_handle.take(LARGEST_FILE + 1).read_to_string(&mut text).map_err(fail)?;
-        if read as u64 > LARGEST_FILE {
-            return Err(fail(io::Error::new(
-                io::ErrorKind::FileTooLarge,
-                format!("more than {LARGEST_FILE} bytes: give one point a line, such as 1.4,0"),
-            )));
-        }
+        let text = read_text(file, LARGEST_FILE).map_err(fail)?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
         let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
         let points = lines.map(|(line, text)| {

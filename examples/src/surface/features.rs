@@ -2,7 +2,6 @@
 
 use std::{
     fs,
-    io::Read,
     path::{Path, PathBuf},
 };
 
@@ -16,7 +15,7 @@ use crate::{
         cache::FeatureCache,
         digest::Digest,
     },
-    program::Session,
+    program::{Session, read_bytes},
     vision::folders::{LabelledImage, Unreadable},
 };
 
@@ -169,11 +168,5 @@ impl FeatureSource {
 /// Reads a file of at most so many bytes as an image may have.
 fn read(path: &Path) -> Result<Vec<u8>, Error> {
     let refuse = |reason: String| Error::File { path: path.display().to_string(), reason };
-    let file = fs::File::open(path).map_err(|error| refuse(error.to_string()))?;
-    let mut bytes = Vec::new();
-    file.take(MOST + 1).read_to_end(&mut bytes).map_err(|error| refuse(error.to_string()))?;
-    if bytes.len() as u64 > MOST {
-        return Err(refuse(format!("larger than the {MOST} bytes that an image may have")));
-    }
-    Ok(bytes)
+    read_bytes(path, MOST).map_err(|error| refuse(error.to_string()))
 }

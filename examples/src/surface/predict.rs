@@ -9,7 +9,7 @@ use vision_models::top_k;
 
 use super::{features::Flips, model::SurfaceModel, options::ModelWeights};
 use crate::{
-    program::{Ending, Json, Quiet, ResultFile, Session, Threads},
+    program::{Ending, Json, Quiet, ResultFile, Session, Threads, shown},
     vision::{
         folders::{LabelledImage, Unreadable},
         results::Results,
@@ -91,7 +91,7 @@ impl Predict {
                     let best = top_k(&scores, 1).first().copied().unwrap_or_default();
                     let class = model.classes.get(best).cloned().unwrap_or_default();
                     let out = results.writer(session);
-                    writeln!(out, "{}: {class} ({name}: {scores:.3?})", path.display())?;
+                    writeln!(out, "{}: {class} ({name}: {scores:.3?})", shown(path))?;
                     let (image, model) = (path.clone(), name.clone());
                     report.images.push(Prediction { image, model, class, scores });
                 }

@@ -23,6 +23,7 @@ use crate::{
         backbone::WeightsIdentity,
         head_options::HeadOptions,
         split::{Part, Shares, split},
+        twins::{Twins, twins},
     },
     program::{Ending, Json, ProgramError, Quiet, Seed, Session, Threads, check_folder},
     vision::{
@@ -88,6 +89,8 @@ struct Trained {
     training_images: usize,
     validation_images: usize,
     test_images: usize,
+    /// Images whose content is also in another part.
+    in_two_parts: usize,
     unreadable: usize,
     /// By the models' names.
     models: BTreeMap<String, ModelReport>,
@@ -150,6 +153,7 @@ impl Train {
         let (head, svm) = self.settings()?;
         let networks = self.backbones.networks()?;
         let parts = Parts::of_folder(&self.folder, self.seed.seed)?;
+        let in_two_parts = self.tell_twins(&parts, session)?;
         let mut sources = Vec::new();
         for (depth, weights) in networks {
             let identity = weights.identity(session.interrupt())?;
@@ -163,6 +167,7 @@ impl Train {
             training_images: parts.training.len(),
             validation_images: parts.validation.len(),
             test_images: parts.of_paths.values().filter(|part| **part == Part::Test).count(),
+            in_two_parts,
             ..Trained::default()
         };
         let mut trained = Vec::new();
@@ -210,6 +215,27 @@ impl Train {
         model.write(&self.output)?;
         writeln!(session.output(), "model: {}", self.output.display())?;
         session.conclude(self.json, &report, Ending::Complete)
+    }
+
+    /// Names the first of the images whose content is also in another part; how many there are.
+    fn tell_twins(&self, parts: &Parts, session: &Session) -> Result<usize> {
+        const SHOWN: usize = 3;
+        let paths: Vec<_> =
+            parts.of_paths.iter().map(|(path, part)| (self.folder.join(path), *part)).collect();
+        let files: Vec<_> = paths.iter().map(|(path, part)| (path.as_path(), *part)).collect();
+        let twins = twins(&files, session.interrupt())?;
+        for Twins { first, second } in twins.iter().take(SHOWN) {
+            let (first, second) = (first.display(), second.display());
+            session.warn(format_args!("{second} is the same picture as {first}, of another part"));
+        }
+        if !twins.is_empty() {
+            session.warn(format_args!(
+                "{} pictures are in more than one of the parts training, validation and test: accuracies are too high \
+                 by them",
+                twins.len()
+            ));
+        }
+        Ok(twins.len())
     }
 
     fn interrupted(&self, session: &mut Session, report: &Trained) -> Result<Ending> {

@@ -4,11 +4,13 @@ use std::path::Path;
 
 use anyhow::Result;
 use ndarray::Array4;
-use vision_models::{Error, Options, Preprocessing, ResNet, ResNetDepth, read_image};
+use vision_models::{
+    Error, Options, Orientation, Preprocessing, ResNet, ResNetDepth, read_image_oriented,
+};
 
 use super::{
     choices::Accepted,
-    errors::{of_weights, open_checkpoint},
+    errors::{of_weights, open_weights},
 };
 
 /// Loads a ResNet for square images of this side.
@@ -22,7 +24,7 @@ pub fn load_resnet(
     threads: usize,
 ) -> Result<ResNet> {
     let options = Options { threads, ..Options::default() };
-    ResNet::load(depth, open_checkpoint(weights)?, [side, side], options)
+    ResNet::load(depth, open_weights(weights)?, [side, side], options)
         .map_err(|error| of_weights(weights, Accepted::ResNets, error))
 }
 
@@ -53,12 +55,12 @@ impl Classifier {
         self.network.classes()
     }
 
-    /// Reads an image and makes of it what the network sees.
+    /// Reads an image, this way up, and makes of it what the network sees.
     ///
     /// # Errors
     /// If the image cannot be used.
-    pub fn read(&self, path: &Path) -> Result<Array4<f32>, Error> {
-        self.preprocessing.image(read_image(path)?.view())
+    pub fn read(&self, path: &Path, orientation: Orientation) -> Result<Array4<f32>, Error> {
+        self.preprocessing.image(read_image_oriented(path, orientation)?.view())
     }
 
     /// The network's class scores of an image that [`Self::read`] gave, before any softmax.

@@ -3,9 +3,13 @@
 
 use std::path::Path;
 
-use vision_models::{Checkpoint, Error};
+use vision_models::{Checkpoint, Error, NetworkKind};
 
-use super::choices::Accepted;
+use super::{choices::Accepted, tensor_name::printable};
+use crate::program::warn;
+
+/// How many tensors are named that are left out.
+const SHOWN: usize = 8;
 
 /// An error about a file, with the file's name.
 pub fn in_file(path: &Path, error: Error) -> anyhow::Error {
@@ -26,6 +30,26 @@ pub fn of_option(error: Error) -> anyhow::Error {
         }
         error => error.into(),
     }
+}
+
+/// Opens a checkpoint of a network. What stands among the weights and is no part of it is named on standard error.
+///
+/// # Errors
+/// With the file's name.
+pub fn open_weights(path: &Path) -> anyhow::Result<Checkpoint> {
+    let checkpoint = open_checkpoint(path)?;
+    let network = NetworkKind::of(&checkpoint);
+    let left_out = network.and_then(|kind| kind.left_out(&checkpoint)).unwrap_or_default();
+    let unread = checkpoint.unread().iter().chain(&left_out);
+    let mut names: Vec<String> = unread.map(|name| printable(name)).collect();
+    let more = names.len().saturating_sub(SHOWN);
+    names.truncate(SHOWN);
+    if !names.is_empty() {
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let (shown, names) = (path.display(), names.join(", "));
+        warn(format_args!("{shown}: left out, as it is no part of the network: {names}{more}"));
+    }
+    Ok(checkpoint)
 }
 
 /// Opens a checkpoint.

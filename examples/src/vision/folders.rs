@@ -1,15 +1,12 @@
 //! Images in folders, one folder a class, and images that cannot be read.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
-use vision_models::list_frames;
+use anyhow::{Result, bail, ensure};
+use vision_models::ImageFolder;
 
 use super::errors::in_file;
-use crate::program::Progress;
+use crate::program::{Progress, warn};
 
 /// An image of a known class.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,25 +17,26 @@ pub struct LabelledImage {
     pub label: usize,
 }
 
-/// The folders in a folder, by name: at least two classes.
+/// The folders in a folder, by name, but for hidden ones: at least two classes. Images beside them are counted on
+/// standard error.
 ///
 /// # Errors
 /// With the folder's name, if it cannot be read, has too few folders, or one whose name cannot be
 /// a class's.
 pub fn list_classes(folder: &Path) -> Result<Vec<String>> {
     let shown = folder.display();
+    let found = open(folder)?;
     let mut classes = Vec::new();
-    for entry in fs::read_dir(folder).with_context(|| shown.to_string())? {
-        let entry = entry.with_context(|| shown.to_string())?;
-        if !entry.path().is_dir() {
-            continue;
-        }
-        match entry.file_name().into_string() {
-            Ok(name) if name.trim() == name && !name.contains(['\n', '\r']) => classes.push(name),
+    for path in found.folders {
+        let name = path.file_name().unwrap_or_default();
+        match name.to_str() {
+            Some(name) if name.trim() == name && !name.contains(['\n', '\r']) => {
+                classes.push(name.to_owned());
+            }
             _ => bail!(
                 "{shown}: the folder \"{}\" is no class name: give names in UTF-8, of one line and \
                  without spaces around them",
-                entry.file_name().to_string_lossy().escape_debug()
+                name.to_string_lossy().escape_debug()
             ),
         }
     }
@@ -47,22 +45,55 @@ pub fn list_classes(folder: &Path) -> Result<Vec<String>> {
         "{shown}: {} folders with images, give one for each of at least two classes",
         classes.len()
     );
+    if !found.images.is_empty() {
+        let count = found.images.len();
+        warn(format_args!("{shown}: left out {count} images beside the folders of the classes"));
+    }
     classes.sort();
     Ok(classes)
 }
 
-/// The images in the folders of these classes.
+/// The images in the folders of these classes. Files of other types are counted on standard error.
 ///
 /// # Errors
 /// With the folder that cannot be read or has none.
 pub fn list_images(folder: &Path, classes: &[String]) -> Result<Vec<LabelledImage>> {
     let mut images = Vec::new();
     for (label, class) in classes.iter().enumerate() {
-        let folder = folder.join(class);
-        let paths = list_frames(&folder).map_err(|error| in_file(&folder, error))?;
+        let paths = images_in(&folder.join(class))?;
         images.extend(paths.into_iter().map(|path| LabelledImage { path, label }));
     }
     Ok(images)
+}
+
+/// The images in a folder, by name, but for hidden ones. Files of other types are counted on standard error.
+///
+/// # Errors
+/// With the folder's name, if it cannot be read or has none.
+pub fn images_in(folder: &Path) -> Result<Vec<PathBuf>> {
+    let ImageFolder { images, others, .. } = open(folder)?;
+    let shown = folder.display();
+    ensure!(
+        !images.is_empty() || others.is_empty(),
+        "{shown}: no JPEG or PNG files, but {others}: convert them"
+    );
+    ensure!(!images.is_empty(), "{shown}: no JPEG or PNG files");
+    if !others.is_empty() {
+        warn(format_args!("{shown}: left out {others}: only JPEG and PNG are read"));
+    }
+    Ok(images)
+}
+
+/// The folders in a folder, by name, but for hidden ones.
+///
+/// # Errors
+/// With the folder's name, if it cannot be read.
+pub fn folders_in(folder: &Path) -> Result<Vec<PathBuf>> {
+    Ok(open(folder)?.folders)
+}
+
+fn open(folder: &Path) -> Result<ImageFolder> {
+    ImageFolder::open(folder).map_err(|error| in_file(folder, error))
 }
 
 /// Images that cannot be read: named on standard error and counted.

@@ -22,7 +22,7 @@ pub struct ScoredClass {
 
 /// The five most probable classes, the most probable first, by name if there are names.
 pub fn top_classes(probabilities: &[f32], names: Option<&ClassNames>) -> Vec<ScoredClass> {
-    let name = |class| names.and_then(|names| names.names().get(class)).cloned();
+    let name = |class| names.and_then(|names| names.label(class));
     let scored = |class: usize| {
         let probability = probabilities.get(class).copied().unwrap_or(f32::NAN);
         ScoredClass { class, name: name(class), probability }

@@ -14,6 +14,7 @@ mod convert;
 mod ergo_map;
 mod experiment;
 mod experiment_recordings;
+mod files;
 mod follow;
 mod hqp;
 mod ik;
@@ -37,6 +38,7 @@ mod robot_side;
 #[cfg(feature = "ros2")]
 mod ros2;
 mod settings;
+mod settings_ranges;
 mod shards;
 mod silence;
 mod soak;

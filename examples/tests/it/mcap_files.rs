@@ -145,6 +145,73 @@ fn a_file_of_something_else_is_refused() {
     assert!(error.contains("\"other\", expected moca.Percept"), "{error}");
 }
 
+/// A file whose messages were written out of order, as several writers do: they count by their time.
+#[test]
+fn messages_come_in_the_order_of_their_time() {
+    let file = include_bytes!("../data/neighbours.mcap");
+    let text = to_json_lines(file).unwrap();
+    let times: Vec<f64> = examples::recording::Reader::new(text.as_slice())
+        .unwrap()
+        .map(|percept| percept.unwrap().time)
+        .collect();
+    assert!(times.len() > 2);
+    assert!(times.is_sorted_by(|one, other| one < other), "{times:?}");
+    // The same in the order in which they stand is refused by the reader of recordings.
+    assert_eq!(to_json_lines(&from_json_lines(&text).unwrap()).unwrap(), text);
+}
+
+/// What comes out is a recording, or an error: a message that is none is not passed on.
+#[test]
+fn what_comes_out_is_held_to_the_reader_of_recordings() {
+    let (header, line) =
+        (br#"{"format":"moca-recording","version":2,"frame":"world","rate":20.0}"#, "{}\n");
+    let mut sink = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
+    let entries = [
+        ("header", String::from_utf8(header.to_vec()).unwrap() + "\n"),
+        ("closing", String::new()),
+        ("frames", "1".to_owned()),
+    ];
+    let metadata = entries.map(|(name, text)| (name.to_owned(), text)).into();
+    sink.write_metadata(&mcap::records::Metadata { name: "moca.Recording".to_owned(), metadata })
+        .unwrap();
+    let schema = sink.add_schema("moca.Percept", "jsonschema", b"{}").unwrap();
+    let channel_id = sink.add_channel(schema, "/percepts", "json", &[].into()).unwrap();
+    let header =
+        mcap::records::MessageHeader { channel_id, sequence: 0, log_time: 0, publish_time: 0 };
+    sink.write_to_known_channel(&header, line.as_bytes()).unwrap();
+    sink.finish().unwrap();
+    let file = sink.into_inner().into_inner();
+    assert!(matches!(to_json_lines(&file), Err(McapFileError::Recording(_))));
+}
+
+/// A schema that claims four gigabytes takes none of them.
+#[test]
+fn the_length_of_a_schema_is_held_against_the_file() {
+    let mut file = from_json_lines(&beginning(2)).unwrap();
+    let name = b"\x0a\0\0\0jsonschema";
+    let place = file.windows(name.len()).rposition(|text| text == name).unwrap() + name.len();
+    file[place..place + 4].fill(0xff);
+    let folder = tempfile::tempdir().unwrap();
+    let [from, to] = ["a.mcap", "a.jsonl"].map(|name| folder.path().join(name));
+    fs::write(&from, file).unwrap();
+    // What is in the summary is not needed for the recording.
+    Runs::within("mcap", 1000).with(&[&from]).with(&["--output"]).with(&[&to]).run().done();
+    assert_eq!(fs::read(&to).unwrap(), beginning(2));
+}
+
+/// LZ4 is named, and what would help.
+#[test]
+fn a_compression_that_is_not_read_is_named() {
+    let file = from_json_lines(&beginning(2)).unwrap();
+    // The name of the compression stands behind its length in the head of a chunk; one of the same length is none.
+    let place = file.windows(8).position(|name| name == b"\x04\0\0\0zstd").unwrap();
+    let mut other = file;
+    other[place + 4..place + 8].copy_from_slice(b"lz4!");
+    let error = to_json_lines(&other).unwrap_err();
+    assert!(matches!(error, McapFileError::Compression { .. }), "{error}");
+    assert!(error.to_string().contains("lz4!") && error.to_string().contains("zstd"), "{error}");
+}
+
 proptest! {
     /// A file that is cut off is an error, never a panic and never a part taken for the whole.
     #[test]

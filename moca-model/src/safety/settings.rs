@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use crate::error::Error;
 use crate::robot::bodies::LinkCapsule;
 use crate::robot::moca::MOCA_BASE_JOINTS;
+use crate::settings::check_count;
 
 /// How the person's body is made of what the camera sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -180,6 +181,8 @@ impl SafetySettings {
         self.separation.validate()?;
         self.speed_cap.validate()?;
         self.supervisor.validate()?;
+        check_count("safety.pairs", self.pairs)?;
+        check_count("safety.own_rows", self.own_rows)?;
         for (name, value) in [
             ("safety.contact_acceleration", self.contact_acceleration),
             ("safety.own_deceleration", self.own_deceleration),

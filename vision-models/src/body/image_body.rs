@@ -76,6 +76,36 @@ const COCO_17: [Body25; 17] = [
     Body25::RightAnkle,
 ];
 
+/// The joints of `OpenPose`'s BODY_25B in their order. Its upper neck and the top of the head, joints 17 and 18, are
+/// none of BODY_25's.
+const BODY_25B: [Option<Body25>; 25] = [
+    Some(Body25::Nose),
+    Some(Body25::LeftEye),
+    Some(Body25::RightEye),
+    Some(Body25::LeftEar),
+    Some(Body25::RightEar),
+    Some(Body25::LeftShoulder),
+    Some(Body25::RightShoulder),
+    Some(Body25::LeftElbow),
+    Some(Body25::RightElbow),
+    Some(Body25::LeftWrist),
+    Some(Body25::RightWrist),
+    Some(Body25::LeftHip),
+    Some(Body25::RightHip),
+    Some(Body25::LeftKnee),
+    Some(Body25::RightKnee),
+    Some(Body25::LeftAnkle),
+    Some(Body25::RightAnkle),
+    None,
+    None,
+    Some(Body25::LeftBigToe),
+    Some(Body25::LeftSmallToe),
+    Some(Body25::LeftHeel),
+    Some(Body25::RightBigToe),
+    Some(Body25::RightSmallToe),
+    Some(Body25::RightHeel),
+];
+
 /// The eighteen joints of `OpenPose`'s COCO model in their order.
 const COCO_18: [Body25; 18] = [
     Body25::Nose,
@@ -117,6 +147,20 @@ impl ImageBody {
     /// right and left leg, eyes, ears, right before left). Mid hip is the middle of the hips.
     pub fn from_coco_18(keypoints: [Option<ImageKeypoint>; 18]) -> Self {
         let mut body = Self::placed(&COCO_18, &keypoints);
+        body.set_middle(Body25::MidHip, Body25::LeftHip, Body25::RightHip);
+        body
+    }
+
+    /// A body from the joints of `OpenPose`'s BODY_25B, which has the eyes where BODY_25 has the neck. Neck and mid hip
+    /// are the middles of shoulders and hips; upper neck and top of the head are left out.
+    pub fn from_body_25b(keypoints: [Option<ImageKeypoint>; 25]) -> Self {
+        let mut body = Self::default();
+        for (joint, keypoint) in BODY_25B.into_iter().zip(keypoints) {
+            if let Some(joint) = joint {
+                body.set(joint, keypoint);
+            }
+        }
+        body.set_middle(Body25::Neck, Body25::LeftShoulder, Body25::RightShoulder);
         body.set_middle(Body25::MidHip, Body25::LeftHip, Body25::RightHip);
         body
     }

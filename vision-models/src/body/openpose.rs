@@ -1,12 +1,13 @@
 //! The JSON that OpenPose writes.
 
+mod body_25b;
 mod bounded;
 
 use nalgebra::Point2;
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
-use self::bounded::Bounded;
+use self::{body_25b::body_of_25, bounded::Bounded};
 use super::{
     image_body::{ImageBody, ImageKeypoint},
     keypoints::Body25,
@@ -25,6 +26,9 @@ const OTHERS: [(usize, &str); 3] = [
     (51, "the 17 joints of COCO without a neck: reorder them by ImageBody::from_coco_17"),
     (405, "the 135 joints of BODY_135: run OpenPose with --model_pose BODY_25"),
 ];
+
+/// From so many joints on it is told that they are scaled.
+const FEW: usize = 3;
 
 /// More numbers than a person has in any model.
 const NUMBERS: usize = 512;
@@ -49,7 +53,8 @@ impl ImageBody {
     pub const MAX_PEOPLE: usize = 64;
 
     /// Reads the JSON that `OpenPose` writes for an image (`--write_json`, keypoints in pixels): one
-    /// body a person, BODY_25 or COCO-18 by the number of joints. A joint of zeros was not seen.
+    /// body a person: COCO-18 by its number of joints, BODY_25 and BODY_25B, which have as many, by where neck and mid
+    /// hip lie. A joint of zeros was not seen.
     /// Confidences above 1 count as 1. It takes at most five times the text's size and 64 KiB of memory.
     ///
     /// ```
@@ -102,10 +107,28 @@ fn person(index: usize, text: &RawValue) -> Result<ImageBody, Error> {
         *slot = keypoint(values)
             .map_err(|what| refuse(&format!("{what} as keypoint {joint} (from 0)")))?;
     }
+    if is_scaled(&keypoints) {
+        return Err(refuse(
+            "joints from 0 to 1, which are no pixels: run OpenPose with --keypoint_scale 0",
+        ));
+    }
     Ok(match keypoints.first_chunk::<18>() {
         Some(coco) if count == 54 => ImageBody::from_coco_18(*coco),
-        _ => ImageBody::new(keypoints),
+        _ => body_of_25(keypoints),
     })
+}
+
+/// Whether joints were scaled to the image's size: with `--keypoint_scale` 3 they lie in 0 to 1, with 4 in −1 to 1.
+fn is_scaled(keypoints: &[Option<ImageKeypoint>]) -> bool {
+    let mut seen = keypoints.iter().flatten().map(|keypoint| keypoint.position).peekable();
+    let first = seen.peek().copied();
+    let (mut count, mut differs) = (0, false);
+    let within = seen.all(|position| {
+        count += 1;
+        differs |= Some(position) != first;
+        position.iter().all(|coordinate| coordinate.abs() <= 1.0)
+    });
+    within && differs && count >= FEW
 }
 
 /// A joint, if it was seen; else what stands there.

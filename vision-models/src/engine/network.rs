@@ -9,7 +9,7 @@ use super::graph::Graph;
 use super::lowering::lower;
 use super::options::Options;
 use super::packed::Packed;
-use super::program::{Classifier, Misfit, Program, Slot, Step};
+use super::program::{Behind, Classifier, Fitted, Misfit, Program, Slot, Step};
 use super::scores::Scores;
 use super::session::{Session, Weights, copy_clip, copy_map};
 use super::shapes::{Algorithm, sizes};
@@ -75,7 +75,7 @@ impl Network {
         Ok(lower(graph)?.expected(classes).into_tensors())
     }
 
-    /// Takes the weights of a checkpoint, packs them for inputs of so many frames, rows and columns, and plans
+    /// Takes the weights of a checkpoint ([`NetworkKind::of`](crate::NetworkKind::of) says which), packs them for inputs of so many frames, rows and columns, and plans
     /// the pass for them.
     ///
     /// # Errors
@@ -97,8 +97,9 @@ impl Network {
             surplus,
             misshapen,
         };
-        program.check(&tensors).map_err(misfit)?;
-        Self::of_program(program, Box::new(tensors), size, options)
+        let fit = program.fit(&tensors).map_err(misfit)?;
+        let tensors = Box::new(Fitted::new(Box::new(tensors), fit));
+        Self::of_program(program, tensors, size, options)
     }
 
     /// Loads tensors that the program has checked. Compiled once for all sources of tensors.
@@ -124,7 +125,7 @@ impl Network {
         }
         let mut classifier = None;
         if let Some(head) = &program.classifier
-            && let Some((name, classes)) = head.find(&*tensors)
+            && let Some((name, classes)) = head.find(Behind::new(&*tensors, ""))
         {
             let features = head.features();
             classifier = Some(Packed::linear(isa, &name, features, classes, &mut *tensors)?);

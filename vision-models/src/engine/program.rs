@@ -1,5 +1,6 @@
 //! A network as steps from one piece of memory to another.
 
+mod fit;
 mod parameters;
 
 use crate::TensorSource;
@@ -9,6 +10,8 @@ use crate::layout::Extent;
 use super::graph::Frames;
 use super::head::Pooling;
 use super::layer::{Activation, Convolution};
+pub(crate) use fit::{Behind, Fitted};
+use fit::{Fit, prefixes};
 use parameters::Expected;
 pub(crate) use parameters::Misfit;
 pub(super) use parameters::{take, take_where};
@@ -126,7 +129,7 @@ impl Classifier {
     }
 
     /// What the layer is called in this checkpoint, and how many classes it has; `None` in one without it.
-    pub(crate) fn find(&self, tensors: &dyn TensorSource) -> Option<(String, usize)> {
+    pub(crate) fn find(&self, tensors: Behind<'_>) -> Option<(String, usize)> {
         let prefix = format!("{}.", self.name);
         let behind_dropout = format!("{}.1", self.name);
         let classes = |name: &str| {
@@ -140,7 +143,7 @@ impl Classifier {
         if tensors.shape(&format!("{behind_dropout}.weight")).is_some() {
             return Some((behind_dropout.clone(), classes(&behind_dropout)));
         }
-        let is_there = tensors.names().iter().any(|name| name.starts_with(&prefix));
+        let is_there = tensors.names().any(|name| name.starts_with(&prefix));
         is_there.then(|| (self.name.clone(), classes(&self.name)))
     }
 }
@@ -176,15 +179,32 @@ impl Program {
         expected
     }
 
-    /// Holds a checkpoint against what this network takes.
-    pub(crate) fn check(&self, tensors: &dyn TensorSource) -> Result<(), Misfit> {
-        let mut expected = self.expected_layers();
-        if let Some(classifier) = &self.classifier
-            && let Some((name, classes)) = classifier.find(tensors)
-        {
-            expected.linear(&name, classifier.features(), classes);
+    /// Finds this network's tensors in a checkpoint: all of them behind one prefix, mostly none.
+    ///
+    /// # Errors
+    /// What is wrong behind the prefix with which the least is.
+    pub(crate) fn fit(&self, tensors: &dyn TensorSource) -> Result<Fit, Misfit> {
+        let layers = self.expected_layers();
+        let mut least: Option<Misfit> = None;
+        for prefix in prefixes(tensors, layers.first().unwrap_or_default()) {
+            let behind = Behind::new(tensors, &prefix);
+            let mut expected = layers.clone();
+            if let Some(classifier) = &self.classifier
+                && let Some((name, classes)) = classifier.find(behind)
+            {
+                expected.linear(&name, classifier.features(), classes);
+            }
+            match expected.check(behind) {
+                Ok(left_out) => return Ok(Fit { prefix, left_out }),
+                Err(misfit) => {
+                    least = Some(match least.take() {
+                        Some(least) => least.or_smaller(misfit),
+                        None => misfit,
+                    });
+                }
+            }
         }
-        expected.check(tensors)
+        Err(least.unwrap_or_default())
     }
 
     /// Frames, rows and columns of each input for a clip of this size.

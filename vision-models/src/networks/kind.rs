@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::engine::{Graph, Misfit, Network, Options, Program, lower};
+use crate::engine::{Fitted, Graph, Misfit, Network, Options, Program, lower};
 use crate::{Error, TensorSource};
 
 use super::architecture::{
@@ -76,10 +76,19 @@ impl NetworkKind {
 
     /// The network whose tensors these are, all of them and with their shapes, for any number of
     /// classes or without a head; `None` if they are no known one's. Nothing but names and shapes is read.
+    ///
+    /// One prefix, such as `model.`, may stand before all names. Counters may stand beside the weights, and outside
+    /// the prefix whatever no layer multiplies with, such as the weights of classes in a loss:
+    /// [`left_out`](Self::left_out) names them.
     pub fn of(tensors: &dyn TensorSource) -> Option<Self> {
-        Self::all()
-            .into_iter()
-            .find(|kind| kind.program().is_ok_and(|program| program.check(tensors).is_ok()))
+        Self::all().into_iter().find(|kind| kind.left_out(tensors).is_some())
+    }
+
+    /// The tensors of a checkpoint that this network leaves out, by their names; `None` if it is no checkpoint of
+    /// this network.
+    pub fn left_out(self, tensors: &dyn TensorSource) -> Option<Vec<String>> {
+        let fit = self.program().ok()?.fit(tensors).ok()?;
+        Some(fit.left_out)
     }
 
     /// The names and shapes of the tensors that a checkpoint with this many classes must hold.
@@ -96,12 +105,12 @@ impl NetworkKind {
     ) -> Result<Network, Error> {
         options.validate()?;
         let program = self.program()?;
-        program.check(&*tensors).map_err(|misfit| {
+        let fit = program.fit(&*tensors).map_err(|misfit| {
             let Misfit { missing, surplus, misshapen } = misfit;
             let found = Self::of(&*tensors);
             Error::Weights { network: Some(self), found, missing, surplus, misshapen }
         })?;
-        Network::of_program(program, tensors, size, options)
+        Network::of_program(program, Box::new(Fitted::new(tensors, fit)), size, options)
     }
 
     fn program(self) -> Result<Program, Error> {

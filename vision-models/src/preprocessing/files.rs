@@ -1,14 +1,11 @@
-//! Images and folders of images.
+//! Images in files.
 
-use std::{
-    cmp::Ordering,
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::Path;
 
 use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use ndarray::Array3;
 
+use super::jpeg;
 use crate::{Error, file::read_bytes};
 
 /// The longest side of an image that is read (pixels).
@@ -21,17 +18,41 @@ const MAX_JPEG: u64 = 1 << 30;
 const MAX_METADATA: u64 = 16 << 20;
 /// The largest image file that is read (bytes).
 const MAX_FILE: u64 = 256 << 20;
-const EXTENSIONS: [&str; 3] = ["jpg", "jpeg", "png"];
 
-/// Reads a JPEG or PNG file as height × width × 3 (red, green, blue). Grey becomes three equal
-/// channels; transparency is left out.
+/// Which way up the pixels of an image file are given.
+///
+/// A camera that is held upright writes its pixels lying, and how it was held beside them, in the EXIF data. Pillow and
+/// torchvision leave the pixels as they are stored, OpenCV turns them. What belongs to the pixels of a camera, such as
+/// depth and joints, is as they are stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Orientation {
+    /// As they are stored.
+    #[default]
+    Stored,
+    /// As the EXIF data says; as they are stored where it says nothing.
+    Exif,
+}
+
+/// Reads a JPEG or PNG file as height × width × 3 (red, green, blue), its pixels as they are stored. Grey becomes
+/// three equal channels; transparency is left out.
 ///
 /// # Errors
 /// [`Error::File`] if it cannot be read or has more than 256 MiB; [`Error::Image`] as of
 /// [`decode_image`].
 pub fn read_image(path: impl AsRef<Path>) -> Result<Array3<u8>, Error> {
+    read_image_oriented(path, Orientation::Stored)
+}
+
+/// The same with a choice which way up.
+///
+/// # Errors
+/// As of [`read_image`].
+pub fn read_image_oriented(
+    path: impl AsRef<Path>,
+    orientation: Orientation,
+) -> Result<Array3<u8>, Error> {
     let path = path.as_ref();
-    decode_image(&read_bytes(path, MAX_FILE)?).map_err(|error| match error {
+    decode_image_oriented(&read_bytes(path, MAX_FILE)?, orientation).map_err(|error| match error {
         Error::Image { reason, .. } => Error::Image { path: path.display().to_string(), reason },
         other => other,
     })
@@ -45,17 +66,26 @@ pub fn read_image(path: impl AsRef<Path>) -> Result<Array3<u8>, Error> {
 /// colour).
 ///
 /// # Errors
-/// [`Error::Image`], with an empty path, for what is no such image or too large.
+/// [`Error::Image`], with an empty path, for what is no such image, too large, cut off or corrupted: pixels that a
+/// file does not have are not made up.
 pub fn decode_image(bytes: &[u8]) -> Result<Array3<u8>, Error> {
+    decode_image_oriented(bytes, Orientation::Stored)
+}
+
+/// The same with a choice which way up.
+///
+/// # Errors
+/// As of [`decode_image`].
+pub fn decode_image_oriented(bytes: &[u8], orientation: Orientation) -> Result<Array3<u8>, Error> {
     let refuse = |reason| Error::Image { path: String::new(), reason };
-    let image = decode(bytes).map_err(refuse)?.into_rgb8();
+    let image = decode(bytes, orientation).map_err(refuse)?.into_rgb8();
     let (width, height) = image.dimensions();
     Array3::from_shape_vec((height as usize, width as usize, 3), image.into_raw())
         .map_err(|error| refuse(error.to_string()))
 }
 
 /// Decodes an image whose header claims no more than the limits above; else gives the reason.
-fn decode(bytes: &[u8]) -> Result<DynamicImage, String> {
+fn decode(bytes: &[u8], orientation: Orientation) -> Result<DynamicImage, String> {
     let of_decoder = |error: ImageError| error.to_string();
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
@@ -65,11 +95,16 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, String> {
     let mut reader = reader.map_err(|error| error.to_string())?;
     reader.limits(limits);
     let format = reader.format();
-    let decoder = reader.into_decoder().map_err(of_decoder)?;
+    let mut decoder = reader.into_decoder().map_err(of_decoder)?;
 
     let ((width, height), colour) = (decoder.dimensions(), decoder.color_type());
     let pixels = u64::from(width) * u64::from(height);
-    let given = if colour == ColorType::Rgb8 { 0 } else { 3 * pixels };
+    let turn = match orientation {
+        Orientation::Stored => None,
+        Orientation::Exif => Some(decoder.orientation().map_err(of_decoder)?),
+    };
+    let copies = u64::from(colour != ColorType::Rgb8) + u64::from(turn.is_some());
+    let given = 3 * pixels * copies;
     let coefficients = 2 * pixels * u64::from(colour.channel_count());
     let (taken, most) = match format {
         Some(ImageFormat::Jpeg) => (decoder.total_bytes() + given + coefficients, MAX_JPEG),
@@ -79,79 +114,12 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, String> {
         let [taken, most] = [taken, most].map(|bytes| bytes >> 20);
         return Err(format!("{width} × {height} pixels take {taken} MiB, {most} MiB are accepted"));
     }
-    DynamicImage::from_decoder(decoder).map_err(of_decoder)
-}
-
-/// The JPEG and PNG files of a folder, in the order of their names; numbers in the names count as
-/// numbers, so that `frame_10` comes after `frame_9`.
-///
-/// # Errors
-/// [`Error::File`] if the folder cannot be read, [`Error::NoFrames`] if it has no such files.
-pub fn list_frames(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
-    let folder = folder.as_ref();
-    let mut frames = Vec::new();
-    for entry in fs::read_dir(folder).map_err(|error| of_file(folder, &error))? {
-        let path = entry.map_err(|error| of_file(folder, &error))?.path();
-        let extension = path.extension().and_then(|extension| extension.to_str());
-        if extension.is_some_and(|own| EXTENSIONS.iter().any(|one| own.eq_ignore_ascii_case(one))) {
-            frames.push(path);
-        }
+    let mut image = match format {
+        Some(ImageFormat::Jpeg) => jpeg::decode(bytes, (width, height), colour)?,
+        _ => DynamicImage::from_decoder(decoder).map_err(of_decoder)?,
+    };
+    if let Some(turn) = turn {
+        image.apply_orientation(turn);
     }
-    if frames.is_empty() {
-        return Err(Error::NoFrames);
-    }
-    frames.sort_by(|one, other| {
-        by_number(&one.to_string_lossy(), &other.to_string_lossy()).then_with(|| one.cmp(other))
-    });
-    Ok(frames)
-}
-
-/// Compares text, with runs of digits as the numbers that they are.
-fn by_number(mut one: &str, mut other: &str) -> Ordering {
-    loop {
-        let (digits, others) = (number(one), number(other));
-        let order = if digits.is_empty() || others.is_empty() {
-            let order = one.chars().next().cmp(&other.chars().next());
-            if order.is_ne() || one.is_empty() {
-                return order;
-            }
-            one = skip(one, one.chars().next().map_or(0, char::len_utf8));
-            other = skip(other, other.chars().next().map_or(0, char::len_utf8));
-            order
-        } else {
-            let values = [digits, others].map(|digits| digits.trim_start_matches('0'));
-            one = skip(one, digits.len());
-            other = skip(other, others.len());
-            values[0].len().cmp(&values[1].len()).then_with(|| values[0].cmp(values[1]))
-        };
-        if order.is_ne() {
-            return order;
-        }
-    }
-}
-
-/// The digits at the start.
-fn number(text: &str) -> &str {
-    let end = text.find(|character: char| !character.is_ascii_digit()).unwrap_or(text.len());
-    text.get(..end).unwrap_or_default()
-}
-
-fn skip(text: &str, bytes: usize) -> &str {
-    text.get(bytes..).unwrap_or_default()
-}
-
-fn of_file(path: &Path, error: &std::io::Error) -> Error {
-    Error::File { path: path.display().to_string(), reason: error.to_string() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::by_number;
-
-    #[test]
-    fn numbers_count_as_numbers() {
-        let mut names = ["f10.png", "f9.png", "f009a.png", "g1", "f", "", "f09.png", "10", "9"];
-        names.sort_by(|one, other| by_number(one, other));
-        assert_eq!(names, ["", "9", "10", "f", "f9.png", "f09.png", "f009a.png", "f10.png", "g1"]);
-    }
+    Ok(image)
 }

@@ -18,8 +18,8 @@ use crate::{Error, Tensor, Tensors};
 /// or a `.safetensors`; its first bytes tell. Nothing in it is executed. Opening it and reading all
 /// of it take at most four times its size and 16 MiB of memory, whatever it holds: what would take
 /// more is refused when it is opened. A state dict may be wrapped in
-/// a dict under `state_dict`, `model_state`, `model_state_dict` or `model`; a `module.` before
-/// every name is left out.
+/// a dict under `state_dict`, `model_state`, `model_state_dict` or `model`; `module.` and `_orig_mod.`,
+/// which `DataParallel` and `torch.compile` put before every name, are left out.
 ///
 /// ```
 /// use vision_models::Checkpoint;
@@ -69,7 +69,7 @@ impl<R: Read + Seek> Checkpoint<R> {
         let mut start = Vec::new();
         (&mut source).take(16).read_to_end(&mut start).map_err(|error| reading(&error))?;
         let mut budget = Budget::of_file(length);
-        let contents = if start.starts_with(b"PK\x03\x04") {
+        let mut contents = if start.starts_with(b"PK\x03\x04") {
             torch::read_archive(&mut source, length, &mut budget)?
         } else if torch::is_stream(&start) {
             torch::read_stream(&mut source, length, &mut budget)?
@@ -78,6 +78,7 @@ impl<R: Read + Seek> Checkpoint<R> {
         } else {
             return Err(CheckpointError::UnknownFormat { start }.into());
         };
+        contents.unwrap_names(&mut budget)?;
         // Views of one storage may overlap, and an axis without a stride repeats its elements.
         let elements = contents
             .tensors
@@ -110,9 +111,16 @@ impl<R: Read + Seek> Checkpoint<R> {
     }
 
     /// What else the file holds, of which nothing is read: the keys beside the state dict and
-    /// entries in it that are no tensors. At most 64, each of at most 64 characters.
+    /// entries in it that are no tensors of a known type. At most 64 of each, each of at most 64 characters.
     pub fn others(&self) -> &[String] {
         &self.contents.others
+    }
+
+    /// What stands among the tensors and is not read: entries of the state dict that are no tensors, and tensors
+    /// with elements of a type that no layer has, such as complex numbers. They are also among the
+    /// [others](Self::others).
+    pub fn unread(&self) -> &[String] {
+        &self.contents.unread
     }
 
     /// Reads a tensor, its elements as f32.
@@ -177,6 +185,10 @@ impl<R: Read + Seek> TensorSource for Checkpoint<R> {
 
     fn shape(&self, name: &str) -> Option<&[usize]> {
         self.contents.tensors.get(name).map(TensorInfo::shape)
+    }
+
+    fn is_counter(&self, name: &str) -> bool {
+        self.contents.tensors.get(name).is_some_and(|info| info.element().is_whole())
     }
 
     fn take(&mut self, name: &str) -> Result<Tensor, Error> {

@@ -2,7 +2,8 @@
 
 use std::{collections::BTreeMap, fmt};
 
-use super::TensorInfo;
+use super::{TensorInfo, budget::Budget};
+use crate::Error;
 
 /// The format of a checkpoint file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,4 +33,26 @@ pub(super) struct Contents {
     pub(super) tensors: BTreeMap<String, TensorInfo>,
     pub(super) wrappers: Vec<&'static str>,
     pub(super) others: Vec<String>,
+    /// Of the others, what stands among the tensors.
+    pub(super) unread: Vec<String>,
+}
+
+/// What PyTorch's own wrappers put before every name: `DataParallel` and its kin, and `torch.compile`.
+const WRAPPING: [&str; 2] = ["module.", "_orig_mod."];
+
+impl Contents {
+    /// Takes off what wrappers have put before every name, however many there are.
+    pub(super) fn unwrap_names(&mut self, budget: &mut Budget) -> Result<(), Error> {
+        while let Some(prefix) = WRAPPING.into_iter().find(|prefix| {
+            let is_before = |name: &String| name.len() > prefix.len() && name.starts_with(prefix);
+            !self.tensors.is_empty() && self.tensors.keys().all(is_before)
+        }) {
+            for (mut name, info) in std::mem::take(&mut self.tensors) {
+                budget.take_entry::<String, TensorInfo>(0)?;
+                name.drain(..prefix.len());
+                self.tensors.insert(name, info);
+            }
+        }
+        Ok(())
+    }
 }

@@ -47,6 +47,11 @@ impl ElementType {
         Self::NAMES.into_iter().find(|(element, ..)| *element == self).map_or("", |(.., name)| name)
     }
 
+    /// Returns true for whole numbers and truth values.
+    pub(super) const fn is_whole(self) -> bool {
+        !matches!(self, Self::F64 | Self::F32 | Self::F16 | Self::Bf16)
+    }
+
     /// The size of one element (bytes).
     pub const fn size(self) -> usize {
         match self {

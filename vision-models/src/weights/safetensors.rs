@@ -24,7 +24,7 @@ use crate::{Error, Tensors, error::Excerpt};
 
 /// The largest header that is accepted (bytes); the format allows 100 MB.
 const MAX_HEADER: u64 = 16 << 20;
-/// How many keys of the metadata are told, and how many characters of each.
+/// How many keys of the metadata, and how many tensors of other types, are told, and how many characters of each.
 const OTHERS: usize = 64;
 /// The key for what is no tensor.
 const METADATA: &str = "__metadata__";
@@ -68,13 +68,20 @@ pub(super) fn read<R: Read + Seek>(
     let start = 8 + size;
     let mut tensors = BTreeMap::new();
     let mut places = Vec::with_capacity(header.records.len());
+    let (mut others, mut unread) = (header.metadata, Vec::new());
     for (name, record) in header.records {
         let [begin, end] = record.data_offsets;
         let shown = Excerpt(&name);
-        let element = ElementType::from_name(&record.dtype).ok_or_else(|| {
-            let kind = Excerpt(&record.dtype);
-            problem(format!("tensor \"{shown}\" has elements of the unknown type {kind}"))
-        })?;
+        let Some(element) = ElementType::from_name(&record.dtype) else {
+            if begin > end {
+                return Err(problem(format!("tensor \"{shown}\" is from {begin} to {end}")));
+            }
+            places.push((begin, end));
+            if unread.len() < OTHERS {
+                unread.push(name.chars().take(OTHERS).collect::<String>());
+            }
+            continue;
+        };
         let info = TensorInfo::contiguous(element, record.shape, start.saturating_add(begin));
         let bytes = info.as_ref().and_then(|info| info.elements().checked_mul(element.size()));
         let (Some(info), Some(bytes)) = (info, bytes) else {
@@ -89,8 +96,15 @@ pub(super) fn read<R: Read + Seek>(
         tensors.insert(name, info);
     }
     check_places(places, length - start)?;
-    let (wrappers, others) = (Vec::new(), header.metadata);
-    Ok(Contents { format: Format::Safetensors, tensors, wrappers, others })
+    if tensors.is_empty() && !unread.is_empty() {
+        return Err(problem(format!(
+            "no tensor has elements of a known type: the first is \"{}\"",
+            Excerpt(unread.first().map_or("", String::as_str))
+        )));
+    }
+    others.extend(unread.iter().cloned());
+    let wrappers = Vec::new();
+    Ok(Contents { format: Format::Safetensors, tensors, wrappers, others, unread })
 }
 
 /// Every byte after the header belongs to exactly one tensor.

@@ -12,6 +12,12 @@ pub trait TensorSource {
     /// The shape of the tensor of this name.
     fn shape(&self, name: &str) -> Option<&[usize]>;
 
+    /// Returns true if the file holds whole numbers or truth values: a counter or a mask, which no layer is made
+    /// of. Of a source that does not know, false.
+    fn is_counter(&self, _name: &str) -> bool {
+        false
+    }
+
     /// Gives the tensor of this name; it may be asked for only once.
     ///
     /// # Errors

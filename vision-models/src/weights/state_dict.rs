@@ -11,8 +11,6 @@ use crate::Error;
 
 /// The keys under which training programs save a state dict.
 const WRAPPERS: &[&str] = &["state_dict", "model_state", "model_state_dict", "model"];
-/// What `DataParallel` puts before every name.
-const PARALLEL: &str = "module.";
 /// How many other entries, and how much of their names, is worth telling.
 const TOLD: usize = 64;
 
@@ -24,6 +22,8 @@ pub(super) struct StateDict {
     pub(super) wrappers: Vec<&'static str>,
     /// What else the file holds.
     pub(super) others: Vec<String>,
+    /// Of these, what stands among the tensors.
+    pub(super) unread: Vec<String>,
 }
 
 impl StateDict {
@@ -42,7 +42,9 @@ impl StateDict {
             found.wrappers.push(wrapper);
             dict = entry;
         }
+        let outside = found.others.len();
         found.note_others(pickle, dict, |_, value| !matches!(value, Value::Tensor(_)));
+        found.unread = found.others.get(outside..).unwrap_or_default().to_vec();
         found.collect(pickle, dict, budget)?;
         if found.tensors.is_empty() {
             return Err(CheckpointError::NoStateDict {
@@ -51,7 +53,6 @@ impl StateDict {
             }
             .into());
         }
-        found.strip(PARALLEL);
         Ok(found)
     }
 
@@ -65,24 +66,11 @@ impl StateDict {
             if self.tensors.contains_key(&**name) {
                 return Err(CheckpointError::DuplicateName { name: name.to_string() }.into());
             }
-            // Twice: all names are made anew where a prefix is taken off.
             let heap = 2 * name.len() + size_of_val(&*view.shape) + size_of_val(&*view.strides);
             budget.take_entry::<String, View>(heap)?;
-            budget.take_entry::<String, View>(2 * name.len())?;
             self.tensors.insert(name.to_string(), View::clone(view));
         }
         Ok(())
-    }
-
-    /// Takes a prefix off that every name has.
-    fn strip(&mut self, prefix: &str) {
-        if self.tensors.keys().all(|name| name.len() > prefix.len() && name.starts_with(prefix)) {
-            let tensors = std::mem::take(&mut self.tensors);
-            self.tensors = tensors
-                .into_iter()
-                .map(|(name, view)| (name.chars().skip(prefix.len()).collect(), view))
-                .collect();
-        }
     }
 
     fn note_others(

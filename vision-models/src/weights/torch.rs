@@ -139,12 +139,12 @@ pub(super) fn read_stream<R: Read + Seek>(
 /// Finds every tensor's place.
 fn contents(
     format: Format,
-    state_dict: StateDict,
+    mut state_dict: StateDict,
     budget: &mut Budget,
     mut region: impl FnMut(&Storage) -> Result<Region, Error>,
 ) -> Result<Contents, Error> {
     let mut tensors = BTreeMap::new();
-    for (name, view) in state_dict.tensors {
+    for (name, view) in std::mem::take(&mut state_dict.tensors) {
         let heap = size_of_val(&*view.shape) + size_of_val(&*view.strides);
         budget.take_entry::<String, TensorInfo>(heap)?;
         let place = region(&view.storage)?;
@@ -158,7 +158,8 @@ fn contents(
         };
         tensors.insert(name, info);
     }
-    Ok(Contents { format, tensors, wrappers: state_dict.wrappers, others: state_dict.others })
+    let StateDict { wrappers, others, unread, .. } = state_dict;
+    Ok(Contents { format, tensors, wrappers, others, unread })
 }
 
 /// A storage's size (bytes).

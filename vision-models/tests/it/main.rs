@@ -21,6 +21,8 @@ mod engine;
 mod graphs;
 #[cfg(feature = "inference")]
 mod heads;
+#[cfg(feature = "inference")]
+mod jpegs;
 mod jumps;
 #[cfg(feature = "inference")]
 mod labels;
@@ -35,6 +37,8 @@ mod openpose;
 mod part_grouping;
 #[cfg(feature = "inference")]
 mod pose;
+#[cfg(feature = "inference")]
+mod prefixes;
 #[cfg(feature = "inference")]
 mod preprocessing;
 #[cfg(feature = "inference")]

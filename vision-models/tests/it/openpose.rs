@@ -74,6 +74,66 @@ fn other_models_and_other_files_are_named() {
     assert!(problem(&file(&vec![counted(18); 65])).contains("65 people"));
 }
 
+/// BODY_25B has as many joints as BODY_25, and the eyes where that has the neck.
+#[test]
+fn body_25b_is_told_by_where_neck_and_mid_hip_lie() {
+    let whole = include_str!("../data/body_25b.json");
+    let people = ImageBody::from_openpose(whole.as_bytes()).unwrap();
+    let x = |joint| people[0].get(joint).map(|keypoint| keypoint.position.x);
+    // By the names of its joints, as the file was made.
+    for (joint, expected) in [
+        (Body25::Nose, 320.0),
+        (Body25::LeftEye, 328.0),
+        (Body25::RightEar, 302.0),
+        (Body25::LeftShoulder, 355.0),
+        (Body25::RightShoulder, 285.0),
+        (Body25::Neck, 320.0),
+        (Body25::RightWrist, 265.0),
+        (Body25::LeftHip, 342.0),
+        (Body25::MidHip, 320.0),
+        (Body25::RightAnkle, 294.0),
+        (Body25::LeftBigToe, 352.0),
+    ] {
+        assert_eq!(x(joint), Some(expected), "{joint:?}");
+    }
+    // The same person of BODY_25 stays as it is, seen from before, from the side and lying.
+    let standing: Vec<[f64; 3]> = Body25::ALL
+        .into_iter()
+        .map(|joint| {
+            let place = people[0].get(joint).unwrap().position;
+            [place.x, place.y, 0.9]
+        })
+        .collect();
+    for turn in [
+        |[x, y, c]: [f64; 3]| [x, y, c],
+        |[x, y, c]: [f64; 3]| [320.0 + 0.1 * (x - 320.0), y, c],
+        |[x, y, c]: [f64; 3]| [y, x, c],
+    ] {
+        let joints: Vec<_> = standing.iter().copied().map(turn).collect();
+        let body = &ImageBody::from_openpose(file(&[joints.clone()]).as_bytes()).unwrap()[0];
+        for joint in Body25::ALL {
+            assert_eq!(body.get(joint).unwrap().position.x, joints[joint.index()][0]);
+        }
+    }
+}
+
+#[test]
+fn joints_that_were_scaled_to_the_image_are_refused_with_the_option_that_helps() {
+    for (scale, shift) in [(1.0 / 640.0, 0.0), (2.0 / 640.0, -1.0)] {
+        let scaled = |[x, y, c]: [f64; 3]| [scale * x + shift, scale * y + shift, c];
+        let joints: Vec<_> = counted(25)
+            .into_iter()
+            .map(|[x, y, c]| scaled([10.0 * x + 1.0, 9.0 * y + 1.0, c]))
+            .collect();
+        let problem = problem(&file(&[joints]));
+        assert!(problem.contains("--keypoint_scale 0"), "{problem}");
+    }
+    // Two joints in the corner are none.
+    let mut corner = vec![[0.0; 3]; 25];
+    (corner[0], corner[1]) = ([0.5, 0.5, 0.9], [0.7, 0.9, 0.9]);
+    assert!(ImageBody::from_openpose(file(&[corner]).as_bytes()).is_ok());
+}
+
 /// However many people, numbers or brackets a file has, it takes five times its size and 64 KiB at most.
 #[test]
 fn a_file_of_nothing_useful_stays_small() {

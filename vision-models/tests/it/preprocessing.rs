@@ -5,8 +5,8 @@ use ndarray::{Array3, Axis, s};
 use proptest::prelude::*;
 use serde_json::Value;
 use vision_models::{
-    ClipSampling, Crops, Error, Library, Preprocessing, Resize, decode_image, list_frames,
-    read_image, resize_opencv, resize_pillow,
+    ClipSampling, Crops, Error, ImageFolder, Library, Preprocessing, Resize, decode_image,
+    list_frames, read_image, resize_opencv, resize_pillow,
 };
 
 fn golden() -> Value {
@@ -218,6 +218,30 @@ fn images_and_folders_of_images() {
     let empty = tempfile::tempdir().unwrap();
     assert_eq!(list_frames(empty.path()), Err(Error::NoFrames));
     assert!(matches!(list_frames(empty.path().join("none")), Err(Error::File { .. })));
+}
+
+/// What systems put into folders is no data, and what is left out besides is counted.
+#[test]
+fn a_folder_is_its_images_and_a_count_of_the_rest() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for name in [".git", "@eaDir", ".ipynb_checkpoints", "__MACOSX", "drilled", "2.png"] {
+        std::fs::create_dir(at(name)).unwrap();
+    }
+    for name in
+        ["._1.png", "1.png", "10.JPEG", "Thumbs.db", ".DS_Store", "a.bmp", "b.BMP", "README"]
+    {
+        std::fs::write(at(name), "x").unwrap();
+    }
+    let found = ImageFolder::open(folder.path()).unwrap();
+    let names = |paths: &[std::path::PathBuf]| -> Vec<String> {
+        paths.iter().map(|path| path.file_name().unwrap().to_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(names(&found.images), ["1.png", "10.JPEG"]);
+    assert_eq!(names(&found.folders), ["2.png", "drilled"]);
+    assert_eq!(found.others.count(), 3);
+    assert_eq!(found.others.to_string(), "1 without an extension, 2 .bmp");
+    assert!(!found.others.is_empty());
 }
 
 /// A PNG whose header claims these sides (pixels) in this colour type and depth (bits), with the

@@ -1,12 +1,34 @@
 //! Models from URDFs.
 
-use std::path::Path;
+use std::{
+    fs::File,
+    io::{self, Read},
+    path::Path,
+};
 
 use super::assembly;
 use super::description::Description;
 use super::model::Model;
 use crate::error::Error;
 use crate::urdf::document;
+
+/// The largest URDF (bytes). The largest of public robots have some hundred kilobytes.
+const LARGEST: u64 = 64 << 20;
+
+/// Reads a file; a device or a pipe, which has no length, no further than a file may be.
+fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let too_large = || {
+        let text = format!("larger than a URDF can be: at most {LARGEST} bytes are read");
+        io::Error::new(io::ErrorKind::FileTooLarge, text)
+    };
+    let file = File::open(path)?;
+    if file.metadata()?.len() > LARGEST {
+        return Err(too_large());
+    }
+    let mut bytes = Vec::new();
+    file.take(LARGEST + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > LARGEST { Err(too_large()) } else { Ok(bytes) }
+}
 
 impl Model {
     /// Reads the robot that `description` sees in the text of a URDF.
@@ -28,7 +50,7 @@ impl Model {
         assembly::assemble(&robot.into(), description)
     }
 
-    /// The same from a file; bytes that are not UTF-8 count as unknown characters.
+    /// The same from a file of at most 64 MiB; bytes that are not UTF-8 count as unknown characters.
     ///
     /// # Errors
     /// [`Error::File`]; [`Error::InFile`] with what is wrong in it.
@@ -37,8 +59,7 @@ impl Model {
         description: &Description,
     ) -> Result<Self, Error> {
         let path = path.as_ref();
-        let bytes =
-            std::fs::read(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
+        let bytes = read(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
         Self::from_urdf(&String::from_utf8_lossy(&bytes), description)
             .map_err(|source| Error::InFile { path: path.to_owned(), source: Box::new(source) })
     }

@@ -1,8 +1,10 @@
 //! The tensors that a network takes from a checkpoint, and what is right in them.
 
+use std::collections::BTreeSet;
+
 use crate::{Error, TensorSource};
 
-use super::{Layer, slopes};
+use super::{Layer, fit::Behind, slopes};
 
 /// The tensors that a network takes from a checkpoint.
 #[derive(Clone, Debug, Default)]
@@ -12,11 +14,22 @@ pub(crate) struct Expected {
 }
 
 /// Everything that makes a checkpoint another network's; see [`Error::Weights`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Misfit {
     pub(crate) missing: Vec<String>,
     pub(crate) surplus: Vec<String>,
     pub(crate) misshapen: Vec<String>,
+}
+
+impl Misfit {
+    fn count(&self) -> usize {
+        self.missing.len() + self.surplus.len() + self.misshapen.len()
+    }
+
+    /// The one of two with less that is wrong; the first of equal ones.
+    pub(crate) fn or_smaller(self, other: Self) -> Self {
+        if other.count() < self.count() { other } else { self }
+    }
 }
 
 impl Expected {
@@ -48,12 +61,12 @@ impl Expected {
         self.tensors
     }
 
-    /// Holds a checkpoint against what is expected.
-    pub(crate) fn check(&self, tensors: &dyn TensorSource) -> Result<(), Misfit> {
+    /// Holds what stands behind a prefix of a checkpoint against what is expected. Gives what else there is and may
+    /// be left out, by its whole name: counters, and outside the prefix whatever no layer multiplies with.
+    pub(crate) fn check(&self, tensors: Behind<'_>) -> Result<Vec<String>, Misfit> {
         let mut missing = Vec::new();
         let mut misshapen = Vec::new();
-        let mut known =
-            self.optional.iter().map(String::as_str).collect::<std::collections::BTreeSet<_>>();
+        let mut known = self.optional.iter().map(String::as_str).collect::<BTreeSet<_>>();
         for (name, shape) in &self.tensors {
             known.insert(name);
             match tensors.shape(name) {
@@ -64,17 +77,23 @@ impl Expected {
                 Some(_) => {}
             }
         }
-        let surplus: Vec<_> = tensors
-            .names()
-            .into_iter()
-            .filter(|name| !known.contains(name))
-            .map(String::from)
-            .collect();
+        let inside = tensors.names().filter(|name| !known.contains(name));
+        let (mut left_out, mut surplus): (Vec<_>, Vec<_>) =
+            inside.map(|name| tensors.whole(name)).partition(|name| tensors.is_counter(name));
+        let (buffers, weights): (Vec<_>, Vec<_>) =
+            tensors.outside().map(str::to_owned).partition(|name| tensors.is_buffer(name));
+        left_out.extend(buffers);
+        surplus.extend(weights);
         if missing.is_empty() && surplus.is_empty() && misshapen.is_empty() {
-            Ok(())
+            Ok(left_out)
         } else {
             Err(Misfit { missing, surplus, misshapen })
         }
+    }
+
+    /// A name that the tensors of no checkpoint of this network are without.
+    pub(crate) fn first(&self) -> Option<&str> {
+        self.tensors.first().map(|(name, _)| name.as_str())
     }
 }
 

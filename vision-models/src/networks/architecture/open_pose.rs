@@ -16,7 +16,7 @@ impl OpenPoseForm {
 
     /// The form of the one checkpoint whose names these could be.
     pub(crate) fn guess(names: &[&str]) -> Self {
-        let is_module = names.iter().any(|name| name.starts_with("model0."));
+        let is_module = names.iter().any(|name| name.split('.').any(|part| part == "model0"));
         if is_module { Self::Modules } else { Self::Caffe }
     }
 

@@ -31,10 +31,11 @@ impl SimpleBaselineForm {
 
     /// The form of the one checkpoint whose names these could be.
     pub(crate) fn guess(names: &[&str]) -> Self {
-        let has = |prefix: &str| names.iter().any(|name| name.starts_with(prefix));
-        if has("keypoint_head.") {
+        let has =
+            |module: &str| names.iter().any(|name| name.split('.').any(|part| part == module));
+        if has("keypoint_head") {
             Self::MmPose0
-        } else if has("head.") {
+        } else if has("head") {
             Self::MmPose1
         } else {
             Self::Microsoft

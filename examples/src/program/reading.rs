@@ -1,0 +1,47 @@
+//! Whole files in memory, up to a limit.
+
+use std::{
+    fs::File,
+    io::{self, Read},
+    path::Path,
+};
+
+/// Reads a file of at most `limit` bytes. A device or a pipe, which has no length, is read no further than that.
+///
+/// ```
+/// use examples::program::read_bytes;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("four");
+/// std::fs::write(&path, "four")?;
+/// assert_eq!(read_bytes(&path, 4)?, b"four");
+/// assert!(read_bytes(&path, 3).unwrap_err().to_string().contains("at most 3 bytes"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
+///
+/// # Errors
+/// What the system says; [`io::ErrorKind::FileTooLarge`] for a larger file, before memory is taken for it.
+pub fn read_bytes(path: impl AsRef<Path>, limit: u64) -> io::Result<Vec<u8>> {
+    let too_large = || {
+        let text = format!("larger than such a file can be: at most {limit} bytes are read");
+        io::Error::new(io::ErrorKind::FileTooLarge, text)
+    };
+    let file = File::open(path)?;
+    if file.metadata()?.len() > limit {
+        return Err(too_large());
+    }
+    let mut bytes = Vec::new();
+    file.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit { Err(too_large()) } else { Ok(bytes) }
+}
+
+/// Reads a text of at most `limit` bytes.
+///
+/// # Errors
+/// As of [`read_bytes`]; [`io::ErrorKind::InvalidData`] for what is no UTF-8, with the place.
+pub fn read_text(path: impl AsRef<Path>, limit: u64) -> io::Result<String> {
+    String::from_utf8(read_bytes(path, limit)?).map_err(|error| {
+        let place = error.utf8_error().valid_up_to();
+        io::Error::new(io::ErrorKind::InvalidData, format!("not UTF-8 text: byte {place}"))
+    })
+}

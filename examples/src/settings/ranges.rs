@@ -1,0 +1,211 @@
+//! The range of every number of the settings, in one table.
+//!
+//! Within it the programs run; some are narrowed further by what goes together with them.
+
+use toml::{Table, Value};
+
+/// A number outside its range.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct OutOfRange {
+    /// The setting, without places in lists.
+    pub(super) path: String,
+    /// What is wrong with it, and its range.
+    pub(super) reason: String,
+}
+
+/// The end of a setting's path, and its range, ends included.
+type Range = (&'static str, f64, f64);
+
+/// Times that may also be for ever (s).
+const FOR_EVER: f64 = f64::MAX;
+
+/// The first whose path is the end of a setting's decides.
+const RANGES: &[Range] = &[
+    ("controller.period", 1e-4, 0.1),
+    ("controller.gain", 0.0, 1e3),
+    ("controller.horizon", 1e-4, 100.0),
+    ("controller.activation_time", 1e-6, 1e3),
+    ("controller.on_board_camera", -100.0, 100.0),
+    ("desired.velocity", 1e-3, 10.0),
+    ("desired.acceleration", 1e-2, 1e3),
+    ("desired.angular_velocity", 1e-3, 20.0),
+    ("desired.angular_acceleration", 1e-2, 2e3),
+    ("space.min", -100.0, 100.0),
+    ("space.max", -100.0, 100.0),
+    ("space.tool", -1.0, 1.0),
+    ("space.turn", 0.0, std::f64::consts::PI),
+    ("space.lead", 0.0, 10.0),
+    ("space.clearance", 0.0, 100.0),
+    ("space.margin", 0.0, 10.0),
+    ("space.position_rows", 6.0, 200.0),
+    ("space.orientation_rows", 6.0, 200.0),
+    ("hand.bare", 0.0, 2.0),
+    ("hand.drill", 0.0, 2.0),
+    ("hand.polisher", 0.0, 2.0),
+    ("hand.speed", 1e-3, 10.0),
+    ("controller.base.speed", 1e-3, 100.0),
+    ("controller.base.lever", 0.0, 10.0),
+    ("controller.base.axis_speed", 1e-3, 100.0),
+    ("singularity.share", 1e-6, 1.0),
+    ("singularity.slowest", 1e-6, 1.0),
+    ("posture.configuration", -1e3, 1e3),
+    ("posture.gain", 0.0, 1e3),
+    ("posture.weight", 0.0, 1e4),
+    ("budget.iterations", 1.0, 1e9),
+    ("budget.time", 1e-6, 1e3),
+    ("intention.enter", 0.0, 1.0),
+    ("intention.keep", 0.0, 1.0),
+    ("intention.dwell", 0.0, 1e3),
+    ("intention.release", 0.0, 1e3),
+    ("tracker.least_confidence", 0.0, 1.0),
+    ("tracker.position_sigma", 1e-6, 10.0),
+    ("tracker.acceleration_density", 1e-6, 1e4),
+    ("tracker.measured_density", 1e-6, 1e4),
+    ("tracker.trunk_density", 1e-6, 1e4),
+    ("tracker.limb_density", 1e-6, 1e4),
+    ("tracker.max_speed", 1e-3, 100.0),
+    ("tracker.heading_sigma", 1e-6, 10.0),
+    ("tracker.turning_density", 1e-6, 1e4),
+    ("tracker.max_turning_rate", 1e-3, 100.0),
+    ("tracker.gate", 1e-3, 1e3),
+    ("tracker.measured_gate", 1e-3, 1e3),
+    ("tracker.jump_probability", 1e-300, 1.0),
+    ("tracker.correlation_time", 0.0, 10.0),
+    ("tracker.acquire_frames", 1.0, 1e3),
+    ("tracker.acquire_radius", 1e-6, 100.0),
+    ("tracker.coast_limit", 0.0, 0.5),
+    ("tracker.tracked_age", 0.0, 0.5),
+    ("tracker.turn_limit", 0.0, 0.5),
+    ("follower.speed", 1e-3, 100.0),
+    ("follower.acceleration", 1e-3, 1e3),
+    ("follower.angular_speed", 1e-3, 100.0),
+    ("follower.angular_acceleration", 1e-3, 1e3),
+    ("follower.gain", 1e-3, 1e3),
+    ("stale.rest_after", 1e-3, 1e3),
+    ("stale.ramp", 1e-3, 1e3),
+    ("clock.tolerance", 1e-6, 1.0),
+    ("clock.gap", 1e-4, FOR_EVER),
+    ("clock.ahead", 0.0, 1e9),
+    ("clock.epoch", 1e-6, FOR_EVER),
+    ("leash.prismatic", 1e-6, 100.0),
+    ("leash.revolute", 1e-6, 100.0),
+    ("leash.position", 1e-6, 100.0),
+    ("leash.rotation", 1e-6, std::f64::consts::PI),
+    ("leash.give_way_speed", 1e-6, 1.0),
+    ("leash.give_way_travel", 1e-6, 100.0),
+    ("safety.pairs", 0.0, 1e3),
+    ("safety.contact_speed", 0.0, 10.0),
+    ("safety.contact_acceleration", 1e-3, 1e3),
+    ("safety.own_pairs", 0.0, 1e4),
+    ("safety.own_rows", 0.0, 1e3),
+    ("safety.own_margin", 0.0, 1.0),
+    ("safety.own_deceleration", 1e-3, 1e3),
+    ("capsule.start", -10.0, 10.0),
+    ("capsule.end", -10.0, 10.0),
+    ("capsule.radius", 0.0, 10.0),
+    ("separation.human_speed", 0.0, 10.0),
+    ("separation.arm_speed", 0.0, 20.0),
+    ("separation.reaction_time", 1e-4, 10.0),
+    ("separation.deceleration", 1e-3, 1e3),
+    ("separation.base.joints", 0.0, 1e3),
+    ("separation.base.deceleration", 1e-3, 1e3),
+    ("separation.intrusion", 0.0, 10.0),
+    ("separation.human_uncertainty", 0.0, 10.0),
+    ("separation.robot_uncertainty", 0.0, 10.0),
+    ("contact.area", 1e-8, 1.0),
+    ("force", 0.1, 1e5),
+    ("pressure", 1.0, 1e9),
+    ("stiffness", 1.0, 1e8),
+    ("mass", 1e-3, 1e4),
+    ("speed_cap.reduced", 1e-3, 100.0),
+    ("speed_cap.full", 1e-3, 100.0),
+    ("speed_cap.near", 1e-3, 1e3),
+    ("speed_cap.far", 1e-3, 1e3),
+    ("supervisor.reduced_room", 0.0, 100.0),
+    ("supervisor.tolerance", 0.0, 10.0),
+    ("supervisor.hysteresis", 0.0, 10.0),
+    ("supervisor.dwell", 0.0, 1e3),
+    ("supervisor.reduced_age", 1e-3, FOR_EVER),
+    ("supervisor.stop_age", 1e-3, FOR_EVER),
+    ("supervisor.reduced_scale", 0.0, 1.0),
+    ("supervisor.retreat_scale", 0.0, 1.0),
+    ("supervisor.ramp", 1e-3, 1e3),
+    ("supervisor.contact_force", 1e-3, 1e6),
+    ("person.least_confidence", 0.0, 1.0),
+    ("person.limb_gate", 0.0, 100.0),
+    ("person.jump_speed", 0.0, 1e3),
+    ("person.gap", 0.0, 1e3),
+    ("person.agreement", 0.0, 100.0),
+    ("person.settling", 1e-3, 1e3),
+    ("person.believed_for", 1e-3, 1e3),
+    ("person.position_sigma", 1e-6, 10.0),
+    ("person.acceleration", 1e-3, 1e3),
+    ("person.working_acceleration", 1e-3, 1e3),
+    ("person.speed_deviations", 0.0, 100.0),
+    ("person.onset", 0.0, 1e3),
+    ("person.forget_after", 1e-3, 1e6),
+    ("torque.rotor_inertia", 0.0, 1e3),
+    ("torque.delay", 0.0, 0.0045),
+    ("delay.known", 0.0, 0.0045),
+    ("torque.observer_rates", 1e-3, 1e3),
+    ("impedance.stiffness", 0.0, 1e5),
+    ("impedance.damping", 0.0, 1e4),
+    ("impedance.torque_rate", 1e-3, 1e7),
+];
+
+/// The range of a setting; none of one that is no number.
+pub(super) fn range_of(path: &str) -> Option<[f64; 2]> {
+    let is_end = |end: &str| {
+        path.strip_suffix(end).is_some_and(|before| before.is_empty() || before.ends_with('.'))
+    };
+    // Of the longest end: the damping of contacts is no joint's.
+    let fits = RANGES.iter().filter(|(end, ..)| is_end(end));
+    fits.max_by_key(|(end, ..)| end.len()).map(|&(_, low, high)| [low, high])
+}
+
+/// The words for a range.
+pub(super) fn words([low, high]: [f64; 2]) -> String {
+    let number = |value: f64| {
+        if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
+            value.to_string()
+        } else {
+            format!("{value:e}")
+        }
+    };
+    if high >= FOR_EVER {
+        format!("at least {}", number(low))
+    } else {
+        format!("{} to {}", number(low), number(high))
+    }
+}
+
+/// Checks every number.
+///
+/// # Errors
+/// The first that is outside its range, or of which none is known.
+pub(super) fn check(settings: &Table) -> Result<(), OutOfRange> {
+    settings.iter().try_for_each(|(name, value)| check_value(name, value))
+}
+
+fn check_value(path: &str, value: &Value) -> Result<(), OutOfRange> {
+    let number = match value {
+        Value::Table(table) => {
+            return table
+                .iter()
+                .try_for_each(|(name, value)| check_value(&format!("{path}.{name}"), value));
+        }
+        Value::Array(items) => {
+            return items.iter().try_for_each(|item| check_value(path, item));
+        }
+        #[expect(clippy::cast_precision_loss, reason = "it is compared with small numbers")]
+        Value::Integer(number) => *number as f64,
+        Value::Float(number) => *number,
+        _ => return Ok(()),
+    };
+    let wrong = |reason| Err(OutOfRange { path: path.to_owned(), reason });
+    match range_of(path) {
+        Some([low, high]) if (low..=high).contains(&number) => Ok(()),
+        Some(range) => wrong(format!("{path} is {value}: give {}", words(range))),
+        None => wrong(format!("{path} is {value}, and no range of it is known")),
+    }
+}

@@ -1,0 +1,267 @@
+//! Files as the field has them: too large, beside others, with names of their own.
+
+use std::{fs, path::Path};
+
+use examples::{
+    experiment::{Needs, Recorded},
+    program::{read_bytes, shown},
+    settings::SettingsFile,
+    shards::Part,
+};
+use moca_model::whole_body::{Description, Model};
+
+use crate::support::{Runs, SmallDisk, resnet18, save_picture, small_frames};
+
+/// A file of so many bytes that takes no room.
+fn sparse(folder: &Path, name: &str) -> String {
+    let path = folder.join(name);
+    fs::File::create(&path).unwrap().set_len(6 << 30).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// No file is taken into memory before its length is known, and of what has no length no more than is read.
+#[test]
+fn files_that_are_too_large_are_refused_in_little_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = sparse(folder.path(), "large");
+    let endless = Path::new("/dev/zero");
+    for path in [Path::new(&file), endless] {
+        assert!(read_bytes(path, 1 << 20).is_err());
+        let held = SettingsFile::read(path).unwrap_err().to_string();
+        assert!(held.contains("at most 4194304 bytes"), "{held}");
+        let description = Description::default();
+        let error = Model::from_urdf_file(path, &description).unwrap_err().to_string();
+        assert!(error.contains("larger than a URDF can be"), "{error}");
+    }
+    assert!(Part::<String, String>::read(Path::new(&file)).is_err());
+    assert!(Recorded::read_all(&[file.clone().into()], Needs::Tools).is_err());
+    for (name, arguments) in [
+        ("ik", vec![file.as_str(), "--frame=tool"]),
+        ("follow", vec!["--settings", &file]),
+        ("soak", vec!["--settings", &file]),
+        ("merge", vec![&file]),
+    ] {
+        let ran = Runs::within(name, 1500).with(&arguments).run();
+        let says = if name == "merge" { "large" } else { "at most" };
+        ran.failed(1, says);
+    }
+}
+
+#[test]
+fn names_from_outside_steer_no_terminal() {
+    assert_eq!(shown("plain é.png").to_string(), "plain é.png");
+    assert_eq!(shown("a\u{1b}[31m\n\u{202e}b").to_string(), "a\\u{1b}[31m\\n\\u{202e}b");
+    let folder = tempfile::tempdir().unwrap();
+    let name = "cat\u{1b}[2J\u{202e}gnp.png";
+    let image = save_picture(&folder.path().join(name), 30, 1);
+    let missing = folder.path().join("no\u{1b}]0;x\u{7}\u{2066}ne.png");
+    let classify = Runs::new("classify").with(&["--weights", resnet18(), "--depth=18", "--json"]);
+    let ran = classify.with(&[&image, missing.to_str().unwrap()]).run();
+    for text in [&ran.output, &ran.errors] {
+        assert!(!text.contains(['\u{1b}', '\u{7}', '\u{202e}', '\u{2066}']), "{text:?}");
+    }
+    assert!(ran.output.contains("cat\\u{1b}[2J\\u{202e}gnp.png"), "{}", ran.output);
+    // In JSON the name is whole.
+    assert_eq!(ran.json()["images"][0]["image"], image);
+}
+
+/// torchvision's weights are measured after 256 or 232 pixels, the paper's after 255; an image may be turned.
+#[test]
+fn the_size_and_the_orientation_are_choices() {
+    let folder = tempfile::tempdir().unwrap();
+    let image = save_picture(&folder.path().join("a.png"), 30, 1);
+    let classify = |options: &[&str]| {
+        let ran = Runs::new("classify").with(&["--weights", resnet18(), "--depth=18", "--json"]);
+        ran.with(&[&image]).with(options).run().done().json()["images"][0]["classes"].clone()
+    };
+    let of_paper = classify(&[]);
+    assert_eq!(classify(&["--resize=255", "--orientation=stored"]), of_paper);
+    assert_ne!(classify(&["--resize=232"]), of_paper);
+    assert_ne!(classify(&["--resize=256"]), of_paper);
+    // The file says nothing about how the camera was held.
+    assert_eq!(classify(&["--orientation=exif"]), of_paper);
+    Runs::new("classify")
+        .with(&["--weights", resnet18(), &image, "--resize=100"])
+        .run()
+        .failed(2, "--resize");
+}
+
+/// A data set as it lies on disks: what systems put there is no data, and nothing vanishes without a word.
+#[test]
+fn folders_are_data_and_what_lies_beside_is_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let images = folder.path().join("images");
+    for (class, level) in [("drilled", 30), ("smooth", 200)] {
+        let own = images.join(class);
+        fs::create_dir_all(own.join("@eaDir")).unwrap();
+        for seed in 0..4 {
+            save_picture(&own.join(format!("{seed}.png")), level, seed);
+        }
+        fs::write(own.join("._0.png"), "resource fork").unwrap();
+        fs::write(own.join("a.bmp"), "BM").unwrap();
+    }
+    for hidden in [".git", ".ipynb_checkpoints", "@eaDir", "__MACOSX"] {
+        fs::create_dir_all(images.join(hidden)).unwrap();
+        save_picture(&images.join(hidden).join("0.png"), 100, 9);
+    }
+    let model = folder.path().join("model");
+    let train = |images: &Path| {
+        Runs::new("surface")
+            .with(&["train"])
+            .with(&[images])
+            .with(&["--output"])
+            .with(&[&model])
+            .with(&["--random-backbone=1", "--depth=18", "--epochs=5", "--json"])
+    };
+    let ran = train(&images).run().done();
+    assert_eq!(ran.json()["classes"], serde_json::json!(["drilled", "smooth"]));
+    assert_eq!(ran.json()["unreadable"], 0);
+    assert_eq!(ran.json()["in_two_parts"], 0);
+    assert_eq!(ran.errors.matches("left out 1 .bmp").count(), 2, "{}", ran.errors);
+
+    // One picture under many names is in every part.
+    for seed in 0..10 {
+        let copy = images.join("smooth").join(format!("copy{seed}.png"));
+        fs::copy(images.join("smooth/0.png"), copy).unwrap();
+    }
+    let ran = train(&images).run().done();
+    assert!(ran.json()["in_two_parts"].as_u64().unwrap() >= 2);
+    assert!(ran.errors.contains("is the same picture as"), "{}", ran.errors);
+
+    // Of other types alone.
+    for seed in 0..4 {
+        let png = images.join(format!("smooth/{seed}.png"));
+        fs::rename(&png, png.with_extension("bmp")).unwrap();
+    }
+    for seed in 0..10 {
+        fs::remove_file(images.join(format!("smooth/copy{seed}.png"))).unwrap();
+    }
+    train(&images).run().failed(1, "no JPEG or PNG files, but 5 .bmp");
+}
+
+/// A folder of frames of its own, with files as links to those of the small film.
+fn film(change: impl Fn(&Path)) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let from = Path::new(small_frames());
+    for part in ["", "depth", "skeletons"] {
+        fs::create_dir_all(folder.path().join(part)).unwrap();
+        for entry in fs::read_dir(from.join(part)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_file() {
+                fs::copy(&path, folder.path().join(part).join(path.file_name().unwrap())).unwrap();
+            }
+        }
+    }
+    change(folder.path());
+    folder
+}
+
+fn perceive(folder: &Path) -> Runs {
+    let skeletons = folder.join("skeletons");
+    let output = folder.join("out.jsonl");
+    Runs::new("perceive")
+        .with(&[folder])
+        .with(&["--skeletons"])
+        .with(&[skeletons])
+        .with(&["--json", "--output"])
+        .with(&[output])
+}
+
+fn rename_skeletons(folder: &Path, name: impl Fn(u64) -> String) {
+    let skeletons = folder.join("skeletons");
+    for entry in fs::read_dir(&skeletons).unwrap() {
+        let path = entry.unwrap().path();
+        let number = path.file_name().unwrap().to_str().unwrap()[..6].parse().unwrap();
+        fs::rename(&path, skeletons.join(name(number))).unwrap();
+    }
+}
+
+fn edit(path: &Path, change: impl Fn(&mut serde_json::Value)) {
+    let mut value = serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
+    change(&mut value);
+    fs::write(path, value.to_string()).unwrap();
+}
+
+/// OpenPose names its files by twelve digits, behind the name of a video.
+#[test]
+fn skeletons_are_found_by_the_names_that_openpose_gives() {
+    let plain = perceive(film(|_| {}).path()).run().done().json();
+    let seen = plain["with_body"].as_u64().unwrap();
+    assert!(seen > 0, "{plain}");
+    for prefix in ["", "video_", "film-2_"] {
+        let folder = film(|folder| {
+            rename_skeletons(folder, |number| format!("{prefix}{number:012}_keypoints.json"));
+        });
+        let ran = perceive(folder.path()).run().done().json();
+        assert_eq!(ran["with_body"], seen, "{prefix}");
+    }
+}
+
+/// What keeps anybody from being found is an error that says which of three things it is, and leaves no recording.
+#[test]
+fn nothing_found_is_no_success() {
+    let check = |folder: &tempfile::TempDir, says: &str| {
+        perceive(folder.path()).run().failed(1, says);
+        assert!(!folder.path().join("out.jsonl").exists());
+    };
+    // Names that are no frame's.
+    let names = film(|folder| {
+        rename_skeletons(folder, |number| format!("{:06}_keypoints.json", number + 500_000));
+    });
+    check(&names, "no frame has a file of joints");
+    // Joints from 0 to 1.
+    let scaled = film(|folder| {
+        for entry in fs::read_dir(folder.join("skeletons")).unwrap() {
+            edit(&entry.unwrap().path(), |value| {
+                for person in value["people"].as_array_mut().unwrap() {
+                    let numbers = person["pose_keypoints_2d"].as_array_mut().unwrap();
+                    for number in numbers.chunks_mut(3).flat_map(|joint| &mut joint[..2]) {
+                        *number = (number.as_f64().unwrap() / 32.0).clamp(0.0, 1.0).into();
+                    }
+                }
+            });
+        }
+    });
+    check(&scaled, "--keypoint_scale 0");
+    // A scale of the depth that is a thousand times too small, and one that is too large.
+    for scale in [1e-6, 1.0] {
+        let wrong = film(|folder| {
+            edit(&folder.join("camera.json"), |camera| camera["depth_scale"] = scale.into());
+        });
+        check(&wrong, "depth_scale in camera.json");
+    }
+}
+
+#[test]
+fn a_broken_frame_is_named_and_the_good_ones_are_kept() {
+    let folder = film(|folder| {
+        fs::write(folder.join("depth/000012.png"), "").unwrap();
+        fs::write(folder.join("skeletons/000020_keypoints.json"), "{\"people\":[").unwrap();
+    });
+    let whole = perceive(film(|_| {}).path()).run().done().json();
+    let ran = perceive(folder.path()).run().failed(1, "000012.png");
+    assert!(ran.errors.contains("000020_keypoints.json"), "{}", ran.errors);
+    let json = ran.json();
+    assert_eq!(json["broken"], 2);
+    assert_eq!(json["frames"].as_u64().unwrap() + 2, whole["frames"].as_u64().unwrap());
+    let text = fs::read_to_string(folder.path().join("out.jsonl")).unwrap();
+    assert_eq!(text.lines().count() as u64, json["frames"].as_u64().unwrap() + 2);
+}
+
+/// A frame that a full disk has no room for is not there, in place of an empty file under its name.
+#[test]
+fn a_full_disk_leaves_no_empty_frame() {
+    let Some(disk) = SmallDisk::new(300) else { return };
+    let folder = disk.path().join("walk");
+    let film = ["--size=64x48", "--duration=20", "--walk", "--frames"];
+    Runs::new("record").with(&film).with(&[&folder]).run().failed(1, "walk");
+    let mut pictures = 0;
+    for part in ["colour", "depth", "surface", "skeletons"] {
+        for entry in fs::read_dir(folder.join(part)).unwrap() {
+            let path = entry.unwrap().path();
+            assert!(fs::metadata(&path).unwrap().len() > 0, "{} is empty", path.display());
+            pictures += 1;
+        }
+    }
+    assert!(pictures > 10, "{pictures} files");
+}

@@ -1,0 +1,184 @@
+//! No number of the settings makes a program panic, or run without ever solving anything and call it done.
+
+use examples::settings::{RobotSettings, SettingsFile};
+use toml::{Table, Value};
+
+use crate::support::Runs;
+
+/// Where a number stands in a table: names and places in lists.
+#[derive(Clone, Debug)]
+enum Step {
+    Name(String),
+    Place(usize),
+}
+
+/// The places of all numbers, of long lists the first.
+fn numbers(value: &Value, path: &[Step], found: &mut Vec<Vec<Step>>) {
+    let below = |step: Step| path.iter().cloned().chain([step]).collect::<Vec<_>>();
+    match value {
+        Value::Integer(_) | Value::Float(_) => found.push(path.to_vec()),
+        Value::Table(table) => {
+            table
+                .iter()
+                .for_each(|(name, value)| numbers(value, &below(Step::Name(name.clone())), found));
+        }
+        Value::Array(items) => {
+            items.iter().take(1).enumerate().for_each(|(place, value)| {
+                numbers(value, &below(Step::Place(place)), found);
+            });
+        }
+        _ => {}
+    }
+}
+
+fn put(value: &mut Value, path: &[Step], new: Value) {
+    let place = path.iter().fold(value, |value, step| match step {
+        Step::Name(name) => &mut value.as_table_mut().unwrap()[name],
+        Step::Place(place) => &mut value.as_array_mut().unwrap()[*place],
+    });
+    *place = new;
+}
+
+fn name(path: &[Step]) -> String {
+    let names = path.iter().filter_map(|step| match step {
+        Step::Name(name) => Some(name.as_str()),
+        Step::Place(_) => None,
+    });
+    names.collect::<Vec<_>>().join(".")
+}
+
+fn all() -> Table {
+    let mut settings = RobotSettings::default();
+    settings.controller.on_board_camera = Some([0.1, 0.2, 0.3]);
+    settings.controller.budget.iterations = Some(1000);
+    settings.controller.budget.time = Some(std::time::Duration::from_millis(10));
+    let mut table = Table::try_from(settings).unwrap();
+    table.insert("version".to_owned(), Value::Integer(1));
+    table
+}
+
+const WRONG: [&str; 9] =
+    ["nan", "inf", "-inf", "1e308", "-1e308", "0", "0.0", "-1", "9223372036854775807"];
+
+/// Every number has a range: outside it an error names the setting, and within it a controller can be made.
+#[test]
+fn each_number_that_cannot_work_is_refused_by_name() {
+    let whole = all();
+    let mut places = Vec::new();
+    numbers(&Value::Table(whole.clone()), &[], &mut places);
+    places.retain(|path| name(path) != "version");
+    assert!(places.len() > 150, "{} numbers", places.len());
+    let mut accepted = Vec::new();
+    for path in &places {
+        for wrong in WRONG {
+            let value: Table = format!("x = {wrong}").parse().unwrap();
+            let mut changed = Value::Table(whole.clone());
+            put(&mut changed, path, value["x"].clone());
+            let text = toml::to_string(&changed).unwrap();
+            let read =
+                SettingsFile::parse(&text).and_then(|file| file.over(&RobotSettings::default()));
+            match read {
+                Ok(_) => accepted.push(format!("{} = {wrong}", name(path))),
+                Err(error) => {
+                    let last = name(path).rsplit('.').next().unwrap().to_owned();
+                    let error = error.to_string();
+                    let words = last.replace('_', " ");
+                    assert!(
+                        error.contains(&last) || error.contains(&words) || error.contains("line "),
+                        "{} = {wrong}: {error}",
+                        name(path)
+                    );
+                }
+            }
+        }
+    }
+    // Zero may mean none; no number that is none may.
+    let strange =
+        |one: &&String| !one.ends_with("= 0") && !one.ends_with("= 0.0") && !one.ends_with("= -1");
+    let strange: Vec<_> = accepted.iter().filter(strange).collect();
+    for one in strange {
+        let ages = ["clock.gap", "clock.epoch", "supervisor.reduced_age", "supervisor.stop_age"];
+        let known = ages.iter().any(|age| {
+            one.contains(&format!("{age} = 1e308"))
+                || one.contains(&format!("{age} = 9223372036854775807"))
+        });
+        assert!(known, "accepted: {one}");
+    }
+    // What is accepted runs, or says what is wrong with it; nothing panics.
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("settings.toml");
+    for one in &accepted {
+        let (path, value) = one.split_once(" = ").unwrap();
+        let place = places.iter().find(|place| name(place) == path).unwrap();
+        let value: Table = format!("x = {value}").parse().unwrap();
+        let mut changed = Value::Table(whole.clone());
+        put(&mut changed, place, value["x"].clone());
+        std::fs::write(&file, toml::to_string(&changed).unwrap()).unwrap();
+        let ran = Runs::new("soak")
+            .with(&["--ticks=60", "--kinematic", "--settings"])
+            .with(&[&file])
+            .run();
+        assert!(matches!(ran.code(), Some(0 | 1)), "{one}: {ran:?}");
+        assert!(!ran.errors.contains("panicked"), "{one}: {ran:?}");
+        if ran.output.is_empty() {
+            assert!(ran.errors.contains("settings.toml"), "{one}: {ran:?}");
+        }
+    }
+}
+
+/// What memory could not hold aborted.
+#[test]
+fn sizes_that_no_memory_holds_are_refused_with_file_line_and_range() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("settings.toml");
+    for (table, name) in [
+        ("controller.space", "position_rows"),
+        ("controller.space", "orientation_rows"),
+        ("controller.safety", "pairs"),
+        ("controller.safety", "own_rows"),
+    ] {
+        for size in ["9223372036854775807", "10000000000", "5000"] {
+            let text = format!("version = 1\n[{table}]\n{name} = {size}\n");
+            std::fs::write(&file, text).unwrap();
+            for program in ["follow", "soak", "drive"] {
+                let says = format!("settings.toml: line 3: ");
+                let runs = Runs::new(program).with(&["--settings"]).with(&[&file]);
+                let ran = runs.run().failed(1, &says);
+                assert!(ran.errors.contains(name), "{ran:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_run_in_which_nothing_is_solved_is_a_failure() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, recording) = (folder.path().join("settings.toml"), folder.path().join("a.jsonl"));
+    std::fs::write(&file, "version = 1\n[controller.budget]\niterations = 1\n").unwrap();
+    Runs::new("record").with(&["--duration=1", "--output"]).with(&[&recording]).run().done();
+    let follow = Runs::follow().with(&["--no-report", "--recording"]).with(&[&recording]);
+    let ran = follow.with(&["--kinematic", "--settings"]).with(&[&file]).run();
+    let json = Runs::follow()
+        .with(&["--no-report", "--kinematic", "--json", "--recording"])
+        .with(&[&recording])
+        .run()
+        .done()
+        .json();
+    assert_eq!(json["solver_failures"], 0, "{json}");
+    if ran.errors.contains("no control period") {
+        assert_eq!(ran.code(), Some(1), "{ran:?}");
+    }
+}
+
+#[test]
+fn options_that_never_work_are_refused() {
+    for spin in ["nan", "-1", "inf", "1e9"] {
+        Runs::new("drive").with(&[&format!("--spin={spin}")]).run().failed(2, "microseconds");
+    }
+    for period in ["1e-308", "nan", "0", "2"] {
+        Runs::new("ik")
+            .with(&["none.urdf", "--frame=x", &format!("--period={period}")])
+            .run()
+            .failed(2, "0.00001 to 1");
+    }
+}

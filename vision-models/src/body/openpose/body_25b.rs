@@ -1,0 +1,101 @@
+//! The two models of 25 joints.
+
+use nalgebra::{Point2, center};
+
+use crate::body::{
+    image_body::{ImageBody, ImageKeypoint},
+    keypoints::Body25,
+};
+
+/// Neck and mid hip of a person are nearer to the middles of shoulders and hips than this, in the body's size.
+const NEAR_THE_MIDDLE: f64 = 0.04;
+/// The limbs of a person in the right order are shorter than this share of those in the wrong one.
+const SHORTER: f64 = 0.9;
+/// The top of the head is nearer to the nose than this, in the body's size.
+const HEAD: f64 = 0.4;
+/// The places of both in BODY_25B.
+const NOSE: usize = 0;
+const TOP: usize = 18;
+/// From so many limbs on they are compared.
+const FEW: usize = 4;
+
+/// Pairs of joints that are near each other on a body.
+const LIMBS: [[Body25; 2]; 16] = {
+    use Body25::{
+        LeftAnkle, LeftBigToe, LeftEar, LeftElbow, LeftEye, LeftHip, LeftKnee, LeftShoulder,
+        LeftWrist, Nose, RightAnkle, RightBigToe, RightEar, RightElbow, RightEye, RightHip,
+        RightKnee, RightShoulder, RightWrist,
+    };
+    [
+        [Nose, LeftEye],
+        [Nose, RightEye],
+        [LeftEye, LeftEar],
+        [RightEye, RightEar],
+        [LeftShoulder, RightShoulder],
+        [LeftShoulder, LeftElbow],
+        [RightShoulder, RightElbow],
+        [LeftElbow, LeftWrist],
+        [RightElbow, RightWrist],
+        [LeftHip, RightHip],
+        [LeftHip, LeftKnee],
+        [RightHip, RightKnee],
+        [LeftKnee, LeftAnkle],
+        [RightKnee, RightAnkle],
+        [LeftAnkle, LeftBigToe],
+        [RightAnkle, RightBigToe],
+    ]
+};
+
+/// A person of 25 joints: of BODY_25, whose neck lies between the shoulders and whose mid hip between the hips, or of
+/// BODY_25B, which has other joints in those places. It is read as BODY_25B where neck or mid hip lie elsewhere, or are
+/// not told, and the limbs become shorter by it.
+pub(super) fn body_of_25(keypoints: [Option<ImageKeypoint>; Body25::COUNT]) -> ImageBody {
+    let plain = ImageBody::new(keypoints);
+    let Some(size) = size(&plain) else { return plain };
+    let has_head = match [keypoints[NOSE], keypoints[TOP]] {
+        [Some(nose), Some(top)] => (top.position - nose.position).norm() < HEAD * size,
+        _ => true,
+    };
+    let is_in_place = off_the_middle(&plain).is_some_and(|off| off < NEAR_THE_MIDDLE * size);
+    if is_in_place || !has_head {
+        return plain;
+    }
+    let other = ImageBody::from_body_25b(keypoints);
+    match (mean_limb(&plain), mean_limb(&other)) {
+        (Some(own), Some(others)) if others < SHORTER * own => other,
+        _ => plain,
+    }
+}
+
+/// The diagonal of what was seen of a body (pixels).
+fn size(body: &ImageBody) -> Option<f64> {
+    let seen = || body.iter().map(|(_, keypoint)| keypoint.position);
+    let from = seen().reduce(|one, other| one.inf(&other))?;
+    let to = seen().reduce(|one, other| one.sup(&other))?;
+    Some((to - from).norm())
+}
+
+fn place(body: &ImageBody, joint: Body25) -> Option<Point2<f64>> {
+    body.get(joint).map(|keypoint| keypoint.position)
+}
+
+/// How far neck or mid hip are from the middles of shoulders and hips (pixels); `None` where neither can be told.
+fn off_the_middle(body: &ImageBody) -> Option<f64> {
+    let off = |middle, one, other| {
+        let half_way = center(&place(body, one)?, &place(body, other)?);
+        Some((place(body, middle)? - half_way).norm())
+    };
+    let neck = off(Body25::Neck, Body25::LeftShoulder, Body25::RightShoulder);
+    let hips = off(Body25::MidHip, Body25::LeftHip, Body25::RightHip);
+    neck.into_iter().chain(hips).reduce(f64::max)
+}
+
+/// The mean length of the limbs that were seen (pixels).
+fn mean_limb(body: &ImageBody) -> Option<f64> {
+    let length = |[from, to]: [Body25; 2]| Some((place(body, to)? - place(body, from)?).norm());
+    let (count, sum) = LIMBS
+        .into_iter()
+        .filter_map(length)
+        .fold((0_usize, 0.0), |(count, sum), length| (count + 1, sum + length));
+    (count >= FEW).then(|| sum / count as f64)
+}
