@@ -18,22 +18,22 @@ use ergo_map::{MapOptions, Person};
 use examples::ergonomics::{build_map, read_map};
 use examples::follow::Scenario;
 use examples::program::{self, Ending, Json, Program, Quiet, Session};
-use examples::recording::{self, IfPartial, Recording};
+use examples::settings::SettingsFile;
 #[cfg(feature = "ros2")]
-use examples::robot_side::ros2::{
+use moca_drivers::ros2::{
     JointInterface, RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPeople,
     TopicReport,
 };
-use examples::robot_side::{
+use moca_drivers::{
     AnnouncedLaw, DriveReport, LinkReport, LockstepSide, RecordedCamera, SharedKey, SimulatedSide,
     UdpServer, UdpSide,
 };
-use examples::settings::SettingsFile;
 use moca_model::whole_body::{
     Clock, Compensation, ControlLoop, JointMeasurement, LoopSettings, ManualClock, MonotonicClock,
     RobotSide, Scheduling, StopCause,
 };
 use moca_model::{AnswerDelay, CameraFrame, Controller, LoopController, TorqueController};
+use percept_recording::{self, IfPartial, Recording};
 use serde::Serialize;
 #[cfg(feature = "ros2")]
 use vision_models::Percept;
@@ -243,9 +243,9 @@ impl Options {
     /// What `follow` plays, in real time.
     fn scenario(&self, session: &Session) -> Result<Scenario> {
         let Recording { header, percepts, others, .. } = match &self.recording {
-            Some(path) => Recording::read(recording::open(path)?, IfPartial::Refuse)
+            Some(path) => Recording::read(percept_recording::open(path)?, IfPartial::Refuse)
                 .with_context(|| path.display().to_string())?,
-            None => Recording::read(recording::shipped()?, IfPartial::Refuse)?,
+            None => Recording::read(shipped::recording()?, IfPartial::Refuse)?,
         };
         let (person, map) = if let Some(path) = &self.map {
             let map = read_map(path)?;

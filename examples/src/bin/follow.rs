@@ -16,19 +16,19 @@ use examples::ergonomics::{build_map, read_map};
 use examples::follow::{Comparison, Run, Scenario, Summary, TrueMotion};
 #[cfg(feature = "mcap")]
 use examples::mcap_files::RobotLog;
-use examples::page::{ResultRow, Results, page};
 use examples::perception::PostureOptions;
-use examples::picture::{animation, still};
 #[cfg(feature = "mcap")]
 use examples::program::read_bytes;
 use examples::program::{
     self, Ending, Json, OutputFile, Program, Progress, Quiet, Session, check_folder,
 };
-use examples::recording::{self, Completeness, Header, IfPartial, Recording, RecordingError};
-use examples::replay::{Recorder, Replay};
-use examples::report::{RunLog, TickRow, TickTable, figure};
 use examples::settings::{RobotSettings, SettingsFile};
 use moca_model::{Goal, MOCA_URDF};
+use moca_replay::page::{ResultRow, Results, page};
+use moca_replay::picture::{animation, still};
+use moca_replay::recorded::{Recorder, Replay};
+use moca_replay::report::{RunLog, TickRow, TickTable, figure};
+use percept_recording::{self, Completeness, Header, IfPartial, Recording, RecordingError};
 
 /// Stature where neither the recording nor the command line gives one (m).
 const DEFAULT_STATURE: f64 = 1.75;
@@ -216,7 +216,7 @@ impl Options {
     fn load(&self, session: &Session) -> Result<(Scenario, Ending)> {
         let Recording { header, percepts, others, timings, completeness } = match &self.recording {
             Some(path) => self.read(path)?,
-            None => Recording::read(recording::shipped()?, IfPartial::Refuse)?,
+            None => Recording::read(shipped::recording()?, IfPartial::Refuse)?,
         };
         let name = self.recording.as_deref().unwrap_or(Path::new("the recording")).display();
         let recorded = match completeness {
@@ -257,7 +257,7 @@ impl Options {
         let text = match &self.recording {
             Some(recording) => read_bytes(recording, LARGEST_RECORDING)
                 .with_context(|| recording.display().to_string())?,
-            None => recording::shipped_bytes().to_vec(),
+            None => shipped::bytes().to_vec(),
         };
         Ok(Some((RobotLog::new(&text, &scenario.model)?, file)))
     }
@@ -318,7 +318,7 @@ impl Options {
             }
             error => anyhow::Error::from(error).context(path.display().to_string()),
         };
-        let reader = recording::open(path).map_err(fail)?;
+        let reader = percept_recording::open(path).map_err(fail)?;
         Recording::read(reader, if_partial).map_err(fail)
     }
 }

@@ -9,9 +9,9 @@ use std::{
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use examples::hqp_file::{HqpReader, Problem};
-use examples::hqp_solving::{Code, Outcome, Proofs, Runs, Times};
 use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session};
+use hqp_problems::file::{HqpReader, Problem};
+use hqp_problems::solving::{Code, Outcome, Proofs, Runs, Times};
 use serde::Serialize;
 
 /// Solves a set of hierarchical quadratic problems.

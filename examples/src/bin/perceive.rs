@@ -20,8 +20,8 @@ use examples::perception::{
 use examples::program::{
     self, Ending, Interrupt, Json, OutputFile, Program, Quiet, Session, Threads,
 };
-use examples::recording::{Header, MeasuredSegments, Timing, Writer};
 use examples::vision::choices;
+use percept_recording::{Header, MeasuredSegments, Timing, Writer};
 use serde::Serialize;
 use vision_models::{
     Body, LiftingSettings, Passes, Percept, PersonTrack, ResNetDepth, SlowOnlyForm, StatureEstimate,

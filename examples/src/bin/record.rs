@@ -13,11 +13,11 @@ use examples::frames::{FramesWriter, truth};
 use examples::program::{
     self, Ending, Json, OutputFile, Program, Quiet, Seed, Session, check_folder,
 };
-use examples::recording::Writer;
 use examples::rendering::{Film, PoseEstimator, Shot, SkeletonSettings, Viewpoint};
-use examples::simulation::{
+use moca_simulation::people::{
     CameraSettings, Movement, Occupation, Walker, WalkerSettings, WalkingPath,
 };
+use percept_recording::Writer;
 use serde::Serialize;
 use vision_models::{Body, Confidence, Keypoint, Percept, Tool};
 

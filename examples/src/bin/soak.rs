@@ -4,11 +4,11 @@ use std::{io::Write, ops::ControlFlow, path::PathBuf, process::ExitCode};
 
 use anyhow::Context;
 use clap::Parser;
-use examples::plant::Drive;
 use examples::program::{self, Ending, Json, Program, Quiet, Seed, Session};
 use examples::settings::{RobotSettings, SettingsFile};
 use examples::shards::ShardOptions;
 use examples::soak::{Movements, Soak, summary};
+use moca_simulation::plant::Drive;
 
 /// Tries the controller on random people, workspaces, starts and camera losses, and counts every
 /// violated promise.

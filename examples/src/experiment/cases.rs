@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::program::{Ending, Interrupt, Session, Threads};
-use crate::random;
+use moca_simulation::random;
 
 /// Apart from the streams of people, cameras and robots.
 const STREAM: u64 = 1000;

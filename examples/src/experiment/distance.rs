@@ -6,8 +6,8 @@ use moca_model::ControllerSettings;
 use nalgebra::{Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
 
-use crate::report::TickRow;
-use crate::simulation::Truth;
+use moca_replay::report::TickRow;
+use moca_simulation::people::Truth;
 
 /// A person counts as standing, or as walking evenly, from so long after the last change of velocity \[s\].
 const SETTLE: f64 = 2.0;

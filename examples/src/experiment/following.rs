@@ -25,7 +25,7 @@ use super::versus::Versus;
 use super::walk::ARM_SPEED;
 use crate::follow::Summary;
 use crate::program::{Ending, Quiet, Session};
-use crate::simulation::{WalkerSettings, WalkingPath};
+use moca_simulation::people::{WalkerSettings, WalkingPath};
 pub use speeds::{SpeedResult, Speeds, Stroll, StrollTrial};
 
 /// Experiment 4: random people lead the robot along random paths.

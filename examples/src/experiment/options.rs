@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 use super::job::Job;
 use super::recorded::Recorded;
 use super::sight::Sight;
-use crate::plant::Drive;
 use crate::program::{Ending, Json, OutputFile, Quiet, Seed, Threads, check_folder};
 use crate::shards::ShardOptions;
+use moca_simulation::plant::Drive;
 
 /// What is the same in all cases of an experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -4,10 +4,10 @@ use anyhow::Result;
 use moca_model::{Goal, MOCA_URDF};
 
 use crate::follow::{Run, Scenario, Summary};
-use crate::plant::Plant;
 use crate::program::Interrupt;
-use crate::replay::{Recorder, Replay};
-use crate::report::TickRow;
+use moca_replay::recorded::{Recorder, Replay};
+use moca_replay::report::TickRow;
+use moca_simulation::plant::Plant;
 
 /// A run that a page shows.
 #[derive(Clone, Debug)]

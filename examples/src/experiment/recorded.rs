@@ -10,8 +10,8 @@ use vision_models::{
 use super::walk::Walk;
 use crate::learning::digest::Digest;
 use crate::program::read_bytes;
-use crate::recording::{IfPartial, Reader, Recording, arrivals};
-use crate::simulation::Truth;
+use moca_simulation::people::Truth;
+use percept_recording::{IfPartial, Reader, Recording, arrivals};
 
 /// The largest recording that is played: some days (bytes).
 const LARGEST: u64 = 1 << 30;

@@ -26,8 +26,8 @@ use super::versus::Versus;
 use super::walk::ARM_SPEED;
 use crate::follow::{Delivery, Summary};
 use crate::program::{Ending, Quiet, Session};
-use crate::simulation::{WalkerSettings, WalkingPath};
 pub use judge::{Judge, Turn};
+use moca_simulation::people::{WalkerSettings, WalkingPath};
 
 /// Where the on-board camera is, in the frame of the base on the floor \[m\].
 const CAMERA: [f64; 3] = [0.35, 0.0, 1.15];

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::player::ShownRun;
 use crate::follow::Comparison;
-use crate::page::{ResultRow, Results, page};
+use moca_replay::page::{ResultRow, Results, page};
 
 /// The runs of a case, and what they came to.
 #[derive(Debug, Serialize)]

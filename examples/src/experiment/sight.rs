@@ -6,7 +6,7 @@ use vision_models::{Body, Percept};
 
 use crate::perception::{Perceiver, PerceiverSettings};
 use crate::rendering::{Film, Viewpoint};
-use crate::simulation::WalkerSettings;
+use moca_simulation::people::WalkerSettings;
 
 /// Width and height of the frames.
 const SIZE: [usize; 2] = [640, 480];

@@ -8,7 +8,7 @@ use vision_models::Tool;
 use super::recorded::Recorded;
 use super::sight::Sight;
 use super::walk::Walk;
-use crate::simulation::WalkerSettings;
+use moca_simulation::people::WalkerSettings;
 
 /// A person: one who is simulated, or one who was recorded.
 #[derive(Clone, Debug, PartialEq)]

@@ -23,7 +23,7 @@ use super::spread::{Duel, Spread};
 use super::walk::{ARM_SPEED, FIT};
 use crate::follow::Summary;
 use crate::program::{Ending, Quiet, Session};
-use crate::simulation::{WalkerSettings, WalkingPath};
+use moca_simulation::people::{WalkerSettings, WalkingPath};
 
 /// How many people.
 const SUBJECTS: u64 = 10;

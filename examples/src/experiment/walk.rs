@@ -9,9 +9,9 @@ use vision_models::{Body, Percept};
 
 use super::sight::{FilmedPerson, Sight};
 use crate::follow::{Scenario, TrueMotion};
-use crate::plant::Drive;
-use crate::random;
-use crate::simulation::{Transport, Truth, Walker, WalkerSettings};
+use moca_simulation::people::{Transport, Truth, Walker, WalkerSettings};
+use moca_simulation::plant::Drive;
+use moca_simulation::random;
 
 /// How maps are fitted: by good postures alone. The default weighs poorer ones, too, and then the optimum
 /// lies above the best node of the map, for a person of 1.76 m by 0.16 m. The average map would be better

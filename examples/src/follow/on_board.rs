@@ -7,8 +7,8 @@ use rand_chacha::ChaCha8Rng;
 use vision_models::{Confidence, RecognisedSurface, Surface};
 
 use super::scenario::Scenario;
-use crate::plant::Plant;
-use crate::random;
+use moca_simulation::plant::Plant;
+use moca_simulation::random;
 
 /// The stream of its random numbers.
 const STREAM: u64 = 300;

@@ -16,13 +16,13 @@ use super::summary::{MeasuredReba, Summary};
 use super::true_person::TruePerson;
 use super::work::WorkForce;
 use super::working_hand::WorkingHand;
-use crate::limits::{LimitMonitor, Return};
 use crate::perception::{Assessor, MeasuredAssessment};
-use crate::plant::Plant;
 use crate::program::{Ending, Interrupt};
-use crate::replay::Recorder;
-use crate::report::TickRow;
 use crate::separation::{Moment, SeparationMonitor};
+use moca_replay::recorded::Recorder;
+use moca_replay::report::TickRow;
+use moca_simulation::limits::{LimitMonitor, Return};
+use moca_simulation::plant::Plant;
 
 /// A margin below which x_d counts as within the workspace \[m or rad\].
 const INSIDE: f64 = 1e-3;
@@ -193,7 +193,9 @@ impl<'a> Run<'a> {
                     None => None,
                 };
                 if let Some(recorder) = &mut self.recorder {
-                    recorder.observe(&shown, others, self.measured.as_ref());
+                    let measured =
+                        self.measured.map(|measured| (measured.side, measured.reba.sub_scores));
+                    recorder.observe(&shown, others, measured);
                 }
             }
             let row = self.tick(begin + elapsed)?;

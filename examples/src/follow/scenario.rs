@@ -11,9 +11,9 @@ use vision_models::{Body, Percept};
 
 use super::true_person::TrueMotion;
 use crate::perception::PostureOptions;
-use crate::plant::Drive;
-use crate::recording::{Timing, arrivals};
 use crate::settings::{RobotSettings, SettingsError, SettingsFile};
+use moca_simulation::plant::Drive;
+use percept_recording::{Timing, arrivals};
 
 /// What both runs share.
 #[derive(Debug)]

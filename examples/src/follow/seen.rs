@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 use vision_models::{Body, Body25};
 
 use crate::separation::body;
-use crate::simulation::Joints;
+use moca_simulation::people::Joints;
 
 /// How long the person's velocity is the mean of \[s\].
 const SPAN: f64 = 0.5;

@@ -8,7 +8,7 @@ use vision_models::Percept;
 use super::working_hand::WorkingHand;
 use crate::frames::truth;
 use crate::separation::{Moment, body};
-use crate::simulation::Joints;
+use moca_simulation::people::Joints;
 
 /// Frames of a truth are no farther apart \[s\]: 50 Hz, and what rounding may make of a time.
 const LONGEST: f64 = 0.02 + 2e-6;

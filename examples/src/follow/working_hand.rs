@@ -6,7 +6,7 @@ use ergo_map::Side;
 use nalgebra::Vector3;
 use vision_models::{Body, Body25, Keypoint, Percept};
 
-use crate::simulation::{Arm, Joints};
+use moca_simulation::people::{Arm, Joints};
 
 /// How fast a hand goes to the object and back, and follows it at most \[m/s\].
 const SPEED: f64 = 1.0;
@@ -130,7 +130,7 @@ impl WorkingHand {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording;
+    use crate::shipped;
 
     const PERIOD: f64 = 1e-3;
 
@@ -142,7 +142,7 @@ mod tests {
                 ARMS.as_flattened().iter().all(|&joint| body.get(joint).is_some())
             })
         };
-        recording::shipped().unwrap().map(Result::unwrap).find(seen).unwrap()
+        shipped::recording().unwrap().map(Result::unwrap).find(seen).unwrap()
     }
 
     fn grip(percept: &Percept, arm: &Arm) -> Vector3<f64> {

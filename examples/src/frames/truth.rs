@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail, ensure};
 use vision_models::Percept;
 
 use super::{FrameEntry, FramesReader};
-use crate::recording::{self, IfPartial, Recording, RecordingError};
+use percept_recording::{self, IfPartial, Recording, RecordingError};
 
 /// The name of the recording of what is true, in a folder of frames.
 pub const TRUTH: &str = "truth.jsonl";
@@ -79,6 +79,6 @@ pub fn read(file: &Path) -> Result<Vec<Percept>> {
         RecordingError::Open { .. } => error.into(),
         error => anyhow::Error::from(error).context(file.display().to_string()),
     };
-    let reader = recording::open(file).map_err(named)?;
+    let reader = percept_recording::open(file).map_err(named)?;
     Ok(Recording::read(reader, IfPartial::Refuse).map_err(named)?.percepts)
 }

@@ -4,7 +4,7 @@ use anyhow::Result;
 use rand::RngCore;
 use vision_models::{NetworkKind, Tensor, Tensors};
 
-use crate::random::generator;
+use moca_simulation::random::generator;
 
 /// Weight of the last norm of a residual block: activations then grow little over fifty blocks.
 const RESIDUAL: f32 = 0.3;

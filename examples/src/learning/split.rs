@@ -3,7 +3,7 @@
 use anyhow::{Result, ensure};
 use rand::seq::SliceRandom;
 
-use crate::random::generator;
+use moca_simulation::random::generator;
 
 /// What a sample is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

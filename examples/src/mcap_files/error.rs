@@ -1,6 +1,6 @@
 //! What can be wrong with a file in MCAP.
 
-use crate::recording::RecordingError;
+use percept_recording::RecordingError;
 
 /// Why a file cannot be read or written.
 #[derive(Debug, thiserror::Error)]

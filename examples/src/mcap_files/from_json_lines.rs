@@ -10,7 +10,7 @@ use super::error::McapFileError;
 use super::messages::{Colour, Entity, SceneUpdate, Shape, Time};
 use super::sink::Sink;
 use super::{PERCEPT, PERCEPTS, RECORDING};
-use crate::recording::{Reader, RecordingError};
+use percept_recording::{Reader, RecordingError};
 
 /// How long a body is drawn that is not seen again \[s\].
 const LIFETIME: f64 = 0.5;

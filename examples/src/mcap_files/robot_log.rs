@@ -12,7 +12,7 @@ use super::messages::{
     Shape, Time,
 };
 use super::sink::{Channel, Sink};
-use crate::report::TickRow;
+use moca_replay::report::TickRow;
 
 /// From one message of joints and scores to the next, and of the scene \[s\].
 const NUMBERS: f64 = 0.01;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::error::McapFileError;
 use super::records::{Fields, each, opcode};
 use super::{PERCEPT, PERCEPTS, RECORDING};
-use crate::recording::Reader;
+use percept_recording::Reader;
 
 /// What there is of a recording in a file.
 #[derive(Default)]

@@ -18,7 +18,7 @@ use super::{
 };
 use crate::frames::{FrameEntry, FramesReader};
 use crate::program::ProgramError;
-use crate::recording::{MeasuredSegments, Stamp, Timing};
+use percept_recording::{MeasuredSegments, Stamp, Timing};
 
 /// An action or a surface whose images are older is no longer said (s).
 const OLDEST: f64 = 2.0;

@@ -4,7 +4,7 @@ use moca_model::{Intention, IntentionFilter, IntentionSettings};
 use serde::Serialize;
 use vision_models::{Action, Percept};
 
-use crate::recording::Timing;
+use percept_recording::Timing;
 
 /// So late a recogniser may say what is true (s).
 const DELAY: f64 = 0.5;

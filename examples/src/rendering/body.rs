@@ -7,7 +7,7 @@ use super::{
     appearance::{Appearance, Colour},
     shape::Capsule,
 };
-use crate::simulation::Joints;
+use moca_simulation::people::Joints;
 
 /// What a segment is covered with.
 #[derive(Clone, Copy, Debug)]

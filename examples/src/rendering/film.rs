@@ -17,9 +17,9 @@ use super::{
     view::{self, Viewpoint},
 };
 use crate::frames::FrameEntry;
-use crate::random;
-use crate::recording::Header;
-use crate::simulation::{FRAME_RATE, Walker, WalkerError, WalkerSettings};
+use moca_simulation::people::{FRAME_RATE, Walker, WalkerError, WalkerSettings};
+use moca_simulation::random;
+use percept_recording::Header;
 
 /// Streams of random numbers beside those of the walker.
 const SENSOR: u64 = 100;

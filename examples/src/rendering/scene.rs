@@ -8,7 +8,7 @@ use super::{
     body,
     shape::{Capsule, Hit, TexturedBox, plane},
 };
-use crate::simulation::Joints;
+use moca_simulation::people::Joints;
 
 /// Behind the person, in the world (m).
 const WALL_PLACES: [(Point3<f64>, Vector3<f64>); 2] = [

@@ -8,7 +8,7 @@ use serde_json::json;
 use vision_models::{Body25, Camera, Confidence, ImageBody, ImageKeypoint};
 
 use super::image::RenderedImage;
-use crate::simulation::Joints;
+use moca_simulation::people::Joints;
 
 /// A joint is hidden by what is nearer than it by more than this (m): more than flesh and clothes.
 const HIDDEN: f64 = 0.17;

@@ -7,7 +7,7 @@ use vision_models::Body25::{
 };
 
 use super::rod::Rod;
-use crate::simulation::Joints;
+use moca_simulation::people::Joints;
 
 /// From joint to joint and on by a length, with a radius \[m\]; whether it may touch what it works with.
 const PARTS: [(Body25, Body25, f64, f64, bool); 12] = [

@@ -9,7 +9,7 @@ use nalgebra::Point3;
 use super::body;
 use super::judgement::{Body, MOMENT, Robot, Verdict, emergency_stop, judge};
 use super::rod::Rod;
-use crate::simulation::Joints;
+use moca_simulation::people::Joints;
 
 /// The person in a tick, each time with where they were a period before: none after a jump, or for
 /// somebody who counts as standing.

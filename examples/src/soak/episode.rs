@@ -14,11 +14,13 @@ use super::disturbance::{Disturbance, Disturbances};
 use super::monitor::{Monitor, Tick};
 use super::task::{POSITION_ROWS, Task};
 use super::witnessed::Witnessed;
-use crate::plant::{Drive, Plant};
-use crate::random;
 use crate::separation::body;
 use crate::settings::RobotSettings;
-use crate::simulation::{CameraSettings, FRAME_RATE, Movement, Perception, Transport, Wanderer};
+use moca_simulation::people::{
+    CameraSettings, FRAME_RATE, Movement, Perception, Transport, Wanderer,
+};
+use moca_simulation::plant::{Drive, Plant};
+use moca_simulation::random;
 
 /// What a generator is for.
 #[derive(Clone, Copy)]

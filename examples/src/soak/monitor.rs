@@ -6,8 +6,8 @@ use moca_model::{Command, ControllerSettings};
 use serde::{Deserialize, Serialize};
 
 use super::disturbance::{Disturbance, Endings};
-use crate::limits::{LimitMonitor, Return};
 use crate::separation::{Moment, SeparationMonitor};
+use moca_simulation::limits::{LimitMonitor, Return};
 
 /// Ticks with something wrong, by kind, and two kinds that are not wrong but worth counting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -10,9 +10,9 @@ use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
 
 use super::episode::Episode;
-use crate::plant::Drive;
 use crate::settings::RobotSettings;
-use crate::simulation::Movement;
+use moca_simulation::people::Movement;
+use moca_simulation::plant::Drive;
 
 /// Ticks with each person.
 const TICKS: u64 = 8_000;

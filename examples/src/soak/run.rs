@@ -15,9 +15,9 @@ use super::episode::Episode;
 use super::monitor::{Counts, Monitor};
 use super::summary::Summary;
 use super::tick_times::TickTimes;
-use crate::plant::Drive;
 use crate::settings::RobotSettings;
 use crate::shards::{Merged, Part, Shard};
+use moca_simulation::plant::Drive;
 
 /// Ticks of an episode.
 const EPISODE: std::ops::Range<u64> = 4_000..25_000;

@@ -4,7 +4,7 @@ use anyhow::ensure;
 use nalgebra::{Isometry3, Point3};
 
 use crate::separation::{Moment, body};
-use crate::simulation::{Joints, Wanderer};
+use moca_simulation::people::{Joints, Wanderer};
 
 /// How fast arms are at most \[m/s\].
 const FASTEST_ARM: f64 = 8.0;

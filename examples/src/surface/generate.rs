@@ -13,10 +13,9 @@ use serde::Serialize;
 use vision_models::Surface;
 
 use super::picture::Scene;
-use crate::{
-    program::{Ending, Json, OutputFile, Quiet, Seed, Session, check_folder},
-    random::generator,
-};
+use moca_simulation::random::generator;
+
+use crate::program::{Ending, Json, OutputFile, Quiet, Seed, Session, check_folder};
 
 /// Draws pictures of plates, smooth and drilled: light, pose, background, blur and noise differ.
 ///

@@ -8,12 +8,12 @@ use examples::experiment::{
     Spread, Versus, Walk, following, reorientation, subjects,
 };
 use examples::follow::{Run, TrueMotion};
-use examples::plant::Drive;
 use examples::program::Interrupt;
-use examples::report::TickRow;
 use examples::shards::Part;
-use examples::simulation::{Truth, WalkerSettings};
 use moca_model::{ControllerSettings, Goal, SafetySettings};
+use moca_replay::report::TickRow;
+use moca_simulation::people::{Truth, WalkerSettings};
+use moca_simulation::plant::Drive;
 use nalgebra::{Point2, Vector2, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

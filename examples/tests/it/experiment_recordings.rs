@@ -7,10 +7,10 @@ use std::sync::Arc;
 use examples::experiment::following::{Following, WalkingTrial};
 use examples::experiment::reorientation::Reorientation;
 use examples::experiment::{Conditions, Experiment, Job, Needs, Player, Recorded, Sight};
-use examples::plant::Drive;
 use examples::program::Interrupt;
-use examples::recording::{Header, Writer};
-use examples::simulation::{Walker, WalkerSettings};
+use moca_simulation::people::{Walker, WalkerSettings};
+use moca_simulation::plant::Drive;
+use percept_recording::{Header, Writer};
 use vision_models::{Percept, Surface, Tool};
 
 use crate::support::{Runs, average_map};

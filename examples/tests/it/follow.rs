@@ -4,10 +4,10 @@ use std::{fs, sync::LazyLock};
 
 use ergo_map::{ErgonomicsMap, MapOptions, Person, Side};
 use examples::follow::{Run, Scenario, Summary};
-use examples::recording;
-use examples::simulation::Walker;
 use moca_model::Goal;
+use moca_simulation::people::Walker;
 use nalgebra::Vector3;
+use percept_recording;
 use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
 
 use crate::support::{Runs, average_map, cases};
@@ -50,7 +50,7 @@ fn assert_sound_and_worth_it(scenario: &Scenario) -> [Summary; 2] {
 }
 
 fn shipped() -> Scenario {
-    let percepts: Vec<Percept> = recording::shipped().unwrap().map(Result::unwrap).collect();
+    let percepts: Vec<Percept> = shipped::recording().unwrap().map(Result::unwrap).collect();
     Scenario::new(percepts, &Person::average(), average_map().clone()).unwrap()
 }
 

@@ -4,7 +4,7 @@ use std::io::{BufReader, Read, Write};
 use std::process::{Command, Output};
 
 use ahqp_core::Objective;
-use examples::hqp_file::{HqpError, HqpReader, MOST_VARIABLES, Problem};
+use hqp_problems::file::{HqpError, HqpReader, MOST_VARIABLES, Problem};
 use proptest::prelude::*;
 
 const TWO: &str = "hqpset tiny 2

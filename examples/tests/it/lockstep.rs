@@ -4,7 +4,7 @@ use std::net::{SocketAddr, UdpSocket};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use examples::robot_side::{Packet, PacketHead, PacketKind, SimulatedSide};
+use moca_drivers::{Packet, PacketHead, PacketKind, SimulatedSide};
 use moca_model::MOCA_HOME;
 use moca_model::whole_body::{JointCommand, JointMeasurement, RobotSide};
 

@@ -3,11 +3,11 @@
 use std::fs;
 
 use examples::mcap_files::{McapFileError, RobotLog, from_json_lines, to_json_lines};
-use examples::recording::{Header, Timing, Writer, shipped_bytes};
-use examples::report::TickRow;
 use mcap::MessageStream;
 use moca_model::{MOCA_HOME, moca};
+use moca_replay::report::TickRow;
 use nalgebra::Point3;
+use percept_recording::{Header, Timing, Writer, shipped_bytes};
 use proptest::prelude::*;
 use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
 
@@ -150,7 +150,7 @@ fn a_file_of_something_else_is_refused() {
 fn messages_come_in_the_order_of_their_time() {
     let file = include_bytes!("../data/neighbours.mcap");
     let text = to_json_lines(file).unwrap();
-    let times: Vec<f64> = examples::recording::Reader::new(text.as_slice())
+    let times: Vec<f64> = percept_recording::Reader::new(text.as_slice())
         .unwrap()
         .map(|percept| percept.unwrap().time)
         .collect();

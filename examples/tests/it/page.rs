@@ -3,12 +3,12 @@
 use base64::{Engine, engine::general_purpose::STANDARD};
 use ergo_map::Person;
 use examples::follow::{Run, Scenario};
-use examples::page::{ResultRow, Results, page};
-use examples::picture::{animation, still};
-use examples::replay::{Recorder, Replay, ReplayError, Role, Shape, Table};
-use examples::report::TickRow;
-use examples::simulation::Walker;
 use moca_model::{Goal, MOCA_URDF};
+use moca_replay::page::{ResultRow, Results, page};
+use moca_replay::picture::{animation, still};
+use moca_replay::recorded::{Recorder, Replay, ReplayError, Role, Shape, Table};
+use moca_replay::report::TickRow;
+use moca_simulation::people::Walker;
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde_json::Value;
 use vision_models::{Body, Body25, Confidence, Keypoint, Percept};

@@ -10,7 +10,7 @@ use crate::support::{Ran, Runs, cases};
 use ergo_map::{Conditions, LegSupport, Worksheet};
 use examples::perception::{Assessor, Perceiver, PerceiverSettings, assess};
 use examples::rendering::{Film, Viewpoint};
-use examples::simulation::{CameraSettings, Occupation, WalkerSettings, WalkingPath};
+use moca_simulation::people::{CameraSettings, Occupation, WalkerSettings, WalkingPath};
 use vision_models::{
     Body, Body25, BodyTracker, DepthImage, ImageBody, LiftingSettings, Percept, TrackStatus,
     TrackerSettings,
@@ -201,7 +201,7 @@ fn perceiving(frames: &str, output: &Path) -> Runs {
 }
 
 fn read(path: &Path) -> Vec<Percept> {
-    examples::recording::open(path).unwrap().collect::<Result<_, _>>().unwrap()
+    percept_recording::open(path).unwrap().collect::<Result<_, _>>().unwrap()
 }
 
 #[test]

@@ -5,11 +5,11 @@ use std::{collections::BTreeMap, path::Path};
 use examples::{
     actions::{model::ActionModel, network::Window},
     learning::backbone::WeightsIdentity,
-    recording::{IfPartial, Recording},
     surface::model::{OverNetwork, SurfaceModel},
 };
 use nalgebra::Point2;
 use ndarray::{Array1, Array2};
+use percept_recording::{IfPartial, Recording};
 use vision_models::{
     Camera, DepthImage, DepthNoise, Intrinsics, LinearHead, LinearSvm, PersonBox, ResNetDepth,
     Surface,
@@ -57,7 +57,7 @@ fn action_model(folder: &Path, logits: &[(&str, f32)]) -> String {
 }
 
 fn read(file: &str) -> Recording {
-    Recording::read(examples::recording::open(file).unwrap(), IfPartial::Refuse).unwrap()
+    Recording::read(percept_recording::open(file).unwrap(), IfPartial::Refuse).unwrap()
 }
 
 /// `perceive` with the skeletons of the film.

@@ -33,7 +33,7 @@ fn options_are_obeyed() {
         "--seed=7",
     ]);
     assert!(output.status.success(), "{output:?}");
-    let reader = examples::recording::open(file).unwrap();
+    let reader = percept_recording::open(file).unwrap();
     assert_eq!(reader.header().stature, Some(1.6));
     let percepts: Vec<_> = reader.collect::<Result<_, _>>().unwrap();
     assert_eq!(percepts.len(), 401);
@@ -59,8 +59,8 @@ fn the_truth_is_written_beside_the_recording() {
         "--movement=bow",
     ]);
     assert!(output.status.success(), "{output:?}");
-    let seen: Vec<_> = examples::recording::open(file).unwrap().map(Result::unwrap).collect();
-    let known: Vec<_> = examples::recording::open(truth).unwrap().map(Result::unwrap).collect();
+    let seen: Vec<_> = percept_recording::open(file).unwrap().map(Result::unwrap).collect();
+    let known: Vec<_> = percept_recording::open(truth).unwrap().map(Result::unwrap).collect();
     assert!(known.windows(2).all(|pair| (pair[1].time - pair[0].time - 0.01).abs() < 2e-6));
     let nose = |percept: &vision_models::Percept| {
         percept.body.as_ref().unwrap().get(vision_models::Body25::Nose).unwrap().position

@@ -4,10 +4,10 @@ mod properties;
 
 use std::io::{self, BufReader, Read};
 
-use examples::recording::{
+use nalgebra::Point3;
+use percept_recording::{
     self, Completeness, Header, IfPartial, Reader, Recording, RecordingError, Writer,
 };
-use nalgebra::Point3;
 use proptest::prelude::*;
 use vision_models::{
     Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, RecognisedSurface,
@@ -349,7 +349,7 @@ fn after_an_error_a_reader_ends() {
 
 #[test]
 fn files_that_are_not_there() {
-    let error = recording::open("/no/such/recording.jsonl").unwrap_err();
+    let error = percept_recording::open("/no/such/recording.jsonl").unwrap_err();
     assert_error!(error, RecordingError::Open { .. }, "/no/such/recording.jsonl", "cannot open");
 }
 

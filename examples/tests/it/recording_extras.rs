@@ -1,9 +1,9 @@
 //! What recordings may say beside percepts: when each part was seen and known, and the person's segments.
 
-use examples::recording::{
+use nalgebra::Point3;
+use percept_recording::{
     Header, IfPartial, MeasuredSegments, Reader, Recording, Stamp, Timing, Writer,
 };
-use nalgebra::Point3;
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
 
 /// When parts of a percept were seen and known is kept; recordings without it read as before.

@@ -1,6 +1,6 @@
 //! The bytes of packets between loop and robot.
 
-use examples::robot_side::{Packet, PacketError, PacketHead, PacketKind, SharedKey};
+use moca_drivers::{Packet, PacketError, PacketHead, PacketKind, SharedKey};
 use moca_model::whole_body::{JointCommand, JointMeasurement, RobotMode, RobotStatus};
 use proptest::prelude::*;
 

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use examples::robot_side::{
+use moca_drivers::{
     CommandRefusal, LinkRefusal, Packet, PacketError, PacketHead, PacketKind, SharedKey,
     SimulatedSide, UdpServer, UdpSide,
 };

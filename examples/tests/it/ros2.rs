@@ -8,10 +8,10 @@ mod perceived;
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use examples::robot_side::ros2::messages::{
+use moca_drivers::ros2::messages::{
     Header, JointState, Odometry, Pose, PoseArray, Quaternion, Time, TwistStamped, Vector3,
 };
-use examples::robot_side::ros2::{BASE_FRAME, Measurements, Refusal, RobotJoints, WORLD_FRAME};
+use moca_drivers::ros2::{BASE_FRAME, Measurements, Refusal, RobotJoints, WORLD_FRAME};
 use moca_model::{MOCA_BASE_JOINTS, MOCA_JOINTS};
 
 /// When the messages of these tests were stamped.

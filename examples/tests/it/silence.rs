@@ -2,10 +2,10 @@
 
 use ergo_map::Person;
 use examples::follow::Scenario;
-use examples::plant::{Heard, Plant};
-use examples::recording;
 use moca_model::{Controller, MOCA_BASE_JOINTS};
+use moca_simulation::plant::{Heard, Plant};
 use nalgebra::Vector3;
+use percept_recording;
 use vision_models::Percept;
 
 use crate::support::average_map;
@@ -62,7 +62,7 @@ fn branch(plant: &Plant, begin: f64, heard: Heard, ticks: u32) -> Outcome {
 /// 50 moments of the loop of `follow`, in which nobody pushes what the robot holds: under a push that lasts an arm that
 /// is not measured moves, whoever controls it.
 fn moments() -> Vec<(f64, Plant)> {
-    let percepts: Vec<Percept> = recording::shipped().unwrap().map(Result::unwrap).collect();
+    let percepts: Vec<Percept> = shipped::recording().unwrap().map(Result::unwrap).collect();
     let scenario = Scenario::new(percepts, &Person::average(), average_map().clone()).unwrap();
     let Scenario { model, comfort, settings, start, torques, .. } = &scenario;
     let controller = Controller::new(model.clone(), *comfort, settings.clone(), start).unwrap();

@@ -2,10 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use examples::plant::Drive;
 use examples::settings::RobotSettings;
 use examples::soak::{Counts, Disturbance, Movements, Soak, StateCounts, Summary};
 use hrsw::SafetyState;
+use moca_simulation::plant::Drive;
 
 fn run(seed: u64, ticks: u64) -> Summary {
     Soak::new(seed, ticks).unwrap().run(|_| ControlFlow::Continue(())).unwrap()

@@ -8,7 +8,7 @@ use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 
-use examples::recording::{self, Completeness, IfPartial, Reader, Recording, RecordingError};
+use percept_recording::{self, Completeness, IfPartial, Reader, Recording, RecordingError};
 
 use crate::support::{Ran, Runs, signal};
 
@@ -195,7 +195,7 @@ fn an_interrupted_record_keeps_what_it_has_as_partial() {
         assert!(ran.output.contains(partial.to_str().unwrap()), "{ran:?}");
         assert_eq!(files(folder.path()).len(), 2, "{:?}", files(folder.path()));
 
-        let error = recording::open(&partial).unwrap().find_map(Result::err).unwrap();
+        let error = percept_recording::open(&partial).unwrap().find_map(Result::err).unwrap();
         assert!(matches!(error, RecordingError::Interrupted { .. }), "{error}");
         follow(&partial, &[]).failed(1, "walk.partial.jsonl").failed(1, "it was interrupted after");
     }

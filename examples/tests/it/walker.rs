@@ -2,10 +2,10 @@
 
 use std::{collections::HashSet, f64::consts::TAU};
 
-use examples::{
-    recording::{self, Writer},
-    simulation::{CameraSettings, Truth, Walker, WalkerError, WalkerSettings, WalkingPath},
+use moca_simulation::people::{
+    CameraSettings, Truth, Walker, WalkerError, WalkerSettings, WalkingPath,
 };
+use percept_recording::Writer;
 use vision_models::{
     Action, BodyTracker, Percept, Tool, TrackStatus, TrackerSettings, WalkingDirection,
 };
@@ -39,7 +39,7 @@ fn the_shipped_recording_is_what_record_makes() {
 
 #[test]
 fn the_shipped_recording_tells_the_story() {
-    let reader = recording::shipped().unwrap();
+    let reader = shipped::recording().unwrap();
     assert_eq!(reader.header().stature, Some(1.75));
     let percepts: Vec<Percept> = reader.collect::<Result<_, _>>().unwrap();
     let last = percepts.last().unwrap().time;

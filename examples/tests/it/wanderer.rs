@@ -1,6 +1,6 @@
 //! The person who does what nobody expects, and the way of a frame to the controller.
 
-use examples::simulation::{
+use moca_simulation::people::{
     CameraSettings, FRAME_RATE, Joints, Perception, Person, Transport, Wanderer,
 };
 use nalgebra::{Point3, Vector2};

@@ -17,7 +17,7 @@ use crate::experiment::player::Player;
 use crate::experiment::spread::Spread;
 use crate::experiment::walk::{ARM_SPEED, Walk};
 use crate::follow::{Scenario, Summary};
-use crate::simulation::{CameraSettings, WalkerSettings, WalkingPath};
+use moca_simulation::people::{CameraSettings, WalkerSettings, WalkingPath};
 
 /// How fast people walk \[m/s\]; the last is the robot's own speed.
 const SPEEDS: [f64; 8] = [0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.35, MOCA_AXIS_SPEED];

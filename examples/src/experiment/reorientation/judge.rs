@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use vision_models::Surface;
 
 use crate::follow::Scenario;
-use crate::plant::Plant;
-use crate::simulation::Truth;
+use moca_simulation::people::Truth;
+use moca_simulation::plant::Plant;
 
 /// What the heading of the tracked person and the robot's following add to the room for orientations
 /// \[rad\].

@@ -1,6 +1,6 @@
 //! What holds of every recording: what is written is read, a cut is seen, and no input makes a reader panic.
 
-use examples::recording::Timing;
+use percept_recording::Timing;
 
 use super::*;
 

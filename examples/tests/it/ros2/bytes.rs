@@ -3,10 +3,10 @@
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Debug;
 
-use examples::robot_side::ros2::messages::{
+use moca_drivers::ros2::messages::{
     Float64MultiArray, JointState, Odometry, PoseArray, Text, TwistStamped,
 };
-use examples::robot_side::ros2::{Commands, Measurements, Perceived, RobotJoints};
+use moca_drivers::ros2::{Commands, Measurements, Perceived, RobotJoints};
 use moca_model::whole_body::{JointCommand, JointMeasurement};
 use proptest::prelude::*;
 use ros2_client::dds::rustdds::RepresentationIdentifier;

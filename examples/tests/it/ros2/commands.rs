@@ -1,5 +1,5 @@
-use examples::robot_side::ros2::messages::{Float64MultiArray, Time};
-use examples::robot_side::ros2::{Commands, JointInterface, Refusal, Topic};
+use moca_drivers::ros2::messages::{Float64MultiArray, Time};
+use moca_drivers::ros2::{Commands, JointInterface, Refusal, Topic};
 use moca_model::whole_body::{JointCommand, JointMeasurement};
 use proptest::prelude::*;
 

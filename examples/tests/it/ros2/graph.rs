@@ -4,18 +4,16 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-use examples::robot_side::SimulatedSide;
-use examples::robot_side::ros2::{
-    JointInterface, RobotJoints, Ros2Server, Ros2Side, RosDomain, Topic,
-};
+use moca_drivers::SimulatedSide;
+use moca_drivers::ros2::{JointInterface, RobotJoints, Ros2Server, Ros2Side, RosDomain, Topic};
 use moca_model::MOCA_HOME;
 use moca_model::whole_body::{
     ControlLaw, ControlLoop, JointCommand, JointMeasurement, LoopSettings, MonotonicClock,
     StopCause,
 };
 
-use crate::robot_side::at_rest;
 use crate::support::{Runs, coarse_map_file};
+use moca_drivers::at_rest;
 
 /// Turns the base at 0.2 rad/s, carries the arm by the torques measured, and counts its steps.
 struct Turn<'a>(&'a Cell<u32>);

@@ -1,7 +1,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use examples::robot_side::ros2::messages::{Odometry, Quaternion, Text, Time};
-use examples::robot_side::ros2::{Measurements, Refusal, RobotJoints};
+use moca_drivers::ros2::messages::{Odometry, Quaternion, Text, Time};
+use moca_drivers::ros2::{Measurements, Refusal, RobotJoints};
 use moca_model::whole_body::{RobotMode, RobotStatus};
 use proptest::prelude::*;
 
@@ -162,7 +162,7 @@ fn odometry_comes_into_the_axes_of_the_world() {
 
 #[test]
 fn odometry_of_other_frames_is_refused() {
-    let refused = |change: fn(&mut examples::robot_side::ros2::messages::Odometry)| {
+    let refused = |change: fn(&mut moca_drivers::ros2::messages::Odometry)| {
         let mut odometry = odometry(0.0);
         change(&mut odometry);
         Measurements::new(RobotJoints::moca()).take_odometry(&odometry, after(1))
@@ -179,7 +179,7 @@ fn odometry_of_other_frames_is_refused() {
 
 #[test]
 fn odometry_that_is_no_pose_is_refused() {
-    let refused = |change: fn(&mut examples::robot_side::ros2::messages::Odometry)| {
+    let refused = |change: fn(&mut moca_drivers::ros2::messages::Odometry)| {
         let mut odometry = odometry(0.0);
         change(&mut odometry);
         let mut measurements = measurements();

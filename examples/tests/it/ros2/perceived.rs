@@ -1,5 +1,5 @@
-use examples::robot_side::ros2::messages::{Float64MultiArray, PoseArray, Text, Time};
-use examples::robot_side::ros2::{Perceived, Refusal};
+use moca_drivers::ros2::messages::{Float64MultiArray, PoseArray, Text, Time};
+use moca_drivers::ros2::{Perceived, Refusal};
 use nalgebra::Point3;
 use vision_models::{Action, Body25, Tool};
 
@@ -51,7 +51,7 @@ fn there_may_be_others() {
 
 #[test]
 fn bodies_that_are_none_are_refused() {
-    let refused = |change: fn(&mut examples::robot_side::ros2::messages::PoseArray)| {
+    let refused = |change: fn(&mut moca_drivers::ros2::messages::PoseArray)| {
         let mut poses = body();
         change(&mut poses);
         Perceived::default().take_body(&poses, after(80)).unwrap_err()

@@ -1,0 +1,196 @@
+//! Solving the problems of a set one after another, with their times and proofs: what the program
+//! `hqp` does.
+
+use std::{
+    fmt,
+    time::{Duration, Instant},
+};
+
+use ahqp_core::{Error, Hierarchy, Level, Objective, Rows, Settings, Solution, Solver, Status};
+use serde::Serialize;
+
+use crate::file::Problem;
+
+/// The largest residual of a certificate that counts as proof.
+const PROVED: f64 = 1e-8;
+
+/// How a problem ended: the STATUS column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Code {
+    /// At its optimum.
+    Solved = 0,
+    /// The iterations ran out.
+    IterationLimit = 1,
+    /// Hard constraints cannot hold together.
+    Infeasible = 2,
+    /// An objective without a minimum.
+    Unbounded = 3,
+    /// Data that make no problem.
+    Refused = 4,
+}
+
+/// One solve's result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// How it ended.
+    pub code: Code,
+    /// Iterations of the solver.
+    pub iterations: usize,
+    /// The solution's copy; NaN if there is none.
+    pub x: Vec<f64>,
+    /// Why there is none.
+    pub reason: Option<String>,
+}
+
+impl Outcome {
+    fn refused(problem: &Problem, error: &Error, x: Vec<f64>) -> Self {
+        let reason = Some(problem.reason(error));
+        Self { code: Code::Refused, iterations: 0, x, reason }
+    }
+}
+
+/// The solves of a set, with their times.
+#[derive(Debug, Default)]
+pub struct Runs {
+    times: Vec<Duration>,
+    iterations: usize,
+}
+
+impl Runs {
+    /// Solves one problem, with the solver of the one before when their shapes agree.
+    pub fn solve(&mut self, problem: &Problem, solver: &mut Option<Solver>, warm: bool) -> Outcome {
+        let hierarchy = &problem.hierarchy;
+        let mut x = vec![f64::NAN; hierarchy.variables()];
+        loop {
+            let ready = match solver {
+                Some(ready) => ready,
+                None => match Solver::new(hierarchy, Settings::default()) {
+                    Ok(new) => solver.insert(new),
+                    Err(error) => return Outcome::refused(problem, &error, x),
+                },
+            };
+            if !warm {
+                ready.forget();
+            }
+            std::hint::black_box(read_through(hierarchy));
+            let start = Instant::now();
+            let result =
+                ready.solve(hierarchy).inspect(|solution| x.copy_from_slice(solution.best()));
+            let time = start.elapsed();
+            if matches!(result, Err(Error::ShapeChanged { .. })) {
+                *solver = None;
+                continue;
+            }
+            let iterations = result.as_ref().map_or(0, |solution| solution.iterations());
+            self.times.push(time);
+            self.iterations += iterations;
+            let code = code(&result);
+            let reason = result.err().map(|error| match ready.conflict() {
+                [] => problem.reason(&error),
+                conflict => format!("{}; {}", problem.reason(&error), problem.conflict(conflict)),
+            });
+            return Outcome { code, iterations, x, reason };
+        }
+    }
+
+    /// Percentiles of the times.
+    pub fn times(&self) -> Times {
+        let mut times: Vec<f64> = self.times.iter().map(|t| t.as_secs_f64() * 1e6).collect();
+        times.sort_by(f64::total_cmp);
+        let at = |percent: usize| {
+            let rank = (times.len() * percent).div_ceil(100).max(1) - 1;
+            times.get(rank).copied().unwrap_or(0.0)
+        };
+        Times {
+            median_us: at(50),
+            p90_us: at(90),
+            p99_us: at(99),
+            max_us: at(100),
+            mean_iterations: self.iterations as f64 / times.len().max(1) as f64,
+        }
+    }
+}
+
+/// Percentiles of the times of single solves; `Display` gives them as one line.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Times {
+    /// Median \[µs\].
+    pub median_us: f64,
+    /// 90th percentile \[µs\].
+    pub p90_us: f64,
+    /// 99th percentile \[µs\].
+    pub p99_us: f64,
+    /// Maximum \[µs\].
+    pub max_us: f64,
+    /// Iterations a solve.
+    pub mean_iterations: f64,
+}
+
+impl fmt::Display for Times {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { median_us, p90_us, p99_us, max_us, mean_iterations } = self;
+        write!(f, "median_us={median_us:.3} p90_us={p90_us:.3} p99_us={p99_us:.3} ")?;
+        write!(f, "max_us={max_us:.3} mean_iterations={mean_iterations:.3}")
+    }
+}
+
+/// The sum of all numbers of a problem: reading them brings them into the cache, where numbers are
+/// that a controller has just computed. Without it the first touch of parsed text would be timed.
+fn read_through(hierarchy: &Hierarchy) -> f64 {
+    let sum = |values: &[f64]| values.iter().sum::<f64>();
+    let rows = |rows: &Rows| -> f64 {
+        rows.iter().map(|(row, lower, upper)| sum(row) + lower + upper).sum()
+    };
+    let objective = |level: &Level| match level.objective() {
+        Objective::LeastSquares(of_level) => rows(of_level),
+        Objective::Quadratic { hessian, gradient } => hessian.sum() + gradient.sum(),
+        _ => 0.0,
+    };
+    sum(hierarchy.lower())
+        + sum(hierarchy.upper())
+        + hierarchy.levels().iter().map(|l| rows(l.constraints()) + objective(l)).sum::<f64>()
+}
+
+/// What the certificates of a set say.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Proofs {
+    /// The worst residual.
+    #[serde(rename = "certificate_worst")]
+    pub worst: f64,
+    /// Certificates that prove nothing.
+    #[serde(rename = "certificate_failed")]
+    pub failed: usize,
+}
+
+impl Proofs {
+    /// Checks the certificate of a solution; says what is wrong with it if it proves nothing.
+    pub fn check(&mut self, problem: &Problem, solver: &mut Solver, x: &[f64]) -> Option<String> {
+        let hierarchy = &problem.hierarchy;
+        let residuals = solver
+            .certificate(hierarchy)
+            .and_then(|certificate| certificate.residuals(hierarchy, x));
+        let proved = residuals.as_ref().is_ok_and(|residuals| residuals.worst() <= PROVED);
+        if let Ok(residuals) = &residuals {
+            self.worst = self.worst.max(residuals.worst());
+        }
+        if proved {
+            return None;
+        }
+        self.failed += 1;
+        let Problem { index, name, .. } = problem;
+        Some(match residuals {
+            Ok(residuals) => format!("problem {index} ({name}), not proved: {residuals:?}"),
+            Err(error) => format!("problem {index} ({name}), not proved: {error}"),
+        })
+    }
+}
+
+fn code(result: &Result<&Solution, Error>) -> Code {
+    match result {
+        Ok(solution) if solution.status() == Status::Solved => Code::Solved,
+        Ok(_) => Code::IterationLimit,
+        Err(Error::Infeasible { .. }) => Code::Infeasible,
+        Err(Error::Unbounded { .. }) => Code::Unbounded,
+        Err(_) => Code::Refused,
+    }
+}

@@ -1,0 +1,31 @@
+#![doc = include_str!("../README.md")]
+
+mod announced_law;
+mod command_limits;
+mod drive_report;
+mod fault_log;
+mod link;
+mod lockstep;
+mod packet;
+mod packet_error;
+mod recorded_camera;
+#[cfg(feature = "ros2")]
+pub mod ros2;
+mod shared_key;
+mod simulated;
+mod udp;
+mod udp_server;
+
+pub use announced_law::AnnouncedLaw;
+pub use command_limits::{CommandLimits, CommandRefusal};
+pub use drive_report::DriveReport;
+pub use fault_log::FaultLog;
+pub use link::{LinkRefusal, LinkReport, LinkStatistics, RefusedPackets};
+pub use lockstep::{LockstepError, LockstepSide};
+pub use packet::{Packet, PacketHead, PacketKind};
+pub use packet_error::PacketError;
+pub use recorded_camera::RecordedCamera;
+pub use shared_key::{KeyError, SharedKey};
+pub use simulated::SimulatedSide;
+pub use udp::UdpSide;
+pub use udp_server::UdpServer;

@@ -1,0 +1,299 @@
+//! Packets between a loop and a robot; their bytes are on the book's page on real robots.
+
+use moca_model::whole_body::{JointCommand, JointMeasurement, RobotMode, RobotStatus};
+
+use super::packet_error::PacketError;
+use super::shared_key::{CODE, SharedKey};
+
+/// What a packet is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PacketKind {
+    /// Of the robot: positions, velocities, torques, and its own status.
+    Measurement,
+    /// Of the robot, in lockstep: a period in which it measures nothing.
+    Nothing,
+    /// To the robot: positions, velocities, torques.
+    Command,
+    /// To the robot: somebody asks for one measurement.
+    Hello,
+    /// To the robot: no command comes any more.
+    Halt,
+}
+
+/// What every packet begins with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PacketHead {
+    /// What it is.
+    pub kind: PacketKind,
+    /// The number that the controller chose for its session.
+    pub controller: u64,
+    /// The number that the robot chose for the session; zero in a hello.
+    pub robot: u64,
+    /// The packet's number in its session and direction.
+    pub counter: u64,
+}
+
+const VERSION: u8 = b'2';
+/// Where the parts of a packet begin.
+const MARK: usize = 0;
+const JOINTS: usize = 4;
+const MODE: usize = 6;
+const TOOK: usize = 7;
+const CONTROLLER: usize = 8;
+const ROBOT: usize = 16;
+const COUNTER: usize = 24;
+const NUMBERS: usize = 32;
+
+/// A packet with room for the packets of one robot.
+///
+/// ```
+/// use moca_drivers::{Packet, PacketHead, PacketKind};
+/// use moca_model::whole_body::{JointMeasurement, RobotMode};
+///
+/// let mut measured = JointMeasurement::resting(vec![0.1, 0.2], 2);
+/// measured.torque[1] = Some(7.0);
+/// measured.robot.mode = Some(RobotMode::Reflex);
+/// let head = PacketHead { kind: PacketKind::Measurement, controller: 5, robot: 6, counter: 7 };
+/// let mut sent = Packet::new(2, None);
+/// sent.write_measurement(head, &measured);
+///
+/// let mut received = Packet::new(2, None);
+/// assert_eq!(received.take(sent.bytes())?, head);
+/// let mut read = JointMeasurement::resting(vec![0.0; 2], 2);
+/// received.read_measurement(&mut read);
+/// assert_eq!(read, measured);
+/// # Ok::<(), moca_drivers::PacketError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Packet {
+    bytes: Vec<u8>,
+    joints: usize,
+    key: Option<SharedKey>,
+}
+
+impl PacketKind {
+    const ALL: [(Self, [u8; 3]); 5] = [
+        (Self::Measurement, *b"MOm"),
+        (Self::Nothing, *b"MOn"),
+        (Self::Command, *b"MOc"),
+        (Self::Hello, *b"MOh"),
+        (Self::Halt, *b"MOx"),
+    ];
+
+    fn mark(self) -> [u8; 4] {
+        let known = Self::ALL.iter().find(|(kind, _)| *kind == self);
+        let [first, second, third] = known.map_or([0; 3], |(_, letters)| *letters);
+        [first, second, third, VERSION]
+    }
+
+    fn from_mark(mark: [u8; 4]) -> Result<Self, PacketError> {
+        let [first, second, third, version] = mark;
+        let letters = [first, second, third];
+        let known = Self::ALL.iter().find(|(_, known)| *known == letters);
+        match known {
+            Some((kind, _)) if version == VERSION => Ok(*kind),
+            Some(_) if version.is_ascii_digit() => {
+                Err(PacketError::Version { found: version - b'0', expected: VERSION - b'0' })
+            }
+            _ => Err(PacketError::Kind { found: mark }),
+        }
+    }
+}
+
+impl Packet {
+    /// For a robot of so many joints, with a code of the key if there is one.
+    pub fn new(joints: usize, key: Option<&SharedKey>) -> Self {
+        let length = NUMBERS + 25 * joints + key.map_or(0, |_| CODE);
+        Self { bytes: vec![0; length], joints, key: key.cloned() }
+    }
+
+    /// Its bytes.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Becomes a packet without numbers: a hello, a halt, or nothing measured.
+    pub fn write(&mut self, head: PacketHead) {
+        self.begin(head);
+        self.seal();
+    }
+
+    /// Becomes a command.
+    pub fn write_command(&mut self, head: PacketHead, command: &JointCommand) {
+        self.begin(head);
+        let JointCommand { position, velocity, torque } = command;
+        for (part, numbers) in [position, velocity, torque].into_iter().enumerate() {
+            self.put_numbers(part, numbers.iter().copied());
+        }
+        self.seal();
+    }
+
+    /// Becomes a measurement.
+    pub fn write_measurement(&mut self, head: PacketHead, measured: &JointMeasurement) {
+        self.begin(head);
+        let JointMeasurement { position, velocity, torque, robot, .. } = measured;
+        self.put(MODE, &[mode_code(robot.mode)]);
+        self.put(TOOK, &[robot.took_command.map_or(0, |took| if took { 2 } else { 1 })]);
+        self.put_numbers(0, position.iter().copied());
+        self.put_numbers(1, velocity.iter().copied());
+        self.put_numbers(2, torque.iter().map(|torque| torque.unwrap_or_default()));
+        let flags = NUMBERS + 24 * self.joints;
+        for (joint, torque) in torque.iter().enumerate().take(self.joints) {
+            self.put(flags + joint, &[u8::from(torque.is_some())]);
+        }
+        self.seal();
+    }
+
+    /// Takes the bytes of a packet that has come; what it begins with.
+    ///
+    /// # Errors
+    /// Why it is none; what was taken before then stays.
+    pub fn take(&mut self, bytes: &[u8]) -> Result<PacketHead, PacketError> {
+        let (found, expected) = (bytes.len(), self.bytes.len());
+        let sized = PacketError::Size { found, expected };
+        let kind = PacketKind::from_mark(array(bytes, MARK).ok_or(sized)?)?;
+        let joints = usize::from(u16::from_le_bytes(array(bytes, JOINTS).ok_or(sized)?));
+        if joints != self.joints {
+            return Err(PacketError::Joints { found: joints, expected: self.joints });
+        }
+        if found != expected {
+            return Err(sized);
+        }
+        if let Some(key) = &self.key {
+            let (body, code) = bytes.split_last_chunk().ok_or(sized)?;
+            if !key.agrees(body, code) {
+                return Err(PacketError::Code);
+            }
+        }
+        self.check_content(kind, bytes)?;
+        self.bytes.copy_from_slice(bytes);
+        let number = |at: usize| array(bytes, at).map_or(0, u64::from_le_bytes);
+        let [controller, robot, counter] = [CONTROLLER, ROBOT, COUNTER].map(number);
+        Ok(PacketHead { kind, controller, robot, counter })
+    }
+
+    /// Reads the command that was taken.
+    pub fn read_command(&self, command: &mut JointCommand) {
+        let JointCommand { position, velocity, torque } = command;
+        for (part, own) in [position, velocity, torque].into_iter().enumerate() {
+            own.iter_mut().zip(self.numbers(part)).for_each(|(own, number)| *own = number);
+        }
+    }
+
+    /// Reads the measurement that was taken, with the robot's status; the age is not in it.
+    pub fn read_measurement(&self, measured: &mut JointMeasurement) {
+        let JointMeasurement { position, velocity, torque, robot, .. } = measured;
+        for (part, own) in [position, velocity].into_iter().enumerate() {
+            own.iter_mut().zip(self.numbers(part)).for_each(|(own, number)| *own = number);
+        }
+        let flags = self.bytes.get(NUMBERS + 24 * self.joints..).unwrap_or_default();
+        for ((own, number), flag) in torque.iter_mut().zip(self.numbers(2)).zip(flags) {
+            *own = (*flag == 1).then_some(number);
+        }
+        let byte = |at: usize| self.bytes.get(at).copied().unwrap_or_default();
+        let took = byte(TOOK);
+        *robot = RobotStatus {
+            mode: mode_of(byte(MODE)).unwrap_or_default(),
+            took_command: (took != 0).then_some(took == 2),
+        };
+    }
+
+    fn begin(&mut self, head: PacketHead) {
+        let PacketHead { kind, controller, robot, counter } = head;
+        self.bytes.fill(0);
+        self.put(MARK, &kind.mark());
+        self.put(JOINTS, &u16::try_from(self.joints).unwrap_or(u16::MAX).to_le_bytes());
+        self.put(CONTROLLER, &controller.to_le_bytes());
+        self.put(ROBOT, &robot.to_le_bytes());
+        self.put(COUNTER, &counter.to_le_bytes());
+    }
+
+    fn put(&mut self, at: usize, bytes: &[u8]) {
+        if let Some(place) = self.bytes.get_mut(at..at + bytes.len()) {
+            place.copy_from_slice(bytes);
+        }
+    }
+
+    /// Writes positions, velocities or torques: part 0, 1 or 2.
+    fn put_numbers(&mut self, part: usize, numbers: impl Iterator<Item = f64>) {
+        let begin = NUMBERS + 8 * self.joints * part;
+        for (joint, number) in numbers.take(self.joints).enumerate() {
+            self.put(begin + 8 * joint, &number.to_le_bytes());
+        }
+    }
+
+    /// Writes the code of the bytes before it.
+    fn seal(&mut self) {
+        let Some(key) = &self.key else { return };
+        if let Some((body, code)) = self.bytes.split_last_chunk_mut() {
+            *code = key.code(body);
+        }
+    }
+
+    fn numbers(&self, part: usize) -> impl Iterator<Item = f64> + '_ {
+        let body = self.bytes.get(NUMBERS + 8 * self.joints * part..).unwrap_or_default();
+        doubles(body).take(self.joints)
+    }
+
+    /// Checks that each byte means something, and one thing.
+    fn check_content(&self, kind: PacketKind, bytes: &[u8]) -> Result<(), PacketError> {
+        let [mode, took] = array(bytes, MODE).unwrap_or_default();
+        let numbers = bytes.get(NUMBERS..NUMBERS + 24 * self.joints).unwrap_or_default();
+        let flags = bytes.get(NUMBERS + 24 * self.joints..).unwrap_or_default();
+        let flags = flags.get(..self.joints).unwrap_or_default();
+        if kind != PacketKind::Measurement {
+            let rest = if kind == PacketKind::Command { &[] } else { numbers };
+            if [mode, took].iter().chain(flags).chain(rest).any(|byte| *byte != 0) {
+                return Err(PacketError::NotZero);
+            }
+        }
+        if mode_of(mode).is_none() {
+            return Err(PacketError::Mode { found: mode });
+        }
+        if took > 2 {
+            return Err(PacketError::Took { found: took });
+        }
+        if !doubles(numbers).all(f64::is_finite) {
+            return Err(PacketError::NotFinite);
+        }
+        let torques = doubles(numbers).skip(2 * self.joints);
+        for (joint, (flag, torque)) in flags.iter().zip(torques).enumerate() {
+            if *flag > 1 || (*flag == 0 && torque != 0.0 && kind == PacketKind::Measurement) {
+                return Err(PacketError::Torque { joint, flag: *flag, torque });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The code of a mode; one that this version does not know is a stop.
+fn mode_code(mode: Option<RobotMode>) -> u8 {
+    match mode {
+        None => 0,
+        Some(RobotMode::Running) => 1,
+        Some(RobotMode::Reflex) => 3,
+        Some(RobotMode::UserStop) => 4,
+        Some(_) => 2,
+    }
+}
+
+/// The mode of a code, if it is one.
+#[expect(clippy::option_option, reason = "a code of no mode, and a robot that says none")]
+fn mode_of(code: u8) -> Option<Option<RobotMode>> {
+    match code {
+        0 => Some(None),
+        1 => Some(Some(RobotMode::Running)),
+        2 => Some(Some(RobotMode::Stopped)),
+        3 => Some(Some(RobotMode::Reflex)),
+        4 => Some(Some(RobotMode::UserStop)),
+        _ => None,
+    }
+}
+
+fn array<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {
+    bytes.get(at..).and_then(|bytes| bytes.first_chunk()).copied()
+}
+
+fn doubles(bytes: &[u8]) -> impl Iterator<Item = f64> + '_ {
+    bytes.as_chunks::<8>().0.iter().map(|number| f64::from_le_bytes(*number))
+}

@@ -1,0 +1,50 @@
+//! The domain of a ROS graph.
+
+use std::env;
+
+use super::error::Ros2Error;
+
+/// The variable that names it.
+const VARIABLE: &str = "ROS_DOMAIN_ID";
+/// The highest whose ports exist.
+const LAST: u16 = 232;
+
+/// The number of a ROS graph, 0 to 232: nodes of different domains do not meet.
+///
+/// ```
+/// use moca_drivers::ros2::RosDomain;
+///
+/// assert_eq!(RosDomain::parse("")?, RosDomain::default());
+/// assert_eq!(RosDomain::parse("42")?.number(), 42);
+/// assert!(RosDomain::parse("233").is_err());
+/// # Ok::<(), moca_drivers::ros2::Ros2Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RosDomain(u16);
+
+impl RosDomain {
+    /// That of `ROS_DOMAIN_ID`; 0 without it.
+    ///
+    /// # Errors
+    /// [`Ros2Error::Domain`]
+    pub fn of_environment() -> Result<Self, Ros2Error> {
+        env::var_os(VARIABLE).map_or(Ok(Self(0)), |value| Self::parse(&value.to_string_lossy()))
+    }
+
+    /// The domain of this number; 0 for an empty text, as ROS has it.
+    ///
+    /// # Errors
+    /// [`Ros2Error::Domain`]
+    pub fn parse(value: &str) -> Result<Self, Ros2Error> {
+        if value.is_empty() {
+            return Ok(Self(0));
+        }
+        let domain = value.parse().ok().filter(|domain| *domain <= LAST);
+        domain.map(Self).ok_or_else(|| Ros2Error::Domain { value: value.to_owned() })
+    }
+
+    /// The number.
+    pub fn number(self) -> u16 {
+        self.0
+    }
+}

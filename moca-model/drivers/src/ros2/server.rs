@@ -1,0 +1,242 @@
+//! The simulated robot behind ROS 2, with a recorded person before its camera.
+
+use std::fmt;
+use std::time::SystemTime;
+
+use anyhow::Result;
+use moca_model::CameraFrame;
+use moca_model::MOCA_BASE_JOINTS;
+use moca_model::whole_body::{Clock, JointCommand, JointMeasurement, RobotSide};
+use nalgebra::UnitQuaternion;
+use ros2_client::Publisher;
+use vision_models::Body;
+
+use super::commands::{Commands, base_velocity};
+use super::domain::RosDomain;
+use super::error::Ros2Error;
+use super::inbox::Inbox;
+use super::measurements::{RobotJoints, mode_name};
+use super::messages::{
+    Float64MultiArray, Header, JointState, MultiArrayLayout, Odometry, Pose, PoseArray,
+    PoseWithCovariance, Quaternion, Text, Time, TwistStamped, TwistWithCovariance, Vector3,
+};
+use super::node::{Peers, RosNode};
+use super::statistics::TopicStatistics;
+use super::topic::{JointInterface, Topic};
+use super::{BASE_FRAME, WORLD_FRAME};
+use crate::SimulatedSide;
+
+/// The newest commands hold for so many periods; then each period counts as one whose command was lost.
+const SILENCE: u64 = 20;
+/// After so many the robot, which stands, is ready for another controller.
+const ENDS: u64 = 1000;
+/// What the robot says of itself is published once in so many periods.
+const SAYS: u64 = 50;
+
+/// A robot on the ROS graph. It measures and publishes once a period, and moves as the newest commands of base and arm
+/// say; without one of them it stands. Its camera sees a recorded person.
+pub struct Ros2Server {
+    _node: RosNode,
+    peers: Peers,
+    twists: Inbox<TwistStamped>,
+    efforts: Inbox<Float64MultiArray>,
+    joint_states: Publisher<JointState>,
+    odometry: Publisher<Odometry>,
+    modes: Publisher<Text>,
+    bodies: Publisher<PoseArray>,
+    confidences: Publisher<Float64MultiArray>,
+    actions: Publisher<Text>,
+    joints: RobotJoints,
+    robot: SimulatedSide,
+    measured: JointMeasurement,
+    commands: Commands,
+    command: JointCommand,
+    /// Periods since the newest twist and the newest torques.
+    silent: [u64; 2],
+    /// Whether the robot has been told to move since it was ready.
+    moved: bool,
+}
+
+impl fmt::Debug for Ros2Server {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Ros2Server").field("robot", &self.robot).finish_non_exhaustive()
+    }
+}
+
+impl Ros2Server {
+    /// Joins a domain as the node `moca_robot`, with MOCA at `start` \[m, rad\].
+    ///
+    /// # Errors
+    /// [`Ros2Error::Create`]
+    pub fn join(domain: RosDomain, robot: SimulatedSide, start: &[f64]) -> Result<Self, Ros2Error> {
+        let mut node = RosNode::join(domain, "moca_robot")?;
+        let joints = RobotJoints::moca();
+        let measured = JointMeasurement::resting(start.to_vec(), start.len());
+        let efforts = Topic::JointCommands(JointInterface::Effort);
+        Ok(Self {
+            peers: node.peers(vec![Topic::BaseTwist, efforts]),
+            twists: node.inbox(Topic::BaseTwist)?,
+            efforts: node.inbox(efforts)?,
+            joint_states: node.publisher(Topic::JointStates)?,
+            odometry: node.publisher(Topic::Odometry)?,
+            modes: node.publisher(Topic::RobotMode)?,
+            bodies: node.publisher(Topic::BodyJoints)?,
+            confidences: node.publisher(Topic::BodyConfidences)?,
+            actions: node.publisher(Topic::Action)?,
+            commands: Commands::new(joints.arm().len()),
+            command: JointCommand::at_rest(&measured),
+            silent: [SILENCE; 2],
+            moved: false,
+            _node: node,
+            joints,
+            robot,
+            measured,
+        })
+    }
+
+    /// Runs until `stop` returns true, and shows these camera frames again and again.
+    ///
+    /// # Errors
+    /// A topic that cannot be read, and commands that the simulation refuses.
+    pub fn serve(
+        &mut self,
+        period: f64,
+        frames: &[CameraFrame],
+        clock: &mut impl Clock,
+        mut stop: impl FnMut() -> bool,
+    ) -> Result<()> {
+        let mut due = clock.now();
+        let first = frames.first().map_or(0.0, |frame| frame.percept.time);
+        let (mut begun, mut coming) = (due, frames.iter().peekable());
+        let mut tick = 0_u64;
+        while !stop() {
+            due = (due + period).max(clock.now() - period);
+            clock.sleep_until(due);
+            self.listen()?;
+            self.robot.receive(&mut self.measured)?;
+            if tick.is_multiple_of(SAYS) {
+                let mode = self.measured.robot.mode.map_or("stopped", mode_name);
+                let _ = self.modes.publish(Text { data: mode.to_owned() });
+            }
+            tick += 1;
+            self.publish_measured();
+            self.act()?;
+            self.silent.iter_mut().for_each(|silent| *silent = silent.saturating_add(1));
+            let is_due = |frame: &&CameraFrame| begun + frame.percept.time - first <= due;
+            if let Some(frame) = coming.next_if(is_due) {
+                self.publish_seen(frame);
+            }
+            if coming.peek().is_none() {
+                (begun, coming) = (due, frames.iter().peekable());
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves for a period.
+    fn act(&mut self) -> Result<()> {
+        let obeys = self.silent.iter().all(|silent| *silent < SILENCE);
+        self.commands.write(self.yaw(), &mut self.command);
+        let refusal = if obeys { self.robot.check(&self.command).err() } else { None };
+        if obeys && refusal.is_none() {
+            self.moved = true;
+            self.robot.obey(&self.command)?;
+        } else if self.moved {
+            self.robot.miss()?;
+        }
+        if let Some(refusal) = refusal {
+            self.twists.statistics.refuse(refusal.into());
+        }
+        let over = self.silent.iter().any(|silent| *silent > ENDS);
+        if over && self.moved && self.robot.status().is_stopped() && self.robot.is_at_rest() {
+            self.robot.recover();
+            self.moved = false;
+        }
+        Ok(())
+    }
+
+    /// What has come so far.
+    pub fn statistics(&self) -> [TopicStatistics; 2] {
+        [&self.twists.statistics, &self.efforts.statistics].map(|topic| {
+            let mut topic = topic.clone();
+            self.peers.count(&mut topic);
+            topic
+        })
+    }
+
+    fn yaw(&self) -> f64 {
+        self.measured.position.get(MOCA_BASE_JOINTS - 1).copied().unwrap_or_default()
+    }
+
+    /// Takes what has come.
+    fn listen(&mut self) -> Result<(), Ros2Error> {
+        self.peers.update();
+        let Self { peers, commands, silent: [twist, effort], .. } = self;
+        self.twists.drain(peers, |message, now| {
+            let age = commands.take_twist(message, now)?;
+            *twist = 0;
+            Ok(Some(age))
+        })?;
+        self.efforts.drain(peers, |message, _| {
+            commands.take_effort(message)?;
+            *effort = 0;
+            Ok(None)
+        })
+    }
+
+    /// Publishes what the robot measures. A subscriber that is too slow is its own fault.
+    fn publish_measured(&self) {
+        let JointMeasurement { position, velocity, torque, .. } = &self.measured;
+        // A joint that measures none has a NaN, as ROS has it.
+        let torque: Vec<_> = torque.iter().map(|torque| torque.unwrap_or(f64::NAN)).collect();
+        let stamp = SystemTime::now().into();
+        let arm = |numbers: &[f64]| numbers.get(MOCA_BASE_JOINTS..).unwrap_or_default().to_vec();
+        let _ = self.joint_states.publish(JointState {
+            header: Header { stamp, frame_id: String::new() },
+            name: self.joints.arm().to_vec(),
+            position: arm(position),
+            velocity: arm(velocity),
+            effort: arm(&torque),
+        });
+        let [x, y, yaw] = position.first_chunk().copied().unwrap_or_default();
+        let turned = UnitQuaternion::from_euler_angles(0.0, 0.0, yaw).coords;
+        let orientation = Quaternion { x: turned.x, y: turned.y, z: turned.z, w: turned.w };
+        let pose = Pose { position: Vector3 { x, y, z: 0.0 }, orientation };
+        let twist = base_velocity(velocity, yaw).into();
+        let _ = self.odometry.publish(Odometry {
+            header: Header { stamp, frame_id: WORLD_FRAME.to_owned() },
+            child_frame_id: BASE_FRAME.to_owned(),
+            pose: PoseWithCovariance { pose, ..PoseWithCovariance::default() },
+            twist: TwistWithCovariance { twist, ..TwistWithCovariance::default() },
+        });
+    }
+
+    /// Publishes what the camera sees.
+    fn publish_seen(&self, frame: &CameraFrame) {
+        let (percept, others) = (&frame.percept, frame.others());
+        if let Some(seen) = &percept.action {
+            let _ = self.actions.publish(Text { data: seen.action.name().to_owned() });
+        }
+        if percept.body.is_none() && others.is_empty() {
+            return;
+        }
+        let nobody = Body::default();
+        let people = std::iter::once(percept.body.as_ref().unwrap_or(&nobody)).chain(others);
+        let unseen = Vector3 { x: f64::NAN, y: f64::NAN, z: f64::NAN };
+        let keypoints: Vec<_> = people.flat_map(Body::keypoints).collect();
+        let stamp: Time = SystemTime::now().into();
+        let confidences = keypoints
+            .iter()
+            .map(|keypoint| keypoint.map_or(0.0, |keypoint| keypoint.confidence.value()));
+        let data = [f64::from(stamp.sec), f64::from(stamp.nanosec)].into_iter().chain(confidences);
+        let layout = MultiArrayLayout::default();
+        let _ = self.confidences.publish(Float64MultiArray { layout, data: data.collect() });
+        let poses = keypoints.into_iter().map(|keypoint| {
+            let place = |at: nalgebra::Point3<f64>| Vector3 { x: at.x, y: at.y, z: at.z };
+            let position = keypoint.map_or(unseen, |keypoint| place(keypoint.position));
+            Pose { position, ..Pose::default() }
+        });
+        let header = Header { stamp, frame_id: WORLD_FRAME.to_owned() };
+        let _ = self.bodies.publish(PoseArray { header, poses: poses.collect() });
+    }
+}

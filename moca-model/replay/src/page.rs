@@ -1,0 +1,100 @@
+//! A page to look at: one file of HTML that shows runs in three dimensions with their plots and states
+//! under one time cursor. It needs nothing but a browser with WebGL 2, and no network.
+//!
+//! ```
+//! use moca_replay::page::{Results, page};
+//! use moca_replay::recorded::ReplayError;
+//!
+//! let nothing = page("No run", &[], &Results::default());
+//! assert!(matches!(nothing, Err(ReplayError::Nothing)));
+//! ```
+
+mod data;
+
+use serde::Serialize;
+
+use crate::recorded::{Replay, ReplayError};
+
+const HTML: &str = include_str!("page/page.html");
+const STYLES: [&str; 5] = [
+    include_str!("page/colours.css"),
+    include_str!("page/layout.css"),
+    include_str!("page/cards.css"),
+    include_str!("page/tracks.css"),
+    include_str!("page/media.css"),
+];
+/// In an order in which a file uses only what stands before it.
+const SCRIPTS: [&str; 14] = [
+    include_str!("page/data.js"),
+    include_str!("page/colours.js"),
+    include_str!("page/mathematics.js"),
+    include_str!("page/meshes.js"),
+    include_str!("page/renderer.js"),
+    include_str!("page/camera.js"),
+    include_str!("page/scene.js"),
+    include_str!("page/axis.js"),
+    include_str!("page/lanes.js"),
+    include_str!("page/limits.js"),
+    include_str!("page/plots.js"),
+    include_str!("page/panel.js"),
+    include_str!("page/player.js"),
+    include_str!("page/main.js"),
+];
+
+/// What the runs came to.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Results {
+    /// The table, row by row.
+    pub rows: Vec<ResultRow>,
+    /// The object that `--json` prints.
+    pub summary: serde_json::Value,
+    /// What the program prints of more runs than the page shows; may be empty.
+    pub text: String,
+}
+
+/// A row of the table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ResultRow {
+    /// What the numbers are, with the unit.
+    pub name: String,
+    /// After the point.
+    pub digits: usize,
+    /// One a run; none where there is no such number.
+    pub values: Vec<Option<f64>>,
+}
+
+/// The page of some runs of one person and one robot, side by side; gives the text of the file.
+///
+/// # Errors
+/// [`ReplayError::Nothing`] without a run or with a run without samples; [`ReplayError::Json`].
+pub fn page(title: &str, runs: &[&Replay], results: &Results) -> Result<String, ReplayError> {
+    if runs.is_empty() || runs.iter().any(|run| run.samples.is_empty()) {
+        return Err(ReplayError::Nothing);
+    }
+    let data = data::json(runs, results)?;
+    let (style, script) = (STYLES.concat(), SCRIPTS.concat());
+    // Each text is put in once, so that no placeholder within another text counts.
+    let mut page = String::with_capacity(HTML.len() + style.len() + script.len() + data.len());
+    let mut rest = HTML;
+    let title = escaped(title);
+    for (placeholder, text) in [
+        ("{{title}}", &*title),
+        ("{{style}}", &style),
+        ("{{title}}", &title),
+        ("{{data}}", &data),
+        ("{{script}}", &script),
+    ] {
+        if let Some((before, after)) = rest.split_once(placeholder) {
+            page.push_str(before);
+            page.push_str(text);
+            rest = after;
+        }
+    }
+    page.push_str(rest);
+    Ok(page)
+}
+
+/// Text in HTML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}

@@ -1,0 +1,39 @@
+//! What a run looked like: where robot, person and workspace were, what was scored, and what state
+//! everything was in, sampled for pictures.
+//!
+//! ```
+//! use ergo_map::{ErgonomicsMap, MapOptions, Person};
+//! use moca_replay::recorded::Recorder;
+//! use moca_model::{ControllerSettings, MOCA_URDF, moca};
+//!
+//! let options = MapOptions { spacing: 0.3, ..MapOptions::default() };
+//! let map = ErgonomicsMap::build(&Person::average(), &options, None)?;
+//! let settings = ControllerSettings::default();
+//! let recorder = Recorder::new("Ergonomics on", &moca()?, MOCA_URDF, &settings, &map)?;
+//! // In the run: recorder.observe(…) at each camera frame, recorder.tick(…) at each tick.
+//! let replay = recorder.finish();
+//! assert!(replay.samples.is_empty());
+//! assert!(replay.stage.solids().iter().any(|solid| solid.name == "base_link"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod body;
+mod error;
+mod lanes;
+mod limit_use;
+mod map_grid;
+mod nearest;
+mod others_track;
+mod person_track;
+mod recorder;
+mod robot;
+mod stage;
+mod table;
+
+pub use body::{BODY_POINTS, BodyPart, LIMBS, Limb, POINT_COUNT};
+pub use error::ReplayError;
+pub use lanes::{Lane, Span, Tone};
+pub use map_grid::MapGrid;
+pub use recorder::{FrameSlot, Recorder, Replay};
+pub use stage::{Role, Shape, Solid, Stage};
+pub use table::{Encoding, Group, Table};

@@ -1,0 +1,158 @@
+//! Numbers of samples, group by group, in bounded memory.
+
+/// How a group is written into a page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// As f32.
+    Exact,
+    /// As 65535 steps between the least and the greatest value of each column: for what is only looked at.
+    Steps,
+}
+
+/// Columns that belong together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Of the group.
+    pub name: &'static str,
+    /// Of its columns.
+    pub columns: Vec<String>,
+    /// How many numbers a column has: 1, 3 for a point, 7 for a pose.
+    pub size: usize,
+    /// How it is written.
+    pub encoding: Encoding,
+}
+
+impl Group {
+    /// Of columns of so many numbers.
+    pub fn new(name: &'static str, columns: &[&str], size: usize, encoding: Encoding) -> Self {
+        let columns = columns.iter().map(|&column| column.to_owned()).collect();
+        Self { name, columns, size, encoding }
+    }
+
+    /// How many numbers of a row are its own.
+    pub fn width(&self) -> usize {
+        self.columns.len() * self.size
+    }
+}
+
+/// A row of numbers a sample. NaN stands for what is not known.
+///
+/// There are never more than [`Table::MOST`] rows: when they are full every second one goes, and of
+/// what comes later as many are left out. So it holds at most `MOST` rows of 4 bytes a number.
+///
+/// ```
+/// use moca_replay::recorded::{Encoding, Group, Table};
+///
+/// let mut table = Table::new(vec![Group::new("series", &["score"], 1, Encoding::Exact)]);
+/// for tick in 0..20_000_u16 {
+///     table.push(f64::from(tick), &[f32::from(tick)]);
+/// }
+/// assert!(table.len() <= Table::MOST && table.len() > Table::MOST / 2);
+/// assert_eq!(table.times()[1], f64::from(table.row(1)[0]));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    groups: Vec<Group>,
+    width: usize,
+    times: Vec<f64>,
+    values: Vec<f32>,
+    /// Of so many samples one is kept.
+    stride: usize,
+    /// Samples to leave out before the next that is kept.
+    left_out: usize,
+}
+
+impl Table {
+    /// Two minutes at 50 samples a second.
+    pub const MOST: usize = 6000;
+
+    /// A table without rows.
+    pub fn new(groups: Vec<Group>) -> Self {
+        let width = groups.iter().map(Group::width).sum();
+        Self { groups, width, times: Vec::new(), values: Vec::new(), stride: 1, left_out: 0 }
+    }
+
+    /// Takes a sample of this time \[s\], the numbers of all columns; what is missing counts as not
+    /// known.
+    pub fn push(&mut self, time: f64, row: &[f32]) {
+        if self.left_out > 0 {
+            self.left_out -= 1;
+            return;
+        }
+        if self.times.len() == Self::MOST {
+            self.halve();
+        }
+        self.left_out = self.stride - 1;
+        self.times.push(time);
+        let missing = std::iter::repeat(&f32::NAN);
+        self.values.extend(row.iter().chain(missing).take(self.width));
+    }
+
+    fn halve(&mut self) {
+        let width = self.width;
+        let kept = self.times.len().div_ceil(2);
+        for index in 1..kept {
+            self.times.swap(index, 2 * index);
+            self.values.copy_within(2 * index * width..(2 * index + 1) * width, index * width);
+        }
+        self.times.truncate(kept);
+        self.values.truncate(kept * width);
+        self.stride *= 2;
+    }
+
+    /// Adds a group to a table that may have rows; `value` gives a row's numbers of it.
+    pub(super) fn add_group(&mut self, group: Group, value: impl Fn(usize, &[f32]) -> Vec<f32>) {
+        let added = group.width();
+        let mut values = Vec::with_capacity(self.len() * (self.width + added));
+        for index in 0..self.len() {
+            let row = self.row(index);
+            values.extend_from_slice(row);
+            let missing = std::iter::repeat(f32::NAN);
+            values.extend(value(index, row).into_iter().chain(missing).take(added));
+        }
+        self.values = values;
+        self.width += added;
+        self.groups.push(group);
+    }
+
+    /// How many rows.
+    pub fn len(&self) -> usize {
+        self.times.len()
+    }
+
+    /// Returns true if there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.times.is_empty()
+    }
+
+    /// The time of each row \[s\].
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// The groups, in the order of their columns.
+    pub fn groups(&self) -> &[Group] {
+        &self.groups
+    }
+
+    /// A row; empty beyond the last.
+    pub fn row(&self, index: usize) -> &[f32] {
+        self.values.get(index * self.width..(index + 1) * self.width).unwrap_or_default()
+    }
+
+    /// Each group with the place of its first column in a row.
+    pub fn group_places(&self) -> impl Iterator<Item = (usize, &Group)> {
+        self.groups.iter().scan(0, |place, group| {
+            let begin = *place;
+            *place += group.width();
+            Some((begin, group))
+        })
+    }
+
+    /// The place in a row of a column; none if there is no such.
+    pub fn place(&self, group: &str, column: &str) -> Option<usize> {
+        let (begin, group) = self.group_places().find(|(_, known)| known.name == group)?;
+        let index = group.columns.iter().position(|known| known == column)?;
+        Some(begin + index * group.size)
+    }
+}

@@ -1,0 +1,48 @@
+//! A simulated person and what a simulated camera and recogniser report of them: what `record`
+//! writes down, `follow` plays and `soak` walks into the robot's way.
+//!
+//! [`Person`] is the body: it goes to goals within the limits of a [`Gait`], turns, steps and moves
+//! its hands. Two minds move it. [`Walker`] acts out the paper's Experiments 3 and 4: comes with
+//! the object, delivers it to the robot, picks a tool up, works, leads the robot along a path while
+//! working, lays the tool down and leaves. [`Wanderer`] does what nobody expects: walks up to the
+//! robot and into it, jumps, goes out of sight and comes back. [`Perception`] is the camera, which
+//! adds noise and loses joints and frames, with the recogniser, which is late and sometimes wrong.
+//!
+//! ```
+//! use moca_simulation::people::{Walker, WalkerSettings};
+//!
+//! let settings = WalkerSettings { duration: 10.0, ..WalkerSettings::default() };
+//! let percepts: Vec<_> = Walker::new(settings)?.collect();
+//! assert!(percepts.iter().any(|percept| percept.action.is_some_and(|seen| seen.action.is_collaborative())));
+//! # Ok::<(), moca_simulation::people::WalkerError>(())
+//! ```
+
+mod activity;
+mod arm;
+mod camera;
+mod error;
+mod motion;
+mod movement;
+mod path;
+mod perception;
+mod person;
+mod recogniser;
+mod script;
+mod settings;
+mod skeleton;
+mod transport;
+mod walker;
+mod wanderer;
+
+pub use arm::Arm;
+pub use camera::CameraSettings;
+pub use error::WalkerError;
+pub use motion::Gait;
+pub use movement::Movement;
+pub use path::{WalkingPath, Waypoint};
+pub use perception::{FRAME_RATE, Perception};
+pub use person::{Joints, Person};
+pub use settings::{Occupation, WalkerSettings};
+pub use transport::Transport;
+pub use walker::{Truth, Walker};
+pub use wanderer::Wanderer;

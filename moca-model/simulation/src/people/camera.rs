@@ -1,0 +1,197 @@
+//! What a depth camera makes of the joints.
+
+use nalgebra::{Point3, Rotation2, Vector2, Vector3};
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use vision_models::{Body, Body25, Confidence, Keypoint};
+
+use super::person::Joints;
+
+/// Where the camera stands, in the world (m): at the height of HRI30's, looking at the workplace.
+const EYE: Point3<f64> = Point3::new(0.3, 1.8, 2.3);
+
+/// How far from it along x the person is whom it looks at (m).
+const AHEAD: f64 = 1.1;
+
+/// Standard deviation of the depth at 1 m (m); it grows with the square of the distance:
+/// s / (f B) with s = .08 px, f = 385 px and B = 50 mm (RealSense D435i, 640 × 480).
+const DEPTH_SIGMA: f64 = 0.08 / (385.0 * 0.05);
+
+/// Standard deviation across the ray at 1 m (m); it grows with the distance: 1.5 px of the
+/// detector at a focal length of 615 px.
+const ACROSS_SIGMA: f64 = 1.5 / 615.0;
+
+/// How far a jump is (m).
+const JUMP: f64 = 2.0;
+
+/// How well the camera sees.
+///
+/// ```
+/// use moca_simulation::people::CameraSettings;
+///
+/// let sharp = CameraSettings { noise: 0.5, ..CameraSettings::default() };
+/// assert_ne!(sharp, CameraSettings::PERFECT);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraSettings {
+    /// Factor on the noise of a `RealSense` D435i, whose depth has the standard deviation
+    /// 4 mm · (z / 1 m)². Default 1.
+    pub noise: f64,
+    /// No joint is seen farther than this from where it is (m). Default infinite.
+    pub largest_error: f64,
+    /// Probability that a joint is missing in a frame. A quarter of it is the probability that the
+    /// person is missed for one to six frames, a tenth that a frame is lost, and that a joint is
+    /// put in the wrong place with little confidence. Default 0.02.
+    pub drop: f64,
+    /// How many times the person seems to be two metres away, for up to 2 s. Default 0.
+    pub jumps: u32,
+    /// How many times the person is not seen, for up to 3 s. Default 0.
+    pub vanishings: u32,
+    /// How far apart along x further cameras are, for who walks out of the range of the first (m): the
+    /// person is seen by the one that is nearest. Default none.
+    pub spacing: Option<f64>,
+}
+
+impl Default for CameraSettings {
+    fn default() -> Self {
+        Self {
+            noise: 1.0,
+            largest_error: f64::INFINITY,
+            drop: 0.02,
+            jumps: 0,
+            vanishings: 0,
+            spacing: None,
+        }
+    }
+}
+
+impl CameraSettings {
+    /// Sees everything, where it is.
+    pub const PERFECT: Self = Self {
+        noise: 0.0,
+        largest_error: f64::INFINITY,
+        drop: 0.0,
+        jumps: 0,
+        vanishings: 0,
+        spacing: None,
+    };
+
+    /// Where the camera is that sees somebody at `place` best, in the world (m).
+    fn eye(&self, place: &Point3<f64>) -> Point3<f64> {
+        let along = self
+            .spacing
+            .map_or(0.0, |spacing| spacing * ((place.x - EYE.x - AHEAD) / spacing).round());
+        EYE + Vector3::x() * along
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Camera {
+    settings: CameraSettings,
+    draw: ChaCha8Rng,
+    /// Begin, end (s) and displacement (m).
+    jumps: Vec<(f64, f64, Vector2<f64>)>,
+    /// Begin and end (s).
+    vanishings: Vec<(f64, f64)>,
+    /// For how many more frames the person is missed.
+    missed: u32,
+}
+
+impl Camera {
+    /// Jumps and vanishings are spread over `duration` (s).
+    pub(super) fn new(settings: CameraSettings, duration: f64, mut draw: ChaCha8Rng) -> Self {
+        let mut interval = |longest: f64| {
+            let begin = draw.random_range(0.2..0.8) * duration;
+            (begin, begin + draw.random_range(0.3..longest))
+        };
+        let vanishings = (0..settings.vanishings).map(|_| interval(3.0)).collect();
+        let jumps: Vec<_> = (0..settings.jumps).map(|_| interval(2.0)).collect();
+        let jumps = jumps
+            .into_iter()
+            .map(|(begin, end)| {
+                let direction = Rotation2::new(draw.random_range(-3.0..3.0));
+                (begin, end, direction * Vector2::new(JUMP, 0.0))
+            })
+            .collect();
+        Self { settings, draw, jumps, vanishings, missed: 0 }
+    }
+
+    /// Returns true if this frame never arrives.
+    pub(super) fn loses_frame(&mut self) -> bool {
+        self.draw.random_bool(self.settings.drop / 10.0)
+    }
+
+    /// The joints (in the world, m) as they are seen at a time (s); `None` if the person is missed.
+    pub(super) fn see(&mut self, time: f64, joints: &Joints) -> Option<Body> {
+        let within = |begin: f64, end: f64| begin <= time && time < end;
+        if self.missed == 0 && self.draw.random_bool(self.settings.drop / 4.0) {
+            self.missed = self.draw.random_range(1..=6);
+        }
+        let jump: Vector2<f64> = self
+            .jumps
+            .iter()
+            .filter(|(begin, end, _)| within(*begin, *end))
+            .map(|(.., displacement)| displacement)
+            .sum();
+        // Drawn in any case, so that what follows does not depend on who is seen.
+        let eye = self.settings.eye(&joints[Body25::MidHip as usize]);
+        let seen = joints.map(|joint| self.joint(&eye, joint + jump.push(0.0)));
+        let vanished = self.vanishings.iter().any(|&(begin, end)| within(begin, end));
+        let missed = self.missed > 0;
+        self.missed = self.missed.saturating_sub(1);
+        (!vanished && !missed).then(|| Body::new(seen))
+    }
+
+    fn joint(&mut self, eye: &Point3<f64>, joint: Point3<f64>) -> Option<Keypoint> {
+        let ray = joint - eye;
+        let distance = ray.norm();
+        let across = self.settings.noise * ACROSS_SIGMA * distance;
+        let along = self.settings.noise * DEPTH_SIGMA * distance * distance;
+        let mut normal = || -> f64 { StandardNormal.sample(&mut self.draw) };
+        let sideways = Vector3::new(normal(), normal(), normal()) * across;
+        let (depth, quality) = (normal() * along, normal());
+        let drop = self.settings.drop;
+        let (missing, misplaced) =
+            (self.draw.random_bool(drop), self.draw.random_bool(drop / 10.0));
+        let (error, confidence) = if misplaced {
+            (Vector3::from_fn(|_, _| self.draw.random_range(-0.4..0.4)), 0.35 + 0.1 * quality)
+        } else {
+            (sideways + ray * (depth / distance), 0.82 + 0.06 * quality)
+        };
+        let error = error.cap_magnitude(self.settings.largest_error);
+        let confidence = Confidence::new(confidence.clamp(0.05, 0.98)).ok()?;
+        (!missing).then(|| Keypoint { position: joint + error, confidence })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand_chacha::rand_core::SeedableRng;
+
+    use super::*;
+
+    /// Of the depth of somebody this far along x, the root mean square error (m).
+    fn error(x: f64, spacing: Option<f64>) -> f64 {
+        let settings = CameraSettings { drop: 0.0, spacing, ..CameraSettings::default() };
+        let mut camera = Camera::new(settings, 1.0, ChaCha8Rng::seed_from_u64(1));
+        let place = Point3::new(x, 0.0, 1.0);
+        let squares = (0..500).map(|_| {
+            let body = camera.see(0.0, &[place; Body25::COUNT]).unwrap();
+            (body.get(Body25::MidHip).unwrap().position.x - x).powi(2)
+        });
+        (squares.sum::<f64>() / 500.0).sqrt()
+    }
+
+    #[test]
+    fn a_row_of_cameras_sees_somebody_far_away_as_one_sees_somebody_near() {
+        let near = error(1.4, None);
+        assert!(near < 0.05, "{near}");
+        assert!(error(13.4, None) > 5.0 * near);
+        for x in [1.4, 4.0, 8.9, 13.4] {
+            assert!(error(x, Some(3.0)) < 2.5 * near, "at {x} m");
+        }
+        // Nobody who works at the workplace is seen otherwise.
+        assert_eq!(error(1.4, Some(3.0)).to_bits(), near.to_bits());
+    }
+}

@@ -1,0 +1,240 @@
+//! How the person moves over the floor, steps and moves the hands.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Point2, Rotation2, Vector2, Vector3};
+
+use super::movement::Moving;
+
+/// Two steps take this long (s).
+const STRIDE_TIME: f64 = 1.3;
+
+/// The hands follow what they are meant to do with this time constant (s).
+const HAND_TIME: f64 = 0.25;
+
+/// How a person moves.
+///
+/// ```
+/// use moca_simulation::people::Gait;
+///
+/// assert!(Gait::CAREFUL.turning_rate < Gait::NATURAL.turning_rate);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gait {
+    /// How the person speeds up (m/s²); slowing down is planned at less.
+    pub acceleration: f64,
+    /// How fast the person turns (rad/s).
+    pub turning_rate: f64,
+    /// How fast that changes (rad/s²).
+    pub turning_acceleration: f64,
+    /// Length of the steps and swing of the arms, as a share of those of a person whose standing
+    /// feet do not slide.
+    pub stride: f64,
+    /// How fast the hands move against the body at most, in statures a second.
+    pub hand_speed: f64,
+    /// How fast any part of the arms moves at most (m/s): hands go on more slowly where an elbow would swing faster.
+    pub arm_speed: f64,
+}
+
+impl Gait {
+    /// Standing feet stay where they are.
+    pub const NATURAL: Self = Self {
+        acceleration: 0.8,
+        turning_rate: 1.2,
+        turning_acceleration: 4.0,
+        stride: 1.0,
+        hand_speed: f64::INFINITY,
+        arm_speed: f64::INFINITY,
+    };
+
+    /// In small sliding steps and with quiet hands, so that hands and feet are not much faster than
+    /// the trunk.
+    pub const CAREFUL: Self = Self {
+        acceleration: 1.0,
+        turning_rate: 0.6,
+        turning_acceleration: 3.0,
+        stride: 0.2,
+        hand_speed: 0.06,
+        arm_speed: 1.5,
+    };
+}
+
+/// A place to go to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Goal {
+    /// In the world (m).
+    pub(super) floor: Point2<f64>,
+    /// Which way to face there (rad).
+    pub(super) heading: f64,
+    /// How fast to go (m/s).
+    pub(super) speed: f64,
+    /// Whether to stop there or to pass by.
+    pub(super) stop: bool,
+}
+
+/// What the hands do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Hands {
+    /// Swing with the steps.
+    Swinging,
+    /// Hold the object close in front.
+    Carrying,
+    /// Hold the object out to the robot.
+    Reaching,
+    /// The right hand takes something from a table beside, or lays it down.
+    AtTable,
+    /// The right hand holds a tool close.
+    Holding,
+    /// Both hands work with the tool on the object in front.
+    Working,
+}
+
+/// The state of the moving person.
+#[derive(Clone, Debug)]
+pub(super) struct Motion {
+    /// The floor below the pelvis, in the world (m).
+    pub(super) floor: Point2<f64>,
+    /// Over the floor, in the world (m/s).
+    pub(super) velocity: Vector2<f64>,
+    /// The yaw of the forward direction (rad).
+    pub(super) heading: f64,
+    pub(super) gait: Gait,
+    turning_rate: f64,
+    /// Of the two steps of a stride, in [0, 2π) (rad).
+    phase: f64,
+    /// Left and right, in the person's frame and as a fraction of stature.
+    pub(super) hands: [Vector3<f64>; 2],
+    /// Where the right hand is to be instead of where its activity has it, likewise.
+    reached_for: Option<Vector3<f64>>,
+    /// The trunk's flexion (rad).
+    lean: f64,
+    /// What they do on the spot besides.
+    pub(super) moving: Moving,
+}
+
+impl Motion {
+    pub(super) fn starting_at(floor: Point2<f64>, heading: f64, gait: Gait, hands: Hands) -> Self {
+        Self {
+            floor,
+            velocity: Vector2::zeros(),
+            heading,
+            gait,
+            turning_rate: 0.0,
+            phase: 0.0,
+            hands: hands.places(0.0),
+            reached_for: None,
+            lean: 0.0,
+            moving: Moving::default(),
+        }
+    }
+
+    pub(super) fn has_reached(&self, goal: &Goal) -> bool {
+        let near = if goal.stop { 0.02 } else { 0.12 };
+        (goal.floor - self.floor).norm() < near
+    }
+
+    /// The velocity in the person's frame: x forwards, y to the left (m/s).
+    pub(super) fn velocity_in_person(&self) -> Vector2<f64> {
+        Rotation2::new(-self.heading) * self.velocity
+    }
+
+    /// The foot's place relative to the hip's, in the person's frame (m): `x` and `y` along the
+    /// floor and `z` the lift. Half of a stride it stands, so that it moves against the velocity;
+    /// the other half it swings to where it next stands.
+    pub(super) fn foot(&self, left: bool) -> Vector3<f64> {
+        let phase = (self.phase / TAU + if left { 0.0 } else { 0.5 }).fract();
+        let velocity = self.velocity_in_person();
+        let (along, lift) = if phase < 0.5 {
+            (0.25 - phase, 0.0)
+        } else {
+            let swing = 2.0 * phase - 1.0;
+            (-0.25 * (TAU / 2.0 * swing).cos(), (TAU / 2.0 * swing).sin())
+        };
+        let step = velocity * STRIDE_TIME * along;
+        Vector3::new(step.x, step.y, 0.12 * lift * velocity.norm().min(1.0)) * self.gait.stride
+    }
+
+    /// The hand's place in the person's frame, as a fraction of stature.
+    pub(super) fn hand(&self, left: bool) -> Vector3<f64> {
+        let [of_left, of_right] = self.hands;
+        if left { of_left } else { of_right }
+    }
+
+    /// The trunk's flexion (rad).
+    pub(super) fn lean(&self) -> f64 {
+        self.lean
+    }
+
+    /// The right hand is to be at this place in the person's frame, as a fraction of stature, or where
+    /// its activity has it.
+    pub(super) fn reach_for(&mut self, place: Option<Vector3<f64>>) {
+        self.reached_for = place;
+    }
+
+    /// Moves on by `dt` (s) in steps of a hundredth of a second.
+    pub(super) fn advance(&mut self, goal: &Goal, hands: Hands, dt: f64) {
+        let steps = (dt / 0.01).ceil().max(1.0);
+        let mut left = steps;
+        while left > 0.0 {
+            self.step(goal, hands, dt / steps);
+            left -= 1.0;
+        }
+    }
+
+    fn step(&mut self, goal: &Goal, hands: Hands, dt: f64) {
+        let Gait { acceleration, turning_rate, turning_acceleration, stride, hand_speed, .. } =
+            self.gait;
+        let to_goal = goal.floor - self.floor;
+        let distance = to_goal.norm();
+        // Slows down in time, and at the end like a damped spring.
+        let braking = (1.2 * acceleration * distance).sqrt().min(2.0 * distance);
+        let speed = if goal.stop { goal.speed.min(braking) } else { goal.speed };
+        let wanted = to_goal.try_normalize(1e-9).unwrap_or_default() * speed;
+        self.velocity += (wanted - self.velocity).cap_magnitude(acceleration * dt);
+        self.floor += self.velocity * dt;
+
+        let rate = (3.0 * (goal.heading - self.heading)).clamp(-turning_rate, turning_rate);
+        let change = turning_acceleration * dt;
+        self.turning_rate += (rate - self.turning_rate).clamp(-change, change);
+        self.heading += self.turning_rate * dt;
+
+        self.phase = (self.phase + TAU * dt / STRIDE_TIME) % TAU;
+        let follow = dt / HAND_TIME;
+        let swing = stride * self.velocity_in_person().x * (self.phase - TAU / 8.0).sin();
+        let [left, right] = hands.places(swing);
+        let places = [left, self.reached_for.unwrap_or(right)];
+        for (hand, place) in self.hands.iter_mut().zip(places) {
+            *hand += ((place - *hand) * follow).cap_magnitude(hand_speed * dt);
+        }
+        self.lean += (hands.lean() - self.lean) * follow;
+        self.moving.advance(dt);
+    }
+}
+
+impl Hands {
+    /// Where the left and the right hand are meant to be, in the person's frame and as a fraction
+    /// of stature, with the velocity of the arms' swing (m/s).
+    fn places(self, swing: f64) -> [Vector3<f64>; 2] {
+        let swinging = |sign: f64| {
+            let forwards = 0.05 - 0.12 * sign * swing;
+            Vector3::new(forwards, sign * 0.14, 0.505 + 0.6 * forwards * forwards)
+        };
+        match self {
+            Self::Swinging => [swinging(1.0), swinging(-1.0)],
+            Self::Carrying => [Vector3::new(0.18, 0.07, 0.6), Vector3::new(0.18, -0.07, 0.6)],
+            Self::Reaching => [Vector3::new(0.28, 0.05, 0.66), Vector3::new(0.28, -0.05, 0.66)],
+            Self::AtTable => [swinging(1.0), Vector3::new(0.16, -0.22, 0.52)],
+            Self::Holding => [swinging(1.0), Vector3::new(0.12, -0.13, 0.55)],
+            Self::Working => [Vector3::new(0.22, 0.06, 0.61), Vector3::new(0.25, -0.04, 0.62)],
+        }
+    }
+
+    /// How far the trunk leans over (rad).
+    fn lean(self) -> f64 {
+        match self {
+            Self::Swinging | Self::Carrying | Self::Holding => 0.03,
+            Self::Reaching | Self::Working => 0.08,
+            Self::AtTable => 0.15,
+        }
+    }
+}

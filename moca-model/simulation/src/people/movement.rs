@@ -1,0 +1,227 @@
+//! What a person does on the spot, at the speeds of people: a head over a standing pelvis at 1 to 1.5 m/s, hands at 2
+//! to 4 m/s.
+
+use std::collections::VecDeque;
+use std::f64::consts::PI;
+
+use nalgebra::Vector3;
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+
+/// A movement that ends where it began.
+///
+/// ```
+/// use moca_simulation::people::Movement;
+///
+/// assert_eq!(Movement::from_name("bow"), Some(Movement::Bow));
+/// assert_eq!(Movement::Bow.name(), "bow");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Movement {
+    /// Leans forwards from the hips.
+    Bow,
+    /// Down on both knees, and up.
+    Kneel,
+    /// Sits down, and stays for a moment.
+    SitDown,
+    /// Sits, and gets up.
+    GetUp,
+    /// Leans to a side.
+    LeanSideways,
+    /// Both hands above the head.
+    ReachOverhead,
+    /// Turns on the spot, and back.
+    Turn,
+    /// Bends the knees, arms forwards.
+    Squat,
+    /// Takes something from the floor with the right hand.
+    PickUp,
+    /// A step to a side, and back.
+    StepSideways,
+    /// Swings both arms to and fro.
+    SwingArms,
+}
+
+/// How a body differs from one that stands; lengths are fractions of stature, angles in radians.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Posture {
+    /// The trunk's flexion, and its bending to the left.
+    pub(super) lean: f64,
+    pub(super) aside: f64,
+    /// How much lower the pelvis is, how far behind, and how far behind the feet are.
+    pub(super) drop: f64,
+    pub(super) back: f64,
+    pub(super) feet_back: f64,
+    /// Where left and right hand are, from where they would hang on the trunk.
+    pub(super) hands: [Vector3<f64>; 2],
+    /// To the left, on the spot.
+    pub(super) turn: f64,
+    pub(super) step: f64,
+}
+
+/// A movement under way.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Moving {
+    from: Posture,
+    now: Posture,
+    /// Postures to take, each with how long that takes \[s\].
+    to_come: VecDeque<(Posture, f64)>,
+    /// Of the first of them \[s\].
+    elapsed: f64,
+}
+
+impl Movement {
+    /// All of them.
+    pub const ALL: [Self; 11] = [
+        Self::Bow,
+        Self::Kneel,
+        Self::SitDown,
+        Self::GetUp,
+        Self::LeanSideways,
+        Self::ReachOverhead,
+        Self::Turn,
+        Self::Squat,
+        Self::PickUp,
+        Self::StepSideways,
+        Self::SwingArms,
+    ];
+
+    /// On the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bow => "bow",
+            Self::Kneel => "kneel",
+            Self::SitDown => "sit-down",
+            Self::GetUp => "get-up",
+            Self::LeanSideways => "lean-sideways",
+            Self::ReachOverhead => "reach-overhead",
+            Self::Turn => "turn",
+            Self::Squat => "squat",
+            Self::PickUp => "pick-up",
+            Self::StepSideways => "step-sideways",
+            Self::SwingArms => "swing-arms",
+        }
+    }
+
+    /// The movement of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|movement| movement.name() == name)
+    }
+
+    /// Its postures, each with how long it takes to come to it \[s\].
+    fn postures(self, draw: &mut ChaCha8Rng) -> Vec<(Posture, f64)> {
+        let still = Posture::default();
+        let time = draw.random_range(0.9..1.25);
+        let rest = draw.random_range(0.1..1.0);
+        let side = if draw.random_bool(0.5) { 1.0 } else { -1.0 };
+        let size = draw.random_range(0.75..1.0);
+        let there_and_back =
+            |there: Posture, time: f64| vec![(there, time), (there, rest), (still, time)];
+        let both = |hand: Vector3<f64>| [hand, Vector3::new(hand.x, -hand.y, hand.z)];
+        let seated = Posture { lean: 0.1, drop: 0.24, back: 0.2, ..still };
+        let sitting = Posture { lean: 0.7, drop: 0.12, back: 0.1, ..still };
+        match self {
+            Self::Bow => there_and_back(Posture { lean: 0.95 * size, ..still }, time),
+            Self::Kneel => {
+                let kneeling = Posture { drop: 0.235, feet_back: 0.22, lean: 0.1, ..still };
+                there_and_back(kneeling, 1.2 * time)
+            }
+            Self::SitDown => {
+                let pause = rest + 1.0;
+                vec![
+                    (sitting, 0.9 * time),
+                    (seated, 0.9 * time),
+                    (seated, pause),
+                    (sitting, 1.1 * time),
+                    (still, 1.1 * time),
+                ]
+            }
+            Self::GetUp => vec![
+                (sitting, 1.1 * time),
+                (seated, 1.1 * time),
+                (seated, rest),
+                (sitting, 0.9 * time),
+                (still, 0.9 * time),
+            ],
+            Self::LeanSideways => {
+                there_and_back(Posture { aside: side * 0.65 * size, ..still }, 0.9 * time)
+            }
+            Self::ReachOverhead => {
+                let hands = both(Vector3::new(0.1, 0.12, 0.6 * size));
+                there_and_back(Posture { hands, ..still }, 0.9 * time)
+            }
+            Self::Turn => there_and_back(Posture { turn: side * PI * size, ..still }, 1.9 * time),
+            Self::Squat => {
+                let hands = both(Vector3::new(0.15, 0.0, 0.15));
+                there_and_back(Posture { drop: 0.2 * size, lean: 0.5, hands, ..still }, time)
+            }
+            Self::PickUp => {
+                let hands = [Vector3::zeros(), Vector3::new(0.1, 0.05, -0.15)];
+                let down = Posture { drop: 0.14, lean: 1.0 * size, hands, ..still };
+                there_and_back(down, 1.3 * time)
+            }
+            Self::StepSideways => {
+                there_and_back(Posture { step: side * 0.3 * size, ..still }, 0.8 * time)
+            }
+            Self::SwingArms => {
+                let at = |forwards: f64| {
+                    let up = 0.9 * forwards * forwards;
+                    Posture { hands: both(Vector3::new(forwards, 0.0, up)), ..still }
+                };
+                let swing = 0.5 * time;
+                let mut swings = vec![(at(0.3 * size), 0.6 * time)];
+                for _ in 0..3 {
+                    swings.extend([(at(-0.08 * size), swing), (at(0.3 * size), swing)]);
+                }
+                swings.push((still, 0.6 * time));
+                swings
+            }
+        }
+    }
+}
+
+impl Moving {
+    /// Begins a movement after those that are under way.
+    pub(super) fn begin(&mut self, movement: Movement, draw: &mut ChaCha8Rng) {
+        self.to_come.extend(movement.postures(draw));
+    }
+
+    /// Returns true if nothing is under way.
+    pub(super) fn is_over(&self) -> bool {
+        self.to_come.is_empty()
+    }
+
+    /// The posture at present.
+    pub(super) fn posture(&self) -> &Posture {
+        &self.now
+    }
+
+    /// Goes on by a time \[s\]: from posture to posture with the least jerk.
+    pub(super) fn advance(&mut self, elapsed: f64) {
+        let Some((to, time)) = self.to_come.front().copied() else { return };
+        self.elapsed += elapsed;
+        if self.elapsed >= time {
+            self.to_come.pop_front();
+            (self.from, self.now, self.elapsed) = (to, to, 0.0);
+        } else {
+            let s = self.elapsed / time;
+            self.now = self.from.towards(&to, s * s * s * (10.0 + s * (6.0 * s - 15.0)));
+        }
+    }
+}
+
+impl Posture {
+    fn towards(&self, to: &Self, share: f64) -> Self {
+        let between = |from: f64, to: f64| from + (to - from) * share;
+        Self {
+            lean: between(self.lean, to.lean),
+            aside: between(self.aside, to.aside),
+            drop: between(self.drop, to.drop),
+            back: between(self.back, to.back),
+            feet_back: between(self.feet_back, to.feet_back),
+            hands: [0, 1].map(|side| self.hands[side].lerp(&to.hands[side], share)),
+            turn: between(self.turn, to.turn),
+            step: between(self.step, to.step),
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! The options of a walk.
+
+use vision_models::Tool;
+
+use super::{CameraSettings, Movement, WalkerError, WalkingPath};
+
+/// What the person has come for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Occupation {
+    /// To deliver the object, and to work on it with the tool while leading the robot.
+    Working,
+    /// Only to walk along the path, with empty hands.
+    Walking,
+}
+
+/// Who walks where, and how well the camera sees it. The defaults make the recording that the
+/// repository ships.
+///
+/// ```
+/// use moca_simulation::people::{Walker, WalkerSettings};
+///
+/// let settings = WalkerSettings { stature: -1.75, ..WalkerSettings::default() };
+/// let error = Walker::new(settings).unwrap_err();
+/// assert_eq!(error.to_string(), "stature = -1.75: give 1 to 2.3 m");
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct WalkerSettings {
+    /// The person's stature (m). Default 1.75.
+    pub stature: f64,
+    /// Where the person leads the robot. Default [`WalkingPath::Stations`].
+    pub path: WalkingPath,
+    /// What the person works with. Default [`Tool::Drill`].
+    pub tool: Tool,
+    /// What the person has come for. Default [`Occupation::Working`].
+    pub occupation: Occupation,
+    /// How long the person offers the object, before the random pace of each person (s). Default 3.
+    pub offer: f64,
+    /// How fast the person walks (m/s). By default 0.8 to come and go and 0.3 to lead the robot.
+    pub speed: Option<f64>,
+    /// How fast any part of the arms moves at most (m/s). By default as fast as it takes.
+    pub arm_speed: Option<f64>,
+    /// What the person does on the spot, again and again, where they stand and work. Default nothing.
+    pub movement: Option<Movement>,
+    /// Of the recording (s). The person goes along the path again and again until it is time to
+    /// leave. Default 56.
+    pub duration: f64,
+    /// Of everything random. Default 1.
+    pub seed: u64,
+    /// What the camera makes of it.
+    pub camera: CameraSettings,
+}
+
+impl Default for WalkerSettings {
+    fn default() -> Self {
+        Self {
+            stature: 1.75,
+            path: WalkingPath::Stations,
+            tool: Tool::Drill,
+            occupation: Occupation::Working,
+            offer: 3.0,
+            speed: None,
+            arm_speed: None,
+            movement: None,
+            duration: 56.0,
+            seed: 1,
+            camera: CameraSettings::default(),
+        }
+    }
+}
+
+impl WalkerSettings {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`WalkerError::Setting`] names the field that is wrong, [`WalkerError::Path`] the path.
+    pub fn validate(&self) -> Result<(), WalkerError> {
+        let in_range = |name, value: f64, low: f64, high: f64, expected| {
+            if value >= low && value <= high {
+                Ok(())
+            } else {
+                Err(WalkerError::Setting { name, value, expected })
+            }
+        };
+        in_range("stature", self.stature, 1.0, 2.3, "1 to 2.3 m")?;
+        if let Some(speed) = self.speed {
+            in_range("speed", speed, 0.1, 2.0, "0.1 to 2 m/s")?;
+        }
+        if let Some(speed) = self.arm_speed {
+            in_range("arm_speed", speed, 0.5, f64::INFINITY, "0.5 m/s or more")?;
+        }
+        in_range("offer", self.offer, 0.0, 3600.0, "0 to 3600 s")?;
+        in_range("duration", self.duration, 0.0, 3600.0, "0 to 3600 s")?;
+        in_range("noise", self.camera.noise, 0.0, 10.0, "a factor of 0 to 10")?;
+        let largest = self.camera.largest_error;
+        in_range("largest_error", largest, 0.0, f64::INFINITY, "0 m or more")?;
+        if let Some(spacing) = self.camera.spacing {
+            in_range("spacing", spacing, 0.1, 1000.0, "0.1 to 1000 m")?;
+        }
+        in_range("drop", self.camera.drop, 0.0, 1.0, "a probability of 0 to 1")?;
+        in_range("jump", self.camera.jumps.into(), 0.0, 1000.0, "0 to 1000 jumps")?;
+        in_range("vanish", self.camera.vanishings.into(), 0.0, 1000.0, "0 to 1000 times")?;
+        self.path.validate()
+    }
+}

@@ -1,0 +1,380 @@
+//! A controller and the simulated robot that it moves, down to torque or by velocities alone.
+//!
+//! ```
+//! use ergo_map::ErgonomicsQuadratic;
+//! use moca_simulation::plant::{Drive, Plant};
+//! use moca_model::{Controller, ControllerSettings, MOCA_HOME, moca};
+//! use nalgebra::{Matrix3, Vector3};
+//!
+//! let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0)?;
+//! let controller = Controller::new(moca()?, comfort, ControllerSettings::default(), &MOCA_HOME)?;
+//! let mut plant = Plant::new(Drive::Torque, controller, 1)?;
+//! for tick in 0..100_u32 {
+//!     plant.step(1e-3 * f64::from(tick))?;
+//!     plant.act(&Vector3::zeros())?;
+//! }
+//! assert!((plant.configuration()[6] - MOCA_HOME[6]).abs() < 1e-3); // the arm carries itself
+//! # Ok::<(), anyhow::Error>(())
+//! ```
+
+use std::time::Instant;
+
+use anyhow::Result;
+use moca_model::whole_body::{
+    Compensation, Data, ExternalWrench, JointMeasurement, Model, RandomSource,
+};
+use moca_model::{
+    Command, Controller, DynamicRobot, DynamicRobotSettings, HeldObject, Measured, SimulatedRobot,
+    TorqueController, TorqueLoopSettings,
+};
+use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use serde::{Deserialize, Serialize};
+use vision_models::{Body, Percept};
+
+use crate::limits::TorqueMonitor;
+use crate::random;
+
+/// What the robot does with a command.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Drive {
+    /// Its arm moves as rigid bodies do under torques, with friction and noise; its base follows
+    /// velocities with a lag.
+    #[default]
+    Torque,
+    /// All joints follow velocities, exactly and at once.
+    Kinematic,
+}
+
+/// The stream of a plant's random numbers.
+const STREAM: u64 = 100;
+
+/// What the controller hears of the robot in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Heard {
+    /// A measurement.
+    #[default]
+    Measurement,
+    /// Nothing.
+    Nothing,
+    /// The measurement of the tick before, as if it were new.
+    Frozen,
+}
+
+/// The closed loop.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    robot: Robot,
+    model: Model,
+    data: Data,
+    random: RobotNoise,
+    period: f64,
+    /// Where the command begins \[m, rad\].
+    reference: Vec<f64>,
+    /// What the controller was given.
+    measured: JointMeasurement,
+    monitor: TorqueMonitor,
+    breaks_torque: bool,
+    /// Where the object is pushed, in the tool's frame \[m\].
+    face: Vector3<f64>,
+}
+
+#[derive(Clone, Debug)]
+enum Robot {
+    Torque(Box<(TorqueController, DynamicRobot)>),
+    Kinematic(Box<(Controller, SimulatedRobot)>),
+}
+
+/// The noise of a simulated robot.
+#[derive(Clone, Debug)]
+pub struct RobotNoise(ChaCha8Rng);
+
+impl RobotNoise {
+    /// Draws from a stream of this seed.
+    pub fn new(seed: u64) -> Self {
+        Self(random::generator(seed, STREAM))
+    }
+}
+
+impl RandomSource for RobotNoise {
+    fn normal(&mut self) -> f64 {
+        self.0.sample(StandardNormal)
+    }
+
+    fn uniform(&mut self) -> f64 {
+        self.0.random()
+    }
+}
+
+impl Plant {
+    /// With a controller that has not made a step yet, and the robot where that has it.
+    ///
+    /// # Errors
+    /// A robot that cannot be simulated.
+    pub fn new(drive: Drive, controller: Controller, seed: u64) -> Result<Self> {
+        Self::with_torques(drive, controller, TorqueLoopSettings::new(Compensation::BARE), seed)
+    }
+
+    /// The same with other settings of the loop of torques, which a kinematic robot has no use for.
+    ///
+    /// # Errors
+    /// A robot that cannot be simulated, and settings that the loop refuses.
+    pub fn with_torques(
+        drive: Drive,
+        controller: Controller,
+        torques: TorqueLoopSettings,
+        seed: u64,
+    ) -> Result<Self> {
+        let model = controller.robot().model().clone();
+        let start = controller.command().joint_position.clone();
+        let period = controller.settings().period;
+        let monitor = TorqueMonitor::new(&model, &torques, period);
+        let robot = match drive {
+            Drive::Torque => {
+                let robot = DynamicRobot::new(&model, &DynamicRobotSettings::default(), &start)?;
+                Robot::Torque(Box::new((TorqueController::new(controller, torques)?, robot)))
+            }
+            Drive::Kinematic => {
+                Robot::Kinematic(Box::new((controller, SimulatedRobot::new(&model, &start)?)))
+            }
+        };
+        Ok(Self {
+            data: Data::new(&model),
+            random: RobotNoise::new(seed),
+            measured: JointMeasurement::resting(start.clone(), model.velocity_count()),
+            reference: start,
+            breaks_torque: false,
+            face: Vector3::zeros(),
+            robot,
+            model,
+            period,
+            monitor,
+        })
+    }
+
+    /// The robot holds an object from now on, and the controller knows.
+    ///
+    /// # Errors
+    /// An object that cannot be held.
+    pub fn hold(&mut self, object: &HeldObject) -> Result<()> {
+        match &mut self.robot {
+            Robot::Torque(both) => {
+                let (controller, robot) = &mut **both;
+                controller.hold(object.clone())?;
+                robot.hold(controller.controller().robot().tool(), object)?;
+            }
+            Robot::Kinematic(both) => both.0.hold(object.clone())?,
+        }
+        self.face = object.tool_from_face()?;
+        Ok(())
+    }
+
+    /// The controller of velocities.
+    pub fn controller(&self) -> &Controller {
+        match &self.robot {
+            Robot::Torque(both) => both.0.controller(),
+            Robot::Kinematic(both) => &both.0,
+        }
+    }
+
+    /// The same, to place the workspace.
+    pub fn controller_mut(&mut self) -> &mut Controller {
+        match &mut self.robot {
+            Robot::Torque(both) => both.0.controller_mut(),
+            Robot::Kinematic(both) => &mut both.0,
+        }
+    }
+
+    /// Gives the controller a camera frame.
+    ///
+    /// # Errors
+    /// Those of [`Controller::observe`].
+    pub fn observe(&mut self, percept: &Percept) -> Result<()> {
+        Ok(self.controller_mut().observe(percept)?)
+    }
+
+    /// The same where others are in view.
+    ///
+    /// # Errors
+    /// Those of [`Controller::observe_people`].
+    pub fn observe_people(&mut self, percept: &Percept, others: &[Body]) -> Result<()> {
+        Ok(self.controller_mut().observe_people(percept, others)?)
+    }
+
+    /// Measures the robot and makes a step of the controller; how long that took (µs).
+    ///
+    /// # Errors
+    /// Those of the controller.
+    pub fn step(&mut self, now: f64) -> Result<f64> {
+        self.step_measuring(now, Heard::Measurement, |_| {})
+    }
+
+    /// The same, where the controller hears something else, and `spoil` changes the measured positions \[m, rad\].
+    /// Only a controller of torques knows how old a measurement is.
+    ///
+    /// # Errors
+    /// Those of the controller.
+    pub fn step_measuring(
+        &mut self,
+        now: f64,
+        heard: Heard,
+        spoil: impl FnOnce(&mut [f64]),
+    ) -> Result<f64> {
+        let told = &mut self.measured;
+        told.age = if heard == Heard::Nothing { told.age + self.period } else { 0.0 };
+        let started = match &mut self.robot {
+            Robot::Torque(both) => {
+                let (controller, robot) = &mut **both;
+                robot.measure(&mut self.random)?;
+                if heard == Heard::Measurement {
+                    if robot.status().is_stopped() {
+                        controller.controller_mut().robot_stopped();
+                    }
+                    let measured = robot.measured();
+                    told.position.copy_from_slice(measured.position);
+                    told.velocity.copy_from_slice(measured.velocity);
+                    told.torque.copy_from_slice(measured.torque);
+                    spoil(&mut told.position);
+                }
+                let started = Instant::now();
+                let JointMeasurement { position, velocity, torque, age, .. } = &*told;
+                controller.step(now, &Measured { position, velocity, torque, age: *age })?;
+                started
+            }
+            Robot::Kinematic(both) => {
+                let (controller, robot) = &mut **both;
+                if heard == Heard::Measurement {
+                    told.position.copy_from_slice(robot.position());
+                    spoil(&mut told.position);
+                }
+                let started = Instant::now();
+                // Nothing pushes a robot that has no mass.
+                controller.feel(0.0);
+                controller.step(now, &told.position)?;
+                started
+            }
+        };
+        let time = started.elapsed().as_secs_f64() * 1e6;
+        self.breaks_torque = match &self.robot {
+            Robot::Torque(both) => self.monitor.check(both.0.torque()),
+            Robot::Kinematic(_) => false,
+        };
+        self.refer();
+        Ok(time)
+    }
+
+    /// The command begins where it ends, but for what it moves in a period.
+    fn refer(&mut self) {
+        match &self.robot {
+            Robot::Torque(both) => {
+                let command = both.0.controller().command();
+                let joints = command.joint_position.iter().zip(&command.joint_velocity);
+                for (reference, (position, velocity)) in self.reference.iter_mut().zip(joints) {
+                    *reference = position - velocity * self.period;
+                }
+            }
+            Robot::Kinematic(both) => self.reference.copy_from_slice(both.1.position()),
+        }
+    }
+
+    /// The robot moves for a period, and something pushes what it holds with `force` \[N, world\], which
+    /// only a robot under torques feels.
+    ///
+    /// # Errors
+    /// Commands that are not finite.
+    pub fn act(&mut self, force: &Vector3<f64>) -> Result<()> {
+        let moment = (self.tool()?.rotation * self.face).cross(force);
+        match &mut self.robot {
+            Robot::Torque(both) => {
+                let (controller, robot) = &mut **both;
+                let wrench = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
+                let frame = controller.controller().robot().tool();
+                let push = [ExternalWrench { frame, wrench }];
+                let command = controller.controller().command();
+                let torque = controller.torque();
+                robot.step(command, torque, &push, self.period, &mut self.random)?;
+            }
+            Robot::Kinematic(both) => {
+                let (controller, robot) = &mut **both;
+                robot.step(&controller.command().joint_velocity, self.period)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// From now on this share of the commands is lost on the way to a robot under torques.
+    ///
+    /// # Errors
+    /// A share that is not from 0 to 1.
+    pub fn lose_commands(&mut self, share: f64) -> Result<()> {
+        match &mut self.robot {
+            Robot::Torque(both) => Ok(both.1.lose(share)?),
+            Robot::Kinematic(_) => Ok(()),
+        }
+    }
+
+    /// A robot that has stopped by itself takes commands again.
+    pub fn recover(&mut self) {
+        if let Robot::Torque(both) = &mut self.robot {
+            both.1.recover();
+        }
+    }
+
+    /// The last command.
+    pub fn command(&self) -> &Command {
+        self.controller().command()
+    }
+
+    /// Where the robot truly is \[m, rad\].
+    pub fn configuration(&self) -> &[f64] {
+        match &self.robot {
+            Robot::Torque(both) => both.1.simulation().position(),
+            Robot::Kinematic(both) => both.1.position(),
+        }
+    }
+
+    /// How fast its joints truly are \[m/s, rad/s\]; none for a robot that follows exactly.
+    pub fn velocity(&self) -> Option<&[f64]> {
+        match &self.robot {
+            Robot::Torque(both) => Some(both.1.simulation().velocity()),
+            Robot::Kinematic(_) => None,
+        }
+    }
+
+    /// Where the last command begins \[m, rad\]: the robot itself, if it follows at once.
+    pub fn reference(&self) -> &[f64] {
+        &self.reference
+    }
+
+    /// Where the hand truly is of who works on what the robot holds; the tool, if it holds nothing.
+    ///
+    /// # Errors
+    /// None.
+    pub fn hand(&mut self) -> Result<Isometry3<f64>> {
+        let hand = *self.controller().robot().tool_from_hand();
+        Ok(self.tool()? * Translation3::from(hand))
+    }
+
+    /// Where the tool truly is.
+    ///
+    /// # Errors
+    /// None.
+    pub fn tool(&mut self) -> Result<Isometry3<f64>> {
+        let tool = self.controller().robot().tool();
+        let configuration = match &self.robot {
+            Robot::Torque(both) => both.1.simulation().position(),
+            Robot::Kinematic(both) => both.1.position(),
+        };
+        Ok(self.data.pose(&self.model, configuration)?.world_from(tool)?)
+    }
+
+    /// Whether the last torques broke a limit; none where there are no torques.
+    pub fn breaks_torque_limits(&self) -> Option<bool> {
+        match &self.robot {
+            Robot::Torque(_) => Some(self.breaks_torque),
+            Robot::Kinematic(_) => None,
+        }
+    }
+}

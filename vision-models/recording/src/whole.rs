@@ -1,0 +1,81 @@
+//! Whether a recording is complete, and reading one to its end.
+
+use std::io::BufRead;
+
+use vision_models::{Body, Percept};
+
+use super::{Header, Reader, RecordingError, Timing};
+
+/// Whether a recording is complete.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Completeness {
+    /// Its closing line says so.
+    Complete,
+    /// It is of version 1, which has no closing line: it may have been cut off.
+    Unmarked,
+    /// It was interrupted, or it is cut off.
+    Partial,
+}
+
+/// What to do with a recording that ends early.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IfPartial {
+    /// It is an error.
+    Refuse,
+    /// Its whole frames are taken.
+    Take,
+}
+
+/// A recording in memory.
+///
+/// ```
+/// use percept_recording::{self, Completeness, IfPartial, Recording};
+///
+/// let recording = Recording::read(shipped::recording()?, IfPartial::Refuse)?;
+/// assert_eq!(recording.completeness, Completeness::Complete);
+/// # Ok::<(), percept_recording::RecordingError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// What holds for all of it.
+    pub header: Header,
+    /// Its camera frames, at least one.
+    pub percepts: Vec<Percept>,
+    /// The people beside the one of the percept, frame by frame.
+    pub others: Vec<Vec<Body>>,
+    /// When the parts of each were seen and known.
+    pub timings: Vec<Timing>,
+    /// Whether it is complete.
+    pub completeness: Completeness,
+}
+
+impl Recording {
+    /// Reads a recording to its end.
+    ///
+    /// # Errors
+    /// The first error of the reader, but for an early end that is to be taken and has a frame
+    /// before it.
+    pub fn read<R: BufRead>(
+        mut reader: Reader<R>,
+        if_partial: IfPartial,
+    ) -> Result<Self, RecordingError> {
+        let (mut percepts, mut others, mut timings) = (Vec::new(), Vec::new(), Vec::new());
+        while let Some(percept) = reader.next() {
+            match percept {
+                Ok(percept) => {
+                    percepts.push(percept);
+                    others.push(reader.others().to_vec());
+                    timings.push(reader.timing());
+                }
+                Err(error) => {
+                    let taken = if_partial == IfPartial::Take && error.is_early_end();
+                    if !taken || percepts.is_empty() {
+                        return Err(error);
+                    }
+                }
+            }
+        }
+        let (header, completeness) = (*reader.header(), reader.completeness());
+        Ok(Self { header, percepts, others, timings, completeness })
+    }
+}
