@@ -157,7 +157,9 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
             let mut scores =
                 scores.map_err(|source| TableError::Sheet { line, source: Box::new(source) })?;
             if self.numbers.decimal_comma {
-                scores.iter_mut().for_each(|score| *score = score.replace('.', ","));
+                for score in &mut scores {
+                    *score = score.replace('.', ",");
+                }
             }
             write(scored, row.iter().chain(scores.iter().map(String::as_str)))?;
             if !go_on(&sheet) {

@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 const COVARIANCES: [Matrix3<f64>; JointPositions::LEN] =
     [Matrix3::new(6e-4, 0.0, 0.0, 0.0, 6e-4, 0.0, 0.0, 0.0, 6e-4); JointPositions::LEN];
 
+#[expect(clippy::unnecessary_wraps, reason = "joints are seen or not")]
 fn at(x: f64, y: f64, z: f64) -> Option<Vector3<f64>> {
     Some(Vector3::new(x, y, z))
 }

@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 use crate::support::Random;
 
+#[expect(clippy::unnecessary_wraps, reason = "joints are seen or not")]
 fn at(x: f64, y: f64, z: f64) -> Option<Vector3<f64>> {
     Some(Vector3::new(x, y, z))
 }
