@@ -70,6 +70,9 @@ impl From<whole_body::Error> for Failure {
         match error {
             whole_body::Error::Hierarchy(error) => error.into(),
             whole_body::Error::File { ref source, .. } => os_error(source.kind(), &error),
+            error if error.is_unusable_limit() => Self(Error::new_err(format!(
+                "{error} (ignore_unusable_limits=True takes it for unlimited)"
+            ))),
             error => Self(Error::new_err(error.to_string())),
         }
     }

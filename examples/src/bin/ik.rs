@@ -22,7 +22,7 @@ const LARGEST_PATH: u64 = 256 << 20;
 /// Writes a table of every control period and a picture (joints within their ranges, errors, the
 /// motion from the front and from the side) into the report's folder, and prints how it went. Each
 /// period is checked against the robot's limits apart from the library; the exit status is 1 if one
-/// was exceeded, or if a period had no solution. Ctrl-C ends early and keeps what there is.
+/// was exceeded, if a period had no solution, or if the frame ends more than 1 mm off its path. Ctrl-C ends early and keeps what there is.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
@@ -114,9 +114,10 @@ impl Program for Options {
             if interrupt.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })?;
         progress.finish();
+        let shortfall = record.shortfall();
         let ending = if summary.ticks + summary.infeasible < ticks {
             Ending::Partial
-        } else if summary.limit_violations + summary.infeasible > 0 {
+        } else if summary.limit_violations + summary.infeasible > 0 || shortfall.is_some() {
             Ending::Failed
         } else {
             Ending::Complete
@@ -140,6 +141,9 @@ impl Program for Options {
         }
         if ending == Ending::Partial {
             session.warn("interrupted: what follows is of the time up to there");
+        }
+        if let Some(shortfall) = shortfall.filter(|_| ending != Ending::Partial) {
+            session.warn(shortfall);
         }
         writeln!(session.output(), "{summary}")?;
         if let Some(folder) = folder {

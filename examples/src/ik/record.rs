@@ -14,6 +14,8 @@ pub struct Record {
     pub ranges: Vec<(f64, f64)>,
     /// One a tick.
     pub ticks: Vec<Tick>,
+    /// Joints that a limit of position stopped in the last tick.
+    pub stopped: Vec<String>,
     /// Places of the joints on the way to the frame, from the root, at some times.
     pub poses: Vec<Vec<Vector3<f64>>>,
 }
@@ -50,6 +52,8 @@ pub struct Summary {
     pub infeasible: usize,
     /// (mm)
     pub position_rms_mm: f64,
+    /// How far the frame is from its place in the last tick (mm).
+    pub position_end_mm: f64,
     /// (rad)
     pub orientation_rms_rad: f64,
     /// Half the steps took no longer (µs).
@@ -58,7 +62,25 @@ pub struct Summary {
     pub tick_us_p999: f64,
 }
 
+/// A frame that ends farther from its place has not got there (mm).
+const LARGEST_END: f64 = 1.0;
+
 impl Record {
+    /// What to say of a frame that ends farther than a millimetre from its place; nothing if it does not.
+    pub fn shortfall(&self) -> Option<String> {
+        let off = 1e3 * self.ticks.last()?.position_error;
+        if off <= LARGEST_END {
+            return None;
+        }
+        let reason = if self.stopped.is_empty() {
+            "no joint is at the end of its range: the place is out of reach, or cannot be reached from here"
+                .to_owned()
+        } else {
+            format!("at the ends of their ranges: {}", self.stopped.join(", "))
+        };
+        Some(format!("the frame ends {off:.1} mm off its path; {reason}"))
+    }
+
     /// Sums a run up.
     pub fn summary(&self, limit_violations: usize, infeasible: usize) -> Summary {
         let count = self.ticks.len().max(1) as f64;
@@ -76,6 +98,7 @@ impl Record {
             limit_violations,
             infeasible,
             position_rms_mm: 1e3 * rms(|tick| tick.position_error),
+            position_end_mm: 1e3 * self.ticks.last().map_or(0.0, |tick| tick.position_error),
             orientation_rms_rad: rms(|tick| tick.orientation_error),
             tick_us_p50: quantile(500),
             tick_us_p999: quantile(999),
@@ -88,7 +111,8 @@ impl fmt::Display for Summary {
         writeln!(f, "ticks              {}", self.ticks)?;
         writeln!(f, "limit violations   {}", self.limit_violations)?;
         writeln!(f, "infeasible         {}", self.infeasible)?;
-        writeln!(f, "position error     {:.4} mm rms", self.position_rms_mm)?;
+        let (rms, end) = (self.position_rms_mm, self.position_end_mm);
+        writeln!(f, "position error     {rms:.4} mm rms, {end:.4} mm at the end")?;
         writeln!(f, "orientation error  {:.2e} rad rms", self.orientation_rms_rad)?;
         write!(
             f,

@@ -58,7 +58,15 @@ impl RobotOptions {
             },
             ..Description::default()
         };
-        Ok(Model::from_urdf_file(&self.urdf, &description)?)
+        Model::from_urdf_file(&self.urdf, &description).map_err(|error| {
+            let is_ignorable = error.is_unusable_limit();
+            let error = anyhow::Error::new(error);
+            if is_ignorable {
+                error.context("--ignore-bad-limits takes such a limit for none")
+            } else {
+                error
+            }
+        })
     }
 
     /// Where it starts.

@@ -6,8 +6,8 @@ use std::time::Instant;
 use anyhow::{Result, ensure};
 use nalgebra::{Isometry3, Point3, Vector3};
 use whole_body::{
-    FrameId, FrameTask, Ik, JointKind, Model, OrientationTask, PositionTask, PostureTask, Status,
-    TaskId, TaskLevel,
+    FrameId, FrameTask, Ik, JointKind, LimitKind, Model, OrientationTask, PositionTask,
+    PostureTask, Status, TaskId, TaskLevel,
 };
 
 use super::path::Path;
@@ -151,13 +151,13 @@ impl Run {
                     .collect::<Result<_, whole_body::Error>>()?;
                 self.record.poses.push(places);
             }
-            self.tick(tick as f64 * self.period)?;
+            self.tick(tick as f64 * self.period, tick + 1 == ticks)?;
         }
         let summary = self.record.summary(self.violations.count, self.infeasible);
         Ok((self.record, summary))
     }
 
-    fn tick(&mut self, time: f64) -> Result<()> {
+    fn tick(&mut self, time: f64, is_last: bool) -> Result<()> {
         let (target, velocity) = self.path.at(time, &self.start.translation.vector);
         let pose = self.ik.pose(&self.q, self.frame)?;
         let task = self.ik.task_mut(self.position)?;
@@ -188,6 +188,10 @@ impl Run {
             limited: step.active_limits().count(),
             duration,
         });
+        if is_last {
+            let stopped = step.active_limits().filter(|limit| limit.kind == LimitKind::Position);
+            self.record.stopped = stopped.map(|limit| limit.name.to_owned()).collect();
+        }
         step.integrate(&mut self.q)?;
         let velocity = step.velocity();
         self.violations.check(&self.model, &self.q, velocity, self.period, &self.entries);

@@ -33,6 +33,34 @@ fn a_panda_follows_a_circle_and_writes_a_report() {
 }
 
 #[test]
+fn a_frame_that_ends_off_its_path_is_said_to() {
+    let ran = Runs::new("ik")
+        .with(&[&urdf("panda"), "--frame", "panda_hand_tcp", "--path", "line", "--length", "2.5"])
+        .with(&["--rounds", "0.5", "--json", "--quiet", "--no-report"])
+        .run();
+    assert_eq!(ran.status.code(), Some(1), "{ran:?}");
+    assert!(ran.errors.contains("mm off its path"), "{}", ran.errors);
+    let last: serde_json::Value = serde_json::from_str(ran.output.lines().last().unwrap()).unwrap();
+    assert!(last["position_end_mm"].as_f64().unwrap() > 1.0);
+}
+
+#[test]
+fn limits_that_cannot_be_meant_name_the_option() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(urdf("panda")).unwrap();
+    let speed = "velocity=\"2.175\"";
+    assert!(text.contains(speed));
+    let path = folder.path().join("slow.urdf");
+    std::fs::write(&path, text.replacen(speed, "velocity=\"0\"", 1)).unwrap();
+    let ran = Runs::new("ik")
+        .with(&[path.to_str().unwrap(), "--frame", "panda_hand", "--no-report"])
+        .run();
+    assert_eq!(ran.status.code(), Some(1), "{ran:?}");
+    assert!(ran.errors.contains("--ignore-bad-limits"), "{}", ran.errors);
+    assert!(!ran.errors.contains("UnusableLimits"), "{}", ran.errors);
+}
+
+#[test]
 fn what_cannot_be_done_is_said() {
     for (options, words) in [
         (vec!["--frame", "panda_hnd"], "panda_hand"),

@@ -132,8 +132,7 @@ pub enum Error {
     /// A joint's range of positions is empty.
     #[error(
         "{}joint `{joint}` may move from {lower} to {upper}; the lower limit must be \
-         below the upper one (a joint that does not move is fixed or held; \
-         `UnusableLimits::Ignore` takes it for unlimited)",
+         below the upper one (a joint that does not move is fixed or held)",
         at_line(*line)
     )]
     PositionLimits {
@@ -149,8 +148,7 @@ pub enum Error {
 
     /// A limit that must be positive is not.
     #[error(
-        "{}the {limit} limit of joint `{joint}` is {value}; it must be positive \
-         (`UnusableLimits::Ignore` takes it for unlimited)",
+        "{}the {limit} limit of joint `{joint}` is {value}; it must be positive",
         at_line(*line)
     )]
     LimitNotPositive {
@@ -162,6 +160,16 @@ pub enum Error {
         limit: &'static str,
         /// Its value.
         value: f64,
+    },
+
+    /// The effort limit of a joint that torque drives is not known.
+    #[error(
+        "the effort limit of joint `{joint}` is not known, for its URDF states 0 or none; torques need \
+         it: give it among the description's limits"
+    )]
+    UnknownEffort {
+        /// The joint.
+        joint: String,
     },
 
     /// A parameter that must be positive is not.
@@ -190,8 +198,8 @@ pub enum Error {
 
     /// The quaternion of a floating base is none of a rotation.
     #[error(
-        "the quaternion of the floating base has norm {norm}; it must be 1: integrate with \
-         `Model::integrate`, or normalise q[3..7]"
+        "the quaternion of the floating base has norm {norm}; it must be 1: integrate with the \
+         model's `integrate`, or normalise q[3..7]"
     )]
     Quaternion {
         /// Its norm.
@@ -258,7 +266,7 @@ pub enum Error {
     },
 
     /// A task does not know where to go.
-    #[error("its target was never set; set it through the id that `push` returned")]
+    #[error("its target was never set; set it before the first step, or hold what there is")]
     TargetMissing,
 
     /// A task is about a frame that no joint moves.
@@ -317,7 +325,7 @@ pub enum Error {
     },
 
     /// The robot's base does not move on a plane.
-    #[error("robot `{robot}` has no planar base; read it with `Base::Planar`")]
+    #[error("robot `{robot}` has no planar base; read it with a planar one")]
     NoPlanarBase {
         /// The robot's name in the URDF.
         robot: String,
@@ -397,11 +405,11 @@ pub enum Error {
     NoRows,
 
     /// There is nothing to do.
-    #[error("there is no level; push at least one task before `build`")]
+    #[error("there is no level; give at least one task")]
     NoLevels,
 
     /// A level has no tasks.
-    #[error("level `{level}` has no tasks; push at least one")]
+    #[error("level `{level}` has no tasks; give it at least one")]
     EmptyLevel {
         /// The level.
         level: String,
@@ -451,6 +459,23 @@ pub enum Error {
     /// What the solver refused.
     #[error(transparent)]
     Hierarchy(#[from] ahqp_core::Error),
+}
+
+impl Error {
+    /// Whether it is about a limit that cannot be meant, which
+    /// [`UnusableLimits::Ignore`](crate::UnusableLimits::Ignore) takes for unlimited. Programs name their own option
+    /// for that.
+    pub fn is_unusable_limit(&self) -> bool {
+        match self {
+            Self::InFile { source, .. } => source.is_unusable_limit(),
+            Self::PositionLimits { line, .. } => line.is_some(),
+            Self::LimitNotPositive { line, limit, .. } => {
+                line.is_some() && ["velocity", "effort"].contains(limit)
+            }
+            Self::Urdf(UrdfError::LimitsMissing { .. }) => true,
+            _ => false,
+        }
+    }
 }
 
 fn at_line(line: Option<usize>) -> String {

@@ -6,6 +6,7 @@ pub(crate) mod bodies;
 mod checks;
 pub(crate) mod configuration;
 pub(crate) mod description;
+mod followers;
 pub(crate) mod frame;
 pub(crate) mod friction;
 mod inertia;

@@ -35,7 +35,7 @@ use crate::shared::Shared;
 /// limits : dict of str to WheelLimit or FrameVelocityLimit, optional
 ///     Hard limits beside those of the joints.
 /// singularity_threshold : float
-///     Singular value below which targets are damped, from 0 (never) to 1.
+///     Singular value below which directions are damped, from 0 (never) to 1.
 /// rest_out_of_reach : bool
 ///     Whether levels come to rest where the robot cannot reach their targets.
 /// iterations : int, optional
@@ -278,7 +278,8 @@ impl Step {
     }
 
     /// The joints that a limit stops from moving otherwise: (joint, limit, "lower" or "upper"), the
-    /// limit being "position", "velocity", "acceleration" or "jerk".
+    /// limit being "position", "velocity", "acceleration" or "jerk". The joint is the one whose limit it is, which
+    /// may be one that mimics the joint of q̇.
     #[getter]
     fn active_limits(&self) -> Vec<(String, &'static str, &'static str)> {
         self.active_limits.clone()

@@ -35,6 +35,13 @@ pub enum UrdfError {
         found: String,
     },
 
+    /// The file is not of UTF-8 text.
+    #[error("the file is {found} text; save it as UTF-8")]
+    Encoding {
+        /// What it is.
+        found: &'static str,
+    },
+
     /// An element or attribute that is needed is not there.
     #[error("line {line}: {owner} has no {missing}")]
     Missing {
@@ -151,8 +158,7 @@ pub enum UrdfError {
     /// A joint has no limits, neither in the URDF nor in the description.
     #[error(
         "line {line}: joint `{joint}` has no {missing}; add <limit lower=… upper=… velocity=… \
-         effort=…/> to the URDF, give the limit in the description, or read the URDF with \
-         `UnusableLimits::Ignore`"
+         effort=…/> to the URDF, or give the limit in the description"
     )]
     LimitsMissing {
         /// Where the joint begins.

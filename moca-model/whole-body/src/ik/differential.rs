@@ -90,6 +90,8 @@ pub struct Ik {
     /// What the levels ask that the damping looks at, from the first to the last damped one.
     asked: Vec<AskedRows>,
     anticipation: Anticipation,
+    /// The yaw of a base that moves along its heading alone, if that is a limit \[rad\].
+    heading: Option<f64>,
     /// By entry of q̇: the time in which accelerations fade, where limits of rows need that \[s\].
     fading: Vec<f64>,
     /// A velocity that all limits admit.
@@ -131,6 +133,7 @@ impl Ik {
             displacement: rest.clone(),
             period: 1e-3,
             anticipation: Anticipation::new(rest.len(), Vec::new()),
+            heading: None,
             fading: model.fading_times(),
             singularity: SingularityDamping::new(0.0, &[], stack.names().len()),
             asked: Vec::new(),
@@ -148,6 +151,8 @@ impl Ik {
     /// Sizes limits and damping for the levels that there are.
     pub(super) fn make_room(&mut self) {
         let limits = self.stack.stacked().find(|(level, _)| Some(level.id) == self.limits);
+        let keeps_heading = limits.is_some_and(|(level, _)| level.tasks.keeps_heading());
+        self.heading = keeps_heading.then(|| self.heading.unwrap_or_default());
         let anticipating =
             limits.map(|(level, _)| level.tasks.anticipating_constraints().collect());
         let anticipating: Vec<bool> = anticipating.unwrap_or_default();
@@ -208,6 +213,9 @@ impl Ik {
         }
         self.write(q, period, intervals)?;
         self.stack.solve(period, self.settings.budget)?;
+        if let (Some(own), Some(yaw)) = (&mut self.heading, q.get(2)) {
+            *own = *yaw;
+        }
         self.read(period);
         Ok(Step { ik: self })
     }
@@ -221,11 +229,19 @@ impl Ik {
     ) -> Result<(), Error> {
         let mut posed = self.data.pose(&self.model, q)?;
         self.intervals.update(q, &self.velocity, &self.acceleration, period);
+        let base = self.heading.map(|_| self.intervals.stop_along(&self.velocity));
+        let mut longest = f64::INFINITY;
         if self.anticipation.is_needed() {
-            let longest = self.anticipation.stop_time();
-            self.intervals.keep_even_stop(q, &self.velocity, longest, period);
+            longest = self.anticipation.stop_time();
+            let v = &self.velocity;
+            longest = self.intervals.keep_even_stop(q, v, longest, base, period);
         }
+        let heading =
+            base.and_then(|_| self.intervals.keep_heading(q, &self.velocity, longest, period));
         self.intervals.narrow(narrower);
+        if let Some(heading) = &heading {
+            self.intervals.align_with(heading);
+        }
         let solver = self.stack.solver_mut();
         write_bounds(solver.bounds_mut(), &self.intervals.cruising);
         write_bounds(solver.output_bounds_mut(), &self.intervals.now);
@@ -284,6 +300,11 @@ impl Ik {
     pub fn brake(&mut self, period: f64) -> Result<&[f64], Error> {
         check_period(period)?;
         self.intervals.brake(&self.velocity, &self.acceleration, period, &mut self.admitted);
+        if let Some(yaw) = &mut self.heading {
+            // Where the last step has turned it.
+            *yaw += self.displacement.get(2).copied().unwrap_or_default();
+            self.intervals.brake_along(*yaw, &self.velocity, period, &mut self.admitted);
+        }
         std::mem::swap(&mut self.acceleration, &mut self.last_acceleration);
         let entries = self.velocity.iter_mut().zip(&mut self.acceleration);
         let entries = entries.zip(&mut self.displacement).zip(&self.admitted);

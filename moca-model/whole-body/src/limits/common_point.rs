@@ -8,25 +8,25 @@ use crate::vector::dot;
 /// Rounds of going back within the rows. Where they do not suffice the rows are widened by more
 /// than they must.
 const ROUNDS: usize = 20;
-/// Of a row's value, what counts as rounding.
+/// Of the sizes of a row's products, what counts as rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Widens rows as far as the intervals of the joints make it necessary, and returns true if it was.
+/// Widens rows as far as the intervals of the joints make it necessary.
 ///
 /// The rows of limits admit rest, but a joint that moves cannot always be at rest in the next
 /// period. Mostly they admit that accelerations fade, which gives the entries the velocities `faded`.
 /// Else the point starts as near to rest as the intervals allow, is moved onto each row that it
 /// violates in turn and back within the intervals (projections onto convex sets: Bregman, USSR
-/// Computational Mathematics and Mathematical Physics 7(3), 1967), and then every row is widened
-/// until it admits the point. Intervals and rows have that point in common: they are feasible.
-/// `values` is room for a number a row.
+/// Computational Mathematics and Mathematical Physics 7(3), 1967), those that leave no choice last,
+/// and then every row is widened until it admits the point. Intervals and rows have that point in
+/// common: they are feasible. `values` is room for a number a row.
 pub(crate) fn widen(
     rows: &mut Rows,
     intervals: &[VelocityInterval],
     faded: impl Fn(usize) -> f64,
     point: &mut [f64],
     values: &mut [f64],
-) -> bool {
+) {
     let rest = |_, interval: &VelocityInterval| nearest_to_rest(interval);
     let fading =
         |entry, interval: &VelocityInterval| faded(entry).max(interval.lower).min(interval.upper);
@@ -35,61 +35,71 @@ pub(crate) fn widen(
             *velocity = guess(entry, interval);
         }
         if admits(rows, point, values) {
-            return false;
+            return admit(rows, point);
         }
     }
     for _ in 0..ROUNDS {
         let mut holds = true;
-        for (row, lower, upper) in rows.iter() {
-            let value = dot(row, point);
-            let excess = value - value.clamp(lower, upper);
-            if excess.abs() <= ROUNDING * value.abs() {
-                continue;
-            }
-            let square: f64 = row.iter().map(|a| a * a).sum();
-            if square == 0.0 {
-                continue;
-            }
-            holds = false;
-            let bounded = point.iter_mut().zip(intervals).zip(row);
-            for ((velocity, interval), coefficient) in bounded {
-                let moved = *velocity - excess / square * coefficient;
-                *velocity = moved.max(interval.lower).min(interval.upper);
+        for leaves_choice in [true, false] {
+            let rows = rows.iter().filter(|(_, lower, upper)| (lower < upper) == leaves_choice);
+            for row in rows {
+                holds &= !moved_onto(row, intervals, point);
             }
         }
         if holds {
-            return false;
+            break;
         }
     }
-    let mut widened = false;
+    admit(rows, point);
+}
+
+/// Moves a point onto a row and back within the intervals, and returns true unless it is there already.
+fn moved_onto(
+    (row, lower, upper): (&[f64], f64, f64),
+    intervals: &[VelocityInterval],
+    point: &mut [f64],
+) -> bool {
+    let value = dot(row, point);
+    let excess = value - value.clamp(lower, upper);
+    let square: f64 = row.iter().map(|a| a * a).sum();
+    if excess.abs() <= rounding(row, point) || square == 0.0 {
+        return false;
+    }
+    for ((velocity, interval), coefficient) in point.iter_mut().zip(intervals).zip(row) {
+        let moved = *velocity - excess / square * coefficient;
+        *velocity = moved.max(interval.lower).min(interval.upper);
+    }
+    true
+}
+
+/// Widens the rows that do not admit a point; what a sum rounds to in another order is admitted too.
+fn admit(rows: &mut Rows, point: &[f64]) {
     for index in 0..rows.len() {
         let row = rows.row(index).unwrap_or_default();
-        let value = dot(row, point);
-        // What the sum rounds to in another order is admitted too.
-        let size: f64 = row.iter().zip(&*point).map(|(a, b)| (a * b).abs()).sum();
-        let room = ROUNDING * size;
+        let (value, room) = (dot(row, point), rounding(row, point));
         if let Some(lower) = rows.lower_mut().get_mut(index)
             && value < *lower
         {
             *lower = value - room;
-            widened = true;
         }
         if let Some(upper) = rows.upper_mut().get_mut(index)
             && value > *upper
         {
             *upper = value + room;
-            widened = true;
         }
     }
-    widened
+}
+
+/// What counts as rounding of the sum of a row's products.
+fn rounding(row: &[f64], point: &[f64]) -> f64 {
+    ROUNDING * row.iter().zip(point).map(|(a, b)| (a * b).abs()).sum::<f64>()
 }
 
 /// Whether a point is within all rows, up to rounding.
 fn admits(rows: &Rows, point: &[f64], values: &mut [f64]) -> bool {
-    let bounds = rows.lower().iter().zip(rows.upper());
     rows.multiply_into(0, point, values).is_ok()
-        && bounds.zip(values).all(|((lower, upper), value)| {
-            let room = ROUNDING * value.abs();
-            *lower - room <= *value && *value <= *upper + room
+        && rows.iter().zip(values).all(|((row, lower, upper), value)| {
+            let excess = *value - value.clamp(lower, upper);
+            excess == 0.0 || excess.abs() <= rounding(row, point)
         })
 }

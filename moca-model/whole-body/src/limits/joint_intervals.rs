@@ -1,5 +1,7 @@
 //! The velocities that position, velocity, acceleration and jerk limits leave to each joint.
 
+pub(crate) mod heading;
+
 use ahqp_core::{AcceleratedState, JerkLimits, Limits, VelocityInterval};
 
 use crate::error::Error;
@@ -37,6 +39,27 @@ impl Joint {
     /// The inverse of its acceleration limit; zero for none.
     fn slowness(&self) -> f64 {
         self.limits.map_or(0.0, |limits| limits.limits().acceleration().recip())
+    }
+
+    /// Its acceleration limit; infinite for none.
+    fn acceleration(&self) -> f64 {
+        let limit = self.limits.map_or(f64::INFINITY, |limits| limits.limits().acceleration());
+        if limit < FREE_ACCELERATION { limit } else { f64::INFINITY }
+    }
+
+    /// Its velocity limit; infinite for none.
+    fn velocity(&self) -> f64 {
+        let limit = self.limits.map_or(f64::INFINITY, |limits| limits.limits().velocity());
+        if limit < FREE_VELOCITY { limit } else { f64::INFINITY }
+    }
+
+    /// Whether its position is limited there.
+    fn has_end(&self, end: End) -> bool {
+        let (Some(limits), Some(_)) = (self.limits, self.position) else { return false };
+        match end {
+            End::Lower => limits.limits().lower().is_finite(),
+            End::Upper => limits.limits().upper().is_finite(),
+        }
     }
 
     /// How far it may go down and up after this period at `velocity`; infinite for what has no limits.
@@ -112,12 +135,25 @@ impl JointIntervals {
     ///
     /// With q̇ᵢ T/2 no farther than the joint may go that holds now. So that it holds in the next period T may
     /// grow only as far as every joint, shrinking evenly, leaves the room; and to no more than `longest` \[s\].
-    pub(crate) fn keep_even_stop(&mut self, q: &[f64], v: &[f64], longest: f64, period: f64) {
-        let stopping = self.joints.iter().zip(v).map(|(joint, v)| v.abs() * joint.slowness());
-        let now = stopping.fold(0.0, f64::max);
+    ///
+    /// A base that moves along its heading takes `base` \[s\] to stop, none for other bases; where it goes is left to
+    /// [`keep_heading`](Self::keep_heading). Returns T in the next period.
+    pub(crate) fn keep_even_stop(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        longest: f64,
+        base: Option<f64>,
+        period: f64,
+    ) -> f64 {
+        let first = if base.is_some() { 2 } else { 0 };
+        let joints = &self.joints[first..];
+        let (v, own) = (&v[first..], &mut self.now[first..]);
+        let stopping = joints.iter().zip(v).map(|(joint, v)| v.abs() * joint.slowness());
+        let now = stopping.fold(base.unwrap_or_default(), f64::max);
         let share = (1.0 - period / now.max(period)).max(0.0);
         let mut next = longest.min(now + period);
-        for (joint, &velocity) in self.joints.iter().zip(v) {
+        for (joint, &velocity) in joints.iter().zip(v) {
             let [below, above] = joint.room(q, velocity, period);
             let room = if velocity > 0.0 { above } else { below };
             let slower = velocity.abs() * share;
@@ -126,13 +162,14 @@ impl JointIntervals {
             }
         }
         let next = next.max(now - period).max(period);
-        for ((joint, own), &velocity) in self.joints.iter().zip(&mut self.now).zip(v) {
+        for ((joint, own), &velocity) in joints.iter().zip(own).zip(v) {
             let [below, above] = joint.room(q, velocity, period);
             let fastest = next / joint.slowness();
             let end = |room: f64| if room > 0.0 { fastest.min(2.0 * room / next) } else { fastest };
             let within = |velocity: f64| velocity.max(own.lower).min(own.upper);
             *own = VelocityInterval { lower: within(-end(below)), upper: within(end(above)) };
         }
+        next
     }
 
     /// Takes only what lies within `intervals` too; where nothing does, what is nearest.
@@ -166,14 +203,16 @@ impl JointIntervals {
         let Some(limits) = self.joints[entry].limits else { return LimitKind::Caller };
         let velocity = end.of(&self.now[entry]);
         let acceleration = (velocity - last.velocity) / period;
-        let near = |value: f64, limit: f64| (value.abs() - limit).abs() <= 1e-9 * limit;
+        let near = |value: f64, limit: f64| {
+            limit.is_finite() && (value.abs() - limit).abs() <= 1e-9 * limit
+        };
         if near(velocity, limits.limits().velocity()) {
             LimitKind::Velocity
         } else if near(acceleration, limits.limits().acceleration()) {
             LimitKind::Acceleration
         } else if near((acceleration - last.acceleration) / period, limits.jerk()) {
             LimitKind::Jerk
-        } else if self.joints[entry].position.is_some() {
+        } else if self.joints[entry].has_end(end) {
             LimitKind::Position
         } else {
             LimitKind::Caller

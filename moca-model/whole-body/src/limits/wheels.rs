@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::joint_intervals::heading::turning_acceleration;
 use crate::error::Error;
 use crate::robot::description::Base;
 use crate::robot::model::Model;
@@ -17,6 +18,11 @@ use crate::tasks::task::{Limit, Task};
 /// every wheel keeps its speed whichever way the base looks, |c_xy| ‖v_xy‖ + |c_ω ω| ≤ speed, by a
 /// polygon of 16 sides. Mecanum wheels then lose up to 30 % of their speed along the base's axes. A
 /// base that cannot move sideways cannot have such joints: it is refused.
+///
+/// A velocity v along the heading turns with the base: the accelerations of its joints along x and y have to bring
+/// that about. Such a base therefore keeps |v ω| ≤ 0.6 a, a being the smaller of the two limits, by rows
+/// |v/v₀ ± ω/ω₀| ≤ 2 with v₀ ω₀ = 0.6 a, which is enough: the geometric mean is no larger than the arithmetic one.
+/// v₀/ω₀ is what the base may have next. It never slides.
 ///
 /// With jerk limits the polygon is approached so that all accelerations of the base can fade together
 /// in front of it, a ← a T/(T + Δt), T being the longest that one of
@@ -109,6 +115,39 @@ impl WheelLimit {
         })
     }
 
+    /// Writes the two rows of a base that turns its velocity with it.
+    fn write_turning(
+        &self,
+        input: &TaskInput<'_, '_>,
+        [sine, cosine]: [f64; 2],
+        rows: &mut TaskRows<'_>,
+    ) {
+        let (Some([x, y, yaw]), Some(&[vx, vy, turn])) =
+            (input.posed().model().limits().first_chunk(), input.velocity().first_chunk())
+        else {
+            return;
+        };
+        let product = turning_acceleration(x.acceleration.min(y.acceleration));
+        // What the wheels can do at most, going straight and turning.
+        let fastest = |part: fn(&Vector3<f64>) -> f64| {
+            let driven = self.wheels.iter().filter(|wheel| wheel.speed > 0.0);
+            let speeds = driven.map(|wheel| wheel.speed / part(&wheel.coefficients));
+            speeds.fold(f64::INFINITY, f64::min)
+        };
+        let next = |now: f64, acceleration: f64, most: f64| {
+            (now.abs() + acceleration * input.period()).min(most)
+        };
+        let speed = next(cosine * vx + sine * vy, x.acceleration, fastest(|c| c.x.abs()));
+        let turn = next(turn, yaw.acceleration, fastest(|c| c.z.abs()));
+        let (speed, turn) = ((product * speed / turn).sqrt(), (product * turn / speed).sqrt());
+        for (row, sign) in (self.wheels.len()..).zip([1.0, -1.0]) {
+            if speed.is_finite() && turn.is_finite() {
+                rows.set_coefficients(row, &[cosine / speed, sine / speed, sign / turn]);
+            }
+            rows.set_range(row, -2.0, 2.0);
+        }
+    }
+
     /// Writes rows within which all accelerations of the base can fade together.
     fn write_fading(&self, input: &TaskInput<'_, '_>, rows: &mut TaskRows<'_>) {
         let (model, v) = (input.posed().model(), input.velocity());
@@ -128,7 +167,11 @@ impl WheelLimit {
 
 impl Task for WheelLimit {
     fn dimension(&self, model: &Model) -> usize {
-        if has_jerk_limits(model) { 2 * SIDES as usize + 3 } else { self.wheels.len() }
+        if has_jerk_limits(model) {
+            2 * SIDES as usize + 3
+        } else {
+            self.wheels.len() + if self.keeps_heading() { 2 } else { 0 }
+        }
     }
 
     fn validate(&self, model: &Model) -> Result<(), Error> {
@@ -158,6 +201,10 @@ impl Task for WheelLimit {
         true
     }
 
+    fn keeps_heading(&self) -> bool {
+        self.wheels.iter().any(|wheel| wheel.speed == 0.0)
+    }
+
     fn write(
         &mut self,
         input: &mut TaskInput<'_, '_>,
@@ -174,6 +221,9 @@ impl Task for WheelLimit {
             // v_base = R(yaw)ᵀ v_world.
             rows.set_coefficients(row, &[x * cosine - y * sine, x * sine + y * cosine, z]);
             rows.set_range(row, -wheel.speed, wheel.speed);
+        }
+        if self.keeps_heading() {
+            self.write_turning(input, [sine, cosine], rows);
         }
         Ok(())
     }

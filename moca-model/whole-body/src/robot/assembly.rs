@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use super::bodies::Mover;
 use super::checks::{check_names, check_numbers};
 use super::description::{Base, Description};
+use super::followers::LimitSources;
 use super::frame::{Frame, FrameId};
 use super::inertia;
 use super::joint::{Joint, JointId, JointKind, MimicJoint};
@@ -47,6 +48,8 @@ struct Assembly<'a, 'b> {
     placed: Vec<(usize, Isometry3<f64>)>,
     /// By free joint: where its entries of q and q̇ are.
     entries: Vec<(usize, usize)>,
+    /// By joint that follows another one: its limits, and where it begins.
+    followers: Vec<(JointLimits, usize)>,
     model: Model,
 }
 
@@ -66,6 +69,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
             origins: description.origins.iter().map(|(name, pose)| (&**name, pose)).collect(),
             placed: vec![(0, Isometry3::identity()); document.links.len()],
             entries: free.map(|k| (position_offset + k, velocity_offset + k)).collect(),
+            followers: Vec::new(),
             model: Model {
                 tag: next_tag(),
                 name: document.name.clone(),
@@ -75,6 +79,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
                 joints: Vec::new(),
                 mimics: Vec::new(),
                 limits: Vec::new(),
+                limit_sources: Vec::new(),
                 friction: Vec::new(),
                 default_accelerations: Vec::new(),
                 movers: Vec::new(),
@@ -142,6 +147,8 @@ impl<'a, 'b> Assembly<'a, 'b> {
                 }
                 Role::Follows { free, multiplier, offset } => {
                     let follows = self.joint_id(free);
+                    let limits = limit_rules::of_follower(joint, self.description)?;
+                    self.followers.push((limits, joint.line));
                     let name = joint.name.clone();
                     let child = self.next_frame();
                     self.model.mimics.push(MimicJoint { name, follows, multiplier, offset, child });
@@ -194,6 +201,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
         let friction = self.description.friction.iter().find(|(joint, _)| joint == name);
         let friction = friction.map(|(_, friction)| *friction);
         model.limits.extend(std::iter::repeat_n(limits, kind.velocities()));
+        model.limit_sources.resize(model.limits.len(), LimitSources::default());
         model.friction.extend(std::iter::repeat_n(friction, kind.velocities()));
         let name = name.to_owned();
         model.joints.push(Joint { name, kind, child, position_index, velocity_index });
@@ -255,6 +263,10 @@ impl<'a, 'b> Assembly<'a, 'b> {
         for frame in &self.description.frames {
             self.model.place_frame(frame)?;
         }
+        for (number, (limits, line)) in self.followers.iter().enumerate() {
+            self.model.limit_by_follower(number, limits, *line);
+        }
+        self.model.limit_default_accelerations(self.description);
         self.model.warn_of_massless();
         Ok(self.model)
     }

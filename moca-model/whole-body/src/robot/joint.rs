@@ -53,7 +53,8 @@ impl JointKind {
 /// A joint that follows another one: its position is multiplier · q + offset.
 ///
 /// It is no degree of freedom: its share of Jacobians, forces and inertias is added to that of the
-/// joint that it follows. Limits that the URDF states for it are not read.
+/// joint that it follows. Its limits of position, velocity, acceleration and jerk are kept: where they are narrower,
+/// they are those of the joint that it follows, with a [`Warning`](crate::Warning).
 #[derive(Debug, Clone, PartialEq)]
 pub struct MimicJoint {
     /// Its name in the URDF.

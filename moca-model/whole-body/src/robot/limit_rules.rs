@@ -30,11 +30,34 @@ pub(super) fn of_joint(
         lower,
         upper,
         velocity: rule.speed("velocity", known.velocity, stated.velocity)?,
-        effort: rule.speed("effort", known.effort, stated.effort)?,
+        effort: rule.effort(known.effort, stated.effort)?,
         acceleration: known.acceleration.or(stated.acceleration).unwrap_or(f64::INFINITY),
         jerk: known.jerk.or(stated.jerk).unwrap_or(f64::INFINITY),
     };
     complete(limits, &joint.name, Some(joint.line), description)
+}
+
+/// What URDF and description say of a joint that follows another one. What the URDF leaves out or cannot mean is
+/// unlimited: many files state no limits of such joints.
+pub(super) fn of_follower(joint: &Joint, description: &Description) -> Result<JointLimits, Error> {
+    let (known, stated) = (known(&joint.name, description), joint.limit.unwrap_or_default());
+    let ends = (stated.lower.unwrap_or(0.0), stated.upper.unwrap_or(0.0));
+    let is_free = joint.kind == Kind::Continuous || ends.0.is_nan() || ends.0 >= ends.1;
+    let free = (f64::NEG_INFINITY, f64::INFINITY);
+    let (lower, upper) = known.position.unwrap_or(if is_free { free } else { ends });
+    let usable = |known: Option<f64>, stated: Option<f64>| {
+        known.or(stated.filter(|value| *value > 0.0)).unwrap_or(f64::INFINITY)
+    };
+    let limits = JointLimits {
+        lower,
+        upper,
+        velocity: usable(known.velocity, stated.velocity),
+        acceleration: usable(known.acceleration, stated.acceleration),
+        jerk: usable(known.jerk, stated.jerk),
+        effort: f64::INFINITY,
+    };
+    limits.validate(&joint.name, Some(joint.line))?;
+    Ok(limits)
 }
 
 /// The limits of a joint of the base: the description's alone.
@@ -122,6 +145,24 @@ impl Rule<'_> {
         };
         self.ignore(limit, fault)?;
         Ok(f64::INFINITY)
+    }
+
+    /// Zero, as ROS-Industrial's files state it, says as little as none.
+    fn effort(&mut self, known: Option<f64>, stated: Option<f64>) -> Result<f64, Error> {
+        let says_nothing = stated.is_none_or(|value| value == 0.0);
+        match known {
+            Some(0.0) => Err(Error::LimitNotPositive {
+                line: None,
+                joint: self.joint.name.clone(),
+                limit: "effort",
+                value: 0.0,
+            }),
+            None if says_nothing && self.policy == UnusableLimits::Refuse => {
+                let is_free = self.joint.kind == Kind::Continuous && self.joint.limit.is_none();
+                Ok(if is_free { f64::INFINITY } else { JointLimits::UNKNOWN_EFFORT })
+            }
+            known => self.speed("effort", known, stated),
+        }
     }
 
     fn ignore(&mut self, limit: &'static str, fault: Error) -> Result<(), Error> {

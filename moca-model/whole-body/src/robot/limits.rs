@@ -17,11 +17,14 @@ pub struct JointLimits {
     pub acceleration: f64,
     /// Largest jerk \[rad/s³ or m/s³\].
     pub jerk: f64,
-    /// Largest torque or force \[Nm or N\].
+    /// Largest torque or force \[Nm or N\]; [`UNKNOWN_EFFORT`](Self::UNKNOWN_EFFORT) where nobody says.
     pub effort: f64,
 }
 
 impl JointLimits {
+    /// The effort limit of a joint whose URDF states 0, or none: it is not known. What uses torques asks for it.
+    pub const UNKNOWN_EFFORT: f64 = 0.0;
+
     /// No limit at all.
     pub const UNLIMITED: Self = Self {
         lower: f64::NEG_INFINITY,
@@ -55,7 +58,7 @@ impl JointLimits {
             ("velocity", self.velocity),
             ("acceleration", self.acceleration),
             ("jerk", self.jerk),
-            ("effort", self.effort),
+            ("effort", if self.effort == Self::UNKNOWN_EFFORT { 1.0 } else { self.effort }),
         ];
         match positive.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0) {
             None => Ok(()),
@@ -91,8 +94,9 @@ impl LimitOverride {
     }
 }
 
-/// What becomes of limits of a URDF that cannot be meant: an empty range, a speed or effort that
-/// is not positive, no limits at all.
+/// What becomes of limits of a URDF that cannot be meant: an empty range, a speed that is not
+/// positive, a negative effort, no limits at all. An effort of zero, or none, is not known: see
+/// [`JointLimits::UNKNOWN_EFFORT`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum UnusableLimits {
     /// An error that names joint and line.

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use super::bodies::Mover;
 use super::description::Base;
+use super::followers::LimitSources;
 use super::frame::{Frame, FrameId};
 use super::friction::JointFriction;
 use super::joint::{Joint, JointId, JointKind, MimicJoint};
@@ -63,6 +64,8 @@ pub struct Model {
     pub(crate) mimics: Vec<MimicJoint>,
     /// By entry of q̇.
     pub(crate) limits: Vec<JointLimits>,
+    /// By entry of q̇: whose limits these are, where they are those of joints that follow.
+    pub(crate) limit_sources: Vec<LimitSources>,
     /// By entry of q̇.
     pub(crate) friction: Vec<Option<JointFriction>>,
     pub(crate) default_accelerations: Vec<JointId>,
@@ -138,6 +141,17 @@ impl Model {
     /// The limits, one an entry of q̇. Those of a floating base are infinite.
     pub fn limits(&self) -> &[JointLimits] {
         &self.limits
+    }
+
+    /// An error unless the effort limit of an entry of q̇ is known.
+    pub(crate) fn expect_effort(&self, entry: usize) -> Result<(), Error> {
+        match self.limits.get(entry) {
+            Some(limits) if limits.effort == JointLimits::UNKNOWN_EFFORT => {
+                let joint = self.velocity_names().swap_remove(entry);
+                Err(Error::UnknownEffort { joint })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// By entry of q̇: [`JointLimits::fading_time`]. A planar base has one for all its joints, the

@@ -9,7 +9,7 @@ use std::{
 use super::assembly;
 use super::description::Description;
 use super::model::Model;
-use crate::error::Error;
+use crate::error::{Error, urdf::UrdfError};
 use crate::urdf::document;
 
 /// The largest URDF (bytes). The largest of public robots have some hundred kilobytes.
@@ -60,7 +60,19 @@ impl Model {
     ) -> Result<Self, Error> {
         let path = path.as_ref();
         let bytes = read(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
-        Self::from_urdf(&String::from_utf8_lossy(&bytes), description)
-            .map_err(|source| Error::InFile { path: path.to_owned(), source: Box::new(source) })
+        let in_file = |source| Error::InFile { path: path.to_owned(), source: Box::new(source) };
+        if let Some(found) = other_encoding(&bytes) {
+            return Err(in_file(Error::from(UrdfError::Encoding { found })));
+        }
+        Self::from_urdf(&String::from_utf8_lossy(&bytes), description).map_err(in_file)
+    }
+}
+
+/// The encoding of a text that is not of bytes, by its byte order mark or its first character, `<`.
+fn other_encoding(bytes: &[u8]) -> Option<&'static str> {
+    match bytes {
+        [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] | [b'<', 0, 0, 0, ..] => Some("UTF-32"),
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [b'<', 0, ..] | [0, b'<', ..] => Some("UTF-16"),
+        _ => None,
     }
 }

@@ -30,6 +30,24 @@ pub enum Warning {
         /// Which limit.
         limit: &'static str,
     },
+    /// A limit of a joint that follows another one is narrower than that one's own, and in force.
+    FollowerLimit {
+        /// The joint that follows.
+        joint: String,
+        /// The joint that it follows, whose limit it now is.
+        follows: String,
+        /// Which limit.
+        limit: &'static str,
+    },
+    /// The range of a joint that follows another one leaves nothing of that one's, and is not kept.
+    FollowerRange {
+        /// The joint that follows.
+        joint: String,
+        /// The joint that it follows.
+        follows: String,
+        /// Where it begins.
+        line: usize,
+    },
 }
 
 /// Why no rigid body has an inertia.
@@ -63,6 +81,15 @@ impl fmt::Display for Warning {
             Self::NothingToMove { joint } => write!(
                 f,
                 "what joint `{joint}` moves has no inertia, so that forces have no definite effect"
+            ),
+            Self::FollowerLimit { joint, follows, limit } => write!(
+                f,
+                "the {limit} of joint `{follows}` is limited by joint `{joint}`, which follows it"
+            ),
+            Self::FollowerRange { joint, follows, line } => write!(
+                f,
+                "line {line}: the range of joint `{joint}` leaves joint `{follows}`, which it follows, no \
+                 position of its own range, and is not kept"
             ),
             Self::LimitIgnored { joint, line, limit } => {
                 write!(

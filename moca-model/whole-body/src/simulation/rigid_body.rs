@@ -128,7 +128,7 @@ impl RigidBodySimulation {
     ///
     /// # Errors
     /// [`Error::WrongSize`]; [`Error::Parameter`] for a drive; [`Error::FloatingJoint`] for a floating
-    /// base, [`Error::MimicJoint`] for a joint that follows another; those of [`Data::pose`].
+    /// base, [`Error::UnknownEffort`] of a joint that torque drives, [`Error::MimicJoint`] for a joint that follows another; those of [`Data::pose`].
     pub fn new(model: &Model, drives: &[JointDrive], position: &[f64]) -> Result<Self, Error> {
         if model.base() == Base::Floating {
             let joint = model.joints().first().map_or_else(String::new, |joint| joint.name.clone());
@@ -141,6 +141,9 @@ impl RigidBodySimulation {
         let n = model.velocity_count();
         check_size("the list of drives", drives.len(), n)?;
         drives.iter().try_for_each(JointDrive::validate)?;
+        let driven = drives.iter().enumerate();
+        let mut driven = driven.filter(|(_, drive)| matches!(drive, JointDrive::Torque { .. }));
+        driven.try_for_each(|(entry, _)| model.expect_effort(entry))?;
         let none = vec![0.0; n];
         let state = State { q: position.to_vec(), v: none.clone(), surfaces: Vec::new() };
         let rates = Rates { v: none.clone(), a: none.clone(), surfaces: Vec::new() };

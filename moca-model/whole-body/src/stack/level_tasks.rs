@@ -72,6 +72,11 @@ impl LevelTasks {
         self.constraints.anticipating()
     }
 
+    /// Whether its constraints let a planar base move along its heading alone.
+    pub(crate) fn keeps_heading(&self) -> bool {
+        self.constraints.keeps_heading()
+    }
+
     /// The level over so many variables, its data still to be written.
     pub(super) fn level(&self, columns: usize) -> Result<Level, Error> {
         let constraints = self.constraints.rows(columns)?;

@@ -75,6 +75,10 @@ impl RowTasks {
             .flat_map(|entry| std::iter::repeat_n(entry.named.task.anticipates(), entry.count))
     }
 
+    pub(super) fn keeps_heading(&self) -> bool {
+        self.entries.iter().any(|entry| entry.named.task.keeps_heading())
+    }
+
     pub(super) fn is_damped(&self) -> bool {
         self.entries.iter().any(|entry| entry.named.task.is_damped())
     }

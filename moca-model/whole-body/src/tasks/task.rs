@@ -58,6 +58,12 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
         false
     }
 
+    /// Whether its rows, as hard limits, let a planar base move along its heading alone. The base is then kept
+    /// able to stop without sliding.
+    fn keeps_heading(&self) -> bool {
+        false
+    }
+
     /// Whether it adds its curvature to a level where its error remains:
     /// [`TaskRows::add_position_curvature`], [`TaskRows::add_orientation_curvature`].
     fn has_curvature(&self) -> bool {

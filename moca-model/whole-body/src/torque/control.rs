@@ -126,12 +126,13 @@ impl TorqueControl {
     /// A robot at rest at the `measured` configuration.
     ///
     /// # Errors
-    /// [`Error::UnknownName`], [`Error::FloatingJoint`] for a joint that torque cannot drive; those of
-    /// [`JointImpedance::new`]; [`Error::Parameter`] for a leash out of range; those of
+    /// [`Error::UnknownName`], [`Error::FloatingJoint`] for a joint that torque cannot drive;
+    /// [`Error::UnknownEffort`]; those of [`JointImpedance::new`]; [`Error::Parameter`] for a leash out of range; those of
     /// [`Data::pose`] on the configuration.
     pub fn new(model: &Model, settings: TorqueSettings, measured: &[f64]) -> Result<Self, Error> {
         model.check_configuration(measured)?;
         let joints = joints(model, &settings.joints)?;
+        joints.iter().try_for_each(|(_, entry)| model.expect_effort(*entry))?;
         let limits: Vec<_> = joints.iter().map(|(_, entry)| model.limits()[*entry]).collect();
         let none = vec![0.0; joints.len()];
         let all = vec![0.0; model.velocity_count()];

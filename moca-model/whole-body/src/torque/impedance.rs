@@ -112,7 +112,7 @@ impl JointImpedance {
         let joints = limits.len();
         settings.validate(joints)?;
         for limit in limits {
-            check_positive(limit.effort, "an effort limit [Nm]")?;
+            check_positive(limit.effort, "the effort limit [Nm] of a joint that torque drives")?;
         }
         Ok(Self {
             settings,

@@ -63,7 +63,7 @@ fn tasks_that_the_robot_cannot_do() {
     expect(refused(&model, DampingTask::new().with_weights(&[1.0; 9])), &["weights", "9", "7"]);
     expect(refused(&model, JointCouplingTask::new(&[])), &["coefficients"]);
     expect(refused(&model, VelocityTask::new(0)), &["controls nothing"]);
-    expect(refused(&model, WheelLimit::mecanum(1.0, 0.5)), &["planar base", "Base::Planar"]);
+    expect(refused(&model, WheelLimit::mecanum(1.0, 0.5)), &["no planar base", "panda"]);
     let limit = FrameVelocityLimit::new(hand, Vector3::new(0.1, -1.0, 0.1), Vector3::repeat(1.0));
     expect(refused(&model, limit), &["limit", "-1", "positive"]);
     let other = humanoid();

@@ -1,6 +1,7 @@
 //! The integration tests, one module a topic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
+mod active_limits;
 mod allocation;
 mod bad_input;
 mod bad_tasks;
@@ -8,7 +9,9 @@ mod bad_urdf;
 mod commanded;
 mod control_loop;
 mod description;
+mod differential_base;
 mod dynamics;
+mod followers;
 mod golden;
 mod ik;
 mod ik_changes;
@@ -24,4 +27,5 @@ mod simulation;
 mod support;
 mod tasks;
 mod torque_control;
+mod unknown_effort;
 mod velocity_rows;

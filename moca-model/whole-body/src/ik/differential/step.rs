@@ -36,7 +36,7 @@ pub struct LevelReport<'a> {
 pub struct ActiveLimit<'a> {
     /// The entry of q̇.
     pub entry: usize,
-    /// The joint's name.
+    /// The joint whose limit it is: that of the entry, or one that mimics it.
     pub name: &'a str,
     /// Which limit.
     pub kind: LimitKind,
@@ -129,7 +129,7 @@ impl<'a> Step<'a> {
         let ik = self.ik;
         let entries = ik.velocity().iter().zip(&ik.intervals.now).enumerate();
         entries.filter_map(move |(entry, (&velocity, interval))| {
-            let near = |bound: f64| (velocity - bound).abs() <= 1e-9 * (1e-3 + bound.abs());
+            let near = |bound: f64| is_near(velocity, bound);
             let end = if near(interval.upper) {
                 End::Upper
             } else if near(interval.lower) {
@@ -141,7 +141,9 @@ impl<'a> Step<'a> {
             let last =
                 Last { velocity: velocity - ik.acceleration[entry] * ik.period, acceleration };
             let kind = ik.intervals.kind(entry, end, last, ik.period);
-            Some(ActiveLimit { entry, name: &ik.stack.names()[entry], kind, end })
+            let follower = ik.model.limiting_follower(entry, kind, end);
+            let name = follower.unwrap_or(&ik.stack.names()[entry]);
+            Some(ActiveLimit { entry, name, kind, end })
         })
     }
 
@@ -157,9 +159,7 @@ impl<'a> Step<'a> {
             rows.iter().enumerate().take(count).filter_map(
                 move |(row, (coefficients, lower, upper))| {
                     let value: f64 = coefficients.iter().zip(x).map(|(a, x)| a * x).sum();
-                    let near = |bound: f64| {
-                        bound.is_finite() && (value - bound).abs() <= 1e-9 * (1e-3 + bound.abs())
-                    };
+                    let near = |bound: f64| is_near(value, bound);
                     let end = match (near(lower), near(upper)) {
                         _ if lower == upper => return None,
                         (_, true) => End::Upper,
@@ -171,6 +171,11 @@ impl<'a> Step<'a> {
             )
         })
     }
+}
+
+/// Whether a value is at a bound, up to rounding. An infinite bound is none.
+fn is_near(value: f64, bound: f64) -> bool {
+    bound.is_finite() && (value - bound).abs() <= 1e-9 * (1e-3 + bound.abs())
 }
 
 /// √(Σ wᵢ dᵢ²) of some rows, dᵢ being how far row i is from its range.

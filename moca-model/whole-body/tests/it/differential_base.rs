@@ -1,0 +1,143 @@
+//! A base that cannot move sideways.
+
+use nalgebra::{Point3, Vector3};
+use proptest::prelude::*;
+use whole_body::{
+    Axis, Commanded, Description, Feedback, FrameVelocityLimit, Ik, Leash, LimitOverride, Model,
+    PositionTask, PostureTask, TaskId, WheelLimit,
+};
+
+use crate::support::monitor::Monitor;
+use crate::support::stacks::{PERIOD, Random};
+
+/// A mast half a metre ahead of the axle.
+const URDF: &str = r#"<robot name="d">
+  <link name="base"><inertial><mass value="20"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="mast"><inertial><mass value="1"/>
+    <inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="lift" type="prismatic"><parent link="base"/><child link="mast"/>
+    <origin xyz=".5 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="1" velocity=".2" effort="100"/></joint></robot>"#;
+
+fn model(linear: LimitOverride, angular: LimitOverride) -> Model {
+    Model::from_urdf(URDF, &Description::on_planar_base(linear, angular)).unwrap()
+}
+
+struct Drive {
+    ik: Ik,
+    tip: TaskId<PositionTask>,
+}
+
+fn drive(model: &Model, wheels: WheelLimit) -> Drive {
+    let mut builder = Ik::builder(model);
+    builder.limit("wheels", wheels);
+    let mast = model.frame_id("mast").unwrap();
+    // It brakes at half of what the base can.
+    let feedback = Feedback { gain: 5.0, deceleration: 0.2 };
+    let task = PositionTask::new(mast).with_axes(&[Axis::X, Axis::Y]).with_feedback(feedback);
+    let tip = builder.push("tip", task);
+    Drive { ik: builder.build_at(&model.neutral()).unwrap(), tip }
+}
+
+/// Across the heading, in magnitude.
+fn sideways(yaw: f64, v: &[f64]) -> f64 {
+    (yaw.cos() * v[1] - yaw.sin() * v[0]).abs()
+}
+
+#[test]
+fn does_not_slide_where_it_would_turn_faster_than_it_can() {
+    let model = model(LimitOverride::of_speed(1.0, 0.5), LimitOverride::of_speed(1.5, 1.0));
+    let Drive { mut ik, tip } = drive(&model, WheelLimit::differential(2.0, 0.5));
+    ik.task_mut(tip).unwrap().set_target(Point3::new(0.5, -4.0, 0.0)).unwrap();
+    let mut q = model.neutral();
+    let mut monitor = Monitor::new(&model, &q);
+    let mut worst = 0.0_f64;
+    for _ in 0..12_000 {
+        let yaw = q[2];
+        let step = ik.step(&q, PERIOD).unwrap();
+        worst = worst.max(sideways(yaw, step.velocity()));
+        step.integrate(&mut q).unwrap();
+        monitor.check(&q);
+    }
+    assert!(worst < 1e-9, "{worst} m/s sideways");
+    let mast = Vector3::new(q[0] + 0.5 * q[2].cos(), q[1] + 0.5 * q[2].sin(), 0.0);
+    assert!((mast - Vector3::new(0.5, -4.0, 0.0)).norm() < 1e-3, "{mast}");
+}
+
+/// Speed, acceleration and range of both axes; those of the yaw; targets that jump; beside another limit; braking.
+fn soak(seed: u64, linear: [f64; 2], angular: [f64; 2], half: Option<f64>, is_slow: bool) -> f64 {
+    let range = half.map(|half| (-half, half));
+    let along = LimitOverride { position: range, ..LimitOverride::of_speed(linear[0], linear[1]) };
+    let model = model(along, LimitOverride::of_speed(angular[0], angular[1]));
+    let mut builder = Ik::builder(&model);
+    builder.limit("wheels", WheelLimit::differential(2.0, 0.5));
+    let mast = model.frame_id("mast").unwrap();
+    if is_slow {
+        let [speed, turn] = [Vector3::repeat(0.3), Vector3::repeat(0.7)];
+        builder.limit("slow", FrameVelocityLimit::new(mast, speed, turn));
+    }
+    let tip = builder.push("tip", PositionTask::new(mast).with_axes(&[Axis::X, Axis::Y]));
+    builder.push("posture", PostureTask::new());
+    let mut q = model.neutral();
+    let mut ik = builder.build_at(&q).unwrap();
+    let mut monitor = Monitor::new(&model, &q);
+    let mut random = Random(seed);
+    let mut worst = 0.0_f64;
+    for tick in 0..8000 {
+        if tick % 700 == 0 {
+            let size = half.unwrap_or(2.0) + 0.3;
+            let [x, y] = [random.within(-size, size), random.within(-size, size)];
+            ik.task_mut(tip).unwrap().set_target(Point3::new(x, y, 0.0)).unwrap();
+        }
+        let yaw = q[2];
+        if tick % 1500 < 1350 {
+            let _ = ik.step(&q, PERIOD).unwrap();
+        } else {
+            ik.brake(PERIOD).unwrap();
+        }
+        let v = ik.velocity().to_vec();
+        worst = worst.max(sideways(yaw, &v));
+        let moved: Vec<_> = v.iter().map(|v| v * PERIOD).collect();
+        model.integrate(&mut q, &moved).unwrap();
+        monitor.check(&q);
+    }
+    worst
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+
+    #[test]
+    fn never_slides(
+        seed in any::<u64>(), linear in prop::array::uniform2(0.2..2.0_f64),
+        angular in prop::array::uniform2(0.3..3.0_f64), half in prop::option::of(0.3..1.5_f64),
+        is_slow in any::<bool>(),
+    ) {
+        let worst = soak(seed, linear, angular, half, is_slow);
+        prop_assert!(worst < 1e-9, "{} m/s sideways", worst);
+    }
+}
+
+/// The command is held back along its heading where the robot stands.
+#[test]
+fn waits_for_a_robot_that_is_held_without_sliding() {
+    let model = model(LimitOverride::of_speed(1.0, 0.5), LimitOverride::of_speed(1.5, 1.0));
+    let Drive { mut ik, tip } = drive(&model, WheelLimit::differential(2.0, 0.5));
+    ik.task_mut(tip).unwrap().set_target(Point3::new(2.0, 1.0, 0.0)).unwrap();
+    let mut measured = model.neutral();
+    let mut robot = Commanded::new(ik, &measured, Leash::default()).unwrap();
+    let mut worst = 0.0_f64;
+    for tick in 0..6000 {
+        let yaw = robot.position()[2];
+        let command = robot.step(&measured, PERIOD);
+        assert!(command.fault.is_none());
+        worst = worst.max(sideways(yaw, command.velocity));
+        if tick < 1500 {
+            measured.copy_from_slice(command.position);
+        }
+    }
+    assert!(worst < 1e-9, "{worst} m/s sideways");
+    let apart = (robot.position()[0] - measured[0]).hypot(robot.position()[1] - measured[1]);
+    assert!(apart < 0.15 && apart > 0.01, "{apart} m");
+}
