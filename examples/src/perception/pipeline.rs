@@ -54,7 +54,7 @@ fn of_file(error: anyhow::Error) -> anyhow::Error {
         matches!(cause.downcast_ref(), Some(File { .. } | Image { .. } | OpenPose { .. }))
             || cause.is::<std::io::Error>()
     });
-    let is_interrupt = error.chain().any(|cause| cause.is::<ProgramError>());
+    let is_interrupt = error.chain().any(<dyn std::error::Error + 'static>::is::<ProgramError>);
     if is_of_file && !is_interrupt { BrokenFrame(error).into() } else { error }
 }
 

@@ -1,6 +1,9 @@
 //! Names from outside on a terminal.
 
-use std::{fmt, path::Path};
+use std::{
+    fmt::{self, Write},
+    path::Path,
+};
 
 /// A name from outside, such as a file's, as it is shown: characters that would steer a terminal or turn the direction
 /// of the text round it are escaped.
@@ -75,7 +78,8 @@ pub(super) fn json(text: &str) -> String {
     for character in text.chars() {
         if steers(character) {
             for unit in character.encode_utf16(&mut units) {
-                json.push_str(&format!("\\u{unit:04x}"));
+                // Writing to a text does not fail.
+                let _ = write!(json, "\\u{unit:04x}");
             }
         } else {
             json.push(character);

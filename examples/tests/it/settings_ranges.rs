@@ -141,9 +141,9 @@ fn sizes_that_no_memory_holds_are_refused_with_file_line_and_range() {
             let text = format!("version = 1\n[{table}]\n{name} = {size}\n");
             std::fs::write(&file, text).unwrap();
             for program in ["follow", "soak", "drive"] {
-                let says = format!("settings.toml: line 3: ");
+                let says = "settings.toml: line 3: ";
                 let runs = Runs::new(program).with(&["--settings"]).with(&[&file]);
-                let ran = runs.run().failed(1, &says);
+                let ran = runs.run().failed(1, says);
                 assert!(ran.errors.contains(name), "{ran:?}");
             }
         }

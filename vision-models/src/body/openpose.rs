@@ -114,7 +114,7 @@ fn person(index: usize, text: &RawValue) -> Result<ImageBody, Error> {
     }
     Ok(match keypoints.first_chunk::<18>() {
         Some(coco) if count == 54 => ImageBody::from_coco_18(*coco),
-        _ => body_of_25(keypoints),
+        _ => body_of_25(&keypoints),
     })
 }
 

@@ -66,7 +66,7 @@ fn other_models_and_other_files_are_named() {
     assert!(problem("{\"people\":[").contains("EOF"));
     let mut joints = counted(25);
     joints[7] = [1e9, 3.0, 0.5];
-    assert!(problem(&file(&[joints.clone()])).contains("keypoint 7"));
+    assert!(problem(&file(std::slice::from_ref(&joints))).contains("keypoint 7"));
     joints[7] = [1.0, 3.0, -0.5];
     assert!(problem(&file(&[joints])).contains("1.0, 3.0, -0.5 as keypoint 7"));
     let text = file(&[counted(25)]).replacen("0.5", "null", 1);

@@ -89,7 +89,9 @@ fn buffers_beside_the_network_are_left_out_by_name() {
         ("model.", vec![("loss.weight", vec![3]), ("mean", vec![1, 3, 1, 1]), ("step", vec![1])]),
     ] {
         let mut tensors = behind(prefix, plain());
-        buffers.iter().for_each(|(name, shape)| add(&mut tensors, name, shape));
+        for (name, shape) in &buffers {
+            add(&mut tensors, name, shape);
+        }
         let mut names: Vec<_> = buffers.iter().map(|(name, _)| (*name).to_owned()).collect();
         names.sort();
         assert_eq!(kind().left_out(&tensors), Some(names), "{prefix}");

@@ -49,8 +49,8 @@ const LIMBS: [[Body25; 2]; 16] = {
 /// A person of 25 joints: of BODY_25, whose neck lies between the shoulders and whose mid hip between the hips, or of
 /// BODY_25B, which has other joints in those places. It is read as BODY_25B where neck or mid hip lie elsewhere, or are
 /// not told, and the limbs become shorter by it.
-pub(super) fn body_of_25(keypoints: [Option<ImageKeypoint>; Body25::COUNT]) -> ImageBody {
-    let plain = ImageBody::new(keypoints);
+pub(super) fn body_of_25(keypoints: &[Option<ImageKeypoint>; Body25::COUNT]) -> ImageBody {
+    let plain = ImageBody::new(*keypoints);
     let Some(size) = size(&plain) else { return plain };
     let has_head = match [keypoints[NOSE], keypoints[TOP]] {
         [Some(nose), Some(top)] => (top.position - nose.position).norm() < HEAD * size,
@@ -60,7 +60,7 @@ pub(super) fn body_of_25(keypoints: [Option<ImageKeypoint>; Body25::COUNT]) -> I
     if is_in_place || !has_head {
         return plain;
     }
-    let other = ImageBody::from_body_25b(keypoints);
+    let other = ImageBody::from_body_25b(*keypoints);
     match (mean_limb(&plain), mean_limb(&other)) {
         (Some(own), Some(others)) if others < SHORTER * own => other,
         _ => plain,
