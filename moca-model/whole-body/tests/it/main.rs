@@ -7,6 +7,7 @@ mod bad_tasks;
 mod bad_urdf;
 mod commanded;
 mod control_loop;
+mod corner;
 mod description;
 mod dynamics;
 mod golden;
