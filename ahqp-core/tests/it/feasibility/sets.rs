@@ -57,7 +57,8 @@ impl Set {
     /// A set that holds at a point of whole numbers, where many bounds and rows are met: copies of bounds, sums of
     /// bounds, copies and sums of rows, and others.
     pub(super) fn feasible(random: &mut Random) -> Self {
-        let n = 1 + random.below(if random.chance(20) { 10 } else { 5 });
+        let most = if random.chance(20) { 10 } else { 5 };
+        let n = 1 + random.below(most);
         let x: Vec<f64> =
             (0..n).map(|_| if random.chance(50) { 0.0 } else { random.whole(3) }).collect();
         let room = |random: &mut Random| {
