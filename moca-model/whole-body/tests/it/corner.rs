@@ -43,11 +43,11 @@ fn drive(room: [f64; 2], mut q: Vec<f64>, target: [f64; 2], ticks: usize) -> Vec
 fn a_differential_base_in_a_corner_goes_on() {
     let q = drive([1.0, 1.0], vec![0.0; 3], [0.2, 0.1], 4000);
     assert!(q[0].abs() < 1e-6 && q[1].abs() < 1e-6, "it stays in the corner: {q:?}");
-    for seed in 0..60 {
+    for seed in 0..60_u64 {
         let mut random = Random(seed);
         let room = [random.within(0.2, 2.0), random.within(0.2, 2.0)];
         let target = [random.within(-0.5, 0.5), random.within(-0.5, 0.5)];
-        let yaw = if seed % 2 == 0 { 0.0 } else { random.within(-3.0, 3.0) };
+        let yaw = if seed.is_multiple_of(2) { 0.0 } else { random.within(-3.0, 3.0) };
         drive(room, vec![0.0, 0.0, yaw], target, 1500);
     }
 }
