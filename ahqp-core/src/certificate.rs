@@ -298,8 +298,9 @@ impl Check<'_> {
         let nearer = lower.abs().min(upper.abs());
         let nearer = if nearer.is_finite() { nearer } else { 0.0 };
         let magnitude = nearer + length * norm(self.x);
-        let size =
-            nearer + coefficients.iter().zip(self.x).map(|(a, x)| (a * x).abs()).sum::<f64>();
+        let terms = coefficients.iter().zip(self.x).map(|(a, x)| (a * x).abs());
+        // A row without coefficients is judged in its own unit.
+        let size = nearer + if length > 0.0 { terms.sum() } else { 1.0 };
         let violation = (value - upper).max(0.0) + (value - lower).min(0.0);
         RowAt { coefficients, value, violation, lower, upper, magnitude, size, norm: length }
     }

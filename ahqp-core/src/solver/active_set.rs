@@ -237,9 +237,15 @@ impl ActiveSet {
         data.levels.iter().any(|level| data.have_spread(level.used_objective(), x_norm))
     }
 
+    /// Computes aᵢx of these rows from the data: what a search has summed up on its way carries the rounding of
+    /// all its steps.
+    pub(crate) fn compute_values(&mut self, rows: Range<usize>) {
+        self.data.multiply(rows, &self.x, &mut self.value);
+    }
+
     /// Returns true if all these rows hold.
     pub(crate) fn all_hold(&mut self, rows: Range<usize>) -> bool {
-        self.data.multiply(rows.clone(), &self.x, &mut self.value);
+        self.compute_values(rows.clone());
         rows.into_iter().all(|id| self.holds(id))
     }
 

@@ -59,32 +59,39 @@ impl Solver {
 
     /// Brings x to where the new hard constraints of `level` hold, at no cost to the levels
     /// above, by minimising their violation.
+    ///
+    /// What a search sums up on its way carries the rounding of all its steps: rows that it leaves violated
+    /// contradict each other only if they are so once more in a search that begins there, from the data.
     fn make_feasible(&mut self, level: usize, rows: Range<usize>) -> Result<LevelEnd, Error> {
         if self.set.all_hold(rows.clone()) {
             return Ok(LevelEnd::Solved);
         }
         self.solution.x.copy_from_slice(&self.set.x);
-        self.set.place_soft(level, rows.clone());
-        match self.set.search(&Goal::Rows(rows.clone())) {
-            End::OutOfBudget => {
-                self.set.x.copy_from_slice(&self.solution.x);
-                return Ok(LevelEnd::OutOfBudget);
+        for is_last in [false, true] {
+            self.set.place_soft(level, rows.clone());
+            match self.set.search(&Goal::Rows(rows.clone())) {
+                End::OutOfBudget => {
+                    self.set.x.copy_from_slice(&self.solution.x);
+                    return Ok(LevelEnd::OutOfBudget);
+                }
+                End::Unbounded => return Err(unbounded(level)),
+                End::Optimal => {}
             }
-            End::Unbounded => return Err(unbounded(level)),
-            End::Optimal => self.expect_feasible(level, rows.clone())?,
+            self.set.compute_values(rows.clone());
+            let worst = self.set.most_violated(rows.clone());
+            if let Some(worst) = worst.filter(|_| is_last) {
+                return Err(self.infeasible(level, rows, worst));
+            }
+            self.set.remove_soft(rows.clone());
+            if worst.is_none() {
+                break;
+            }
         }
-        self.set.remove_soft(rows);
         Ok(LevelEnd::Solved)
     }
 
-    fn expect_feasible(&mut self, level: usize, rows: Range<usize>) -> Result<(), Error> {
-        let Some(worst) = rows
-            .clone()
-            .max_by(|&i, &j| self.set.excess(i).total_cmp(&self.set.excess(j)))
-            .filter(|&id| self.set.excess(id) > 1.0)
-        else {
-            return Ok(());
-        };
+    /// The error of hard rows that cannot hold together, `worst` among them; lists the conflict.
+    fn infeasible(&mut self, level: usize, rows: Range<usize>, worst: usize) -> Error {
         let violated = rows.clone().filter(|&id| self.set.excess(id) > 1.0);
         self.conflict.extend(violated.map(|id| self.set.data.sources[id]));
         let size = |id: usize| self.set.violation(id).abs() * self.set.data.norm(id);
@@ -92,13 +99,13 @@ impl Solver {
         let pushing = self.conflict.len();
         self.set.extend_by_pushing(threshold, &mut self.conflict);
         self.conflict[pushing..].sort_unstable();
-        Err(Error::Infeasible {
+        Error::Infeasible {
             level: LevelId::new(level),
             worst: self.set.data.sources[worst],
             violation: self.set.violation(worst).abs() / self.set.data.scale(worst),
             members: self.conflict.len(),
             names: Names::default(),
-        })
+        }
     }
 
     /// Among the optima of all levels, the one of least norm.

@@ -4,6 +4,7 @@ use crate::Error;
 
 /// How hard the solver tries and what it calls zero. All tolerances are relative to the sizes
 /// of the rows, bounds and gradients at hand, so that they do not depend on units, and at most 1e-4.
+/// Only rows without coefficients are judged in their own unit.
 ///
 /// ```
 /// use ahqp_core::Settings;
@@ -17,8 +18,8 @@ pub struct Settings {
     /// of searches over all levels. Default 1000.
     pub max_iterations: usize,
     /// A constraint holds when it is violated by less than this, relative to the size of its terms
-    /// and of its nearer bound at the solution \[-\]. Default 1e-10. What the rounding of x explains,
-    /// 1e-14 of ‖a‖‖x‖, counts as none.
+    /// and of its nearer bound at the solution \[-\]. Default 1e-10. A row without coefficients has the
+    /// size one beside its bound. What the rounding of x explains, 1e-14 of ‖a‖‖x‖, counts as none.
     pub feasibility_tolerance: f64,
     /// A row depends on others when what they leave of it is below this fraction of its norm
     /// \[-\]. Default 1e-10.

@@ -17,6 +17,9 @@ pub(crate) const CERTAIN: f64 = 10.0;
 pub(crate) const CLEARLY_THERE: f64 = 1e-6;
 /// Of ‖a‖‖x‖, what a search may leave of a violation that it cannot tell from rounding.
 pub(crate) const DOUBTFUL: f64 = CERTAIN * ROUNDING;
+/// The size of a row without coefficients beside its bound: that has nothing to compare with, and is judged in its
+/// own unit.
+pub(crate) const NO_TERMS: f64 = 1.0;
 /// A step shorter than this part of 1 + ‖x‖ is no progress: where dozens of rows meet, a search could go round
 /// for ever in steps of what rounding leaves of each.
 pub(crate) const SHORTEST_STEP: f64 = 1e-12;

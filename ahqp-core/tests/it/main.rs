@@ -8,6 +8,7 @@ mod certificate;
 mod continuous_stack;
 mod exact;
 mod extended;
+mod feasibility;
 mod fuzz;
 mod hard_cases;
 mod holding;

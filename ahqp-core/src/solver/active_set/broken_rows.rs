@@ -21,7 +21,12 @@ impl ActiveSet {
             data.multiply(level.constraints.clone(), x, value);
         }
         let constraints = self.data.levels.iter().flat_map(|level| level.constraints.clone());
-        let excess = constraints.map(|id| (id, self.excess(id)));
+        self.most_violated(constraints)
+    }
+
+    /// Of these rows the one that is most violated, if that is no rounding.
+    pub(crate) fn most_violated(&self, rows: impl Iterator<Item = usize>) -> Option<usize> {
+        let excess = rows.map(|id| (id, self.excess(id)));
         let worst = excess.max_by(|a, b| a.1.total_cmp(&b.1));
         worst.filter(|&(_, excess)| excess > 1.0).map(|(id, _)| id)
     }

@@ -83,7 +83,7 @@ impl ActiveSet {
             let (length, blocking) = self.ratio_test(goal, full, choice);
             self.advance(goal, length);
             if blocking.is_none() && has_minimum {
-                self.factorisation.attain();
+                self.attain();
             }
             if length * norm(&self.direction) > SHORTEST_STEP * (1.0 + norm(&self.x)) {
                 stalled = 0;
@@ -156,6 +156,14 @@ impl ActiveSet {
             for residual in &mut self.residual[rows.clone()] {
                 *residual *= 1.0 - length.min(1.0);
             }
+        }
+    }
+
+    /// x has come to where the active rows hold: variables at a bound are exactly there.
+    fn attain(&mut self) {
+        self.factorisation.attain();
+        for variable in (0..self.data.n).filter(|&i| self.activity[i].is_active()) {
+            self.x[variable] = active_bound(&self.data, &self.activity, variable);
         }
     }
 

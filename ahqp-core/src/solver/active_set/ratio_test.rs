@@ -42,8 +42,7 @@ impl ActiveSet {
         let mut reach = full;
         for candidate in &self.candidates {
             if candidate.room < reach * candidate.slope {
-                let slack =
-                    if choice == Choice::First { 0.0 } else { self.tolerance(candidate.id) };
+                let slack = self.tolerance(candidate.id);
                 reach = reach.min((candidate.room + slack) / candidate.slope);
             }
         }

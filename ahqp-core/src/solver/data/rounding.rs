@@ -4,7 +4,7 @@ use std::borrow::Borrow;
 
 use super::{Coefficients, ProblemData};
 use crate::solver::activity::Activity;
-use crate::solver::tolerances::{ROUNDING, SPREAD};
+use crate::solver::tolerances::{NO_TERMS, ROUNDING, SPREAD};
 
 impl ProblemData {
     /// Returns true if these rows, of one objective, pull by so different forces that the rounding of one may
@@ -27,7 +27,8 @@ impl ProblemData {
 
     /// The size that numbers in row `id` have at most at x: what rounding is relative to.
     pub(crate) fn magnitude(&self, id: usize, x_norm: f64) -> f64 {
-        self.nearer_bound(id) + self.norms[id] * x_norm
+        let norm = self.norms[id];
+        self.nearer_bound(id) + if norm > 0.0 { norm * x_norm } else { NO_TERMS }
     }
 
     /// The rounding in a x − bound of row `id`, given ‖x‖.
@@ -64,11 +65,12 @@ impl ProblemData {
         self.relative_rounding[id]
     }
 
-    /// The size of the terms of row `id` at x. Entries of x that the row does not see, however
-    /// large, have no part in it.
+    /// The size of the terms of row `id` at x, Σ|aᵢⱼxⱼ| + |bᵢ|. Entries of x that the row does not see,
+    /// however large, have no part in it.
     pub(crate) fn size(&self, id: usize, x: &[f64]) -> f64 {
         let terms = match self.row(id).coefficients() {
             Coefficients::Unit(variable) => x[variable].abs(),
+            Coefficients::Dense(_) if self.norms[id] == 0.0 => NO_TERMS,
             Coefficients::Dense(row) => row.iter().zip(x).map(|(a, x)| (a * x).abs()).sum(),
         };
         self.nearer_bound(id) + terms

@@ -8,6 +8,7 @@ mod bad_tasks;
 mod bad_urdf;
 mod commanded;
 mod control_loop;
+mod corner;
 mod description;
 mod differential_base;
 mod dynamics;
