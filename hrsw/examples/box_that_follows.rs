@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for _tick in 0..4000 {
         person.advance(PERIOD);
         workspace.place(*person.pose(), person.twist())?;
-        soft.write_rows(&workspace, None, &desired, hierarchy.constraints_mut(inside)?)?;
+        soft.write_rows(&workspace, &desired, hierarchy.constraints_mut(inside)?)?;
         let x = solver.solve(&hierarchy)?.optimum()?;
         let twist = Vector6::from_column_slice(&x[state.desired_velocity()]);
         desired = integrate_pose(&desired, &twist, PERIOD);

@@ -19,6 +19,7 @@ use examples::ergonomics::{build_map, read_map};
 use examples::follow::Scenario;
 use examples::program::{self, Ending, Json, Program, Quiet, Session};
 use examples::settings::SettingsFile;
+use examples::shipped;
 #[cfg(feature = "ros2")]
 use moca_drivers::ros2::{
     JointInterface, RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPeople,

@@ -23,6 +23,7 @@ use examples::program::{
     self, Ending, Json, OutputFile, Program, Progress, Quiet, Session, check_folder,
 };
 use examples::settings::{RobotSettings, SettingsFile};
+use examples::shipped;
 use moca_model::{Goal, MOCA_URDF};
 use moca_replay::page::{ResultRow, Results, page};
 use moca_replay::picture::{animation, still};

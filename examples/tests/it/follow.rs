@@ -4,10 +4,10 @@ use std::{fs, sync::LazyLock};
 
 use ergo_map::{ErgonomicsMap, MapOptions, Person, Side};
 use examples::follow::{Run, Scenario, Summary};
+use examples::shipped;
 use moca_model::Goal;
 use moca_simulation::people::Walker;
 use nalgebra::Vector3;
-use percept_recording;
 use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
 
 use crate::support::{Runs, average_map, cases};

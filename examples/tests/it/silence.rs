@@ -2,10 +2,10 @@
 
 use ergo_map::Person;
 use examples::follow::Scenario;
+use examples::shipped;
 use moca_model::{Controller, MOCA_BASE_JOINTS};
 use moca_simulation::plant::{Heard, Plant};
 use nalgebra::Vector3;
-use percept_recording;
 use vision_models::Percept;
 
 use crate::support::average_map;

@@ -2,6 +2,7 @@
 
 use std::{collections::HashSet, f64::consts::TAU};
 
+use examples::shipped;
 use moca_simulation::people::{
     CameraSettings, Truth, Walker, WalkerError, WalkerSettings, WalkingPath,
 };

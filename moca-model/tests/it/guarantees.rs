@@ -99,7 +99,6 @@ fn thresholds_are_those_of_the_defaults() {
     let limits = LoopSettings::default();
     let unknown =
         separation.human_uncertainty + separation.intrusion + separation.robot_uncertainty;
-    assert_eq!(supervisor.reduced_room, 0.0, "nobody is near");
     let (guarantees, model) = (page("guarantees.md"), page("moca-model.md"));
     for (text, number) in [
         ("no plausible frame for {} s, a fault of the loop", supervisor.reduced_age),
