@@ -18,7 +18,7 @@ use ergo_map::{MapOptions, Person};
 use examples::ergonomics::{build_map, read_map};
 use examples::follow::Scenario;
 use examples::program::{self, Ending, Json, Program, Quiet, Session};
-use examples::settings::SettingsFile;
+use examples::settings::{RobotSettings, SettingsFile};
 use examples::shipped;
 #[cfg(feature = "ros2")]
 use moca_drivers::ros2::{
@@ -243,6 +243,13 @@ impl Options {
 
     /// What `follow` plays, in real time.
     fn scenario(&self, session: &Session) -> Result<Scenario> {
+        let settings = self.settings.as_ref().map(|path| {
+            let file = SettingsFile::read(path);
+            let file = file.and_then(|file| file.over(&RobotSettings::default()).map(|_| file));
+            file.with_context(|| path.display().to_string()).map(|file| (path, file))
+        });
+        // Before the work.
+        let settings = settings.transpose()?;
         let Recording { header, percepts, others, .. } = match &self.recording {
             Some(path) => Recording::read(percept_recording::open(path)?, IfPartial::Refuse)
                 .with_context(|| path.display().to_string())?,
@@ -257,9 +264,8 @@ impl Options {
             (person, map)
         };
         let scenario = Scenario::new(percepts, &person, map)?.among(others);
-        let Some(path) = &self.settings else { return Ok(scenario) };
-        let settings = SettingsFile::read(path).and_then(|file| scenario.with_settings(&file));
-        settings.with_context(|| path.display().to_string())
+        let Some((path, file)) = settings else { return Ok(scenario) };
+        scenario.with_settings(&file).with_context(|| path.display().to_string())
     }
 
     /// The same on the ROS 2 graph.

@@ -126,6 +126,8 @@ impl Program for Options {
         if let Some(folder) = folder {
             check_folder(folder)?;
         }
+        // Before the work.
+        self.settings()?;
         let (scenario, recorded) = self.load(session)?;
         if let Some(folder) = folder {
             fs::create_dir_all(folder)
@@ -268,6 +270,7 @@ impl Options {
         let Some(path) = &self.settings else { return Ok(None) };
         let name = path.display().to_string();
         let file = SettingsFile::read(path).context(name.clone())?;
+        file.over(&RobotSettings::default()).context(name.clone())?;
         Ok(Some((name, file)))
     }
 

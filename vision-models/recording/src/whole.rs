@@ -29,9 +29,14 @@ pub enum IfPartial {
 /// A recording in memory.
 ///
 /// ```
-/// use percept_recording::{self, Completeness, IfPartial, Recording};
+/// use percept_recording::{Completeness, Header, IfPartial, Reader, Recording, Writer};
+/// use vision_models::Percept;
 ///
-/// let recording = Recording::read(shipped::recording()?, IfPartial::Refuse)?;
+/// let mut writer = Writer::new(Vec::new(), &Header::default())?;
+/// writer.write(&Percept { time: 0.05, body: None, action: None, surface: None })?;
+/// let bytes = writer.finish()?;
+///
+/// let recording = Recording::read(Reader::new(bytes.as_slice())?, IfPartial::Refuse)?;
 /// assert_eq!(recording.completeness, Completeness::Complete);
 /// # Ok::<(), percept_recording::RecordingError>(())
 /// ```

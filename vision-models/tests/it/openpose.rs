@@ -110,7 +110,8 @@ fn body_25b_is_told_by_where_neck_and_mid_hip_lie() {
         |[x, y, c]: [f64; 3]| [y, x, c],
     ] {
         let joints: Vec<_> = standing.iter().copied().map(turn).collect();
-        let body = &ImageBody::from_openpose(file(std::slice::from_ref(&joints)).as_bytes()).unwrap()[0];
+        let body =
+            &ImageBody::from_openpose(file(std::slice::from_ref(&joints)).as_bytes()).unwrap()[0];
         for joint in Body25::ALL {
             assert_eq!(body.get(joint).unwrap().position.x, joints[joint.index()][0]);
         }
