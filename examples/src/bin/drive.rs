@@ -80,7 +80,7 @@ struct Options {
     /// What the arm on the ROS 2 graph follows.
     #[cfg(feature = "ros2")]
     #[arg(long, value_name = "KIND", value_enum, default_value_t, requires = "ros2")]
-    interface: JointInterface,
+    interface: FollowedBy,
     /// What the robot adds to the torques that it is sent; a robot under torques that is not simulated here has no
     /// default.
     #[arg(long, value_name = "WHAT", value_enum)]
@@ -115,6 +115,30 @@ struct Options {
 fn spin(text: &str) -> std::result::Result<f64, &'static str> {
     let number = text.parse().ok().filter(|number| (0.0..=1e6).contains(number));
     number.ok_or("give 0 to 1000000 microseconds")
+}
+
+/// What the joints of the arm follow.
+#[cfg(feature = "ros2")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+enum FollowedBy {
+    /// Torques.
+    #[default]
+    Effort,
+    /// Velocities.
+    Velocity,
+    /// Positions.
+    Position,
+}
+
+#[cfg(feature = "ros2")]
+impl From<FollowedBy> for JointInterface {
+    fn from(kind: FollowedBy) -> Self {
+        match kind {
+            FollowedBy::Effort => Self::Effort,
+            FollowedBy::Velocity => Self::Velocity,
+            FollowedBy::Position => Self::Position,
+        }
+    }
 }
 
 /// What a robot adds to the torques that it is sent.
@@ -201,7 +225,7 @@ impl Options {
     /// Takes what the robot compensates itself: somebody must say it of a robot that is not simulated here.
     fn compensate(&self, scenario: &mut Scenario) -> Result<()> {
         #[cfg(feature = "ros2")]
-        let takes_torques = self.interface == JointInterface::Effort;
+        let takes_torques = self.interface == FollowedBy::Effort;
         #[cfg(not(feature = "ros2"))]
         let takes_torques = true;
         if !takes_torques {
@@ -292,8 +316,11 @@ impl Options {
             }
             return Ok(Ending::Complete);
         }
-        let (mut robot, persons) =
-            Ros2Side::join(RosDomain::of_environment()?, RobotJoints::moca(), self.interface)?;
+        let (mut robot, persons) = Ros2Side::join(
+            RosDomain::of_environment()?,
+            RobotJoints::moca(),
+            self.interface.into(),
+        )?;
         let driven =
             self.drive(session, scenario, &mut robot, clock, seen_by_others(&persons, clock));
         let messages = Ros2Report::from(&robot.close()?);

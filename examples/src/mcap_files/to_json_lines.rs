@@ -33,10 +33,8 @@ impl Found {
                 let (id, schema) = (fields.number::<2>("channel")?, fields.number::<2>("channel")?);
                 self.channels.insert(id, (fields.text("channel")?, schema));
             }
-            opcode::METADATA => {
-                if fields.text("metadata")? == RECORDING {
-                    self.metadata = Some(fields.map("metadata")?);
-                }
+            opcode::METADATA if fields.text("metadata")? == RECORDING => {
+                self.metadata = Some(fields.map("metadata")?);
             }
             opcode::MESSAGE => {
                 let channel = fields.number::<2>("message")?;
@@ -94,7 +92,9 @@ pub fn to_json_lines(file: &[u8]) -> Result<Vec<u8>, McapFileError> {
     // Messages of one time stay in their order.
     lines.sort_by_key(|(time, _)| *time);
     let mut text = header.as_bytes().to_vec();
-    lines.iter().for_each(|(_, line)| text.extend_from_slice(line));
+    for (_, line) in &lines {
+        text.extend_from_slice(line);
+    }
     text.extend_from_slice(closing.as_bytes());
     check(&text)?;
     Ok(text)

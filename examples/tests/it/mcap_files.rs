@@ -3,11 +3,12 @@
 use std::fs;
 
 use examples::mcap_files::{McapFileError, RobotLog, from_json_lines, to_json_lines};
+use examples::shipped;
 use mcap::MessageStream;
 use moca_model::{MOCA_HOME, moca};
 use moca_replay::report::TickRow;
 use nalgebra::Point3;
-use percept_recording::{Header, Timing, Writer, shipped_bytes};
+use percept_recording::{Header, Timing, Writer};
 use proptest::prelude::*;
 use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
 
@@ -15,7 +16,7 @@ use crate::support::Runs;
 
 /// The beginning of the shipped recording: so many frames, and no closing line.
 fn beginning(frames: usize) -> Vec<u8> {
-    shipped_bytes()
+    shipped::bytes()
         .split_inclusive(|byte| *byte == b'\n')
         .take(frames + 1)
         .flatten()
@@ -25,9 +26,9 @@ fn beginning(frames: usize) -> Vec<u8> {
 
 #[test]
 fn the_shipped_recording_comes_back_to_the_byte_and_takes_less_room() {
-    let file = from_json_lines(shipped_bytes()).unwrap();
-    assert_eq!(to_json_lines(&file).unwrap(), shipped_bytes());
-    assert!(file.len() < shipped_bytes().len(), "{} bytes", file.len());
+    let file = from_json_lines(shipped::bytes()).unwrap();
+    assert_eq!(to_json_lines(&file).unwrap(), shipped::bytes());
+    assert!(file.len() < shipped::bytes().len(), "{} bytes", file.len());
 }
 
 #[test]

@@ -37,6 +37,9 @@ pub use stamps::{StampWindow, Stamps};
 pub use statistics::{RefusalCount, TopicStatistics};
 pub use topic::{JointInterface, Topic};
 
+/// The ROS 2 client that speaks DDS, in the version that is used here.
+pub use ros2_client;
+
 /// The frame of odometry and persons: x and y on the floor, z up.
 pub const WORLD_FRAME: &str = "odom";
 /// The frame of the base: x forwards, y to the left, z up, on the floor.

@@ -6,13 +6,13 @@ use std::fmt::Debug;
 use moca_drivers::ros2::messages::{
     Float64MultiArray, JointState, Odometry, PoseArray, Text, TwistStamped,
 };
+use moca_drivers::ros2::ros2_client::dds::rustdds::RepresentationIdentifier;
+use moca_drivers::ros2::ros2_client::dds::rustdds::serialization::{
+    deserialize_from_cdr_with_rep_id, to_writer_with_rep_id,
+};
 use moca_drivers::ros2::{Commands, Measurements, Perceived, RobotJoints};
 use moca_model::whole_body::{JointCommand, JointMeasurement};
 use proptest::prelude::*;
-use ros2_client::dds::rustdds::RepresentationIdentifier;
-use ros2_client::dds::rustdds::serialization::{
-    deserialize_from_cdr_with_rep_id, to_writer_with_rep_id,
-};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

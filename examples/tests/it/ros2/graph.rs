@@ -12,8 +12,8 @@ use moca_model::whole_body::{
     StopCause,
 };
 
+use crate::robot_side::at_rest;
 use crate::support::{Runs, coarse_map_file};
-use moca_drivers::at_rest;
 
 /// Turns the base at 0.2 rad/s, carries the arm by the torques measured, and counts its steps.
 struct Turn<'a>(&'a Cell<u32>);
@@ -41,8 +41,8 @@ impl ControlLaw for Turn<'_> {
 
     fn request_stop(&mut self) {}
 
-    fn is_at_rest(&self) -> bool {
-        true
+    fn is_at_rest(&self, _measured: &JointMeasurement) -> Option<bool> {
+        Some(true)
     }
 }
 

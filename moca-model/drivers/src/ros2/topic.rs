@@ -3,7 +3,7 @@
 use super::refusal::Refusal;
 
 /// What the joints of the arm follow: which controller of `ros2_controllers` their commands go to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum JointInterface {
     /// Torques \[Nm\]. The simulated robot follows these.
     #[default]
