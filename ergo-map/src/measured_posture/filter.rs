@@ -63,7 +63,7 @@ const HABITS: [Habit; Posture::LEN] = [
 const FLEXION: usize = 7;
 const ABDUCTION: usize = 8;
 
-/// Of the upper arm's direction; its mean is that of flexion and abduction.
+/// Habit of the upper arm's direction; its mean is that of flexion and abduction.
 const ARM_HABIT: Habit = habit(0.0, 30.0, 2.0);
 
 /// Follows the angles of a person's posture, with the arm of one side, by a Kalman filter each: an angle
@@ -98,7 +98,7 @@ const ARM_HABIT: Habit = habit(0.0, 30.0, 2.0);
 pub struct PostureFilter {
     side: Side,
     neutral: NeutralPosture,
-    /// Of flexion and abduction nothing: they follow from `arm`.
+    /// Filters of the angles; those of flexion and abduction are unused, as these follow from `arm`.
     angles: [Option<Known<f64>>; Posture::LEN],
     arm: Option<Known<Vector3<f64>>>,
     gait: Gait,

@@ -50,7 +50,7 @@ pub struct NeutralPosture {
     pub neck_band: f64,
 }
 
-/// Of a person whose own neutral posture was measured \[rad\].
+/// Dead bands of a person whose own neutral posture was measured \[rad\].
 const OWN_NECK_BAND: f64 = 10.0 * core::f64::consts::PI / 180.0;
 
 /// By what the head is seen.

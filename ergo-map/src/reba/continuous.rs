@@ -172,7 +172,7 @@ struct Angles<S> {
     neck_flexion: S,
     neck_bend: S,
     knee_flexion: S,
-    /// Of the flexion alone, without adjustments.
+    /// Score of the flexion alone, without adjustments.
     upper_arm: S,
     arm_turned: S,
     elbow_flexion: S,

@@ -16,7 +16,7 @@ use crate::upper_arm::LARGEST_EXTENSION;
 pub(super) struct Part {
     steps: Steps,
     knots: &'static [(f64, f64)],
-    /// By how much the angle may turn where every measured joint is a centimetre elsewhere \[°\].
+    /// The angle by which a part may turn where every measured joint is a centimetre elsewhere \[°\].
     margin: f64,
     /// The middle of the best class \[°\].
     neutral: f64,

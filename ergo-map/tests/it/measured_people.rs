@@ -108,7 +108,7 @@ fn an_upright_trunk_that_leans_back_by_nine_degrees_is_upright_and_one_by_thirty
     }
 }
 
-/// With a neutral posture of their own, a bend of the neck by 30° is seen of everybody, and none by 10°.
+/// A bend of the neck by 30° is seen of everybody with a neutral posture of their own, and none by 10°.
 #[test]
 fn a_neutral_posture_of_ones_own_tells_a_bent_neck() {
     for ears in EARS {

@@ -90,7 +90,7 @@ impl FeatureCache {
     /// Keeps features, at once also in the file.
     ///
     /// # Errors
-    /// With the file's name.
+    /// Errors carry the file's name.
     pub fn insert(&mut self, digest: Digest, features: Vec<f32>) -> Result<()> {
         let count = u32::try_from(features.len()).ok().filter(|count| *count as usize <= MOST);
         let Some(count) = count else { bail!("{} features are too many to keep", features.len()) };

@@ -47,7 +47,7 @@ impl SurfaceNetwork {
     /// Loads a network whose last layer has two classes, drilled and smooth in this order.
     ///
     /// # Errors
-    /// With the file's name.
+    /// Errors carry the file's name.
     pub fn load(weights: &Path, depth: ResNetDepth, threads: usize) -> Result<Self> {
         let network = load_resnet(weights, depth, PREPROCESSING.crop, threads)?;
         let classes = network.classes();

@@ -35,7 +35,7 @@ pub fn of_option(error: Error) -> anyhow::Error {
 /// Opens a checkpoint of a network. What stands among the weights and is no part of it is named on standard error.
 ///
 /// # Errors
-/// With the file's name.
+/// Errors carry the file's name.
 pub fn open_weights(path: &Path) -> anyhow::Result<Checkpoint> {
     let checkpoint = open_checkpoint(path)?;
     let network = NetworkKind::of(&checkpoint);
@@ -55,7 +55,7 @@ pub fn open_weights(path: &Path) -> anyhow::Result<Checkpoint> {
 /// Opens a checkpoint.
 ///
 /// # Errors
-/// With the file's name.
+/// Errors carry the file's name.
 pub fn open_checkpoint(path: &Path) -> anyhow::Result<Checkpoint> {
     Checkpoint::open(path).map_err(|error| in_file(path, error))
 }

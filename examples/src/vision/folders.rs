@@ -69,7 +69,7 @@ pub fn list_images(folder: &Path, classes: &[String]) -> Result<Vec<LabelledImag
 /// The images in a folder, by name, but for hidden ones. Files of other types are counted on standard error.
 ///
 /// # Errors
-/// With the folder's name, if it cannot be read or has none.
+/// Errors carry the folder's name, if it cannot be read or has none.
 pub fn images_in(folder: &Path) -> Result<Vec<PathBuf>> {
     let ImageFolder { images, others, .. } = open(folder)?;
     let shown = folder.display();
@@ -87,7 +87,7 @@ pub fn images_in(folder: &Path) -> Result<Vec<PathBuf>> {
 /// The folders in a folder, by name, but for hidden ones.
 ///
 /// # Errors
-/// With the folder's name, if it cannot be read.
+/// Errors carry the folder's name, if it cannot be read.
 pub fn folders_in(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(open(folder)?.folders)
 }

@@ -19,7 +19,7 @@ pub struct RecordedCamera {
 }
 
 impl RecordedCamera {
-    /// With frames in the order of their times, and where they go.
+    /// Makes one from frames in the order of their times, and where they go.
     pub fn new(frames: Vec<CameraFrame>, to: SyncSender<CameraFrame>) -> Self {
         Self { frames, to, begun: None, next: 0, shown: 0 }
     }

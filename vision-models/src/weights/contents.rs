@@ -33,7 +33,7 @@ pub(super) struct Contents {
     pub(super) tensors: BTreeMap<String, TensorInfo>,
     pub(super) wrappers: Vec<&'static str>,
     pub(super) others: Vec<String>,
-    /// Of the others, what stands among the tensors.
+    /// Names of the others that stand among the tensors.
     pub(super) unread: Vec<String>,
 }
 

@@ -22,7 +22,7 @@ pub(super) struct StateDict {
     pub(super) wrappers: Vec<&'static str>,
     /// What else the file holds.
     pub(super) others: Vec<String>,
-    /// Of these, what stands among the tensors.
+    /// Names of these that stand among the tensors.
     pub(super) unread: Vec<String>,
 }
 

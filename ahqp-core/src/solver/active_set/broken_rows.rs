@@ -24,7 +24,7 @@ impl ActiveSet {
         self.most_violated(constraints)
     }
 
-    /// Of these rows the one that is most violated, if that is no rounding.
+    /// Finds the most violated of these rows; none if the violation is rounding.
     pub(crate) fn most_violated(&self, rows: impl Iterator<Item = usize>) -> Option<usize> {
         let excess = rows.map(|id| (id, self.excess(id)));
         let worst = excess.max_by(|a, b| a.1.total_cmp(&b.1));

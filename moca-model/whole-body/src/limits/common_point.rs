@@ -8,7 +8,7 @@ use crate::vector::dot;
 /// Rounds of going back within the rows. Where they do not suffice the rows are widened by more
 /// than they must.
 const ROUNDS: usize = 20;
-/// Of the sizes of a row's products, what counts as rounding.
+/// Share of the sizes of a row's products that counts as rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// Widens rows as far as the intervals of the joints make it necessary.

@@ -7,7 +7,7 @@ use super::model::Model;
 use super::warning::Warning;
 use crate::limits::joint_intervals::{End, LimitKind};
 
-/// Of an entry of q̇: the joint that follows it and whose limit is in force, by its number among these.
+/// The joint that follows an entry of q̇ and whose limit is in force, by its number among these.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct LimitSources {
     position: [Option<usize>; 2],

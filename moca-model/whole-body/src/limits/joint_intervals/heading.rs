@@ -4,9 +4,9 @@ use ahqp_core::VelocityInterval;
 
 use super::{Joint, JointIntervals};
 
-/// Of the acceleration limit, what a base may use to turn its velocity: |v ω| at most.
+/// Share of the acceleration limit that a base may use to turn its velocity: |v ω| at most.
 const TURNING: f64 = 0.6;
-/// Of the acceleration limit, what is left along the heading beside that: 0.6² + 0.8² = 1.
+/// Share of the acceleration limit that is left along the heading beside that: 0.6² + 0.8² = 1.
 const ALONG: f64 = 0.8;
 /// A component of the heading below this is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -28,11 +28,11 @@ struct Motion {
     turn: f64,
     /// The time in which both shrink evenly to zero, within the accelerations \[s\].
     stop: f64,
-    /// Of both, what is left after this period.
+    /// Share of both that is left after this period.
     share: f64,
 }
 
-/// Of a base: the smaller acceleration of x and y \[m/s²\], and that of its yaw \[rad/s²\]; infinite for none.
+/// Limits of a base: the smaller acceleration of x and y \[m/s²\], and that of its yaw \[rad/s²\]; infinite for none.
 #[derive(Debug, Clone, Copy)]
 struct Accelerations {
     linear: f64,
