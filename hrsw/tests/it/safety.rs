@@ -1,5 +1,7 @@
 //! Distances, protective separation, approach rows and speed caps.
 
+mod bad_input;
+
 use crate::support::*;
 use ahqp_core::{AugmentedState, Rows, integrate_pose};
 use hrsw::{
@@ -423,89 +425,4 @@ fn the_terms_of_the_protective_distance_by_hand() {
     assert!((settings.protective_distance(0.0, 0.0) - 0.16).abs() < 1e-12);
     assert!((settings.approach_limit(1.6, 1.6) - 1.0).abs() < 1e-12);
     assert_eq!(settings.approach_limit(0.3, 1.6), 0.0);
-}
-
-#[test]
-fn bad_safety_input_is_named() {
-    let bad = [
-        SeparationSettings { deceleration: 0.0, ..SeparationSettings::default() },
-        SeparationSettings { human_speed: f64::NAN, ..SeparationSettings::default() },
-        SeparationSettings { intrusion: -0.1, ..SeparationSettings::default() },
-    ];
-    for settings in bad {
-        assert!(matches!(ApproachRows::new(state(), settings, 3), Err(Error::Parameter { .. })));
-    }
-    let settings = SeparationSettings::default();
-    let mut separation = ApproachRows::new(state(), settings, 3).unwrap();
-    let mut rows = separation.rows();
-    let before = rows.clone();
-    let (jacobian, rest) = (Matrix6xX::zeros(JOINTS), [0.0; JOINTS]);
-    let origin = Vector3::zeros();
-    let motion = motion(&jacobian, origin, &rest, &rest);
-    let short = JointMotion { braking: Some(&rest[1..]), ..motion };
-    assert!(matches!(separation.write(&short, &[], &[], &mut rows), Err(Error::Size { .. })));
-    let nan = JointMotion { velocity: &[f64::NAN; JOINTS], ..motion };
-    assert!(matches!(separation.write(&nan, &[], &[], &mut rows), Err(Error::NotFinite { .. })));
-    let wrong = separation.write(&motion, &[], &[], &mut Rows::zeros(2, state().len()));
-    assert!(matches!(wrong, Err(Error::Size { .. })));
-    assert!(separation.write_own(&motion, &[], &[(0, 1)], &mut rows).is_err());
-    let body = Capsule::sphere(origin, 0.1).unwrap();
-    let person = PersonBody {
-        assumed_speed: 1.6,
-        capsule: body,
-        velocity: None,
-        age: 0.0,
-        uncertainty: 0.0,
-        contact: None,
-    };
-    let adrift = |mean: f64, uncertainty: f64| PersonBody {
-        velocity: Some(MeasuredVelocity { mean: Vector3::repeat(mean), uncertainty }),
-        ..person
-    };
-    let touched = |force: f64, mass: f64, fastest: f64| PersonBody {
-        contact: Some(Contact {
-            limit: ContactLimit { force, stiffness: 1e4, mass },
-            fastest,
-            velocity: None,
-        }),
-        ..person
-    };
-    for part in [
-        adrift(f64::NAN, 0.0),
-        adrift(0.0, f64::NAN),
-        adrift(0.0, -1.0),
-        PersonBody { age: -0.1, ..person },
-        PersonBody { age: f64::NAN, ..person },
-        PersonBody { uncertainty: -0.1, ..person },
-        PersonBody { uncertainty: f64::NAN, ..person },
-        touched(0.0, 1.0, 0.2),
-        touched(1.0, -1.0, 0.2),
-        touched(1.0, 1.0, f64::INFINITY),
-    ] {
-        assert!(separation.write(&motion, &[], &[part], &mut rows).is_err());
-    }
-    for inverse in
-        [DMatrix::zeros(JOINTS, JOINTS - 1), DMatrix::from_element(JOINTS, JOINTS, f64::NAN)]
-    {
-        let motion = JointMotion { inverse_inertia: Some(&inverse), ..motion };
-        assert!(separation.write(&motion, &[], &[], &mut rows).is_err());
-    }
-    assert_eq!(rows, before);
-    assert_eq!(separation.write(&motion, &[], &[], &mut rows), Ok(None));
-
-    let mut cap = SpeedCap::rows(state());
-    assert!(SpeedCap::write(&motion, &Vector3::zeros(), -1.0, &mut cap).is_err());
-    assert!(SpeedCap::write(&motion, &Vector3::zeros(), f64::NAN, &mut cap).is_err());
-    assert!(SpeedCap { far: 0.1, ..SpeedCap::default() }.validate().is_err());
-    assert!(SpeedCap { full: 0.1, ..SpeedCap::default() }.validate().is_err());
-    assert!(SpeedCap::default().validate().is_ok());
-    let bad = [
-        SupervisorSettings { dwell: -1.0, ..SupervisorSettings::default() },
-        SupervisorSettings { stop_age: 0.0, ..SupervisorSettings::default() },
-        SupervisorSettings { reduced_scale: 2.0, ..SupervisorSettings::default() },
-    ];
-    for settings in bad {
-        let error = Supervisor::new(settings).unwrap_err();
-        assert!(error.to_string().contains("supervisor."), "{error}");
-    }
 }
