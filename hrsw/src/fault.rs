@@ -46,6 +46,9 @@ pub enum FrameFault {
     /// It shows a body that nobody has.
     #[error("frame of an impossible body")]
     ImpossibleBody,
+    /// It shows a person where nobody can have gone since the frame before.
+    #[error("frame of an impossible speed")]
+    ImpossibleSpeed,
 }
 
 /// Something that went wrong in the control loop.
@@ -120,7 +123,7 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 28] = [
         Self::Clock(ClockFault::NotFinite),
         Self::Clock(ClockFault::StandsStill),
         Self::Clock(ClockFault::SetBack),
@@ -134,6 +137,7 @@ impl Fault {
         Self::Frame(FrameFault::OutOfOrder),
         Self::Frame(FrameFault::Units),
         Self::Frame(FrameFault::ImpossibleBody),
+        Self::Frame(FrameFault::ImpossibleSpeed),
         Self::TooManyPeople,
         Self::BadMeasurement,
         Self::MissingMeasurement,
@@ -158,9 +162,12 @@ impl Fault {
         match self {
             Self::LateTick
             | Self::IterationLimit
-            | Self::Frame(FrameFault::NotFinite | FrameFault::Repeated | FrameFault::OutOfOrder) => {
-                SafetyState::Reduced
-            }
+            | Self::Frame(
+                FrameFault::NotFinite
+                | FrameFault::Repeated
+                | FrameFault::OutOfOrder
+                | FrameFault::ImpossibleSpeed,
+            ) => SafetyState::Reduced,
             _ => SafetyState::ProtectiveStop,
         }
     }

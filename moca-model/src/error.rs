@@ -169,6 +169,16 @@ pub enum Error {
         body: ImpossibleBody,
     },
 
+    /// A camera frame counts as no data: nobody can have come so far since the frame before.
+    #[error(
+        "{}: they would have moved at {speed:.1} m/s or more since the frame before; give metres and seconds",
+        FrameFault::ImpossibleSpeed
+    )]
+    BodySpeed {
+        /// The least speed that explains it \[m/s\].
+        speed: f64,
+    },
+
     /// The robot's URDF, its description or a configuration was refused.
     #[error(transparent)]
     Robot(#[from] whole_body::Error),

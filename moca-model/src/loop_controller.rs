@@ -122,7 +122,12 @@ impl ControlLaw for LoopController {
             // A frame that counts as no data, or shows too many people, is a fault, which the supervisor knows.
             match self.controller.observe_people(&frame.percept, frame.others()) {
                 Ok(())
-                | Err(Error::Frame { .. } | Error::Body { .. } | Error::TooManyPeople { .. }) => {}
+                | Err(
+                    Error::Frame { .. }
+                    | Error::Body { .. }
+                    | Error::BodySpeed { .. }
+                    | Error::TooManyPeople { .. },
+                ) => {}
                 Err(error) => return Err(error),
             }
         }

@@ -156,8 +156,12 @@ impl Safety {
     }
 
     /// Takes a camera frame.
-    pub fn observe(&mut self, percept: &Percept) {
-        self.person.observe(percept);
+    ///
+    /// # Errors
+    /// [`Error::BodySpeed`] for a person who is where nobody can have gone since the frame before. The robot keeps
+    /// its distance from there, and from where they were.
+    pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
+        self.person.observe(percept).map_or(Ok(()), |speed| Err(Error::BodySpeed { speed }))
     }
 
     /// Takes the bodies of the other people in the frame of a percept: the robot keeps its distance from each.

@@ -218,9 +218,11 @@ impl<'a> Run<'a> {
         };
         // Too many people, or a body that is nobody's, stop the robot; the run goes on.
         taken.or_else(|error| match error.downcast_ref() {
-            Some(moca_model::Error::TooManyPeople { .. } | moca_model::Error::Body { .. }) => {
-                Ok(())
-            }
+            Some(
+                moca_model::Error::TooManyPeople { .. }
+                | moca_model::Error::Body { .. }
+                | moca_model::Error::BodySpeed { .. },
+            ) => Ok(()),
             _ => Err(error),
         })
     }

@@ -17,7 +17,9 @@ impl Controller {
     ///
     /// # Errors
     /// [`Error::Frame`] for one that counts as no data because of its time, [`Error::Body`] for one that shows what
-    /// no person can be; it leaves no trace but the fault that the supervisor is told.
+    /// no person can be; it leaves no trace but the fault that the supervisor is told. [`Error::BodySpeed`] for a
+    /// person who is where nobody can have gone since the frame before: the robot keeps its distance from there,
+    /// and from where they were, and follows neither.
     pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
         self.observe_people(percept, &[])
     }
@@ -35,8 +37,11 @@ impl Controller {
             let (now, newest) = (self.clock.now(), self.clock.newest());
             return Err(Error::Frame { fault, stamp: percept.time, now, newest });
         }
+        if let Err(error) = self.safety.observe(percept) {
+            self.report(FrameFault::ImpossibleSpeed.into());
+            return Err(error);
+        }
         self.space.observe(percept)?;
-        self.safety.observe(percept);
         self.look(percept);
         self.turn_to_camera()?;
         let kept = self.safety.observe_others(percept, others);

@@ -29,7 +29,7 @@ fn scenarios() -> BTreeMap<String, Scenario> {
         drive.controller.step(now, &measured).unwrap();
         drive.obey(PERIOD);
     }
-    let scenarios: [(Fault, Scenario); 20] = [
+    let scenarios: [(Fault, Scenario); 21] = [
         (ClockFault::NotFinite.into(), |drive| clock(drive, f64::NAN)),
         (ClockFault::StandsStill.into(), |drive| clock(drive, drive.time() - PERIOD)),
         (ClockFault::SetBack.into(), |drive| clock(drive, drive.time() - 5.0)),
@@ -53,6 +53,16 @@ fn scenarios() -> BTreeMap<String, Scenario> {
         (FrameFault::OutOfOrder.into(), |drive| frame(drive, drive.time() - 0.2)),
         (FrameFault::Units.into(), |drive| shown(drive, 1e3)),
         (FrameFault::ImpossibleBody.into(), |drive| shown(drive, 1.0 / 0.3048)),
+        (FrameFault::ImpossibleSpeed.into(), |drive| {
+            drive.person = Some(20.0);
+            drive.run(0.2);
+            drive.camera = false;
+            let jumped = percept(drive.time(), Some(22.0));
+            let error = drive.controller.observe(&jumped).unwrap_err();
+            assert!(matches!(error, Error::BodySpeed { speed } if speed > 20.0), "{error}");
+            drive.step();
+            drive.camera = true;
+        }),
         (Fault::TooManyPeople, |drive| {
             // Far away, and apart from each other.
             let seen = |place: f64| percept(0.0, Some(place)).body.unwrap();

@@ -119,7 +119,8 @@ fn a_person_who_is_everywhere_is_no_news() {
         }
     }
     let [Some(reduced), Some(stopped)] = entered else { panic!("{entered:?}") };
-    assert!((reduced - settings.reduced_age).abs() < 0.11, "{reduced} s");
+    // Nobody is that fast: the first of these frames is a fault.
+    assert!(reduced < 0.11, "{reduced} s");
     assert!((stopped - settings.stop_age).abs() < 0.11, "{stopped} s");
     // Somebody who did move there is believed.
     drive.run(2.0);

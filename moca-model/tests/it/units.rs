@@ -6,8 +6,8 @@ use moca_model::whole_body::{
     ControlLoop, JointCommand, JointMeasurement, LoopSettings, ManualClock, Received, RobotSide,
 };
 use moca_model::{
-    Controller, ControllerSettings, LoopController, MOCA_HOME, MOCA_JOINTS, TorqueController,
-    TorqueLoopSettings,
+    Controller, ControllerSettings, Error, LoopController, MOCA_HOME, MOCA_JOINTS,
+    TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use vision_models::{Body, Body25, Confidence, ImpossibleBody, Keypoint, Percept};
@@ -183,4 +183,37 @@ fn joints_in_degrees_and_odometry_in_millimetres_end_the_loop_before_the_first_c
         assert_eq!(robot.2, 0, "no command");
     }
     assert!(MOCA.check_units(&MOCA_HOME, &[0.0; 10]).is_ok());
+}
+
+#[test]
+fn who_moves_faster_than_anybody_runs_is_no_data_until_seen_again() {
+    // A frame every 0.05 s, in which 12.5 m/s are 0.625 m, and 0.03 m are noise.
+    for (way, refused) in [(0.1, false), (0.6, false), (0.7, true), (2.0, true), (20.0, true)] {
+        let mut drive = Drive::fast();
+        let person = drive.controller.actual().translation.x + 4.0;
+        drive.camera = false;
+        let mut show = |drive: &mut Drive, place: f64| {
+            let body = Some(standing(place, 1.0));
+            let taken = drive.controller.observe(&Percept { body, ..percept(drive.time(), None) });
+            drive.run(0.05);
+            taken
+        };
+        for _ in 0..20 {
+            show(&mut drive, person).unwrap();
+        }
+        let followed = |drive: &Drive| {
+            let person = drive.controller.space().person().unwrap();
+            person.floor.x
+        };
+        let before = followed(&drive);
+        let taken = show(&mut drive, person + way);
+        assert_eq!(matches!(taken, Err(Error::BodySpeed { .. })), refused, "{way} m: {taken:?}");
+        if refused {
+            let cause = drive.cause();
+            assert_eq!(cause, Some(FrameFault::ImpossibleSpeed.into()), "{way} m");
+            assert!((followed(&drive) - before).abs() < 0.01, "{way} m");
+        }
+        // Seen there again, they are there.
+        show(&mut drive, person + way).unwrap();
+    }
 }
