@@ -9,7 +9,7 @@ import numpy as np
 
 # The tests may be run away from the sources, so that these are not what is imported.
 WORKSPACE = pathlib.Path(os.environ.get("AHQP_WORKSPACE", pathlib.Path(__file__).parents[3]))
-PACKAGE = WORKSPACE / "ahqp-core/python"
+PACKAGE = WORKSPACE / "moca-model/python"
 PANDA = WORKSPACE / "moca-model/whole-body/examples/urdf/panda.urdf"
 
 

@@ -1,6 +1,6 @@
 //! Writes `include/ahqp.h`; with `--check` says whether it is current.
 //!
-//! `cargo run --locked --manifest-path ahqp-core/c/header/Cargo.toml [-- --check]`
+//! `cargo run --locked --manifest-path moca-model/c/header/Cargo.toml [-- --check]`
 
 use std::error::Error;
 use std::path::Path;
