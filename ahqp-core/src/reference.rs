@@ -5,8 +5,7 @@
 //! E χ = E χ*: what the levels above decided stays as at their optimum χ* (Kanoun, Lamiraux and
 //! Wieber, "Kinematic control of redundant manipulators: generalizing the task-priority framework
 //! to inequality task", IEEE T-RO 27(4), 2011). With an orthonormal basis Z of the nullspace of
-//! E, the points that keep the equalities are χ* + Z y. Clarabel solves each level for y; faer
-//! does the linear algebra.
+//! E, the points that keep the equalities are χ* + Z y. Clarabel solves each level for y.
 //!
 //! An interior-point method needs a feasible set with an interior, and the optima of a level
 //! have none: rows that had to be active are active at every one of them. Between levels the
@@ -17,10 +16,10 @@ mod level;
 mod polish;
 mod program;
 mod row_space;
+mod singular;
 mod task;
 
-use faer::{Col, ColRef, Mat};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use crate::Solver;
 use crate::error::Error;
@@ -84,17 +83,17 @@ pub fn solve_reference(hierarchy: &Hierarchy) -> Result<DVector<f64>, Error> {
 struct Cascade {
     level: usize,
     /// χ*.
-    x: Col<f64>,
+    x: DVector<f64>,
     /// The rows of E.
-    equalities: Vec<Col<f64>>,
+    equalities: Vec<DVector<f64>>,
     /// Z, with E Z = 0 and ZᵀZ = I.
-    nullspace: Mat<f64>,
+    nullspace: DMatrix<f64>,
     inequalities: Vec<Inequality>,
 }
 
 /// a χ ≤ b.
 struct Inequality {
-    a: Col<f64>,
+    a: DVector<f64>,
     b: f64,
 }
 
@@ -104,9 +103,9 @@ impl Cascade {
         let bounds = Task::of_bounds(hierarchy);
         let mut cascade = Self {
             level: 0,
-            x: Col::from_fn(n, |i| 0.0_f64.clamp(bounds.lower[i], bounds.upper[i])),
+            x: DVector::from_fn(n, |i, _| 0.0_f64.clamp(bounds.lower[i], bounds.upper[i])),
             equalities: Vec::new(),
-            nullspace: Mat::identity(n, n),
+            nullspace: DMatrix::identity(n, n),
             inequalities: Vec::new(),
         };
         cascade.keep(&bounds, FEASIBLE)?;
@@ -147,14 +146,14 @@ impl Cascade {
         let (mut best, mut proved) = polish(&program, program.solve(self.level)?);
         for _ in 0..ROUNDS {
             // Where little violation is left, its digits show only in its own unit.
-            let before = program.violation(program.origin.as_ref());
-            if proved || program.violation(best.x.as_ref()) > 0.3 * before {
+            let before = program.violation(&program.origin);
+            if proved || program.violation(&best.x) > 0.3 * before {
                 break;
             }
             program = LevelProgram::new(self, best.x.clone(), task);
             let Ok(rough) = program.solve(self.level) else { break };
             let (finer, surely) = polish(&program, rough);
-            if program.violation(finer.x.as_ref()) > program.violation(best.x.as_ref()) {
+            if program.violation(&finer.x) > program.violation(&best.x) {
                 break;
             }
             (best, proved) = (finer, surely);
@@ -190,11 +189,11 @@ impl Cascade {
     /// Computes Z, and drops inequalities whose value the equalities determine.
     fn project(&mut self) -> Result<(), Error> {
         let rows = &self.equalities;
-        let stacked = Mat::from_fn(rows.len(), self.x.nrows(), |i, j| rows[i][j]);
-        let space = RowSpace::new(stacked.as_ref(), &row_norms(stacked.as_ref()));
+        let stacked = DMatrix::from_fn(rows.len(), self.x.nrows(), |i, j| rows[i][j]);
+        let space = RowSpace::new(&stacked, &row_norms(&stacked));
         self.nullspace = space.ok_or_else(|| no_convergence(self.level))?.nullspace;
         let nullspace = self.nullspace.transpose();
-        self.inequalities.retain(|i| (nullspace * &i.a).norm_l2() > DEPENDENT * i.a.norm_l2());
+        self.inequalities.retain(|i| (&nullspace * &i.a).norm() > DEPENDENT * i.a.norm());
         Ok(())
     }
 
@@ -214,13 +213,13 @@ impl Cascade {
     }
 
     /// G and h of the inequalities G y ≤ h at `origin` + Z y, with rows of unit norm.
-    fn reduced_inequalities(&self, origin: ColRef<'_, f64>) -> (Mat<f64>, Col<f64>) {
+    fn reduced_inequalities(&self, origin: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
         let (count, n) = (self.inequalities.len(), self.x.nrows());
-        let rows = Mat::from_fn(count, n, |i, j| self.inequalities[i].a[j]);
+        let rows = DMatrix::from_fn(count, n, |i, j| self.inequalities[i].a[j]);
         let mut g = &rows * &self.nullspace;
         let values = rows * origin;
-        let mut h = Col::zeros(count);
-        for (i, norm) in row_norms(g.as_ref()).into_iter().enumerate() {
+        let mut h = DVector::zeros(count);
+        for (i, norm) in row_norms(&g).into_iter().enumerate() {
             g.row_mut(i).iter_mut().for_each(|entry| *entry /= norm);
             h[i] = (self.inequalities[i].b - values[i]).max(0.0) / norm;
         }

@@ -1,13 +1,12 @@
 //! What the programs of this package are made of.
 
 pub mod actions;
-pub mod ergonomics;
 mod excerpt;
 pub mod experiment;
 pub mod follow;
 pub mod frames;
-pub mod ik;
 pub mod learning;
+pub mod maps;
 #[cfg(feature = "mcap")]
 pub mod mcap_files;
 pub mod perception;
@@ -16,9 +15,7 @@ pub mod rendering;
 pub mod separation;
 pub mod settings;
 pub mod shards;
-pub mod sheets;
 pub mod shipped;
 pub mod soak;
 pub mod surface;
 pub mod vision;
-pub mod workload;

@@ -54,7 +54,6 @@
 //! - `--output`, `--json`, `--threads`, `--seed` and `--quiet` mean the same everywhere.
 
 mod begin;
-mod byte_order_mark;
 mod ending;
 mod error;
 mod file;
@@ -71,7 +70,6 @@ mod standard_input;
 mod standard_output;
 
 pub use begin::{Program, main};
-pub use byte_order_mark::{WithoutMark, without_byte_order_mark};
 pub use ending::Ending;
 pub use error::ProgramError;
 pub use file::OutputFile;

@@ -11,7 +11,7 @@ use crate::error::Error;
 /// (after Freund, Roundy and Todd, "Identifying the set of always-active constraints in a system
 /// of linear inequalities by a single linear program", 1985).
 pub(super) fn always_active(cascade: &Cascade) -> Result<Vec<usize>, Error> {
-    let (g, h) = cascade.reduced_inequalities(cascade.x.as_ref());
+    let (g, h) = cascade.reduced_inequalities(&cascade.x);
     let k = g.ncols();
     let candidates: Vec<usize> = (0..h.nrows()).filter(|&i| h[i] < AT_BOUND).collect();
     let count = candidates.len();

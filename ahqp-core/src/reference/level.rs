@@ -1,6 +1,6 @@
 //! One level as a program in the directions that the levels above leave free.
 
-use faer::{Col, ColRef, Mat};
+use nalgebra::{DMatrix, DVector};
 
 use super::program::Program;
 use super::row_space::{DEPENDENT, row_norms};
@@ -16,7 +16,7 @@ const SMALLEST_UNIT: f64 = 1e6;
 /// An optimum of one level.
 #[derive(Clone)]
 pub(super) struct LevelOptimum {
-    pub(super) x: Col<f64>,
+    pub(super) x: DVector<f64>,
     /// Which inequalities have a multiplier: they are active at every optimum.
     pub(super) needed: Vec<bool>,
     /// Which inequalities lie at their bound.
@@ -25,26 +25,26 @@ pub(super) struct LevelOptimum {
 
 /// Minimise ½‖w‖² + linearᵀy with lower ≤ B y − w ≤ upper and G y ≤ h; x = origin + Z y.
 pub(super) struct LevelProgram<'a> {
-    pub(super) origin: Col<f64>,
+    pub(super) origin: DVector<f64>,
     /// Z.
-    pub(super) nullspace: &'a Mat<f64>,
-    pub(super) b: Mat<f64>,
-    pub(super) lower: Col<f64>,
-    pub(super) upper: Col<f64>,
-    pub(super) linear: Col<f64>,
-    pub(super) g: Mat<f64>,
-    pub(super) h: Col<f64>,
+    pub(super) nullspace: &'a DMatrix<f64>,
+    pub(super) b: DMatrix<f64>,
+    pub(super) lower: DVector<f64>,
+    pub(super) upper: DVector<f64>,
+    pub(super) linear: DVector<f64>,
+    pub(super) g: DMatrix<f64>,
+    pub(super) h: DVector<f64>,
     /// Violations of this size are rounding.
     pub(super) rounding: f64,
 }
 
 impl<'a> LevelProgram<'a> {
-    pub(super) fn new(cascade: &'a Cascade, origin: Col<f64>, task: &Task) -> Self {
+    pub(super) fn new(cascade: &'a Cascade, origin: DVector<f64>, task: &Task) -> Self {
         let nullspace = &cascade.nullspace;
         let matrix = &task.matrix;
         let mut b = matrix * nullspace;
-        for (i, size) in row_norms(matrix.as_ref()).into_iter().enumerate() {
-            if b.row(i).norm_l2() <= DEPENDENT * size {
+        for (i, size) in row_norms(&matrix).into_iter().enumerate() {
+            if b.row(i).norm() <= DEPENDENT * size {
                 b.row_mut(i).fill(0.0);
             }
         }
@@ -52,8 +52,8 @@ impl<'a> LevelProgram<'a> {
         let bounds = task.lower.iter().chain(task.upper.iter());
         let largest = bounds
             .filter(|bound| bound.is_finite())
-            .fold(matrix.norm_max() * origin.norm_max(), |largest, b| largest.max(b.abs()));
-        let (g, h) = cascade.reduced_inequalities(origin.as_ref());
+            .fold(matrix.amax() * origin.amax(), |largest, b| largest.max(b.abs()));
+        let (g, h) = cascade.reduced_inequalities(&origin);
         Self {
             lower: &task.lower - &values,
             upper: &task.upper - &values,
@@ -68,31 +68,33 @@ impl<'a> LevelProgram<'a> {
     }
 
     /// B y minus the nearest point of its range, row by row.
-    pub(super) fn violations(&self, y: ColRef<'_, f64>) -> Col<f64> {
+    pub(super) fn violations(&self, y: &DVector<f64>) -> DVector<f64> {
         let values = &self.b * y;
-        Col::from_fn(values.nrows(), |i| values[i] - values[i].clamp(self.lower[i], self.upper[i]))
+        DVector::from_fn(values.nrows(), |i, _| {
+            values[i] - values[i].clamp(self.lower[i], self.upper[i])
+        })
     }
 
     pub(super) fn is_equality(&self, row: usize) -> bool {
         self.lower[row] == self.upper[row]
     }
 
-    pub(super) fn value(&self, y: ColRef<'_, f64>) -> f64 {
-        0.5 * self.violations(y).squared_norm_l2() + self.linear.transpose() * y
+    pub(super) fn value(&self, y: &DVector<f64>) -> f64 {
+        0.5 * self.violations(y).norm_squared() + self.linear.dot(y)
     }
 
     /// ‖violation‖ at x.
-    pub(super) fn violation(&self, x: ColRef<'_, f64>) -> f64 {
-        self.violations(self.coordinates(x).as_ref()).norm_l2()
+    pub(super) fn violation(&self, x: &DVector<f64>) -> f64 {
+        self.violations(&self.coordinates(x)).norm()
     }
 
     /// y of x.
-    pub(super) fn coordinates(&self, x: ColRef<'_, f64>) -> Col<f64> {
+    pub(super) fn coordinates(&self, x: &DVector<f64>) -> DVector<f64> {
         self.nullspace.transpose() * (x - &self.origin)
     }
 
     /// x of y.
-    pub(super) fn point(&self, y: ColRef<'_, f64>) -> Col<f64> {
+    pub(super) fn point(&self, y: &DVector<f64>) -> DVector<f64> {
         &self.origin + self.nullspace * y
     }
 
@@ -100,14 +102,14 @@ impl<'a> LevelProgram<'a> {
     pub(super) fn solve(&self, level: usize) -> Result<LevelOptimum, Error> {
         let (m, k) = self.b.shape();
         let held = self.h.nrows();
-        let unit = self.violation(self.origin.as_ref());
-        if k == 0 || (unit <= self.rounding && self.linear.norm_l2() == 0.0) {
+        let unit = self.violation(&self.origin);
+        if k == 0 || (unit <= self.rounding && self.linear.norm() == 0.0) {
             let none = vec![false; held];
             let x = self.origin.clone();
             return Ok(LevelOptimum { x, needed: none.clone(), active: none });
         }
         // The level's largest row gets norm one, and the violation at the origin size one.
-        let scale = row_norms(self.b.as_ref()).into_iter().fold(0.0, f64::max);
+        let scale = row_norms(&self.b).into_iter().fold(0.0, f64::max);
         let scale = if scale > 0.0 { 1.0 / scale } else { 1.0 };
         let unit = unit.max(SMALLEST_UNIT * self.rounding) * scale;
         let unit = if unit > 0.0 { unit } else { 1.0 };
@@ -138,7 +140,7 @@ impl<'a> LevelProgram<'a> {
         let multiplier_and_slack =
             || limits.iter().map(|&at| (optimum.multipliers[at], optimum.slacks[at]));
         Ok(LevelOptimum {
-            x: self.point(Col::from_fn(k, |i| y[i] * unit).as_ref()),
+            x: self.point(&DVector::from_fn(k, |i, _| y[i] * unit)),
             needed: multiplier_and_slack().map(|(z, s)| z > least && z > s).collect(),
             active: multiplier_and_slack().map(|(z, s)| z > s || s * unit < AT_BOUND).collect(),
         })
@@ -146,5 +148,5 @@ impl<'a> LevelProgram<'a> {
 }
 
 fn norm(values: &[f64]) -> f64 {
-    ColRef::from_slice(values).norm_l2()
+    values.iter().map(|value| value * value).sum::<f64>().sqrt()
 }

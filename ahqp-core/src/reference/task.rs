@@ -1,8 +1,8 @@
 //! What a level of the cascade minimises, whatever kind of level it was.
 
-use faer::{Col, ColRef, Mat};
 use nalgebra::{DMatrix, DVector};
 
+use super::singular::RightSingular;
 use crate::problem::hierarchy::Hierarchy;
 use crate::problem::rows::Rows;
 
@@ -14,10 +14,10 @@ const TILTED: f64 = 1e-9;
 /// ½ Σ (distance of a row of A x to its range)² + linearᵀx.
 pub(super) struct Task {
     /// A.
-    pub(super) matrix: Mat<f64>,
-    pub(super) lower: Col<f64>,
-    pub(super) upper: Col<f64>,
-    pub(super) linear: Col<f64>,
+    pub(super) matrix: DMatrix<f64>,
+    pub(super) lower: DVector<f64>,
+    pub(super) upper: DVector<f64>,
+    pub(super) linear: DVector<f64>,
 }
 
 impl Task {
@@ -25,10 +25,10 @@ impl Task {
     pub(super) fn of_rows(rows: &Rows, n: usize) -> Self {
         let coefficients: Vec<_> = rows.iter().map(|(a, ..)| a).collect();
         Self {
-            matrix: Mat::from_fn(rows.len(), n, |i, j| coefficients[i][j]),
-            lower: ColRef::from_slice(rows.lower()).to_owned(),
-            upper: ColRef::from_slice(rows.upper()).to_owned(),
-            linear: Col::zeros(n),
+            matrix: DMatrix::from_fn(rows.len(), n, |i, j| coefficients[i][j]),
+            lower: DVector::from_column_slice(rows.lower()),
+            upper: DVector::from_column_slice(rows.upper()),
+            linear: DVector::zeros(n),
         }
     }
 
@@ -42,10 +42,10 @@ impl Task {
             .filter(|(root, _)| *root > 0.0)
             .collect();
         Self {
-            matrix: Mat::from_fn(kept.len(), n, |i, j| kept[i].0 * kept[i].1.0[j]),
-            lower: Col::from_fn(kept.len(), |i| kept[i].0 * kept[i].1.1),
-            upper: Col::from_fn(kept.len(), |i| kept[i].0 * kept[i].1.2),
-            linear: Col::zeros(n),
+            matrix: DMatrix::from_fn(kept.len(), n, |i, j| kept[i].0 * kept[i].1.0[j]),
+            lower: DVector::from_fn(kept.len(), |i, _| kept[i].0 * kept[i].1.1),
+            upper: DVector::from_fn(kept.len(), |i, _| kept[i].0 * kept[i].1.2),
+            linear: DVector::zeros(n),
         }
     }
 
@@ -53,17 +53,17 @@ impl Task {
     pub(super) fn of_bounds(hierarchy: &Hierarchy) -> Self {
         let n = hierarchy.variables();
         Self {
-            matrix: Mat::identity(n, n),
-            lower: ColRef::from_slice(hierarchy.lower()).to_owned(),
-            upper: ColRef::from_slice(hierarchy.upper()).to_owned(),
-            linear: Col::zeros(n),
+            matrix: DMatrix::identity(n, n),
+            lower: DVector::from_column_slice(hierarchy.lower()),
+            upper: DVector::from_column_slice(hierarchy.upper()),
+            linear: DVector::zeros(n),
         }
     }
 
     /// ½‖x‖².
     pub(super) fn least_norm(n: usize) -> Self {
-        let zero = Col::zeros(n);
-        let matrix = Mat::identity(n, n);
+        let zero = DVector::zeros(n);
+        let matrix = DMatrix::identity(n, n);
         Self { matrix, lower: zero.clone(), upper: zero.clone(), linear: zero }
     }
 
@@ -71,20 +71,18 @@ impl Task {
     /// b = −Σ^−½ Vᵀg, over the singular values that are not zero. None, if they do not converge.
     pub(super) fn of_quadratic(hessian: &DMatrix<f64>, gradient: &DVector<f64>) -> Option<Self> {
         let n = gradient.len();
-        let singular = Mat::from_fn(n, n, |i, j| hessian[(i, j)]).svd().ok()?;
-        let values = singular.S().column_vector();
+        let RightSingular { values, vectors } = RightSingular::new(hessian.clone())?;
         let rank = values.iter().take_while(|&&value| value > SINGULAR * values[0]).count();
-        let vectors = singular.V().subcols(0, rank);
-        let gradient = Col::from_fn(n, |i| gradient[i]);
-        let along = vectors.transpose() * &gradient;
-        let across = &gradient - vectors * &along;
-        let tilted = across.norm_l2() > TILTED * gradient.norm_l2();
-        let target = Col::from_fn(rank, |i| -along[i] / values[i].sqrt());
+        let vectors = vectors.columns(0, rank);
+        let along = vectors.transpose() * gradient;
+        let across = gradient - vectors * &along;
+        let tilted = across.norm() > TILTED * gradient.norm();
+        let target = DVector::from_fn(rank, |i, _| -along[i] / values[i].sqrt());
         Some(Self {
-            matrix: Mat::from_fn(rank, n, |i, j| values[i].sqrt() * vectors[(j, i)]),
+            matrix: DMatrix::from_fn(rank, n, |i, j| values[i].sqrt() * vectors[(j, i)]),
             lower: target.clone(),
             upper: target,
-            linear: if tilted { across } else { Col::zeros(n) },
+            linear: if tilted { across } else { DVector::zeros(n) },
         })
     }
 }

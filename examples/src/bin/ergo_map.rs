@@ -14,10 +14,8 @@ use ergo_map::{
     ErgonomicsMap, MapOptions, MeasuredOptions, MeasuredSample, Mode, Person, Segments, Side,
     read_samples,
 };
-use examples::ergonomics::{
-    ACCEPTABLE, Assessment, ErgonomicsError, MapReport, MapStudy, build_map, manikin, read_map,
-    slices,
-};
+use ergo_report::maps::{ACCEPTABLE, Assessment, MapError, MapReport, MapStudy, manikin, slices};
+use examples::maps::{build_map, read_map};
 use examples::program::{
     self, Ending, Json, OutputFile, Program, Quiet, Session, check_folder, thread_count,
 };
@@ -112,7 +110,7 @@ impl Program for Options {
             Some(path) => {
                 let validated = study.map.validate(&samples(path)?);
                 let shown = || path.display().to_string();
-                Some(validated.map_err(ErgonomicsError::from).with_context(shown)?)
+                Some(validated.map_err(MapError::from).with_context(shown)?)
             }
             None => None,
         };
@@ -162,7 +160,7 @@ fn map(options: &Options, session: &Session) -> Result<ErgonomicsMap> {
         let radius = usual.radius * spacing / usual.spacing;
         let measured = MeasuredOptions { side, spacing, radius, ..usual };
         let made = ErgonomicsMap::from_samples_of(&person, &samples(path)?, &measured);
-        return made.map_err(ErgonomicsError::from).with_context(|| path.display().to_string());
+        return made.map_err(MapError::from).with_context(|| path.display().to_string());
     }
     let built = MapOptions { side, spacing, mode: Mode::Graded, ..MapOptions::default() };
     build_map(session, &person, &built, options.threads)
@@ -179,7 +177,7 @@ fn person(options: &Options, stature: f64) -> Result<Person> {
 fn samples(path: &Path) -> Result<Vec<MeasuredSample>> {
     let shown = path.display();
     let file = File::open(path).with_context(|| format!("cannot open {shown}"))?;
-    let read = read_samples(BufReader::new(file)).map_err(ErgonomicsError::from);
+    let read = read_samples(BufReader::new(file)).map_err(MapError::from);
     read.with_context(|| shown.to_string())
 }
 

@@ -12,8 +12,8 @@ use std::time::Duration;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
 use ergo_map::{ErgonomicsMap, MapOptions, Person};
-use examples::ergonomics::{build_map, read_map};
 use examples::follow::{Comparison, Run, Scenario, Summary, TrueMotion};
+use examples::maps::{build_map, read_map};
 #[cfg(feature = "mcap")]
 use examples::mcap_files::RobotLog;
 use examples::perception::PostureOptions;

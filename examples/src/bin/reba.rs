@@ -1,12 +1,12 @@
 //! Scores filled-in REBA or RULA sheets, one a row of a table.
 
-use std::{io::Write, process::ExitCode};
+use std::{io::Write, ops::ControlFlow, process::ExitCode};
 
 use anyhow::{Context, Result};
 use clap::Parser;
 use ergo_map::{RulaWorksheet, Worksheet};
+use ergo_report::sheets::{Sheet, SheetTable, TableError, Unknown};
 use examples::program::{self, Ending, InputFile, Json, Program, Quiet, ResultFile, Session};
-use examples::sheets::{Extent, Sheet, SheetTable, TableError, Unknown};
 use serde::Serialize;
 
 /// Scores filled-in REBA sheets, one a row of a table (CSV, also with semicolons and decimal commas).
@@ -81,12 +81,12 @@ impl Options {
         let scored = table.score(output, |_| {
             rows += 1;
             progress.set(rows);
-            !interrupt.requested()
+            interrupt.flow()
         });
         progress.finish();
         let ending = match scored {
-            Ok(Extent::Whole) => Ending::Complete,
-            Ok(Extent::Begun) => Ending::Partial,
+            Ok(ControlFlow::Continue(())) => Ending::Complete,
+            Ok(ControlFlow::Break(())) => Ending::Partial,
             // An interrupt ends standard input with an error.
             Err(TableError::Read { .. }) if interrupt.requested() => Ending::Partial,
             Err(error) => return Err(anyhow::Error::from(error).context(shown())),

@@ -1,6 +1,6 @@
 //! The closed loop of MOCA under random people, workspaces and losses; counts what goes wrong.
 
-use std::{io::Write, ops::ControlFlow, path::PathBuf, process::ExitCode};
+use std::{io::Write, path::PathBuf, process::ExitCode};
 
 use anyhow::Context;
 use clap::Parser;
@@ -60,7 +60,7 @@ impl Program for Options {
         let progress = session.progress("soak", wanted);
         let part = soak.part(|ticks| {
             progress.set(ticks);
-            if interrupt.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            interrupt.flow()
         });
         let part = self.of_settings(part)?;
         progress.finish();
@@ -99,7 +99,7 @@ impl Options {
         let results = movements.run(|ticks| {
             done = ticks;
             progress.set(ticks);
-            if interrupt.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            interrupt.flow()
         });
         let results = self.of_settings(results)?;
         progress.finish();

@@ -8,11 +8,11 @@ use std::{
 
 use anyhow::{Context, Result};
 use clap::Parser;
+use ergo_report::sheets::{SheetTable, Unknown};
+use ergo_report::workload::{Questionnaire, WorkloadStudy, figure};
 use examples::program::{
     self, Ending, InputFile, Json, OutputFile, Program, Quiet, ResultFile, Session,
 };
-use examples::sheets::{SheetTable, Unknown};
-use examples::workload::{Questionnaire, WorkloadStudy, figure};
 
 /// Scores NASA-TLX questionnaires, one a row of a table (CSV), and compares conditions.
 ///
@@ -101,9 +101,10 @@ impl Options {
             session.note(format_args!("{}: not used: {passed_through}", self.input));
         }
         let mut questionnaires = Vec::new();
-        table.score(scores, |questionnaire| {
+        // Whoever called asks for the interrupt.
+        let _ = table.score(scores, |questionnaire| {
             questionnaires.push(questionnaire.clone());
-            !session.interrupt().requested()
+            session.interrupt().flow()
         })?;
         Ok(questionnaires)
     }

@@ -15,7 +15,7 @@ use super::options::{Common, Conditions, write_figure};
 use super::player::Player;
 use super::recorded::{Needs, Recorded};
 use super::shown::Shown;
-use crate::ergonomics::build_map;
+use crate::maps::build_map;
 use crate::program::{Ending, Json, Session};
 use crate::shards::{Merged, Part, ShardOptions};
 

@@ -1,0 +1,56 @@
+//! One posture of a map with all its scores.
+
+use ergo_map::{
+    Conditions, ContinuousReba, Contributions, ErgonomicsMap, JointAngles, Landmarks, Person, Reba,
+    Rula, RulaWorksheet, Skeleton, Worksheet,
+};
+use nalgebra::Vector3;
+
+use super::error::MapError;
+
+/// The posture that a map holds for a hand position, with its scores for an easy task (no load,
+/// good hold, nothing held for long or repeated).
+#[derive(Debug, Clone)]
+pub struct Assessment {
+    /// Where the hand is wanted, in the person's frame \[m\].
+    pub hand: Vector3<f64>,
+    /// `e_s` of the map there.
+    pub map_score: f64,
+    /// The posture.
+    pub angles: JointAngles,
+    /// Where this posture puts the body of the person.
+    pub landmarks: Landmarks,
+    /// REBA, whole.
+    pub reba: Reba,
+    /// RULA, whole.
+    pub rula: Rula,
+    /// What each part contributes to `e_s` of the posture.
+    pub contributions: Contributions,
+}
+
+impl Assessment {
+    /// Assesses the posture at a hand position \[m\].
+    ///
+    /// # Errors
+    /// [`MapError::Map`] outside the map's domain.
+    pub fn new(
+        map: &ErgonomicsMap,
+        person: &Person,
+        hand: &Vector3<f64>,
+    ) -> Result<Self, MapError> {
+        let map_score = map.sample(hand)?.score;
+        let angles = map.posture(hand)?;
+        let posture = angles.posture();
+        let easy = Conditions::default();
+        let continuous = ContinuousReba::of_posture(&posture, &easy, map.mode())?;
+        Ok(Self {
+            hand: *hand,
+            map_score,
+            angles,
+            landmarks: Skeleton::new(person, map.side()).landmarks(&angles)?,
+            reba: Worksheet::from_posture(&posture, easy).score()?,
+            rula: RulaWorksheet::from_posture(&posture).score()?,
+            contributions: continuous.contributions(),
+        })
+    }
+}

@@ -1,0 +1,192 @@
+//! Tables of sheets: read row by row, scored and written.
+
+use std::io::{BufRead, Chain, Cursor, Read, Write};
+use std::ops::ControlFlow;
+
+use super::column::{Cell, Numbers, RATINGS_END};
+use super::error::TableError;
+use super::form::Form;
+use super::header::{self, Matched, Unknown};
+use super::lines::{LONGEST_ROW, Lines};
+use super::sheet::Sheet;
+
+/// A table of sheets as spreadsheets write it, whose header has been read.
+///
+/// Commas separate cells, or semicolons or tabs; the header tells, or a line `sep=;` before it. With
+/// semicolons a comma may stand before decimals, and does so in the scores. Rows without any content
+/// are left out.
+///
+/// The first line names the columns of [`Sheet::COLUMNS`], in any order; other columns are passed
+/// through, unless that is not wanted. The scored table has the columns of [`Sheet::SCORES`] behind
+/// them.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use ergo_map::Worksheet;
+/// use ergo_report::sheets::{SheetTable, Unknown};
+///
+/// let table = "id,trunk_flex_deg,neck_flex_deg,knee_flex_deg,upper_arm_flex_deg,\
+///              lower_arm_flex_deg,wrist_flex_deg\nlift,70,10,0,30,80,0\n";
+/// let mut table = SheetTable::<Worksheet, _>::new(table.as_bytes(), Unknown::PassThrough)?;
+/// assert_eq!(table.unknown().collect::<Vec<_>>(), ["id"]);
+/// let mut scored = Vec::new();
+/// let rows = table.score(&mut scored, |_| ControlFlow::Continue(()))?;
+/// assert!(rows.is_continue());
+/// let scored = String::from_utf8(scored)?;
+/// assert!(scored.ends_with("\nlift,70,10,0,30,80,0,1,4,1,2,1,1,3,3,1,1,2,2,1,2,0.8279687499999999\n"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct SheetTable<S: 'static, R: BufRead> {
+    rows: csv::Reader<Lines<Text<R>>>,
+    form: Form,
+    numbers: Numbers,
+    names: Vec<String>,
+    columns: Matched<S>,
+}
+
+/// The header, which has been read to see how the table is written, and what follows.
+type Text<R> = Chain<Cursor<Vec<u8>>, R>;
+
+impl<S: Sheet, R: BufRead> SheetTable<S, R> {
+    /// Reads the header.
+    ///
+    /// # Errors
+    /// [`TableError`] with line and column for the first fault.
+    pub fn new(mut table: R, unknown: Unknown) -> Result<Self, TableError> {
+        let unread = |source| TableError::Read { line: 1, source };
+        let (form, begun) = Form::read(&mut table).map_err(unread)?;
+        let text = Cursor::new(begun).chain(table);
+        let mut builder = csv::ReaderBuilder::new();
+        builder.has_headers(false).flexible(true).delimiter(form.delimiter);
+        let mut rows = builder.from_reader(Lines::new(text, usize::from(form.declared)));
+        let mut row = csv::StringRecord::new();
+        if !read(&mut rows, &mut row)? {
+            return Err(TableError::Empty);
+        }
+        let names: Vec<String> = row.iter().map(str::to_owned).collect();
+        let columns = header::matched::<S>(rows.get_ref().line(), &names, unknown)?;
+        let decimal_comma = form.has_decimal_comma();
+        let numbers = Numbers { decimal_comma, ratings_end: RATINGS_END };
+        Ok(Self { rows, form, numbers, names, columns })
+    }
+
+    /// The same, with ratings from 0 to 100, which go on the sheets as 0 to 20.
+    #[must_use]
+    pub fn with_ratings_to_hundred(mut self) -> Self {
+        self.numbers.ratings_end = 100.0;
+        self
+    }
+
+    /// The names of the columns that are passed through.
+    pub fn unknown(&self) -> impl Iterator<Item = &str> {
+        let pairs = self.names.iter().zip(&self.columns);
+        pairs.filter(|(_, column)| column.is_none()).map(|(name, _)| name.trim())
+    }
+
+    /// Writes the same table with the scores of each row behind it, row by row. `each` is given
+    /// every sheet that has been scored, and may end there. Rows before a fault have been written
+    /// when the error is returned.
+    ///
+    /// Returns whether all rows are scored, or `each` has ended it.
+    ///
+    /// # Errors
+    /// [`TableError`] with line and column for the first fault.
+    pub fn score(
+        &mut self,
+        mut output: impl Write,
+        each: impl FnMut(&S) -> ControlFlow<()>,
+    ) -> Result<ControlFlow<()>, TableError> {
+        if self.form.declared {
+            let mark = char::from(self.form.delimiter);
+            writeln!(output, "sep={mark}").map_err(TableError::Write)?;
+        }
+        let mut builder = csv::WriterBuilder::new();
+        let mut scored = builder.delimiter(self.form.delimiter).from_writer(output);
+        let outcome = self.append_scores(&mut scored, each);
+        // What was right before a fault is worth having.
+        scored.flush().map_err(TableError::Write)?;
+        outcome
+    }
+
+    fn append_scores(
+        &mut self,
+        scored: &mut csv::Writer<impl Write>,
+        mut each: impl FnMut(&S) -> ControlFlow<()>,
+    ) -> Result<ControlFlow<()>, TableError> {
+        let scores = S::SCORES.iter().copied();
+        write(scored, self.names.iter().map(String::as_str).chain(scores))?;
+        let mut row = csv::StringRecord::new();
+        while read(&mut self.rows, &mut row)? {
+            let line = self.rows.get_ref().line();
+            let sheet = self.sheet(line, &row)?;
+            let scores = sheet.scores();
+            let mut scores =
+                scores.map_err(|source| TableError::Sheet { line, source: Box::new(source) })?;
+            if self.numbers.decimal_comma {
+                for score in &mut scores {
+                    *score = score.replace('.', ",");
+                }
+            }
+            write(scored, row.iter().chain(scores.iter().map(String::as_str)))?;
+            if each(&sheet).is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
+    /// The sheet of a row.
+    fn sheet(&self, line: usize, row: &csv::StringRecord) -> Result<S, TableError> {
+        let expected = self.columns.len();
+        if row.len() != expected {
+            return Err(TableError::Cells { line, found: row.len(), expected });
+        }
+        let mut sheet = S::default();
+        for (index, (column, cell)) in self.columns.iter().zip(row).enumerate() {
+            let Some(column) = column else { continue };
+            column.fill(&mut sheet, cell.trim(), self.numbers).map_err(|expected| {
+                let (number, column, found) = (index + 1, column.name, cell.into());
+                let end = self.numbers.ratings_end;
+                if expected == Cell::Rating && end != RATINGS_END {
+                    TableError::Rating { line, number, column, found, end }
+                } else {
+                    TableError::Cell { line, number, column, found, expected }
+                }
+            })?;
+        }
+        Ok(sheet)
+    }
+}
+
+/// The next row that is not blank: spreadsheets end tables with rows of empty cells.
+fn read(
+    rows: &mut csv::Reader<Lines<impl BufRead>>,
+    row: &mut csv::StringRecord,
+) -> Result<bool, TableError> {
+    loop {
+        rows.get_mut().begin_row();
+        let found = rows.read_record(row).map_err(|error| {
+            let lines = rows.get_ref();
+            let line = lines.line();
+            match error.into_kind() {
+                csv::ErrorKind::Io(_) if lines.too_long() => {
+                    TableError::RowTooLong { line, limit: LONGEST_ROW }
+                }
+                csv::ErrorKind::Io(source) => TableError::Read { line: line + 1, source },
+                _ => TableError::NotText { line },
+            }
+        })?;
+        if !found || row.iter().any(|cell| !cell.trim().is_empty()) {
+            return Ok(found);
+        }
+    }
+}
+
+fn write<'a>(
+    scored: &mut csv::Writer<impl Write>,
+    cells: impl Iterator<Item = &'a str>,
+) -> Result<(), TableError> {
+    scored.write_record(cells).map_err(|error| TableError::Write(error.into()))
+}

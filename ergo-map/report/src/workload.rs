@@ -1,0 +1,20 @@
+//! NASA-TLX questionnaires: their scores, conditions under which the same subjects worked compared,
+//! and the box plot (the paper's Experiment 5).
+
+mod comparison;
+mod condition;
+mod error;
+mod figure;
+mod quartiles;
+mod questionnaire;
+mod signed_rank;
+mod study;
+
+pub use comparison::{Comparison, Tested};
+pub use condition::Condition;
+pub use error::{QuestionnaireError, WorkloadError};
+pub use figure::figure;
+pub use quartiles::Quartiles;
+pub use questionnaire::{Questionnaire, Scale};
+pub use signed_rank::SignedRank;
+pub use study::WorkloadStudy;

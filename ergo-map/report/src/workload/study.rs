@@ -1,0 +1,187 @@
+//! The questionnaires of a study: by condition, and compared.
+
+use std::{collections::HashSet, fmt};
+
+use serde::{Serialize, Serializer};
+
+use super::comparison::Comparison;
+use super::condition::Condition;
+use super::error::WorkloadError;
+use super::quartiles::Quartiles;
+use super::questionnaire::Questionnaire;
+
+/// The exact distribution of ranks takes the cube of this.
+const MOST_SUBJECTS: usize = 500;
+/// Every two are compared.
+const MOST_CONDITIONS: usize = 8;
+
+/// A study: conditions under which the same subjects worked, each answered by a questionnaire.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorkloadStudy {
+    conditions: Vec<Condition>,
+}
+
+/// The summary of one scale or score under one condition.
+#[derive(Serialize)]
+struct Summary {
+    name: &'static str,
+    mean: f64,
+    #[serde(flatten)]
+    quartiles: Quartiles,
+}
+
+#[derive(Serialize)]
+struct ConditionSummary<'a> {
+    name: &'a str,
+    scales: Vec<Summary>,
+}
+
+#[derive(Serialize)]
+struct StudySummary<'a> {
+    subjects: usize,
+    conditions: Vec<ConditionSummary<'a>>,
+    comparisons: Vec<Comparison>,
+}
+
+impl WorkloadStudy {
+    /// Puts questionnaires together by condition, conditions and subjects in the order in which
+    /// they first appear.
+    ///
+    /// # Errors
+    /// [`WorkloadError`] for no questionnaire, one without a score, too many subjects or conditions,
+    /// and a subject who answers twice, not under each condition, or alone without weights.
+    pub fn new(questionnaires: &[Questionnaire]) -> Result<Self, WorkloadError> {
+        if questionnaires.is_empty() {
+            return Err(WorkloadError::Empty);
+        }
+        let subjects = in_order(questionnaires.iter().map(Questionnaire::subject));
+        let names = in_order(questionnaires.iter().map(Questionnaire::condition));
+        for (what, found, most) in [
+            ("subjects", subjects.len(), MOST_SUBJECTS),
+            ("conditions", names.len(), MOST_CONDITIONS),
+        ] {
+            if found > most {
+                return Err(WorkloadError::TooMany { what, found, most });
+            }
+        }
+        let conditions = names.into_iter().map(|name| {
+            let answers = questionnaires.iter().filter(|answer| answer.condition() == name);
+            Condition::new(name, &subjects, answers)
+        });
+        let study = Self { conditions: conditions.collect::<Result<_, _>>()? };
+        study.check_weights()?;
+        Ok(study)
+    }
+
+    /// Whole conditions may not differ in whether they are weighed: a weighted score that is there
+    /// under one of them only compares nothing.
+    fn check_weights(&self) -> Result<(), WorkloadError> {
+        let weighed = self.conditions.iter().any(|condition| condition.weighted.is_some());
+        let without = self.conditions.iter().find(|condition| condition.weighted.is_none());
+        match without {
+            Some(condition) if weighed => Err(WorkloadError::Unweighted {
+                subject: condition.subjects.first().cloned().unwrap_or_default(),
+                condition: condition.name.clone(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// The conditions.
+    pub fn conditions(&self) -> &[Condition] {
+        &self.conditions
+    }
+
+    /// Every two conditions compared.
+    pub fn comparisons(&self) -> Vec<Comparison> {
+        let pairs = self.conditions.iter().enumerate().flat_map(|(index, first)| {
+            self.conditions.iter().skip(index + 1).map(move |second| (first, second))
+        });
+        pairs.map(|(first, second)| Comparison::of(first, second)).collect()
+    }
+
+    fn summary(&self) -> StudySummary<'_> {
+        let conditions = self.conditions.iter().map(|condition| ConditionSummary {
+            name: &condition.name,
+            scales: condition
+                .columns()
+                .map(|(name, values)| Summary {
+                    name,
+                    mean: values.iter().sum::<f64>() / values.len() as f64,
+                    quartiles: Quartiles::of(&values),
+                })
+                .collect(),
+        });
+        StudySummary {
+            subjects: self.conditions.first().map_or(0, |condition| condition.subjects.len()),
+            conditions: conditions.collect(),
+            comparisons: self.comparisons(),
+        }
+    }
+}
+
+impl Serialize for WorkloadStudy {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.summary().serialize(serializer)
+    }
+}
+
+/// The study as tables: the answers under each condition, and what the tests say.
+impl fmt::Display for WorkloadStudy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for condition in &self.conditions {
+            let (title, count) = (condition.title(), condition.subjects.len());
+            writeln!(f, "{title} ({count} subjects; 0 to 20, performance: 0 is perfect)")?;
+            writeln!(
+                f,
+                "  {:<16} {:>6} {:>6} {:>6} {:>6}",
+                "", "mean", "lower", "median", "upper"
+            )?;
+            for (name, values) in condition.columns() {
+                let mean = values.iter().sum::<f64>() / values.len() as f64;
+                let Quartiles { lower, median, upper } = Quartiles::of(&values);
+                writeln!(f, "  {name:<16} {mean:>6.2} {lower:>6.2} {median:>6.2} {upper:>6.2}")?;
+            }
+            writeln!(f)?;
+        }
+        let comparisons = self.comparisons();
+        for Comparison { first, second, tested } in &comparisons {
+            writeln!(f, "{second} against {first}")?;
+            writeln!(
+                f,
+                "  {:<16} {:>10} {:>7} {:>7} {:>7} {:>8} {:>8} {:>6}",
+                "", "difference", "differ", "W+", "W-", "p", "p Holm", "effect"
+            )?;
+            for test in tested {
+                let corrected = test.p_holm.map(|p| format!("{p:.4}")).unwrap_or_default();
+                writeln!(
+                    f,
+                    "  {:<16} {:>10.2} {:>7} {:>7.1} {:>7.1} {:>8.4} {corrected:>8} {:>6.2}",
+                    test.name,
+                    test.median_difference,
+                    test.differing,
+                    test.positive_ranks,
+                    test.negative_ranks,
+                    test.p,
+                    test.effect,
+                )?;
+            }
+            writeln!(f)?;
+        }
+        if !comparisons.is_empty() {
+            writeln!(
+                f,
+                "Exact two-sided Wilcoxon signed-rank tests, corrected by Holm over the six scales; \
+                 effect: rank-biserial correlation.\nThe tests are this program's; the paper reports \
+                 a box plot only."
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// Each text once, in the order in which they come.
+fn in_order<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut seen = HashSet::new();
+    texts.filter(|text| seen.insert(*text)).collect()
+}

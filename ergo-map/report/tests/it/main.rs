@@ -1,0 +1,6 @@
+//! The integration tests, one module a topic.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
+
+mod maps;
+mod sheets;
+mod workload;
