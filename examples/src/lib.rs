@@ -4,16 +4,11 @@ pub mod actions;
 pub mod ergonomics;
 mod excerpt;
 pub mod experiment;
-pub mod follow;
 pub mod frames;
 pub mod ik;
 pub mod learning;
-#[cfg(feature = "mcap")]
-pub mod mcap_files;
 pub mod perception;
 pub mod program;
-pub mod rendering;
-pub mod separation;
 pub mod settings;
 pub mod shards;
 pub mod sheets;

@@ -8,7 +8,7 @@ use moca_model::{
     Command, Controller, ControllerSettings, DesiredMotion, MOCA_AXIS_SPEED, MOCA_HOME, MOCA_URDF,
     MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, moca, moca_description,
 };
-use moca_simulation::limits::{Breaches, LimitMonitor, Margins, Return};
+use moca_simulation::judges::{Breaches, LimitMonitor, Margins, Return};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use proptest::prelude::*;
 
