@@ -5,12 +5,11 @@ pub mod ergonomics;
 mod excerpt;
 pub mod experiment;
 pub mod follow;
-pub mod frames;
 pub mod ik;
 pub mod learning;
 #[cfg(feature = "mcap")]
 pub mod mcap_files;
-pub mod perception;
+pub mod posture;
 pub mod program;
 pub mod rendering;
 pub mod separation;

@@ -18,7 +18,7 @@ mod view;
 
 pub use appearance::Appearance;
 pub use film::{Film, Shot};
-pub use image::{RenderedImage, depth_png};
+pub use image::RenderedImage;
 pub use noise::DepthSensor;
 pub use scene::{Scene, SceneState};
 pub use skeleton::{PoseEstimator, SkeletonSettings};

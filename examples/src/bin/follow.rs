@@ -16,7 +16,7 @@ use examples::ergonomics::{build_map, read_map};
 use examples::follow::{Comparison, Run, Scenario, Summary, TrueMotion};
 #[cfg(feature = "mcap")]
 use examples::mcap_files::RobotLog;
-use examples::perception::PostureOptions;
+use examples::posture::PostureOptions;
 #[cfg(feature = "mcap")]
 use examples::program::read_bytes;
 use examples::program::{
@@ -238,7 +238,7 @@ impl Options {
         };
         let (person, map) = self.person(session, &header)?;
         let mut scenario = Scenario::new(percepts, &person, map)?.among(others).arriving(&timings);
-        scenario.posture = self.posture.checked()?;
+        scenario.posture = self.posture.settings()?;
         scenario.truth = match &self.truth {
             Some(path) => Some(TrueMotion::read(path)?),
             None => None,

@@ -4,13 +4,14 @@ use std::{io::Write, path::PathBuf, process::ExitCode};
 
 use anyhow::{Result, bail};
 use clap::Parser;
-use examples::actions::evaluated::{self, Evaluated};
+use examples::actions::evaluate;
 use examples::experiment::{
     self, Experiment, following::Following, reorientation::Reorientation, subjects::Subjects,
 };
 use examples::program::{self, Ending, Json, Program, Quiet, Session, check_folder};
 use examples::shards::{Merged, ShardError, program_of};
 use examples::soak;
+use human_perception::actions::evaluated::Evaluated;
 
 /// Merges the files that a program wrote with --shard I/N --shard-file FILE, all N of them in any order, into
 /// what the program prints of all cases on one machine.
@@ -41,7 +42,7 @@ impl Program for Options {
         let Some(first) = self.files.first() else { return Err(ShardError::Nothing.into()) };
         match program_of(first)?.as_str() {
             soak::PROGRAM => self.soak(session),
-            evaluated::PROGRAM => self.evaluation(session),
+            evaluate::PROGRAM => self.evaluation(session),
             Reorientation::PROGRAM => self.experiment::<Reorientation>(session),
             Following::PROGRAM => self.experiment::<Following>(session),
             Subjects::PROGRAM => self.experiment::<Subjects>(session),
@@ -49,7 +50,7 @@ impl Program for Options {
                 "{}: shards of \"{other}\" are not known; known are {}, {} and experiment",
                 first.display(),
                 soak::PROGRAM,
-                evaluated::PROGRAM
+                evaluate::PROGRAM
             ),
         }
     }

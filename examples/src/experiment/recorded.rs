@@ -8,8 +8,8 @@ use vision_models::{
 };
 
 use super::walk::Walk;
-use crate::learning::digest::Digest;
 use crate::program::read_bytes;
+use human_perception::learning::digest::Digest;
 use moca_simulation::people::Truth;
 use percept_recording::{IfPartial, Reader, Recording, arrivals};
 

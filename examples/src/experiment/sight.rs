@@ -4,8 +4,8 @@ use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use vision_models::{Body, Percept};
 
-use crate::perception::{Perceiver, PerceiverSettings};
 use crate::rendering::{Film, Viewpoint};
+use human_perception::percepts::{Perceiver, PerceiverSettings};
 use moca_simulation::people::WalkerSettings;
 
 /// Width and height of the frames.

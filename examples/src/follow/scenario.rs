@@ -10,8 +10,8 @@ use moca_model::{
 use vision_models::{Body, Percept};
 
 use super::true_person::TrueMotion;
-use crate::perception::PostureOptions;
 use crate::settings::{RobotSettings, SettingsError, SettingsFile};
+use human_perception::percepts::PostureSettings;
 use moca_simulation::plant::Drive;
 use percept_recording::{Timing, arrivals};
 
@@ -48,7 +48,7 @@ pub struct Scenario {
     /// How it comes by that.
     pub delivery: Delivery,
     /// What is known of the person beside their joints.
-    pub posture: PostureOptions,
+    pub posture: PostureSettings,
 }
 
 /// How the robot comes by the object.
@@ -99,7 +99,7 @@ impl Scenario {
             drive,
             object,
             delivery: Delivery::Held,
-            posture: PostureOptions::default(),
+            posture: PostureSettings::default(),
         })
     }
 

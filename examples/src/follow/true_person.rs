@@ -6,8 +6,8 @@ use anyhow::{Context, Result, ensure};
 use vision_models::Percept;
 
 use super::working_hand::WorkingHand;
-use crate::frames::truth;
 use crate::separation::{Moment, body};
+use human_perception::frames::truth;
 use moca_simulation::people::Joints;
 
 /// Frames of a truth are no farther apart \[s\]: 50 Hz, and what rounding may make of a time.

@@ -16,7 +16,7 @@ use super::{
     skeleton::{PoseEstimator, SkeletonSettings},
     view::{self, Viewpoint},
 };
-use crate::frames::FrameEntry;
+use human_perception::frames::FrameEntry;
 use moca_simulation::people::{FRAME_RATE, Walker, WalkerError, WalkerSettings};
 use moca_simulation::random;
 use percept_recording::Header;
