@@ -14,7 +14,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
 use ergo_map::{ErgonomicsMap, MapOptions, Person};
 use examples::ergonomics::{build_map, read_map};
-use examples::perception::PostureOptions;
+use examples::posture::PostureOptions;
 #[cfg(feature = "mcap")]
 use examples::program::read_bytes;
 use examples::program::{
@@ -242,7 +242,7 @@ impl Options {
         };
         let (person, map) = self.person(session, &header)?;
         let mut scenario = Scenario::new(percepts, &person, map)?.among(others).arriving(&timings);
-        scenario.posture = self.posture.checked()?;
+        scenario.posture = self.posture.settings()?;
         scenario.truth = match &self.truth {
             Some(path) => Some(TrueMotion::read(path)?),
             None => None,

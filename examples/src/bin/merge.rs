@@ -4,11 +4,12 @@ use std::{io::Write, path::PathBuf, process::ExitCode};
 
 use anyhow::{Result, bail};
 use clap::Parser;
-use examples::actions::evaluated::{self, Evaluated};
+use examples::actions::evaluate;
 use examples::experiment::{self, program};
 use examples::program::{self, Ending, Json, Program, Quiet, Session, check_folder};
 use examples::shards::{Merged, ShardError, program_of};
 use examples::soak;
+use human_perception::actions::evaluated::Evaluated;
 use moca_simulation::experiment::Experiment;
 use moca_simulation::experiment::following::Following;
 use moca_simulation::experiment::reorientation::Reorientation;
@@ -43,7 +44,7 @@ impl Program for Options {
         let Some(first) = self.files.first() else { return Err(ShardError::Nothing.into()) };
         match program_of(first)?.as_str() {
             soak::PROGRAM => self.soak(session),
-            evaluated::PROGRAM => self.evaluation(session),
+            evaluate::PROGRAM => self.evaluation(session),
             other if other == program::<Reorientation>() => {
                 self.experiment::<Reorientation>(session)
             }
@@ -53,7 +54,7 @@ impl Program for Options {
                 "{}: shards of \"{other}\" are not known; known are {}, {} and experiment",
                 first.display(),
                 soak::PROGRAM,
-                evaluated::PROGRAM
+                evaluate::PROGRAM
             ),
         }
     }

@@ -13,7 +13,7 @@ use crate::shards::ShardOptions;
 
 /// Options of every experiment.
 #[derive(Args, Clone, Debug)]
-pub struct Common {
+pub(super) struct Common {
     /// How many random cases to play.
     #[arg(long, value_name = "COUNT", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     cases: u64,

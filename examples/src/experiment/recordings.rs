@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
+use human_perception::learning::digest::Digest;
 use moca_simulation::experiment::{Needs, Recorded};
 use percept_recording::{IfPartial, Reader, Recording};
 
-use crate::learning::digest::Digest;
 use crate::program::read_bytes;
 
 /// The largest recording that is played: some days (bytes).

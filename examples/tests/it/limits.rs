@@ -33,6 +33,10 @@ const DESIRED_ACCELERATION: Breaches = Breaches { desired_acceleration: true, ..
 
 const JERK: Breaches = Breaches { jerk: true, ..NOTHING };
 
+fn settings() -> ControllerSettings {
+    ControllerSettings { period: PERIOD, desired: DESIRED, ..ControllerSettings::default() }
+}
+
 /// MOCA without jerk limits, and a command at rest.
 static AT_REST: LazyLock<(Model, Command)> = LazyLock::new(|| {
     let mut description = moca_description();
@@ -68,7 +72,7 @@ impl Hand {
         let (model, command) = &*AT_REST;
         Self {
             joints: model.limits().to_vec(),
-            monitor: LimitMonitor::new(model, DESIRED, PERIOD, q),
+            monitor: LimitMonitor::new(model, &settings(), q),
             command: command.clone(),
             q: q.to_vec(),
         }
@@ -177,7 +181,7 @@ proptest! {
         excess in excess(), forwards in any::<bool>(),
     ) {
         let (model, command) = (moca().unwrap(), &AT_REST.1);
-        let mut monitor = LimitMonitor::new(&model, DESIRED, PERIOD, &MOCA_HOME);
+        let mut monitor = LimitMonitor::new(&model, &settings(), &MOCA_HOME);
         let mut command = command.clone();
         let acceleration = model.limits()[joint].acceleration;
         // Of the limit of acceleration: at most half of it is gained in a tick.

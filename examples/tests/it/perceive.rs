@@ -8,7 +8,7 @@ use std::{
 
 use crate::support::{Ran, Runs, cases};
 use ergo_map::{Conditions, LegSupport, Worksheet};
-use examples::perception::{Assessor, Perceiver, PerceiverSettings, assess};
+use human_perception::percepts::{Assessor, Perceiver, PerceiverSettings, assess};
 use moca_simulation::people::{CameraSettings, Occupation, WalkerSettings, WalkingPath};
 use moca_simulation::rendering::{Film, Viewpoint};
 use vision_models::{

@@ -74,7 +74,10 @@ fn the_truth_is_written_beside_the_recording() {
     assert!(lowest < 1.5, "somebody bows: {lowest} m");
     assert!(moca_simulation::run::TrueMotion::read(truth.as_ref()).is_ok());
     let error = moca_simulation::run::TrueMotion::read(file.as_ref()).unwrap_err();
-    assert!(std::error::Error::source(&error).is_some_and(|cause| cause.to_string().contains("at 50 Hz or more")));
+    assert!(
+        std::error::Error::source(&error)
+            .is_some_and(|cause| cause.to_string().contains("at 50 Hz or more"))
+    );
 }
 
 #[test]

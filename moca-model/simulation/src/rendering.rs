@@ -12,7 +12,7 @@
 //! let settings = WalkerSettings { duration: 1.0, ..WalkerSettings::default() };
 //! let mut film = Film::new(settings, Viewpoint::Facing, [64, 48], 3.0)?;
 //! let shot = film.next().expect("a first frame")?;
-//! assert_eq!((shot.frame, shot.image.size()), (0, [64, 48]));
+//! assert_eq!((shot.entry.frame, shot.image.size()), (0, [64, 48]));
 //! # Ok::<(), moca_simulation::Error>(())
 //! ```
 
@@ -29,7 +29,7 @@ mod view;
 
 pub use appearance::Appearance;
 pub use film::{Film, Shot};
-pub use image::{RenderedImage, depth_png};
+pub use image::RenderedImage;
 pub use noise::DepthSensor;
 pub use scene::{Scene, SceneState};
 pub use skeleton::{PoseEstimator, SkeletonSettings};

@@ -46,7 +46,7 @@ impl FilmedPerson {
             return Ok(None);
         };
         let people: Vec<_> = shot.skeleton.into_iter().collect();
-        self.perceiver.see(shot.time, &people, &shot.depth)?;
+        self.perceiver.see(shot.entry.time, &people, &shot.depth)?;
         Ok(Some(Percept { body: self.perceiver.body().cloned(), ..percept }))
     }
 

@@ -1,5 +1,6 @@
 //! What the camera sees of the simulated walk, frame by frame.
 
+use human_perception::frames::FrameEntry;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{
@@ -36,12 +37,8 @@ const WIDTH: f64 = 640.0;
 /// One frame, with the truth.
 #[derive(Clone, Debug)]
 pub struct Shot {
-    /// Its number, from 0.
-    pub frame: u64,
-    /// When it was taken (s).
-    pub time: f64,
-    /// When it is there (s).
-    pub arrived: f64,
+    /// Number and times.
+    pub entry: FrameEntry,
     /// Colour, and depth without noise.
     pub image: RenderedImage,
     /// Depth as the sensor measures it.
@@ -164,9 +161,9 @@ impl Film {
         let truth = Percept { time, body, action: Some(action), surface };
         let late = self.latency.random_range(LATE);
         self.arrived = self.arrived.max(time + late);
-        let (frame, arrived) = (self.frame, self.arrived);
+        let entry = FrameEntry { frame: self.frame, time, arrived: Some(self.arrived) };
         self.frame += 1;
-        Some(Ok(Shot { frame, time, arrived, image, depth, surface: of_surface, skeleton, truth }))
+        Some(Ok(Shot { entry, image, depth, surface: of_surface, skeleton, truth }))
     }
 }
 

@@ -1,11 +1,6 @@
 //! Colour and depth.
 
-use std::io::Cursor;
-
-use image::{
-    ExtendedColorType, ImageEncoder,
-    codecs::png::{CompressionType, FilterType, PngEncoder},
-};
+use human_perception::frames::ColourImage;
 use vision_models::{DepthImage, Error};
 
 /// A colour image with the depth of each pixel.
@@ -40,46 +35,8 @@ impl RenderedImage {
         DepthImage::from_metres(self.size, self.depth.clone())
     }
 
-    /// The colours as a PNG file.
-    ///
-    /// # Errors
-    /// What the encoder says.
-    pub fn colour_png(&self) -> Result<Vec<u8>, image::ImageError> {
-        png(&self.colour, self.size, ExtendedColorType::Rgb8)
+    /// The colours.
+    pub fn colours(&self) -> ColourImage<'_> {
+        ColourImage { size: self.size, pixels: &self.colour }
     }
-}
-
-/// Depths as a PNG file of 16 bits a pixel, in millimetres; 0 where there is none.
-///
-/// # Errors
-/// What the encoder says.
-pub fn depth_png(depth: &DepthImage) -> Result<Vec<u8>, image::ImageError> {
-    let bytes: Vec<u8> = depth
-        .depths()
-        .iter()
-        .flat_map(|&metres| {
-            let millimetres = (1e3 * metres).round().clamp(0.0, f32::from(u16::MAX));
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-            let millimetres = millimetres as u16;
-            // The encoder takes the machine's order.
-            millimetres.to_ne_bytes()
-        })
-        .collect();
-    png(&bytes, depth.size(), ExtendedColorType::L16)
-}
-
-fn png(
-    bytes: &[u8],
-    [width, height]: [usize; 2],
-    colour: ExtendedColorType,
-) -> Result<Vec<u8>, image::ImageError> {
-    let mut file = Cursor::new(Vec::new());
-    let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
-    PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Sub).write_image(
-        bytes,
-        side(width),
-        side(height),
-        colour,
-    )?;
-    Ok(file.into_inner())
 }
