@@ -1,14 +1,4 @@
-//! What the programs `surface` and `actions` learn with: networks for features, features on disk, parts of a
-//! data set, and what is measured.
+//! What the programs `surface` and `actions` share.
 
-pub mod backbone;
-pub mod cache;
-pub mod confusion_figure;
 pub mod cutting;
-pub mod description;
-pub mod digest;
-pub mod evaluation;
 pub mod head_options;
-pub mod random_network;
-pub mod split;
-pub mod twins;

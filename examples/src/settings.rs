@@ -22,8 +22,10 @@ mod field;
 mod file;
 mod ranges;
 mod robot;
+mod scenario;
 mod text;
 
 pub use error::SettingsError;
 pub use file::SettingsFile;
 pub use robot::{RobotSettings, SETTINGS_VERSION};
+pub use scenario::with_settings;

@@ -1,36 +1,63 @@
-//! The closed loop under everything that can go wrong, behind the program `soak`: random people
-//! who walk, jump, vanish and come back; workspaces that move, turn and change their shape; starts
-//! outside the joint limits; percepts that are late, noisy and incomplete; cameras, clocks and measurements
-//! that fail.
-//!
-//! A soak is a row of episodes, each with a new robot, person and controller. What is promised is
-//! checked in every tick by [`Monitor`], from the commands, the robot's configuration and where
-//! the person truly is, with formulas of its own.
-//!
-//! ```
-//! use std::ops::ControlFlow;
-//!
-//! use examples::soak::Soak;
-//!
-//! let summary = Soak::new(1, 500)?.run(|_| ControlFlow::Continue(()))?;
-//! assert_eq!(summary.counts.infeasible, 0);
-//! assert_eq!(summary.ticks, 500);
-//! # Ok::<(), anyhow::Error>(())
-//! ```
+//! A soak in shards, for the programs `soak` and `merge`.
 
-mod disturbance;
-mod episode;
-mod monitor;
-mod movements;
-mod run;
-mod summary;
-mod task;
-mod tick_times;
-mod witnessed;
+use std::ops::ControlFlow;
 
-pub use disturbance::{Disturbance, Endings, StateCounts};
-pub use monitor::{Counts, Monitor, Tick};
-pub use movements::{MovementResult, MovementResults, Movements};
-pub use run::{EpisodeResult, Job, PROGRAM, Soak, SoakPart, merged_summary, summary};
-pub use summary::Summary;
-pub use tick_times::TickTimes;
+use moca_simulation::Error;
+use moca_simulation::plant::Drive;
+use moca_simulation::soak::{EpisodePlan, EpisodeResult, Soak, Summary, TickTimes};
+use serde::{Deserialize, Serialize};
+
+use crate::shards::{Merged, Part, Shard};
+
+/// Of the program, in files of shards.
+pub const PROGRAM: &str = "soak";
+
+/// What all shards of a soak share.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Job {
+    seed: u64,
+    ticks: u64,
+    kinematic: bool,
+    /// As in a file of settings: JSON has no infinity.
+    settings: String,
+}
+
+/// What a soak, or a shard of it, has computed.
+pub type SoakPart = Part<Job, EpisodeResult, TickTimes>;
+
+impl Job {
+    /// A soak of so many ticks, with the text of a file of settings.
+    pub fn new(seed: u64, ticks: u64, drive: Drive, settings: String) -> Self {
+        Self { seed, ticks, kinematic: drive == Drive::Kinematic, settings }
+    }
+}
+
+/// The episodes of a shard.
+pub fn episodes(soak: &Soak, shard: Shard) -> Vec<EpisodePlan> {
+    soak.episodes().into_iter().filter(|plan| shard.holds(plan.number)).collect()
+}
+
+/// Runs the episodes of a shard; `each` is told how many ticks are done, and may end it there.
+///
+/// # Errors
+/// A controller that refuses its settings or what it measures.
+pub fn run(
+    soak: &Soak,
+    job: Job,
+    shard: Shard,
+    each: impl FnMut(u64) -> ControlFlow<()>,
+) -> Result<SoakPart, Error> {
+    let (results, times) = soak.run_episodes(&episodes(soak, shard), each)?;
+    let cases = soak.episodes().len() as u64;
+    Ok(Part { program: PROGRAM.to_owned(), job, shard, cases, results, times })
+}
+
+/// What all shards of a soak found.
+pub fn merged_summary(merged: Merged<Job, EpisodeResult, TickTimes>) -> Summary {
+    let mut times = TickTimes::default();
+    for of_shard in &merged.times {
+        times += of_shard;
+    }
+    Summary::of(&(0..).zip(merged.results).collect(), &times)
+}

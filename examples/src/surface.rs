@@ -2,10 +2,7 @@
 
 pub mod cut;
 pub mod evaluate;
-pub mod features;
 pub mod generate;
-pub mod model;
 pub mod options;
-pub mod picture;
 pub mod predict;
 pub mod train;

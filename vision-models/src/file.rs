@@ -1,39 +1,62 @@
-//! Files and texts from outside, taken into memory up to a limit.
+//! Files from outside, taken into memory up to a limit.
 
-use std::{fs::File, io::Read, path::Path};
+use std::{
+    fs::File,
+    io::{self, Read},
+    path::Path,
+};
 
+#[cfg(feature = "inference")]
 use crate::Error;
 
-/// Reads a file of at most `limit` bytes.
+/// Reads a file of at most `limit` bytes. A device or a pipe, which has no length, is read no further than that.
+///
+/// ```
+/// use vision_models::file::read_bytes;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("four");
+/// std::fs::write(&path, "four")?;
+/// assert_eq!(read_bytes(&path, 4)?, b"four");
+/// assert!(read_bytes(&path, 3).unwrap_err().to_string().contains("at most 3 bytes"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
 ///
 /// # Errors
-/// [`Error::File`] if it cannot be read or is larger.
-pub(crate) fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
-    let refuse = |reason: String| Error::File { path: path.display().to_string(), reason };
-    let of_system = |error: std::io::Error| refuse(error.to_string());
-    let too_large = || refuse(format!("larger than the {limit} bytes that such a file may have"));
-    let file = File::open(path).map_err(of_system)?;
-    if file.metadata().map_err(of_system)?.len() > limit {
+/// What the system says; [`io::ErrorKind::FileTooLarge`] for a larger file, before memory is taken for it.
+pub fn read_bytes(path: impl AsRef<Path>, limit: u64) -> io::Result<Vec<u8>> {
+    let too_large = || {
+        let text = format!("larger than such a file can be: at most {limit} bytes are read");
+        io::Error::new(io::ErrorKind::FileTooLarge, text)
+    };
+    let file = File::open(path)?;
+    if file.metadata()?.len() > limit {
         return Err(too_large());
     }
-    // A device or a pipe has no length: what comes is counted.
     let mut bytes = Vec::new();
-    file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(of_system)?;
+    file.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit { Err(too_large()) } else { Ok(bytes) }
 }
 
 /// Reads a text of at most `limit` bytes.
 ///
 /// # Errors
-/// [`Error::File`] if it cannot be read, is larger or is not UTF-8.
-pub(crate) fn read_text(path: &Path, limit: u64) -> Result<String, Error> {
-    String::from_utf8(read_bytes(path, limit)?).map_err(|error| Error::File {
-        path: path.display().to_string(),
-        reason: format!("not UTF-8 text: byte {}", error.utf8_error().valid_up_to()),
+/// As of [`read_bytes`]; [`io::ErrorKind::InvalidData`] for what is no UTF-8, with the place.
+pub fn read_text(path: impl AsRef<Path>, limit: u64) -> io::Result<String> {
+    String::from_utf8(read_bytes(path, limit)?).map_err(|error| {
+        let place = error.utf8_error().valid_up_to();
+        io::Error::new(io::ErrorKind::InvalidData, format!("not UTF-8 text: byte {place}"))
     })
 }
 
+/// An error of reading a file, with the file's name.
+#[cfg(feature = "inference")]
+pub(crate) fn in_file(path: &Path) -> impl Fn(io::Error) -> Error {
+    |error| Error::File { path: path.display().to_string(), reason: error.to_string() }
+}
+
 /// The text behind a byte-order mark, which some editors write at the start.
+#[cfg(feature = "inference")]
 pub(crate) fn without_byte_order_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }

@@ -8,7 +8,7 @@ use std::{
 
 use crate::{
     Action, Error,
-    file::{read_text, without_byte_order_mark},
+    file::{in_file, read_text, without_byte_order_mark},
 };
 
 /// The largest label file that is read (bytes).
@@ -70,7 +70,8 @@ impl ClassNames {
     /// # Errors
     /// [`Error::File`], [`Error::Labels`], [`Error::EqualNames`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
-        read_text(path.as_ref(), MAX_BYTES)?.parse()
+        let path = path.as_ref();
+        read_text(path, MAX_BYTES).map_err(in_file(path))?.parse()
     }
 
     /// The names.
@@ -134,7 +135,8 @@ impl ClassNames {
     /// # Errors
     /// [`Error::File`], [`Error::Labels`].
     pub fn read_clips(&self, path: impl AsRef<Path>) -> Result<Vec<(String, usize)>, Error> {
-        self.clips(&read_text(path.as_ref(), MAX_BYTES)?)
+        let path = path.as_ref();
+        self.clips(&read_text(path, MAX_BYTES).map_err(in_file(path))?)
     }
 
     /// Reads the classes of clips: a line each, its name and then its class, by name or number,

@@ -49,8 +49,7 @@ mod confidence;
 #[cfg(feature = "inference")]
 pub mod engine;
 mod error;
-#[cfg(feature = "inference")]
-mod file;
+pub mod file;
 #[cfg(feature = "inference")]
 mod head;
 #[cfg(feature = "inference")]

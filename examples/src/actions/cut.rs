@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 
+use human_perception::frames::truth::TrueFilm;
+
 use crate::{
-    frames::truth::TrueFilm,
     learning::cutting::{CutOptions, Sample},
     program::{Ending, Quiet, Session},
 };

@@ -6,19 +6,27 @@ use anyhow::{Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use vision_models::Crops;
 
-use super::{
-    clips::{ClipSet, LabelledClip},
-    evaluated::{Evaluated, EvaluationJob, PROGRAM, ScoredClip},
-    features::ClipFeatures,
-    model::{ActionModel, ModelWeights},
-    network::Views,
-    train::class_names,
-};
-use crate::{
+use human_perception::{
+    Watch,
+    actions::{
+        clips::{ClipSet, LabelledClip},
+        evaluated::{Evaluated, EvaluationJob, ScoredClip},
+        features::ClipFeatures,
+        model::ActionModel,
+        window::Views,
+    },
     learning::split,
+};
+
+use super::{options::ModelWeights, train::class_names};
+use crate::{
     program::{Ending, Json, Quiet, Session, Threads, check_folder},
     shards::{Part, ShardOptions},
+    vision::choices::with_option,
 };
+
+/// Of the program, in files of shards.
+pub const PROGRAM: &str = "actions evaluate";
 
 /// Recognises clips of known classes, and prints top-1, top-5, and a report by class and by the paper's three types of
 /// actions.
@@ -97,12 +105,14 @@ impl Evaluate {
         self.output.as_deref().map(check_folder).transpose()?;
         let file = self.shards.create()?;
         let model = ActionModel::read(&self.model)?;
-        let all = self.clips(&model)?;
+        let watch = &mut session.watch();
+        let all = self.clips(&model, watch)?;
         let (shard, cases) = (self.shards.shard(), all.len() as u64);
         let own = (0..).zip(all).filter(|(case, _)| shard.holds(*case));
         let mut clips: Vec<LabelledClip> = own.map(|(_, clip)| clip).collect();
         ensure!(!clips.is_empty(), "shard {shard} of {cases} clips is empty; take fewer shards");
-        let weights = model.weights(&self.weights, session.interrupt())?;
+        let weights = model.weights.weights(self.weights.weights.clone(), watch);
+        let weights = weights.map_err(|error| with_option(error, ModelWeights::OPTION))?;
         let (threads, window) = (self.threads.count(), model.window.clone());
         let source = (weights, &model.weights);
         let mut source = ClipFeatures::new(window, source, self.cache.as_ref(), threads)?;
@@ -111,7 +121,7 @@ impl Evaluate {
             CropsOption::Three => Crops::Three,
         };
         let views = Views { clips: self.clips.into(), crops };
-        let features = source.of_clips(&clips, views, false, session)?;
+        let features = source.of_clips(&clips, views, false, watch)?;
         let ending = if features.len() < clips.len() { Ending::Partial } else { Ending::Complete };
         if ending == Ending::Partial {
             session
@@ -155,10 +165,10 @@ impl Evaluate {
     }
 
     /// The clips of the list, or of the part that is asked for, with the model's classes.
-    fn clips(&self, model: &ActionModel) -> Result<Vec<LabelledClip>> {
+    fn clips(&self, model: &ActionModel, watch: &mut Watch<'_>) -> Result<Vec<LabelledClip>> {
         let ClipSet { classes, mut clips } = match &self.list {
             Some(list) => ClipSet::of_list(&self.folder, list, &class_names(self.names.as_ref())?)?,
-            None => ClipSet::of_folders(&self.folder)?,
+            None => ClipSet::of_folders(&self.folder, watch)?,
         };
         let own = model.head.classes();
         for clip in &mut clips {

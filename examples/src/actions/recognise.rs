@@ -7,19 +7,18 @@ use clap::Args;
 use serde::Serialize;
 use vision_models::{ClassNames, Crops};
 
-use super::{
-    clips::frames_of,
-    features::ClipFeatures,
-    live::LiveRecogniser,
-    model::{ActionModel, ModelWeights},
-    network::Views,
+use human_perception::{
+    actions::{
+        clips::frames_of, features::ClipFeatures, live::LiveRecogniser, model::ActionModel,
+        window::Views,
+    },
+    networks::top_k::{ScoredClass, top_classes, write_top_classes},
 };
+
+use super::options::ModelWeights;
 use crate::{
     program::{Ending, Json, ProgramError, Quiet, ResultFile, Session, Threads},
-    vision::{
-        results::Results,
-        top_k::{ScoredClass, top_classes, write_top_classes},
-    },
+    vision::{choices::with_option, results::Results},
 };
 
 /// Recognises the action in a folder of frames by a trained model, and prints the five most probable classes.
@@ -117,16 +116,18 @@ impl Recognise {
         names: &ClassNames,
         session: &Session,
     ) -> Result<(Recognised, Ending)> {
-        let weights = model.weights(&self.weights, session.interrupt())?;
+        let watch = &mut session.watch();
+        let weights = model.weights.weights(self.weights.weights.clone(), watch);
+        let weights = weights.map_err(|error| with_option(error, ModelWeights::OPTION))?;
         let source = (weights, &model.weights);
         let mut source =
             ClipFeatures::new(model.window.clone(), source, None, self.threads.count())?;
         let views = Views { clips: self.clips.into(), crops: Crops::Centre };
         // The first loads the network.
         let once = Views { clips: 1, ..views };
-        source.of_clip(&self.folder, once, false, session.interrupt())?;
+        source.of_clip(&self.folder, once, false, watch)?;
         let start = Instant::now();
-        let views = source.of_clip(&self.folder, views, false, session.interrupt())?;
+        let views = source.of_clip(&self.folder, views, false, watch)?;
         let seconds = start.elapsed().as_secs_f64() / f64::from(self.clips);
         let Some(views) = views else { return Err(ProgramError::Interrupted.into()) };
         let classes = top_classes(&model.probabilities(views.view())?, Some(names));
@@ -142,9 +143,12 @@ impl Recognise {
         results: &mut Results,
     ) -> Result<(Recognised, Ending)> {
         let window = &model.window;
-        let frames = frames_of(&self.folder, (window.length - 1) * window.interval + 1)?;
-        let weights = model.weights(&self.weights, session.interrupt())?;
-        let mut recogniser = LiveRecogniser::new(model, weights, self.threads.count())?;
+        let least = (window.length - 1) * window.interval + 1;
+        let frames = frames_of(&self.folder, least, &mut session.watch())?;
+        let watch = &mut session.watch();
+        let weights = model.weights.weights(self.weights.weights.clone(), watch);
+        let weights = weights.map_err(|error| with_option(error, ModelWeights::OPTION))?;
+        let mut recogniser = LiveRecogniser::new(model, weights, self.threads.count(), watch)?;
         let progress = session.progress("frames", frames.len() as u64);
         let (mut decided, mut last) = (Vec::new(), Vec::new());
         let mut seen = 0;

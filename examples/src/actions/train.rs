@@ -2,26 +2,30 @@
 
 use std::{collections::BTreeMap, io::Write, path::PathBuf};
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
 use serde::Serialize;
 use vision_models::{Action, ClassNames, LinearHead};
 
-use super::{
-    clips::{ClipSet, LabelledClip},
-    features::ClipFeatures,
-    model::ActionModel,
-    network::{NetworkOptions, Views},
-};
-use crate::{
+use human_perception::{
+    Watch,
+    actions::{
+        clips::{ClipSet, LabelledClip},
+        features::ClipFeatures,
+        model::ActionModel,
+        window::Views,
+    },
     learning::{
         evaluation::Evaluation,
-        head_options::HeadOptions,
         split::{Part, Shares, split},
     },
+};
+
+use super::options::NetworkOptions;
+use crate::{
+    learning::head_options::HeadOptions,
     program::{Ending, Json, ProgramError, Quiet, Seed, Session, Threads, check_folder},
-    vision::errors::in_file,
 };
 
 /// Clips of a class in HRI30, and how many of them each split tests with.
@@ -80,7 +84,7 @@ struct Trained {
 /// The names of a list's classes.
 pub(super) fn class_names(file: Option<&PathBuf>) -> Result<ClassNames> {
     let Some(file) = file else { return Ok(ClassNames::hri30()) };
-    ClassNames::read(file).map_err(|error| in_file(file, error))
+    ClassNames::read(file).with_context(|| file.display().to_string())
 }
 
 impl Train {
@@ -95,14 +99,15 @@ impl Train {
     /// With the folder, the class, the clip or the option that is wrong.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         check_folder(&self.output)?;
+        let watch = &mut session.watch();
         let settings = self.head.settings(self.seed.seed)?;
         let (weights, window) = self.network.chosen()?;
-        let (ClipSet { classes, clips }, parts) = self.clips()?;
-        let identity = weights.identity(session.interrupt())?;
+        let (ClipSet { classes, clips }, parts) = self.clips(watch)?;
+        let identity = weights.identity(watch)?;
         let threads = self.threads.count();
         let source = (weights, &identity);
         let mut source = ClipFeatures::new(window.clone(), source, self.cache.as_ref(), threads)?;
-        let features = source.of_clips(&clips, Views::MIDDLE, !self.no_flips, session)?;
+        let features = source.of_clips(&clips, Views::MIDDLE, !self.no_flips, watch)?;
         let test_clips = parts.values().filter(|part| **part == Part::Test).count();
         let mut report =
             Trained { classes, training_clips: clips.len(), test_clips, ..Trained::default() };
@@ -174,7 +179,7 @@ impl Train {
     }
 
     /// The clips to train with, and what each clip of the folder is for.
-    fn clips(&self) -> Result<(ClipSet, BTreeMap<String, Part>)> {
+    fn clips(&self, watch: &mut Watch<'_>) -> Result<(ClipSet, BTreeMap<String, Part>)> {
         let names = || class_names(self.names.as_ref());
         if let Some(list) = &self.list {
             let ClipSet { classes, clips } = ClipSet::of_list(&self.folder, list, &names()?)?;
@@ -186,12 +191,12 @@ impl Train {
             let parts = clips.iter().map(|clip| (clip.name.clone(), Part::Training)).collect();
             return Ok((ClipSet { classes, clips }, parts));
         }
-        let ClipSet { classes, mut clips } = ClipSet::of_folders(&self.folder)?;
+        let ClipSet { classes, mut clips } = ClipSet::of_folders(&self.folder, watch)?;
         let labels: Vec<usize> = clips.iter().map(|clip| clip.label).collect();
         let tested = TESTED.get(usize::from(self.split - 1)).copied().unwrap_or_default();
         let shares = Shares { validation: 0.0, test: tested / OF_CLASS };
         let parts = split(&labels, &classes, shares, self.seed.seed)
-            .map_err(|error| error.context(self.folder.display().to_string()))?;
+            .with_context(|| self.folder.display().to_string())?;
         let parts: BTreeMap<String, Part> =
             clips.iter().map(|clip| clip.name.clone()).zip(parts).collect();
         clips.retain(|clip| parts.get(&clip.name) == Some(&Part::Training));

@@ -6,16 +6,20 @@ use std::{
     process::ExitCode,
 };
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::{Parser, ValueEnum};
 use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session, Threads, shown};
 use examples::vision::{
-    choices,
-    classifier::Classifier,
-    errors::in_file,
-    folders::Unreadable,
+    choices::{self, with_option},
     results::Results,
-    top_k::{ScoredClass, check_names, top_classes, write_top_classes},
+};
+use human_perception::{
+    Watch,
+    networks::{
+        classifier::Classifier,
+        folders::Unreadable,
+        top_k::{ScoredClass, check_names, top_classes, write_top_classes},
+    },
 };
 use serde::Serialize;
 use vision_models::{ClassNames, Orientation, Preprocessing, ResNetDepth, Resize, softmax};
@@ -93,12 +97,13 @@ struct ImageReport {
 }
 
 impl Arguments {
-    fn load(&self, names: Option<&ClassNames>) -> Result<Classifier> {
+    fn load(&self, names: Option<&ClassNames>, watch: &mut Watch<'_>) -> Result<Classifier> {
         let side = self.resize.into();
         let resize = if self.square { Resize::Square(side) } else { Resize::ShortSide(side) };
         let preprocessing = Preprocessing { resize, ..Preprocessing::TORCHVISION };
         let classifier =
-            Classifier::load(&self.weights, self.depth, preprocessing, self.threads.count())?;
+            Classifier::load(&self.weights, self.depth, preprocessing, self.threads.count(), watch)
+                .map_err(|error| with_option(error, ""))?;
         if let (Some(names), Some(file)) = (names, &self.names) {
             check_names(file, names, classifier.classes())?;
         }
@@ -116,9 +121,9 @@ impl Program for Arguments {
         let names = self
             .names
             .as_ref()
-            .map(|file| ClassNames::read(file).map_err(|error| in_file(file, error)))
+            .map(|file| ClassNames::read(file).with_context(|| file.display().to_string()))
             .transpose()?;
-        let mut classifier = self.load(names.as_ref())?;
+        let mut classifier = self.load(names.as_ref(), &mut session.watch())?;
         session.interrupt().check()?;
         let mut unreadable = Unreadable::new(self.strict);
         let (images, ending) =
@@ -158,7 +163,7 @@ impl Arguments {
                     progress.suspend(|| report.write(results.writer(session)))?;
                     reports.push(report);
                 }
-                Err(error) => unreadable.leave_out(&progress, path, error)?,
+                Err(error) => unreadable.leave_out(error, &mut session.watch())?,
             }
             progress.set(done);
         }

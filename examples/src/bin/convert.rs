@@ -6,13 +6,10 @@ use std::{
     process::ExitCode,
 };
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use examples::program::{self, Ending, Interrupt, Json, OutputFile, Program, Quiet, Session};
-use examples::vision::{
-    errors::{in_file, open_checkpoint},
-    tensor_name::printable,
-};
+use human_perception::networks::{open_checkpoint, tensor_name::printable};
 use serde::Serialize;
 use vision_models::{Checkpoint, NetworkKind};
 
@@ -65,7 +62,7 @@ impl Program for Arguments {
             let mut writer = UntilInterrupt { file, interrupt: session.interrupt().clone() };
             let written = checkpoint.write_safetensors(&mut writer);
             session.interrupt().check()?;
-            written.map_err(|error| in_file(&self.input, error))?;
+            written.with_context(|| self.input.display().to_string())?;
             writer.file.keep()?;
         }
         session.conclude(self.json, &contents, Ending::Complete)

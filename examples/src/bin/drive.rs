@@ -15,10 +15,9 @@ use std::time::Duration;
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::{Parser, ValueEnum};
 use ergo_map::{MapOptions, Person};
-use examples::follow::Scenario;
 use examples::maps::{build_map, read_map};
 use examples::program::{self, Ending, Json, Program, Quiet, Session};
-use examples::settings::{RobotSettings, SettingsFile};
+use examples::settings::{RobotSettings, SettingsFile, with_settings};
 use examples::shipped;
 #[cfg(feature = "ros2")]
 use moca_drivers::ros2::{
@@ -34,6 +33,7 @@ use moca_model::whole_body::{
     RobotSide, Scheduling, StopCause,
 };
 use moca_model::{AnswerDelay, CameraFrame, Controller, LoopController, TorqueController};
+use moca_simulation::run::Scenario;
 use percept_recording::{self, IfPartial, Recording};
 use serde::Serialize;
 #[cfg(feature = "ros2")]
@@ -289,7 +289,7 @@ impl Options {
         };
         let scenario = Scenario::new(percepts, &person, map)?.among(others);
         let Some((path, file)) = settings else { return Ok(scenario) };
-        scenario.with_settings(&file).with_context(|| path.display().to_string())
+        with_settings(scenario, &file).with_context(|| path.display().to_string())
     }
 
     /// The same on the ROS 2 graph.

@@ -4,9 +4,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use examples::experiment::{
-    following::Following, reorientation::Reorientation, subjects::Subjects,
-};
+use examples::experiment::{Following, Reorientation, Subjects};
 use examples::program::{self, Ending, Program, Quiet, Session};
 
 /// Plays the paper's experiments on ergonomics with simulated people, with ergonomics and without.

@@ -3,6 +3,7 @@
 
 use std::fs;
 use std::io::Write;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -12,23 +13,23 @@ use std::time::Duration;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
 use ergo_map::{ErgonomicsMap, MapOptions, Person};
-use examples::follow::{Comparison, Run, Scenario, Summary, TrueMotion};
 use examples::maps::{build_map, read_map};
-#[cfg(feature = "mcap")]
-use examples::mcap_files::RobotLog;
-use examples::perception::PostureOptions;
+use examples::posture::PostureOptions;
 #[cfg(feature = "mcap")]
 use examples::program::read_bytes;
 use examples::program::{
-    self, Ending, Json, OutputFile, Program, Progress, Quiet, Session, check_folder,
+    self, Ending, Interrupt, Json, OutputFile, Program, Progress, Quiet, Session, check_folder,
 };
-use examples::settings::{RobotSettings, SettingsFile};
+use examples::settings::{RobotSettings, SettingsFile, with_settings};
 use examples::shipped;
 use moca_model::{Goal, MOCA_URDF};
+#[cfg(feature = "mcap")]
+use moca_replay::mcap::RobotLog;
 use moca_replay::page::{ResultRow, Results, page};
 use moca_replay::picture::{animation, still};
 use moca_replay::recorded::{Recorder, Replay};
-use moca_replay::report::{RunLog, TickRow, TickTable, figure};
+use moca_replay::report::{MOCA_COLUMNS, RunLog, TickRow, TickTable, figure};
+use moca_simulation::run::{Comparison, Run, Scenario, Summary, TrueMotion};
 use percept_recording::{self, Completeness, Header, IfPartial, Recording, RecordingError};
 
 /// Stature where neither the recording nor the command line gives one (m).
@@ -158,11 +159,10 @@ impl Program for Options {
         #[cfg(not(feature = "mcap"))]
         let mut watch = |_: &TickRow| -> Result<()> { Ok(()) };
         let on = play(Goal::Ergonomics, &title("on"), "on", &mut watch)?;
-        let off = match on.summary.ending {
-            Ending::Complete => {
-                Some(play(Goal::LeastMotion, &title("off"), "off", &mut |_| Ok(()))?)
-            }
-            _ => None,
+        let off = if on.summary.is_complete {
+            Some(play(Goal::LeastMotion, &title("off"), "off", &mut |_| Ok(()))?)
+        } else {
+            None
         };
         let seen = [Some(&on), off.as_ref()].into_iter().flatten().filter_map(|p| p.seen.as_ref());
         let (logs, replays): (Vec<&RunLog>, Vec<&Replay>) =
@@ -173,7 +173,11 @@ impl Program for Options {
             off: off.as_ref().map(|off| off.summary.clone()),
         };
         let unsolved = comparison.unsolved(scenario.settings.period);
-        let ending = if unsolved { Ending::Failed } else { comparison.ending() };
+        let ending = match comparison.is_complete() {
+            _ if unsolved => Ending::Failed,
+            true => Ending::Complete,
+            false => Ending::Partial,
+        };
         // Before anything is printed: a reader who goes away loses nothing of the report.
         if let Some(folder) = folder
             && comparison.on.duration > 0.0
@@ -238,13 +242,13 @@ impl Options {
         };
         let (person, map) = self.person(session, &header)?;
         let mut scenario = Scenario::new(percepts, &person, map)?.among(others).arriving(&timings);
-        scenario.posture = self.posture.checked()?;
+        scenario.posture = self.posture.settings()?;
         scenario.truth = match &self.truth {
             Some(path) => Some(TrueMotion::read(path)?),
             None => None,
         };
         let scenario = match self.settings()? {
-            Some((path, file)) => scenario.with_settings(&file).context(path)?,
+            Some((path, file)) => with_settings(scenario, &file).context(path)?,
             None => scenario,
         };
         let scenario = if self.no_separation { scenario.without_separation() } else { scenario };
@@ -358,12 +362,13 @@ fn play(
     recorded: Ending,
     watch: Watch<'_>,
 ) -> Result<Played> {
-    let run = Run::new(scenario, goal)?.until(session.interrupt().clone());
+    let run = Run::new(scenario, goal)?;
     // A tick a millisecond.
     let ticks = Duration::from_secs_f64(scenario.duration()).as_millis();
     let progress = session.progress(title, u64::try_from(ticks).unwrap_or(u64::MAX));
+    let interrupt = session.interrupt();
     let Some(path) = table else {
-        let summary = run.play(counting(&progress, |row| watch(row)))?;
+        let summary = play_until(run, interrupt, &progress, watch)?;
         return Ok(Played { summary, seen: None });
     };
     let mut recorder =
@@ -375,7 +380,7 @@ fn play(
         let (sender, receiver) = sync_channel::<Vec<TickRow>>(64);
         let writer = scope.spawn(move || write_ticks(file, title, &receiver));
         let mut batch = Vec::with_capacity(BATCH);
-        let played = run.play(counting(&progress, |row| {
+        let played = play_until(run, interrupt, &progress, |row| {
             watch(row)?;
             batch.push(row.clone());
             if batch.len() == BATCH {
@@ -385,17 +390,42 @@ fn play(
                 }
             }
             Ok(())
-        }));
+        });
         // A writer that has failed says why when it is joined.
         let _ = sender.send(batch);
         drop(sender);
         let written = writer.join().map_err(|_| anyhow::anyhow!("the table's writer panicked"))?;
         let (file, log) = written?;
         let summary = played?;
-        keep(file, [summary.ending, recorded])?;
+        let ending = if summary.is_complete { Ending::Complete } else { Ending::Partial };
+        keep(file, [ending, recorded])?;
         Ok((summary, log))
     })?;
     Ok(Played { summary, seen: Some((log, recorder.finish())) })
+}
+
+/// Plays a run to its end, to an interrupt or until `each` fails, and moves the progress now and then.
+fn play_until(
+    run: Run<'_>,
+    interrupt: &Interrupt,
+    progress: &Progress,
+    mut each: impl FnMut(&TickRow) -> Result<()>,
+) -> Result<Summary> {
+    let (mut ticks, mut failure) = (0_u64, None);
+    let summary = run.play(|row, _| {
+        ticks += 1;
+        if ticks.is_multiple_of(1000) {
+            progress.set(ticks);
+        }
+        match each(row) {
+            Ok(()) => interrupt.flow(),
+            Err(error) => {
+                failure = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    })?;
+    failure.map_or(Ok(summary), Err)
 }
 
 fn write_ticks(
@@ -403,7 +433,7 @@ fn write_ticks(
     title: &str,
     receiver: &Receiver<Vec<TickRow>>,
 ) -> Result<(OutputFile, RunLog)> {
-    let mut table = TickTable::new(file)?;
+    let mut table = TickTable::new(file, &MOCA_COLUMNS)?;
     let mut log = RunLog::new(title);
     for batch in receiver {
         for row in &batch {
@@ -412,21 +442,6 @@ fn write_ticks(
         }
     }
     Ok((table.finish()?, log))
-}
-
-/// Moves the progress now and then.
-fn counting<'a>(
-    progress: &'a Progress,
-    mut each: impl FnMut(&TickRow) -> Result<()> + 'a,
-) -> impl FnMut(&TickRow) -> Result<()> + 'a {
-    let mut ticks = 0_u64;
-    move |row| {
-        ticks += 1;
-        if ticks.is_multiple_of(1000) {
-            progress.set(ticks);
-        }
-        each(row)
-    }
 }
 
 fn main() -> ExitCode {

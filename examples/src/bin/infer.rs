@@ -7,11 +7,8 @@ use clap::Parser;
 use examples::program::{
     self, Ending, Json, OutputFile, Program, ProgramError, Quiet, Session, Threads,
 };
-use examples::vision::{
-    choices::{self, Accepted},
-    errors::{of_weights, open_weights},
-    npy::read_array,
-};
+use examples::vision::choices::{self, with_option};
+use human_perception::{Error as PerceptionError, Watch, networks::open_weights, npy::read_array};
 use ndarray::{Array, Array4, Array5, ArrayD, ArrayViewD, Dimension};
 use ndarray_npy::WriteNpyExt;
 use serde::Serialize;
@@ -108,7 +105,7 @@ impl Program for Arguments {
     fn run(self, session: &mut Session) -> Result<Ending> {
         let mut file = OutputFile::create(&self.output)?;
         let start = Instant::now();
-        let mut inference = self.load()?;
+        let mut inference = self.load(&mut session.watch())?;
         let load_s = start.elapsed().as_secs_f64();
         writeln!(session.output(), "loaded in {load_s:.3} s")?;
         let operations = inference.operations();
@@ -176,11 +173,11 @@ impl Times {
 }
 
 impl Arguments {
-    fn load(&self) -> Result<Inference> {
+    fn load(&self, watch: &mut Watch<'_>) -> Result<Inference> {
         let options = Options { threads: self.threads.count(), ..Options::default() };
         let input = read_array(&self.input)?;
-        let weights = open_weights(&self.weights)?;
-        let of_weights = |error| of_weights(&self.weights, Accepted::All, error);
+        let weights = open_weights(&self.weights, watch)?;
+        let of_weights = |error| with_option(PerceptionError::weights(&self.weights)(error), "");
         if let NetworkKind::ResNet(form) = self.model {
             let images: Array4<f32> = self.of_dimension(input, "images are N × 3 × H × W")?;
             let (_, _, height, width) = images.dim();

@@ -4,8 +4,8 @@ use std::{io::Write, path::PathBuf, process::ExitCode};
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use examples::mcap_files::{from_json_lines, to_json_lines};
 use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Session, read_bytes};
+use percept_recording::mcap::{from_json_lines, to_json_lines};
 use serde::Serialize;
 
 /// Turns a recording in JSON Lines into MCAP, which Foxglove shows, or such a file back; nothing is lost either way.

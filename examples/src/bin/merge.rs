@@ -4,13 +4,16 @@ use std::{io::Write, path::PathBuf, process::ExitCode};
 
 use anyhow::{Result, bail};
 use clap::Parser;
-use examples::actions::evaluated::{self, Evaluated};
-use examples::experiment::{
-    self, Experiment, following::Following, reorientation::Reorientation, subjects::Subjects,
-};
+use examples::actions::evaluate;
+use examples::experiment::{self, program};
 use examples::program::{self, Ending, Json, Program, Quiet, Session, check_folder};
 use examples::shards::{Merged, ShardError, program_of};
 use examples::soak;
+use human_perception::actions::evaluated::Evaluated;
+use moca_simulation::experiment::Experiment;
+use moca_simulation::experiment::following::Following;
+use moca_simulation::experiment::reorientation::Reorientation;
+use moca_simulation::experiment::subjects::Subjects;
 
 /// Merges the files that a program wrote with --shard I/N --shard-file FILE, all N of them in any order, into
 /// what the program prints of all cases on one machine.
@@ -41,15 +44,17 @@ impl Program for Options {
         let Some(first) = self.files.first() else { return Err(ShardError::Nothing.into()) };
         match program_of(first)?.as_str() {
             soak::PROGRAM => self.soak(session),
-            evaluated::PROGRAM => self.evaluation(session),
-            Reorientation::PROGRAM => self.experiment::<Reorientation>(session),
-            Following::PROGRAM => self.experiment::<Following>(session),
-            Subjects::PROGRAM => self.experiment::<Subjects>(session),
+            evaluate::PROGRAM => self.evaluation(session),
+            other if other == program::<Reorientation>() => {
+                self.experiment::<Reorientation>(session)
+            }
+            other if other == program::<Following>() => self.experiment::<Following>(session),
+            other if other == program::<Subjects>() => self.experiment::<Subjects>(session),
             other => bail!(
                 "{}: shards of \"{other}\" are not known; known are {}, {} and experiment",
                 first.display(),
                 soak::PROGRAM,
-                evaluated::PROGRAM
+                evaluate::PROGRAM
             ),
         }
     }
@@ -60,7 +65,7 @@ impl Options {
         if self.output.is_some() {
             bail!("a soak writes no folder; leave out --output");
         }
-        let summary = soak::merged_summary(&Merged::read(&self.files)?);
+        let summary = soak::merged_summary(Merged::read(&self.files)?);
         for finding in &summary.findings {
             session.warn(finding);
         }

@@ -10,17 +10,18 @@ use std::{
 };
 
 use anyhow::{Result, ensure};
-use clap::{ArgGroup, Args, Parser};
-use examples::frames::{FramesReader, truth};
-use examples::perception::{
-    ActionNetwork, ActionSettings, AgainstTruth, BrokenFrame, Perceiver, PerceiverSettings,
-    Pipeline, PoseNetwork, PoseSource, PostureOptions, SkeletonFolder, Summary, SurfaceDecision,
-    SurfaceNetwork, Tally,
+use clap::{ArgGroup, Args, Parser, ValueEnum};
+use examples::posture::PostureOptions;
+use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Session, Threads};
+use examples::vision::choices::{self, with_option};
+use human_perception::{
+    Error, Watch,
+    frames::{FramesReader, truth},
+    percepts::{
+        ActionNetwork, ActionSettings, AgainstTruth, Perceiver, PerceiverSettings, Pipeline,
+        PoseNetwork, PoseSource, SkeletonFolder, Summary, SurfaceDecision, SurfaceNetwork, Tally,
+    },
 };
-use examples::program::{
-    self, Ending, Interrupt, Json, OutputFile, Program, Quiet, Session, Threads,
-};
-use examples::vision::choices;
 use percept_recording::{Header, MeasuredSegments, Timing, Writer};
 use serde::Serialize;
 use vision_models::{
@@ -95,10 +96,19 @@ struct SurfaceOptions {
     surface_depth: Option<ResNetDepth>,
     /// Which part of the model decides.
     #[arg(long, default_value = "svm", requires = "surface_model")]
-    surface_decision: SurfaceDecision,
+    surface_decision: DecisionOption,
     /// Camera frames from one look at the surface to the next.
     #[arg(long, value_name = "FRAMES", default_value_t = 10, requires = "surface_network")]
     surface_interval: u64,
+}
+
+/// Which part of a trained model decides.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum DecisionOption {
+    /// The support vector machine.
+    Svm,
+    /// The new last layer.
+    Head,
 }
 
 /// How the action is recognised in the colour images.
@@ -178,7 +188,7 @@ impl Program for Options {
         let wait = Duration::from_secs_f64(self.wait);
         let file = OutputFile::create(&self.output)?;
         let reader = FramesReader::open(&self.frames, wait)?;
-        let pipeline = self.pipeline(&reader, session.interrupt())?;
+        let pipeline = self.pipeline(&reader, &mut session.watch())?;
         let truth = self.truth.as_deref().map(truth::read).transpose()?;
         let mut work = Work {
             reader,
@@ -199,7 +209,7 @@ impl Program for Options {
 
 impl Options {
     /// Everything that looks at the frames, loaded before the work.
-    fn pipeline(&self, reader: &FramesReader, interrupt: &Interrupt) -> Result<Pipeline> {
+    fn pipeline(&self, reader: &FramesReader, watch: &mut Watch<'_>) -> Result<Pipeline> {
         let pixel_sigma = self.pixel_sigma;
         let lifting = LiftingSettings { pixel_sigma, ..LiftingSettings::default() };
         let settings = PerceiverSettings { lifting, ..PerceiverSettings::default() };
@@ -209,16 +219,18 @@ impl Options {
         let passes = if self.mirrored { Passes::Mirrored } else { Passes::One };
         let poses: Box<dyn PoseSource> = match (&self.skeletons, &self.pose_weights) {
             (Some(folder), _) => Box::new(SkeletonFolder::open(folder)?),
-            (_, Some(weights)) => Box::new(PoseNetwork::load(weights, size, passes, threads)?),
+            (_, Some(weights)) => {
+                Box::new(PoseNetwork::load(weights, size, passes, threads, watch)?)
+            }
             (None, None) => anyhow::bail!("give --skeletons or --pose-weights"),
         };
-        let mut pipeline = Pipeline::new(perceiver, poses).with_posture(self.posture.checked()?);
-        if let Some(network) = self.surface.network(threads, interrupt)? {
+        let mut pipeline = Pipeline::new(perceiver, poses).with_posture(self.posture.settings()?);
+        if let Some(network) = self.surface.network(threads, watch)? {
             let images = reader.surfaces();
             ensure!(images.is_dir(), "{}: there are no images of a surface", images.display());
             pipeline = pipeline.with_surface(network, self.surface.surface_interval);
         }
-        if let Some(network) = self.action.network(threads, interrupt)? {
+        if let Some(network) = self.action.network(threads, watch)? {
             pipeline = pipeline.with_action(network);
         }
         Ok(pipeline)
@@ -227,17 +239,23 @@ impl Options {
 
 impl SurfaceOptions {
     /// The network that is asked for.
-    fn network(&self, threads: usize, interrupt: &Interrupt) -> Result<Option<SurfaceNetwork>> {
-        let Self { surface_depth: depth, surface_decision: decision, .. } = *self;
+    fn network(&self, threads: usize, watch: &mut Watch<'_>) -> Result<Option<SurfaceNetwork>> {
+        let depth = self.surface_depth;
+        let decision = match self.surface_decision {
+            DecisionOption::Svm => SurfaceDecision::Svm,
+            DecisionOption::Head => SurfaceDecision::Head,
+        };
+        let with_option = |error| with_option(error, "--surface-weights FILE");
         Ok(match (&self.surface_model, &self.surface_weights) {
             (Some(folder), weights) => {
                 let weights = weights.clone();
                 let own = (depth, decision);
-                Some(SurfaceNetwork::of_model(folder, own, weights, threads, interrupt)?)
+                let network = SurfaceNetwork::of_model(folder, own, weights, threads, watch);
+                Some(network.map_err(with_option)?)
             }
             (None, Some(weights)) => {
                 let depth = depth.unwrap_or(ResNetDepth::Fifty);
-                Some(SurfaceNetwork::load(weights, depth, threads)?)
+                Some(SurfaceNetwork::load(weights, depth, threads, watch).map_err(with_option)?)
             }
             (None, None) => None,
         })
@@ -246,11 +264,13 @@ impl SurfaceOptions {
 
 impl ActionOptions {
     /// The network that is asked for.
-    fn network(&self, threads: usize, interrupt: &Interrupt) -> Result<Option<ActionNetwork>> {
+    fn network(&self, threads: usize, watch: &mut Watch<'_>) -> Result<Option<ActionNetwork>> {
+        let with_option = |error| with_option(error, "--action-weights FILE");
         let own = &self.own;
         Ok(match (&self.action_model, &self.action_weights) {
             (Some(folder), weights) => {
-                Some(ActionNetwork::of_model(folder, weights.clone(), threads, interrupt)?)
+                let network = ActionNetwork::of_model(folder, weights.clone(), threads, watch);
+                Some(network.map_err(with_option)?)
             }
             (None, Some(weights)) => {
                 let settings = ActionSettings {
@@ -260,7 +280,7 @@ impl ActionOptions {
                     length: own.action_length,
                     interval: own.action_interval,
                 };
-                Some(ActionNetwork::load(&settings, threads)?)
+                Some(ActionNetwork::load(&settings, threads, watch).map_err(with_option)?)
             }
             (None, None) => None,
         })
@@ -281,7 +301,7 @@ struct Work {
     first: Option<u64>,
     /// Frames of which a file cannot be used.
     broken: u64,
-    last_broken: Option<BrokenFrame>,
+    last_broken: Option<Error>,
 }
 
 /// How many frames are named that are left out.
@@ -303,8 +323,7 @@ impl Work {
             self.first.get_or_insert(entry.frame);
             let perceived = match self.pipeline.perceive(&self.reader, &entry) {
                 Ok(perceived) => perceived,
-                Err(error) => {
-                    let broken = error.downcast::<BrokenFrame>()?;
+                Err(broken @ Error::Frame(_)) => {
                     self.broken += 1;
                     if self.broken <= MOST_NAMED {
                         progress.note(format_args!("frame {} left out: {broken}", entry.frame));
@@ -312,6 +331,7 @@ impl Work {
                     self.last_broken = Some(broken);
                     continue;
                 }
+                Err(error) => return Err(error.into()),
             };
             self.tally.push(&perceived);
             self.percepts.push((perceived.percept, perceived.timing));

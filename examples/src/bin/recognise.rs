@@ -5,17 +5,22 @@ use std::{
     process::ExitCode,
 };
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::{Parser, ValueEnum};
 use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session, Threads};
 use examples::vision::{
-    choices::{self, Accepted},
-    clip_stream::preprocessing_of,
-    clips::read_clip,
-    errors::{in_file, of_option, of_weights, open_weights},
-    folders::images_in,
+    choices::{self, with_option},
     results::Results,
-    top_k::{ScoredClass, check_names, top_classes, write_top_classes},
+};
+use human_perception::{
+    Error as PerceptionError, Watch,
+    networks::{
+        clip_stream::preprocessing_of,
+        clips::read_clip,
+        folders::images_in,
+        open_weights,
+        top_k::{ScoredClass, check_names, top_classes, write_top_classes},
+    },
 };
 use serde::Serialize;
 use vision_models::{
@@ -114,11 +119,13 @@ impl Program for Arguments {
 
     fn run(self, session: &mut Session) -> Result<Ending> {
         let mut results = Results::begin(&self.result)?;
-        let frames = images_in(&self.folder)?;
-        let clips = self.sampling().indices(frames.len()).map_err(of_option)?;
+        let watch = &mut session.watch();
+        let frames = images_in(&self.folder, watch)?;
+        let clips =
+            self.sampling().indices(frames.len()).map_err(|error| with_option(error.into(), ""))?;
         let names = self.names.as_deref().map(read_names).transpose()?;
         let preprocessing = self.preprocessing();
-        let mut network = self.load(&preprocessing)?;
+        let mut network = self.load(&preprocessing, watch)?;
         let names = match (names, &self.names) {
             (Some(names), Some(file)) => {
                 check_names(file, &names, network.classes())?;
@@ -131,8 +138,7 @@ impl Program for Arguments {
         let mut sums = Sums::default();
         let mut seen = 0;
         for clip in &clips {
-            let interrupt = session.interrupt();
-            let Some(crops) = read_clip(&preprocessing, &frames, clip, interrupt)? else { break };
+            let Some(crops) = read_clip(&preprocessing, &frames, clip, watch)? else { break };
             for logits in network.infer(crops.view())?.logits.outer_iter() {
                 sums.add(&logits.to_vec());
             }
@@ -156,15 +162,15 @@ impl Program for Arguments {
 }
 
 fn read_names(file: &Path) -> Result<ClassNames> {
-    ClassNames::read(file).map_err(|error| in_file(file, error))
+    ClassNames::read(file).with_context(|| file.display().to_string())
 }
 
 impl Arguments {
-    fn load(&self, preprocessing: &Preprocessing) -> Result<SlowOnly> {
+    fn load(&self, preprocessing: &Preprocessing, watch: &mut Watch<'_>) -> Result<SlowOnly> {
         let size = [self.length, preprocessing.crop, preprocessing.crop];
         let options = Options { threads: self.threads.count(), ..Options::default() };
-        SlowOnly::load(self.model, open_weights(&self.weights)?, size, options)
-            .map_err(|error| of_weights(&self.weights, Accepted::SlowOnlys, error))
+        SlowOnly::load(self.model, open_weights(&self.weights, watch)?, size, options)
+            .map_err(|error| with_option(PerceptionError::weights(&self.weights)(error), ""))
     }
 
     fn sampling(&self) -> ClipSampling {

@@ -9,14 +9,14 @@ use std::{
 
 use anyhow::{Result, bail};
 use clap::Parser;
-use examples::frames::{FramesWriter, truth};
 use examples::program::{
     self, Ending, Json, OutputFile, Program, Quiet, Seed, Session, check_folder,
 };
-use examples::rendering::{Film, PoseEstimator, Shot, SkeletonSettings, Viewpoint};
+use human_perception::frames::{FramesWriter, truth};
 use moca_simulation::people::{
     CameraSettings, Movement, Occupation, Walker, WalkerSettings, WalkingPath,
 };
+use moca_simulation::rendering::{Film, PoseEstimator, Shot, SkeletonSettings, Viewpoint};
 use percept_recording::Writer;
 use serde::Serialize;
 use vision_models::{Body, Confidence, Keypoint, Percept, Tool};
@@ -237,7 +237,8 @@ fn film_frames(film: Film, folder: &Path, session: &Session) -> Result<(Recorded
     for shot in film {
         let Shot { entry, image, depth, surface, skeleton, truth: percept } = shot?;
         let people: Vec<_> = skeleton.into_iter().collect();
-        writer.write(&entry, &image, &depth, &surface, &PoseEstimator::json(&people))?;
+        let skeletons = PoseEstimator::json(&people);
+        writer.write(&entry, image.colours(), &depth, surface.colours(), &skeletons)?;
         truth.write(&percept)?;
         frames += 1;
         progress.set(frames);

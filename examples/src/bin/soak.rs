@@ -7,8 +7,9 @@ use clap::Parser;
 use examples::program::{self, Ending, Json, Program, Quiet, Seed, Session};
 use examples::settings::{RobotSettings, SettingsFile};
 use examples::shards::ShardOptions;
-use examples::soak::{Movements, Soak, summary};
-use moca_simulation::plant::Drive;
+use examples::soak::{self, Job};
+use moca_simulation::plant::{Drive, PlantSettings};
+use moca_simulation::soak::{Movements, Soak, Summary};
 
 /// Tries the controller on random people, workspaces, starts and camera losses, and counts every
 /// violated promise.
@@ -55,16 +56,21 @@ impl Program for Options {
             return self.run_movements(people, session);
         }
         let file = self.shards.create()?;
-        let soak = self.soak()?;
-        let (wanted, interrupt) = (soak.ticks(), session.interrupt().clone());
+        let robot = self.robot()?;
+        let (seed, shard) = (self.seed.seed, self.shards.shard());
+        let settings = RobotSettings::from(&robot).to_toml()?;
+        let job = Job::new(seed, self.ticks, robot.drive, settings);
+        let soak = Soak::new(seed, self.ticks)?.with_robot(robot);
+        let wanted = soak::episodes(&soak, shard).iter().map(|episode| episode.ticks).sum();
+        let interrupt = session.interrupt().clone();
         let progress = session.progress("soak", wanted);
-        let part = soak.part(|ticks| {
+        let part = soak::run(&soak, job, shard, |ticks| {
             progress.set(ticks);
             interrupt.flow()
         });
         let part = self.of_settings(part)?;
         progress.finish();
-        let summary = summary(&part);
+        let summary = Summary::of(&part.results, &part.times);
         let ending = if summary.ticks < wanted {
             Ending::Partial
         } else if summary.counts.wrong() > 0 {
@@ -90,9 +96,7 @@ impl Program for Options {
 impl Options {
     /// Each movement of so many people.
     fn run_movements(&self, people: u64, session: &mut Session) -> anyhow::Result<Ending> {
-        let drive = if self.kinematic { Drive::Kinematic } else { Drive::default() };
-        let settings = self.robot()?;
-        let movements = Movements { seed: self.seed.seed, people, drive, settings };
+        let movements = Movements { seed: self.seed.seed, people, robot: self.robot()? };
         let (wanted, interrupt) = (movements.ticks(), session.interrupt().clone());
         let progress = session.progress("movements", wanted);
         let mut done = 0;
@@ -116,25 +120,23 @@ impl Options {
     }
 
     /// What a controller refuses is in the file of settings, if there is one.
-    fn of_settings<T>(&self, result: anyhow::Result<T>) -> anyhow::Result<T> {
+    fn of_settings<T>(&self, result: Result<T, moca_simulation::Error>) -> anyhow::Result<T> {
         match &self.settings {
             Some(path) => result.with_context(|| format!("with {}", path.display())),
-            None => result,
+            None => Ok(result?),
         }
     }
 
-    /// The settings of the robot.
-    fn robot(&self) -> anyhow::Result<RobotSettings> {
-        let Some(path) = &self.settings else { return Ok(RobotSettings::default()) };
-        let settings =
-            SettingsFile::read(path).and_then(|file| file.over(&RobotSettings::default()));
-        settings.with_context(|| path.display().to_string())
-    }
-
-    fn soak(&self) -> anyhow::Result<Soak> {
-        let soak = Soak::new(self.seed.seed, self.ticks)?.sharded(self.shards.shard());
-        let soak = if self.kinematic { soak.kinematic() } else { soak };
-        Ok(soak.with_settings(self.robot()?))
+    /// The robot and its settings.
+    fn robot(&self) -> anyhow::Result<PlantSettings> {
+        let drive = if self.kinematic { Drive::Kinematic } else { Drive::default() };
+        let settings = match &self.settings {
+            Some(path) => SettingsFile::read(path)
+                .and_then(|file| file.over(&RobotSettings::default()))
+                .with_context(|| path.display().to_string())?,
+            None => RobotSettings::default(),
+        };
+        Ok(settings.of_plant(drive))
     }
 }
 

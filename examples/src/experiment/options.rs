@@ -2,31 +2,18 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use serde::{Deserialize, Serialize};
-
-use super::job::Job;
-use super::recorded::Recorded;
-use super::sight::Sight;
-use crate::program::{Ending, Json, OutputFile, Quiet, Seed, Threads, check_folder};
-use crate::shards::ShardOptions;
+use moca_simulation::experiment::{Conditions, Job, Sight};
 use moca_simulation::plant::Drive;
 
-/// What is the same in all cases of an experiment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Conditions {
-    /// What the robot does with commands.
-    pub drive: Drive,
-    /// How the robot sees the person.
-    pub sight: Sight,
-}
+use crate::program::{Ending, Json, OutputFile, Quiet, Seed, Threads, check_folder};
+use crate::shards::ShardOptions;
 
 /// Options of every experiment.
 #[derive(Args, Clone, Debug)]
-pub struct Common {
+pub(super) struct Common {
     /// How many random cases to play.
     #[arg(long, value_name = "COUNT", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     cases: u64,
@@ -64,13 +51,12 @@ pub struct Common {
 }
 
 impl Common {
-    /// What is played: recordings, or random cases of so many seconds.
-    pub(super) fn job(&self, duration: f64, recordings: &[Arc<Recorded>]) -> Job {
+    /// What is played: recordings with these digests, or random cases of so many seconds.
+    pub(super) fn job(&self, duration: f64, recordings: Vec<String>) -> Job {
         let conditions = Conditions {
             drive: if self.kinematic { Drive::Kinematic } else { Drive::Torque },
             sight: if self.pixels { Sight::Pixels } else { Sight::Modelled },
         };
-        let recordings = recordings.iter().map(|recording| recording.digest.clone()).collect();
         Job { seed: self.seed.seed, cases: self.cases, duration, conditions, recordings }
     }
 

@@ -11,10 +11,9 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde::Serialize;
 
-use crate::{
-    frames::truth::TrueFilm,
-    program::{Ending, Json, Quiet, Session, check_folder},
-};
+use human_perception::frames::truth::TrueFilm;
+
+use crate::program::{Ending, Json, Quiet, Session, check_folder};
 
 /// From which frames, and where to.
 #[derive(Args, Clone, Debug)]

@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::Args;
 use vision_models::{FeatureScaling, HeadSettings};
 
-use crate::vision::errors::of_option;
+use crate::vision::choices::with_option;
 
 /// How a new last layer is trained, by stochastic gradient descent.
 #[derive(Args, Clone, Copy, Debug)]
@@ -40,7 +40,7 @@ impl HeadOptions {
             seed,
             ..HeadSettings::default()
         };
-        settings.validate().map_err(of_option)?;
+        settings.validate().map_err(|error| with_option(error.into(), ""))?;
         Ok(settings)
     }
 }

@@ -76,6 +76,7 @@ fn judge(result: &anyhow::Result<Ending>, interrupt: &Interrupt) -> u8 {
         Err(error) => {
             let told = |cause: &(dyn std::error::Error + 'static)| {
                 matches!(cause.downcast_ref(), Some(ProgramError::Interrupted))
+                    || matches!(cause.downcast_ref(), Some(human_perception::Error::Stopped))
             };
             if error.chain().any(told) { interrupt.status() } else { FAILURE }
         }

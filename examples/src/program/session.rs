@@ -31,6 +31,10 @@ impl Session {
         Self { output, interrupt, quiet }
     }
 
+    pub(super) fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
     pub(super) fn into_output(self) -> StandardOutput {
         self.output
     }

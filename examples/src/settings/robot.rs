@@ -1,7 +1,7 @@
 //! The settings that a file holds.
 
-use moca_model::whole_body::Compensation;
 use moca_model::{ControllerSettings, TorqueLoopSettings};
+use moca_simulation::plant::{Drive, PlantSettings};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -24,12 +24,22 @@ pub struct RobotSettings {
 /// Those of the simulated robot, whose motors compensate nothing.
 impl Default for RobotSettings {
     fn default() -> Self {
-        let torque = TorqueLoopSettings::new(Compensation::BARE);
-        Self { controller: ControllerSettings::default(), torque }
+        Self::from(&PlantSettings::default())
+    }
+}
+
+impl From<&PlantSettings> for RobotSettings {
+    fn from(plant: &PlantSettings) -> Self {
+        Self { controller: plant.controller.clone(), torque: plant.torques.clone() }
     }
 }
 
 impl RobotSettings {
+    /// The same for a robot that does this with commands.
+    pub fn of_plant(self, drive: Drive) -> PlantSettings {
+        PlantSettings { drive, controller: self.controller, torques: self.torque }
+    }
+
     /// The text of a file with all settings, each with what it means. Where the person's hand works is
     /// written as a comment, since it follows from the person's stature unless a file says otherwise.
     ///

@@ -6,15 +6,21 @@ use anyhow::{Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::{features::Flips, model::SurfaceModel, options::ModelWeights, train::path_within};
-use crate::{
+use human_perception::{
+    Watch,
     learning::{
         confusion_figure::confusion_figure,
         evaluation::{Evaluation, score_table},
         split::Part,
     },
+    networks::folders::{LabelledImage, Unreadable, list_classes, list_images},
+    surface::{features::Flips, model::SurfaceModel},
+};
+
+use super::{options::ModelWeights, train::path_within};
+use crate::{
     program::{Ending, Json, OutputFile, Quiet, Session, Threads, check_folder},
-    vision::folders::{LabelledImage, Unreadable, list_classes, list_images},
+    vision::choices::with_option,
 };
 
 /// Classifies images of known classes by each model, and prints accuracy and confusion matrices.
@@ -84,15 +90,17 @@ impl Evaluate {
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         self.output.as_deref().map(check_folder).transpose()?;
         let model = SurfaceModel::read(&self.model)?;
-        let images = self.images(&model)?;
+        let watch = &mut session.watch();
+        let images = self.images(&model, watch)?;
         let threads = self.threads.count();
-        let sources =
-            model.sources(&self.weights, self.cache.as_ref(), threads, session.interrupt())?;
+        let sources = model
+            .sources(&self.weights.weights, self.cache.as_ref(), threads, watch)
+            .map_err(|error| with_option(error, ModelWeights::OPTION))?;
         let mut report = Evaluated { classes: model.classes.clone(), ..Evaluated::default() };
         let mut unreadable = Unreadable::new(self.strict);
         let mut files = Vec::new();
         for (network, mut source) in model.networks.iter().zip(sources) {
-            let features = source.of_images(&images, Flips::None, session, &mut unreadable)?;
+            let features = source.of_images(&images, Flips::None, &mut unreadable, watch)?;
             let Some(features) = features else {
                 session.warn("interrupted before the end");
                 return session.conclude(self.json, &report, Ending::Partial);
@@ -132,9 +140,9 @@ impl Evaluate {
     }
 
     /// The images of the part that is asked for.
-    fn images(&self, model: &SurfaceModel) -> Result<Vec<LabelledImage>> {
+    fn images(&self, model: &SurfaceModel, watch: &mut Watch<'_>) -> Result<Vec<LabelledImage>> {
         let shown = self.folder.display();
-        let classes = list_classes(&self.folder)?;
+        let classes = list_classes(&self.folder, watch)?;
         for class in &classes {
             ensure!(
                 model.classes.contains(class),
@@ -148,12 +156,12 @@ impl Evaluate {
             bail!("{shown}: there is no folder for the class \"{class}\" of the model");
         }
         let part = match self.part {
-            PartOption::All => return list_images(&self.folder, &model.classes),
+            PartOption::All => return Ok(list_images(&self.folder, &model.classes, watch)?),
             PartOption::Test => Part::Test,
             PartOption::Validation => Part::Validation,
             PartOption::Training => Part::Training,
         };
-        let mut images = list_images(&self.folder, &model.classes)?;
+        let mut images = list_images(&self.folder, &model.classes, watch)?;
         images.retain(|image| {
             model.parts.get(&path_within(&self.folder, &image.path)) == Some(&part)
         });

@@ -12,7 +12,7 @@ use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde::Serialize;
 use vision_models::Surface;
 
-use super::picture::Scene;
+use human_perception::surface::picture::Scene;
 use moca_simulation::random::generator;
 
 use crate::program::{Ending, Json, OutputFile, Quiet, Seed, Session, check_folder};

@@ -6,7 +6,9 @@ use anyhow::{Result, bail};
 use clap::Args;
 use vision_models::ResNetDepth;
 
-use crate::{learning::backbone::Weights, vision::choices};
+use human_perception::{learning::backbone::Weights, networks::names};
+
+use crate::vision::choices;
 
 /// The networks that give the features.
 #[derive(Args, Clone, Debug)]
@@ -27,7 +29,7 @@ pub struct Backbones {
 fn weights(text: &str) -> Result<(ResNetDepth, PathBuf), String> {
     let wrong = || format!("\"{text}\": give DEPTH=FILE, such as 50=resnet50.pth");
     let (depth, file) = text.split_once('=').ok_or_else(wrong)?;
-    let depth = choices::depth_of(depth).ok_or_else(wrong)?;
+    let depth = names::depth_of(depth).ok_or_else(wrong)?;
     if file.is_empty() { Err(wrong()) } else { Ok((depth, file.into())) }
 }
 
@@ -71,13 +73,10 @@ pub struct ModelWeights {
     /// The checkpoint that the model was trained with, behind the ResNet's number of layers: 50=resnet50.pth.
     /// Networks with random weights need none.
     #[arg(long, value_name = "DEPTH=FILE", value_parser = weights)]
-    weights: Vec<(ResNetDepth, PathBuf)>,
+    pub weights: Vec<(ResNetDepth, PathBuf)>,
 }
 
 impl ModelWeights {
-    /// The checkpoint for a network.
-    pub fn file_of(&self, depth: ResNetDepth) -> Option<PathBuf> {
-        let own = self.weights.iter().find(|(own, _)| *own == depth);
-        own.map(|(_, file)| file.clone())
-    }
+    /// The option, for messages.
+    pub const OPTION: &str = "--weights DEPTH=FILE";
 }

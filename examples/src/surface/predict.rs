@@ -7,13 +7,15 @@ use clap::Args;
 use serde::Serialize;
 use vision_models::top_k;
 
-use super::{features::Flips, model::SurfaceModel, options::ModelWeights};
+use human_perception::{
+    networks::folders::{LabelledImage, Unreadable},
+    surface::{features::Flips, model::SurfaceModel},
+};
+
+use super::options::ModelWeights;
 use crate::{
     program::{Ending, Json, Quiet, ResultFile, Session, Threads, shown},
-    vision::{
-        folders::{LabelledImage, Unreadable},
-        results::Results,
-    },
+    vision::{choices::with_option, results::Results},
 };
 
 /// Classifies images by each model.
@@ -73,14 +75,17 @@ impl Predict {
         let mut results = Results::begin(&self.result)?;
         let model = SurfaceModel::read(&self.model)?;
         let threads = self.threads.count();
-        let sources = model.sources(&self.weights, None, threads, session.interrupt())?;
+        let watch = &mut session.watch();
+        let sources = model
+            .sources(&self.weights.weights, None, threads, watch)
+            .map_err(|error| with_option(error, ModelWeights::OPTION))?;
         let images: Vec<LabelledImage> =
             self.images.into_iter().map(|path| LabelledImage { path, label: 0 }).collect();
         let mut report = Predicted { classes: model.classes.clone(), ..Predicted::default() };
         let mut unreadable = Unreadable::new(self.strict);
         let mut ending = Ending::Complete;
         for (network, mut source) in model.networks.iter().zip(sources) {
-            let features = source.of_images(&images, Flips::None, session, &mut unreadable)?;
+            let features = source.of_images(&images, Flips::None, &mut unreadable, watch)?;
             let Some(features) = features else {
                 ending = Ending::Partial;
                 break;

@@ -6,30 +6,32 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use vision_models::{
     ClassWeights, HeadSettings, LinearHead, LinearSvm, Loss, ResNetDepth, SvmSettings, Training,
 };
 
-use super::{
-    features::{FeatureSource, Features, Flips, name_of},
-    model::{OverNetwork, SurfaceModel},
-    options::Backbones,
-};
-use crate::{
+use human_perception::{
+    Watch,
     learning::{
         backbone::WeightsIdentity,
-        head_options::HeadOptions,
         split::{Part, Shares, split},
         twins::{Twins, twins},
     },
-    program::{Ending, Json, ProgramError, Quiet, Seed, Session, Threads, check_folder},
-    vision::{
-        errors::of_option,
-        folders::{LabelledImage, Unreadable, list_classes, list_images},
+    networks::folders::{LabelledImage, Unreadable, list_classes, list_images},
+    surface::{
+        features::{FeatureSource, Features, Flips, name_of},
+        model::{OverNetwork, SurfaceModel},
     },
+};
+
+use super::options::Backbones;
+use crate::{
+    learning::head_options::HeadOptions,
+    program::{Ending, Json, ProgramError, Quiet, Seed, Session, Threads, check_folder},
+    vision::choices::with_option,
 };
 
 /// Trains a new last layer and a support vector machine over the features of each network.
@@ -114,12 +116,12 @@ struct Parts {
 }
 
 impl Parts {
-    fn of_folder(folder: &Path, seed: u64) -> Result<Self> {
-        let classes = list_classes(folder)?;
-        let images = list_images(folder, &classes)?;
+    fn of_folder(folder: &Path, seed: u64, watch: &mut Watch<'_>) -> Result<Self> {
+        let classes = list_classes(folder, watch)?;
+        let images = list_images(folder, &classes, watch)?;
         let labels: Vec<usize> = images.iter().map(|image| image.label).collect();
         let parts = split(&labels, &classes, Shares::SURFACE, seed)
-            .map_err(|error| error.context(folder.display().to_string()))?;
+            .with_context(|| folder.display().to_string())?;
         let (mut training, mut validation, mut of_paths) = (vec![], vec![], BTreeMap::new());
         for (image, part) in images.into_iter().zip(parts) {
             of_paths.insert(path_within(folder, &image.path), part);
@@ -150,13 +152,14 @@ impl Train {
     /// With the folder, the class, the image or the option that is wrong.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         check_folder(&self.output)?;
+        let watch = &mut session.watch();
         let (head, svm) = self.settings()?;
         let networks = self.backbones.networks()?;
-        let parts = Parts::of_folder(&self.folder, self.seed.seed)?;
+        let parts = Parts::of_folder(&self.folder, self.seed.seed, watch)?;
         let in_two_parts = self.tell_twins(&parts, session)?;
         let mut sources = Vec::new();
         for (depth, weights) in networks {
-            let identity = weights.identity(session.interrupt())?;
+            let identity = weights.identity(watch)?;
             let threads = self.threads.count();
             let source =
                 FeatureSource::new(depth, (weights, &identity), self.cache.as_ref(), threads)?;
@@ -175,10 +178,10 @@ impl Train {
         writeln!(session.output(), "model               training  validation   (accuracy, %)")?;
         for (depth, identity, mut source) in sources {
             let flips = if self.no_flips { Flips::None } else { Flips::Horizontal };
-            let training = source.of_images(&parts.training, flips, session, &mut unreadable)?;
+            let training = source.of_images(&parts.training, flips, &mut unreadable, watch)?;
             let Some(training) = training else { return self.interrupted(session, &report) };
             let validation =
-                source.of_images(&parts.validation, Flips::None, session, &mut unreadable)?;
+                source.of_images(&parts.validation, Flips::None, &mut unreadable, watch)?;
             let Some(validation) = validation else { return self.interrupted(session, &report) };
             for (label, class) in parts.classes.iter().enumerate() {
                 let folder = self.folder.join(class);
@@ -223,7 +226,7 @@ impl Train {
         let paths: Vec<_> =
             parts.of_paths.iter().map(|(path, part)| (self.folder.join(path), *part)).collect();
         let files: Vec<_> = paths.iter().map(|(path, part)| (path.as_path(), *part)).collect();
-        let twins = twins(&files, session.interrupt())?;
+        let twins = twins(&files, &mut session.watch())?;
         for Twins { first, second } in twins.iter().take(SHOWN) {
             let (first, second) = (first.display(), second.display());
             session.warn(format_args!("{second} is the same picture as {first}, of another part"));
@@ -252,7 +255,7 @@ impl Train {
         let class_weights =
             if self.balanced { ClassWeights::Balanced } else { ClassWeights::Equal };
         let svm = SvmSettings { loss, cost: self.cost, class_weights, ..SvmSettings::default() };
-        svm.validate().map_err(of_option)?;
+        svm.validate().map_err(|error| with_option(error.into(), ""))?;
         Ok((head, svm))
     }
 }

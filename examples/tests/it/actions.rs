@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use examples::learning::confusion_figure::confusion_figure;
+use human_perception::learning::confusion_figure::confusion_figure;
 use vision_models::Action;
 
 use crate::support::{Runs, save_picture, slow_only_r18};

@@ -1,19 +1,20 @@
 //! The paper's experiments, in a few small cases.
 
 use std::fs;
+use std::ops::ControlFlow;
 
-use examples::experiment::reorientation::{Reorientation, ReorientationResult, Trial};
-use examples::experiment::{
-    Conditions, DistanceError, DistanceMonitor, Experiment, FollowingDistance, Job, Player, Sight,
-    Spread, Versus, Walk, following, reorientation, subjects,
-};
-use examples::follow::{Run, TrueMotion};
-use examples::program::Interrupt;
+use examples::experiment::program;
 use examples::shards::Part;
 use moca_model::{ControllerSettings, Goal, SafetySettings};
 use moca_replay::report::TickRow;
+use moca_simulation::experiment::reorientation::{Reorientation, ReorientationResult, Trial};
+use moca_simulation::experiment::{
+    Conditions, DistanceError, DistanceMonitor, Experiment, FollowingDistance, Job, Player, Sight,
+    Spread, Versus, Walk, following, reorientation, subjects,
+};
 use moca_simulation::people::{Truth, WalkerSettings};
 use moca_simulation::plant::Drive;
+use moca_simulation::run::{Run, TrueMotion};
 use nalgebra::{Point2, Vector2, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -21,8 +22,8 @@ use vision_models::{Action, Body25};
 
 use crate::support::{Runs, average_map};
 
-fn player() -> Player {
-    Player::new(Interrupt::default())
+fn player() -> Player<'static> {
+    Player::new(&|| ControlFlow::Continue(()))
 }
 
 const KINEMATIC: Conditions = Conditions { drive: Drive::Kinematic, sight: Sight::Modelled };
@@ -80,7 +81,7 @@ fn merged_is_the_whole(trials: &[Trial], whole: &ReorientationResult) {
     let files = ["1/2", "2/2"].map(|shard| (shard, path(&shard.replace('/', "-"))));
     for ((shard, file), (number, trial)) in files.iter().zip((0..).zip(trials)) {
         let part = Part {
-            program: Reorientation::PROGRAM.to_owned(),
+            program: program::<Reorientation>(),
             job: job.clone(),
             shard: shard.parse().unwrap(),
             cases: 2,
@@ -203,7 +204,7 @@ fn who_is_nearer_than_seen_is_approached_too_near() {
         }
         scenario.truth = Some(truth);
         let run = Run::new(&scenario, Goal::Ergonomics).unwrap();
-        run.play(|_| Ok(())).unwrap().separation_violations
+        run.play(|_, _| ControlFlow::Continue(())).unwrap().separation_violations
     };
     assert_eq!(too_near(0.0), 0);
     assert!(too_near(0.5) > 100);

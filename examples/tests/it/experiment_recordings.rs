@@ -1,16 +1,17 @@
 //! Experiments with recordings in place of simulated people, and their page.
 
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use examples::experiment::following::{Following, WalkingTrial};
-use examples::experiment::reorientation::Reorientation;
-use examples::experiment::{Conditions, Experiment, Job, Needs, Player, Recorded, Sight};
-use examples::program::Interrupt;
+use moca_simulation::experiment::following::{Following, WalkingTrial};
+use moca_simulation::experiment::reorientation::Reorientation;
+use moca_simulation::experiment::{Conditions, Experiment, Job, Needs, Player, Recorded, Sight};
 use moca_simulation::people::{Walker, WalkerSettings};
 use moca_simulation::plant::Drive;
-use percept_recording::{Header, Writer};
+use moca_simulation::run::Summary;
+use percept_recording::{Header, IfPartial, Recording, Writer};
 use vision_models::{Percept, Surface, Tool};
 
 use crate::support::{Runs, average_map};
@@ -38,12 +39,14 @@ fn job(recordings: &[Arc<Recorded>]) -> Job {
         cases: 100,
         duration: 30.0,
         conditions: Conditions { drive: Drive::Kinematic, sight: Sight::Modelled },
-        recordings: recordings.iter().map(|recording| recording.digest.clone()).collect(),
+        recordings: vec!["digest".to_owned(); recordings.len()],
     }
 }
 
 fn read(path: PathBuf, needs: Needs) -> Vec<Arc<Recorded>> {
-    Recorded::read_all(&[path], needs).unwrap().into_iter().map(Arc::new).collect()
+    let reader = percept_recording::open(path).unwrap();
+    let recording = Recording::read(reader, IfPartial::Refuse).unwrap();
+    vec![Arc::new(Recorded::new(recording, needs).unwrap())]
 }
 
 #[test]
@@ -82,11 +85,11 @@ fn the_same_recording_twice_gives_the_same_bits() {
     let cases = Following::cases(&job, &recordings);
     assert_eq!(cases.len(), 1);
     let play = || {
-        let mut player = Player::new(Interrupt::default());
+        let mut player = Player::new(&|| ControlFlow::Continue(()));
         let trial = Following::play(&cases[0], average_map(), job.conditions, &mut player).unwrap();
         let WalkingTrial::Path(runs) = trial else { panic!("{trial:?}") };
         // Times of the machine aside.
-        runs.map(|run| examples::follow::Summary { tick_us: [0.0; 3], wall: 0.0, ..run })
+        runs.map(|run| Summary { tick_us: [0.0; 3], wall: 0.0, ..run })
     };
     let first = play();
     assert!(first.iter().all(|run| run.together > 1.0), "{first:?}");

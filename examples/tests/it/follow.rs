@@ -1,12 +1,12 @@
 //! The main job end to end: the loop of `follow` on the shipped recording and on random ones.
 
-use std::{fs, sync::LazyLock};
+use std::{fs, ops::ControlFlow, sync::LazyLock};
 
 use ergo_map::{ErgonomicsMap, MapOptions, Person, Side};
-use examples::follow::{Run, Scenario, Summary};
 use examples::shipped;
 use moca_model::Goal;
 use moca_simulation::people::Walker;
+use moca_simulation::run::{Run, Scenario, Summary};
 use nalgebra::Vector3;
 use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
 
@@ -19,11 +19,11 @@ fn play(scenario: &Scenario, goal: Goal) -> Summary {
     let mut last = 0.0;
     Run::new(scenario, goal)
         .unwrap()
-        .play(|row| {
+        .play(|row, _| {
             let numbers = row.q.iter().chain(&row.qdot).chain(&row.desired).chain(&row.slack);
             assert!(numbers.chain([&row.score]).all(|value| value.is_finite()), "{row:?}");
             last = row.time;
-            Ok(())
+            ControlFlow::Continue(())
         })
         .unwrap()
 }
@@ -167,12 +167,12 @@ fn a_start_outside_the_limits_is_left_within_the_limits() {
             .kinematic();
     scenario.start[4] = 1.9; // the second joint of the arm ends at 1.7628 rad
     scenario.start[6] = 0.1; // the fourth at -0.0698 rad
-    let mut last = [0.0; 10];
+    let mut last = Vec::new();
     let summary = Run::new(&scenario, Goal::Ergonomics)
         .unwrap()
-        .play(|row| {
-            last = row.q;
-            Ok(())
+        .play(|row, _| {
+            last.clone_from(&row.q);
+            ControlFlow::Continue(())
         })
         .unwrap();
     assert_sound(&summary, "outside");

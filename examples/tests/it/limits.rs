@@ -8,7 +8,7 @@ use moca_model::{
     Command, Controller, ControllerSettings, DesiredMotion, MOCA_AXIS_SPEED, MOCA_HOME, MOCA_URDF,
     MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, moca, moca_description,
 };
-use moca_simulation::limits::{Breaches, LimitMonitor, Margins, Return};
+use moca_simulation::judges::{Breaches, LimitMonitor, Margins, Return};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use proptest::prelude::*;
 
@@ -32,6 +32,10 @@ const ACCELERATION: Breaches = Breaches { acceleration: true, ..NOTHING };
 const DESIRED_ACCELERATION: Breaches = Breaches { desired_acceleration: true, ..NOTHING };
 
 const JERK: Breaches = Breaches { jerk: true, ..NOTHING };
+
+fn settings() -> ControllerSettings {
+    ControllerSettings { period: PERIOD, desired: DESIRED, ..ControllerSettings::default() }
+}
 
 /// MOCA without jerk limits, and a command at rest.
 static AT_REST: LazyLock<(Model, Command)> = LazyLock::new(|| {
@@ -68,7 +72,7 @@ impl Hand {
         let (model, command) = &*AT_REST;
         Self {
             joints: model.limits().to_vec(),
-            monitor: LimitMonitor::new(model, DESIRED, PERIOD, q),
+            monitor: LimitMonitor::new(model, &settings(), q),
             command: command.clone(),
             q: q.to_vec(),
         }
@@ -177,7 +181,7 @@ proptest! {
         excess in excess(), forwards in any::<bool>(),
     ) {
         let (model, command) = (moca().unwrap(), &AT_REST.1);
-        let mut monitor = LimitMonitor::new(&model, DESIRED, PERIOD, &MOCA_HOME);
+        let mut monitor = LimitMonitor::new(&model, &settings(), &MOCA_HOME);
         let mut command = command.clone();
         let acceleration = model.limits()[joint].acceleration;
         // Of the limit of acceleration: at most half of it is gained in a tick.

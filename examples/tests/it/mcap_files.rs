@@ -2,12 +2,13 @@
 
 use std::fs;
 
-use examples::mcap_files::{McapFileError, RobotLog, from_json_lines, to_json_lines};
 use examples::shipped;
 use mcap::MessageStream;
 use moca_model::{MOCA_HOME, moca};
+use moca_replay::mcap::RobotLog;
 use moca_replay::report::TickRow;
 use nalgebra::Point3;
+use percept_recording::mcap::{McapError, from_json_lines, to_json_lines};
 use percept_recording::{Header, Timing, Writer};
 use proptest::prelude::*;
 use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
@@ -84,7 +85,7 @@ fn messages_are_json_with_schemas_that_foxglove_knows() {
         let (workspace_min, workspace_max) = bounds;
         log.push(&TickRow {
             time,
-            q: MOCA_HOME,
+            q: MOCA_HOME.to_vec(),
             workspace_min,
             workspace_max,
             ..TickRow::default()
@@ -129,11 +130,11 @@ fn a_file_of_something_else_is_refused() {
     let mut sink = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
     sink.finish().unwrap();
     let empty = sink.into_inner().into_inner();
-    assert!(matches!(to_json_lines(&empty), Err(McapFileError::NoRecording { .. })));
-    assert!(matches!(to_json_lines(b"nonsense"), Err(McapFileError::Mcap(_))));
-    assert!(matches!(to_json_lines(b""), Err(McapFileError::Mcap(_))));
-    assert!(matches!(from_json_lines(&file), Err(McapFileError::Recording(_))));
-    assert!(matches!(from_json_lines(b""), Err(McapFileError::Recording(_))));
+    assert!(matches!(to_json_lines(&empty), Err(McapError::NoRecording { .. })));
+    assert!(matches!(to_json_lines(b"nonsense"), Err(McapError::Mcap(_))));
+    assert!(matches!(to_json_lines(b""), Err(McapError::Mcap(_))));
+    assert!(matches!(from_json_lines(&file), Err(McapError::Recording(_))));
+    assert!(matches!(from_json_lines(b""), Err(McapError::Recording(_))));
 
     let mut sink = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
     let schema = sink.add_schema("other", "jsonschema", b"{}").unwrap();
@@ -182,7 +183,7 @@ fn what_comes_out_is_held_to_the_reader_of_recordings() {
     sink.write_to_known_channel(&header, line.as_bytes()).unwrap();
     sink.finish().unwrap();
     let file = sink.into_inner().into_inner();
-    assert!(matches!(to_json_lines(&file), Err(McapFileError::Recording(_))));
+    assert!(matches!(to_json_lines(&file), Err(McapError::Recording(_))));
 }
 
 /// A schema that claims four gigabytes takes none of them.
@@ -209,7 +210,7 @@ fn a_compression_that_is_not_read_is_named() {
     let mut other = file;
     other[place + 4..place + 8].copy_from_slice(b"lz4!");
     let error = to_json_lines(&other).unwrap_err();
-    assert!(matches!(error, McapFileError::Compression { .. }), "{error}");
+    assert!(matches!(error, McapError::Compression { .. }), "{error}");
     assert!(error.to_string().contains("lz4!") && error.to_string().contains("zstd"), "{error}");
 }
 

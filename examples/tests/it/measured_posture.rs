@@ -1,6 +1,6 @@
 //! Scores of measured bodies, followed over time.
 
-use examples::perception::{Assessor, PostureOptions};
+use human_perception::percepts::{Assessor, PostureSettings};
 use vision_models::{Body, Body25, Confidence, Keypoint};
 
 use Body25::{
@@ -69,7 +69,7 @@ fn an_arm_that_goes_round_and_hangs_scores_as_one_that_hangs() {
 
 #[test]
 fn what_is_known_of_a_person_counts() {
-    let seated = |options: PostureOptions| {
+    let seated = |options: PostureSettings| {
         let mut joints = UPRIGHT;
         // On bent knees, still over the feet.
         for (index, y) in [(10, -0.09), (13, 0.09)] {
@@ -80,20 +80,20 @@ fn what_is_known_of_a_person_counts() {
         let scores = (0..20).map(|frame| assessor.update(0.05 * f64::from(frame), &body(&joints)));
         scores.last().unwrap().unwrap().unwrap().reba.sub_scores
     };
-    let options = PostureOptions::default();
+    let options = PostureSettings::default();
     assert!(seated(options).legs > 1);
-    assert_eq!(seated(PostureOptions { sitting: true, ..options }).legs, 1);
+    assert_eq!(seated(PostureSettings { sitting: true, ..options }).legs, 1);
 
     let lifted = |arm_supported| {
-        let mut assessor = Assessor::new(PostureOptions { arm_supported, ..options });
+        let mut assessor = Assessor::new(PostureSettings { arm_supported, ..options });
         let scores = (0..40).map(|frame| assessor.update(0.05 * f64::from(frame), &raised(1.2)));
         scores.last().unwrap().unwrap().unwrap().reba.sub_scores.upper_arm
     };
     assert_eq!((lifted(false), lifted(true)), (3, 2));
     for upright in [-1.0, f64::NAN, 1e9] {
-        assert!(PostureOptions { upright, ..options }.checked().is_err());
+        assert!(PostureSettings { upright, ..options }.checked().is_err());
     }
-    assert!(PostureOptions { upright: 3.0, ..options }.checked().is_ok());
+    assert!(PostureSettings { upright: 3.0, ..options }.checked().is_ok());
 }
 
 /// A head held 55° ahead of the shoulders counts as bent, unless the person has shown that they stand so.
@@ -109,7 +109,7 @@ fn some_seconds_of_standing_make_a_neutral_posture() {
         body(&joints)
     };
     let neck = |upright: f64, then: f64| {
-        let mut assessor = Assessor::new(PostureOptions { upright, ..PostureOptions::default() });
+        let mut assessor = Assessor::new(PostureSettings { upright, ..PostureSettings::default() });
         let mut found = 0;
         for frame in 0..160 {
             let degrees = if frame < 60 { 55.0 } else { then };

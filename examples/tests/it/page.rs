@@ -1,14 +1,16 @@
 //! The page of a run: what is read back from it is what went in.
 
+use std::ops::ControlFlow;
+
 use base64::{Engine, engine::general_purpose::STANDARD};
 use ergo_map::Person;
-use examples::follow::{Run, Scenario};
 use moca_model::{Goal, MOCA_URDF};
 use moca_replay::page::{ResultRow, Results, page};
 use moca_replay::picture::{animation, still};
 use moca_replay::recorded::{Recorder, Replay, ReplayError, Role, Shape, Table};
 use moca_replay::report::TickRow;
 use moca_simulation::people::Walker;
+use moca_simulation::run::{Run, Scenario};
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde_json::Value;
 use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
@@ -28,9 +30,9 @@ fn recorded(prepare: impl FnOnce(&mut Recorder)) -> (Replay, Vec<TickRow>) {
     prepare(&mut recorder);
     let mut rows = Vec::new();
     let run = Run::new(&scenario, Goal::Ergonomics).unwrap().recorded_by(&mut recorder);
-    run.play(|row| {
+    run.play(|row, _| {
         rows.push(row.clone());
-        Ok(())
+        ControlFlow::Continue(())
     })
     .unwrap();
     let late = recorder.add("late", Role::Tool, Shape::Sphere { radius: 0.1 }, [0.5; 3]);

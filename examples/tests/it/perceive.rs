@@ -8,9 +8,9 @@ use std::{
 
 use crate::support::{Ran, Runs, cases};
 use ergo_map::{Conditions, LegSupport, Worksheet};
-use examples::perception::{Assessor, Perceiver, PerceiverSettings, assess};
-use examples::rendering::{Film, Viewpoint};
+use human_perception::percepts::{Assessor, Perceiver, PerceiverSettings, assess};
 use moca_simulation::people::{CameraSettings, Occupation, WalkerSettings, WalkingPath};
+use moca_simulation::rendering::{Film, Viewpoint};
 use vision_models::{
     Body, Body25, BodyTracker, DepthImage, ImageBody, LiftingSettings, Percept, TrackStatus,
     TrackerSettings,

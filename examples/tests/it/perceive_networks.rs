@@ -2,8 +2,8 @@
 
 use std::{collections::BTreeMap, path::Path};
 
-use examples::{
-    actions::{model::ActionModel, network::Window},
+use human_perception::{
+    actions::{model::ActionModel, window::Window},
     learning::backbone::WeightsIdentity,
     surface::model::{OverNetwork, SurfaceModel},
 };

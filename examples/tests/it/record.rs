@@ -72,9 +72,12 @@ fn the_truth_is_written_beside_the_recording() {
     }
     let lowest = known.iter().map(|percept| nose(percept).z).fold(f64::INFINITY, f64::min);
     assert!(lowest < 1.5, "somebody bows: {lowest} m");
-    assert!(examples::follow::TrueMotion::read(truth.as_ref()).is_ok());
-    let error = examples::follow::TrueMotion::read(file.as_ref()).unwrap_err();
-    assert!(format!("{error:#}").contains("at 50 Hz or more"), "{error:#}");
+    assert!(moca_simulation::run::TrueMotion::read(truth.as_ref()).is_ok());
+    let error = moca_simulation::run::TrueMotion::read(file.as_ref()).unwrap_err();
+    assert!(
+        std::error::Error::source(&error)
+            .is_some_and(|cause| cause.to_string().contains("at 50 Hz or more"))
+    );
 }
 
 #[test]

@@ -5,7 +5,9 @@ use std::fs;
 use std::ops::ControlFlow;
 
 use examples::shards::{Merged, Part, Shard, ShardError};
-use examples::soak::{Soak, SoakPart, merged_summary, summary};
+use examples::soak::{self, Job, SoakPart, merged_summary};
+use moca_simulation::plant::{Drive, PlantSettings};
+use moca_simulation::soak::{Soak, Summary};
 use proptest::prelude::*;
 
 use crate::support::Runs;
@@ -73,18 +75,21 @@ fn shards_that_do_not_fit_are_refused() {
 /// Few, for a test, and more than an episode of some seeds.
 const TICKS: u64 = 4_300;
 
-fn soak(seed: u64, shard: Shard) -> Soak {
-    Soak::new(seed, TICKS).unwrap().kinematic().sharded(shard)
+fn soak(seed: u64) -> Soak {
+    let robot = PlantSettings { drive: Drive::Kinematic, ..PlantSettings::default() };
+    Soak::new(seed, TICKS).unwrap().with_robot(robot)
 }
 
 #[test]
 fn a_soak_in_shards_is_the_soak_but_for_times() {
     let second = "2/3".parse().unwrap();
-    let seed = (0..100).find(|seed| soak(*seed, second).ticks() > 0).unwrap();
+    let seed = (0..100).find(|seed| !soak::episodes(&soak(*seed), second).is_empty()).unwrap();
     let run = |shard: Shard| -> SoakPart {
-        soak(seed, shard).part(|_| ControlFlow::Continue(())).unwrap()
+        let job = Job::new(seed, TICKS, Drive::Kinematic, String::new());
+        soak::run(&soak(seed), job, shard, |_| ControlFlow::Continue(())).unwrap()
     };
-    let whole = summary(&run(Shard::WHOLE));
+    let whole = run(Shard::WHOLE);
+    let whole = Summary::of(&whole.results, &whole.times);
     assert_eq!((whole.episodes, whole.ticks), (2, TICKS));
     let parts: Vec<_> = shards(3).map(run).collect();
     // As they come out of their files.
@@ -96,8 +101,8 @@ fn a_soak_in_shards_is_the_soak_but_for_times() {
     for (part, file) in parts.iter().zip(&files) {
         fs::write(file, part.to_json().unwrap()).unwrap();
     }
-    let merged = merged_summary(&Merged::read(&files).unwrap());
-    let text = |mut summary: examples::soak::Summary| {
+    let merged = merged_summary(Merged::read(&files).unwrap());
+    let text = |mut summary: Summary| {
         summary.tick_us = [0.0; 2];
         format!("{summary}\n{:?}", summary.findings)
     };

@@ -1,10 +1,10 @@
 //! Measurements that stop or freeze in the middle of `follow`, judged by the true joints of the simulated robot.
 
 use ergo_map::Person;
-use examples::follow::Scenario;
 use examples::shipped;
 use moca_model::{Controller, MOCA_BASE_JOINTS};
 use moca_simulation::plant::{Heard, Plant};
+use moca_simulation::run::Scenario;
 use nalgebra::Vector3;
 use vision_models::Percept;
 

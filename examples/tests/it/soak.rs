@@ -2,10 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use examples::settings::RobotSettings;
-use examples::soak::{Counts, Disturbance, Movements, Soak, StateCounts, Summary};
 use hrsw::SafetyState;
-use moca_simulation::plant::Drive;
+use moca_simulation::plant::PlantSettings;
+use moca_simulation::soak::{Counts, Disturbance, Movements, Soak, StateCounts, Summary};
 
 fn run(seed: u64, ticks: u64) -> Summary {
     Soak::new(seed, ticks).unwrap().run(|_| ControlFlow::Continue(())).unwrap()
@@ -25,8 +24,7 @@ fn nothing_goes_wrong() {
 /// Each movement of one person, who works with the robot; the longer form is `soak --movements 100`.
 #[test]
 fn nobody_who_moves_on_the_spot_is_approached_too_near() {
-    let settings = RobotSettings::default();
-    let movements = Movements { seed: 1, people: 1, drive: Drive::default(), settings };
+    let movements = Movements { seed: 1, people: 1, robot: PlantSettings::default() };
     let results = movements.run(|_| ControlFlow::Continue(())).unwrap();
     assert_eq!(results.wrong(), 0, "{:?}", results.findings);
     assert!(results.movements.iter().all(|result| result.ticks == 8_000));

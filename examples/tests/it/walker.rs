@@ -3,9 +3,8 @@
 use std::{collections::HashSet, f64::consts::TAU};
 
 use examples::shipped;
-use moca_simulation::people::{
-    CameraSettings, Truth, Walker, WalkerError, WalkerSettings, WalkingPath,
-};
+use moca_simulation::Error;
+use moca_simulation::people::{CameraSettings, Truth, Walker, WalkerSettings, WalkingPath};
 use percept_recording::Writer;
 use vision_models::{
     Action, BodyTracker, Percept, Tool, TrackStatus, TrackerSettings, WalkingDirection,
@@ -199,10 +198,7 @@ fn wrong_settings_are_named() {
         ("path", on(WalkingPath::Points(vec![nalgebra::Point2::new(f64::NAN, 0.0)]))),
     ] {
         let error = Walker::new(settings).unwrap_err();
-        assert!(
-            matches!(error, WalkerError::Setting { name: found, .. } if found == name),
-            "{error}"
-        );
+        assert!(matches!(error, Error::Setting { name: found, .. } if found == name), "{error}");
         assert!(error.to_string().contains("give"), "{error}");
     }
 }
@@ -226,5 +222,5 @@ fn wrong_paths_are_named() {
     assert!(error.to_string().contains("\"here\""), "{error}");
     std::fs::write(&file, [0xff, 0xfe]).unwrap();
     let error = WalkingPath::from_argument(file.to_str().unwrap()).unwrap_err();
-    assert!(matches!(error, WalkerError::PathFile { .. }), "{error}");
+    assert!(matches!(error, Error::PathFile { .. }), "{error}");
 }

@@ -1,5 +1,7 @@
 #![doc = include_str!("../README.md")]
 
+#[cfg(feature = "mcap")]
+pub mod mcap;
 pub mod page;
 pub mod picture;
 pub mod recorded;

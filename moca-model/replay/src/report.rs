@@ -4,7 +4,7 @@
 //! use moca_replay::report::{RunLog, TickRow, TickTable, figure};
 //!
 //! let row = TickRow { time: 0.001, score: 0.3, reba: 2, collaborating: true, ..TickRow::default() };
-//! let mut table = TickTable::new(Vec::new())?;
+//! let mut table = TickTable::new(Vec::new(), &[])?;
 //! table.write(&row)?;
 //! let text = String::from_utf8(table.finish()?).expect("ASCII");
 //! assert!(text.starts_with("time_s,desired_x_m,"));
@@ -25,4 +25,4 @@ pub use error::ReportError;
 pub use figure::figure;
 pub use log::RunLog;
 pub use row::TickRow;
-pub use table::TickTable;
+pub use table::{MOCA_COLUMNS, TickTable};

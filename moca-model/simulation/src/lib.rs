@@ -1,6 +1,13 @@
 #![doc = include_str!("../README.md")]
 
-pub mod limits;
+mod error;
+pub mod experiment;
+pub mod judges;
 pub mod people;
 pub mod plant;
 pub mod random;
+pub mod rendering;
+pub mod run;
+pub mod soak;
+
+pub use error::Error;

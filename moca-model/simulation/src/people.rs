@@ -14,13 +14,12 @@
 //! let settings = WalkerSettings { duration: 10.0, ..WalkerSettings::default() };
 //! let percepts: Vec<_> = Walker::new(settings)?.collect();
 //! assert!(percepts.iter().any(|percept| percept.action.is_some_and(|seen| seen.action.is_collaborative())));
-//! # Ok::<(), moca_simulation::people::WalkerError>(())
+//! # Ok::<(), moca_simulation::Error>(())
 //! ```
 
 mod activity;
 mod arm;
 mod camera;
-mod error;
 mod motion;
 mod movement;
 mod path;
@@ -36,7 +35,6 @@ mod wanderer;
 
 pub use arm::Arm;
 pub use camera::CameraSettings;
-pub use error::WalkerError;
 pub use motion::Gait;
 pub use movement::Movement;
 pub use path::{WalkingPath, Waypoint};

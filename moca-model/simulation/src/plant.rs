@@ -14,18 +14,17 @@
 //!     plant.act(&Vector3::zeros())?;
 //! }
 //! assert!((plant.configuration()[6] - MOCA_HOME[6]).abs() < 1e-3); // the arm carries itself
-//! # Ok::<(), anyhow::Error>(())
+//! # Ok::<(), moca_simulation::Error>(())
 //! ```
 
 use std::time::Instant;
 
-use anyhow::Result;
 use moca_model::whole_body::{
     Compensation, Data, ExternalWrench, JointMeasurement, Model, RandomSource,
 };
 use moca_model::{
-    Command, Controller, DynamicRobot, DynamicRobotSettings, HeldObject, Measured, SimulatedRobot,
-    TorqueController, TorqueLoopSettings,
+    Command, Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, HeldObject,
+    Measured, SimulatedRobot, TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
 use rand::Rng;
@@ -34,8 +33,8 @@ use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
 use vision_models::{Body, Percept};
 
-use crate::limits::TorqueMonitor;
-use crate::random;
+use crate::judges::TorqueMonitor;
+use crate::{Error, random};
 
 /// What the robot does with a command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -46,6 +45,28 @@ pub enum Drive {
     Torque,
     /// All joints follow velocities, exactly and at once.
     Kinematic,
+}
+
+/// What a plant is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlantSettings {
+    /// What the robot does with commands.
+    pub drive: Drive,
+    /// The controller.
+    pub controller: ControllerSettings,
+    /// The loop of torques below it.
+    pub torques: TorqueLoopSettings,
+}
+
+/// A robot under torques whose motors compensate nothing.
+impl Default for PlantSettings {
+    fn default() -> Self {
+        Self {
+            drive: Drive::default(),
+            controller: ControllerSettings::default(),
+            torques: TorqueLoopSettings::new(Compensation::BARE),
+        }
+    }
 }
 
 /// The stream of a plant's random numbers.
@@ -69,6 +90,8 @@ pub struct Plant {
     robot: Robot,
     model: Model,
     data: Data,
+    /// Where the tool truly is.
+    tool: Isometry3<f64>,
     random: RobotNoise,
     period: f64,
     /// Where the command begins \[m, rad\].
@@ -113,7 +136,7 @@ impl Plant {
     ///
     /// # Errors
     /// A robot that cannot be simulated.
-    pub fn new(drive: Drive, controller: Controller, seed: u64) -> Result<Self> {
+    pub fn new(drive: Drive, controller: Controller, seed: u64) -> Result<Self, Error> {
         Self::with_torques(drive, controller, TorqueLoopSettings::new(Compensation::BARE), seed)
     }
 
@@ -126,7 +149,7 @@ impl Plant {
         controller: Controller,
         torques: TorqueLoopSettings,
         seed: u64,
-    ) -> Result<Self> {
+    ) -> Result<Self, Error> {
         let model = controller.robot().model().clone();
         let start = controller.command().joint_position.clone();
         let period = controller.settings().period;
@@ -140,8 +163,9 @@ impl Plant {
                 Robot::Kinematic(Box::new((controller, SimulatedRobot::new(&model, &start)?)))
             }
         };
-        Ok(Self {
+        let mut plant = Self {
             data: Data::new(&model),
+            tool: Isometry3::identity(),
             random: RobotNoise::new(seed),
             measured: JointMeasurement::resting(start.clone(), model.velocity_count()),
             reference: start,
@@ -151,14 +175,16 @@ impl Plant {
             model,
             period,
             monitor,
-        })
+        };
+        plant.place_tool()?;
+        Ok(plant)
     }
 
     /// The robot holds an object from now on, and the controller knows.
     ///
     /// # Errors
     /// An object that cannot be held.
-    pub fn hold(&mut self, object: &HeldObject) -> Result<()> {
+    pub fn hold(&mut self, object: &HeldObject) -> Result<(), Error> {
         match &mut self.robot {
             Robot::Torque(both) => {
                 let (controller, robot) = &mut **both;
@@ -191,7 +217,7 @@ impl Plant {
     ///
     /// # Errors
     /// Those of [`Controller::observe`].
-    pub fn observe(&mut self, percept: &Percept) -> Result<()> {
+    pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
         Ok(self.controller_mut().observe(percept)?)
     }
 
@@ -199,7 +225,7 @@ impl Plant {
     ///
     /// # Errors
     /// Those of [`Controller::observe_people`].
-    pub fn observe_people(&mut self, percept: &Percept, others: &[Body]) -> Result<()> {
+    pub fn observe_people(&mut self, percept: &Percept, others: &[Body]) -> Result<(), Error> {
         Ok(self.controller_mut().observe_people(percept, others)?)
     }
 
@@ -207,7 +233,7 @@ impl Plant {
     ///
     /// # Errors
     /// Those of the controller.
-    pub fn step(&mut self, now: f64) -> Result<f64> {
+    pub fn step(&mut self, now: f64) -> Result<f64, Error> {
         self.step_measuring(now, Heard::Measurement, |_| {})
     }
 
@@ -221,7 +247,7 @@ impl Plant {
         now: f64,
         heard: Heard,
         spoil: impl FnOnce(&mut [f64]),
-    ) -> Result<f64> {
+    ) -> Result<f64, Error> {
         let told = &mut self.measured;
         told.age = if heard == Heard::Nothing { told.age + self.period } else { 0.0 };
         let started = match &mut self.robot {
@@ -284,8 +310,8 @@ impl Plant {
     ///
     /// # Errors
     /// Commands that are not finite.
-    pub fn act(&mut self, force: &Vector3<f64>) -> Result<()> {
-        let moment = (self.tool()?.rotation * self.face).cross(force);
+    pub fn act(&mut self, force: &Vector3<f64>) -> Result<(), Error> {
+        let moment = (self.tool.rotation * self.face).cross(force);
         match &mut self.robot {
             Robot::Torque(both) => {
                 let (controller, robot) = &mut **both;
@@ -301,14 +327,14 @@ impl Plant {
                 robot.step(&controller.command().joint_velocity, self.period)?;
             }
         }
-        Ok(())
+        self.place_tool()
     }
 
     /// From now on this share of the commands is lost on the way to a robot under torques.
     ///
     /// # Errors
     /// A share that is not from 0 to 1.
-    pub fn lose_commands(&mut self, share: f64) -> Result<()> {
+    pub fn lose_commands(&mut self, share: f64) -> Result<(), Error> {
         match &mut self.robot {
             Robot::Torque(both) => Ok(both.1.lose(share)?),
             Robot::Kinematic(_) => Ok(()),
@@ -349,25 +375,23 @@ impl Plant {
     }
 
     /// Where the hand truly is of who works on what the robot holds; the tool, if it holds nothing.
-    ///
-    /// # Errors
-    /// None.
-    pub fn hand(&mut self) -> Result<Isometry3<f64>> {
-        let hand = *self.controller().robot().tool_from_hand();
-        Ok(self.tool()? * Translation3::from(hand))
+    pub fn hand(&self) -> Isometry3<f64> {
+        self.tool * Translation3::from(*self.controller().robot().tool_from_hand())
     }
 
     /// Where the tool truly is.
-    ///
-    /// # Errors
-    /// None.
-    pub fn tool(&mut self) -> Result<Isometry3<f64>> {
+    pub fn tool(&self) -> &Isometry3<f64> {
+        &self.tool
+    }
+
+    fn place_tool(&mut self) -> Result<(), Error> {
         let tool = self.controller().robot().tool();
         let configuration = match &self.robot {
             Robot::Torque(both) => both.1.simulation().position(),
             Robot::Kinematic(both) => both.1.position(),
         };
-        Ok(self.data.pose(&self.model, configuration)?.world_from(tool)?)
+        self.tool = self.data.pose(&self.model, configuration)?.world_from(tool)?;
+        Ok(())
     }
 
     /// Whether the last torques broke a limit; none where there are no torques.

@@ -5,6 +5,8 @@ mod error;
 mod excerpt;
 mod format;
 mod lines;
+#[cfg(feature = "mcap")]
+pub mod mcap;
 mod reader;
 mod segments;
 mod timing;

@@ -5,7 +5,10 @@ use std::{io::Cursor, path::Path};
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::depth_image::{DepthImage, check_scale};
-use crate::{Error, file::read_bytes};
+use crate::{
+    Error,
+    file::{in_file, read_bytes},
+};
 
 /// The longest side of an image that is read (pixels).
 const MAX_SIDE: u32 = 16_384;
@@ -25,9 +28,13 @@ const MAX_FILE: u64 = 256 << 20;
 pub fn read_depth(path: impl AsRef<Path>, scale: f64) -> Result<DepthImage, Error> {
     check_scale(scale)?;
     let path = path.as_ref();
-    decode_depth(&read_bytes(path, MAX_FILE)?, scale).map_err(|error| match error {
-        Error::Image { reason, .. } => Error::Image { path: path.display().to_string(), reason },
-        other => other,
+    decode_depth(&read_bytes(path, MAX_FILE).map_err(in_file(path))?, scale).map_err(|error| {
+        match error {
+            Error::Image { reason, .. } => {
+                Error::Image { path: path.display().to_string(), reason }
+            }
+            other => other,
+        }
     })
 }
 

@@ -6,7 +6,10 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, Imag
 use ndarray::Array3;
 
 use super::jpeg;
-use crate::{Error, file::read_bytes};
+use crate::{
+    Error,
+    file::{in_file, read_bytes},
+};
 
 /// The longest side of an image that is read (pixels).
 const MAX_SIDE: u32 = 16_384;
@@ -52,10 +55,14 @@ pub fn read_image_oriented(
     orientation: Orientation,
 ) -> Result<Array3<u8>, Error> {
     let path = path.as_ref();
-    decode_image_oriented(&read_bytes(path, MAX_FILE)?, orientation).map_err(|error| match error {
-        Error::Image { reason, .. } => Error::Image { path: path.display().to_string(), reason },
-        other => other,
-    })
+    decode_image_oriented(&read_bytes(path, MAX_FILE).map_err(in_file(path))?, orientation).map_err(
+        |error| match error {
+            Error::Image { reason, .. } => {
+                Error::Image { path: path.display().to_string(), reason }
+            }
+            other => other,
+        },
+    )
 }
 
 /// Decodes a JPEG or PNG file in memory; see [`read_image`].

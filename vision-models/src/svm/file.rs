@@ -20,7 +20,7 @@ use ndarray::{Array1, Array2};
 use super::LinearSvm;
 use crate::{
     Error,
-    file::{read_text, without_byte_order_mark},
+    file::{in_file, read_text, without_byte_order_mark},
     labels::MAX_CLASSES,
 };
 
@@ -36,7 +36,8 @@ impl LinearSvm {
     /// # Errors
     /// [`Error::File`]; as of `parse`.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
-        read_text(path.as_ref(), MAX_BYTES)?.parse()
+        let path = path.as_ref();
+        read_text(path, MAX_BYTES).map_err(in_file(path))?.parse()
     }
 }
 

@@ -30,4 +30,8 @@ pub enum ReplayError {
     /// The data cannot be written as JSON.
     #[error("cannot write the data of the page: {0}")]
     Json(#[from] serde_json::Error),
+    /// A run cannot be written in MCAP.
+    #[cfg(feature = "mcap")]
+    #[error(transparent)]
+    Mcap(#[from] percept_recording::mcap::McapError),
 }

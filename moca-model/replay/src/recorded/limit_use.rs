@@ -1,27 +1,30 @@
 //! How much of each limit is used.
 
 use moca_model::whole_body::{JointLimits, Model};
-use moca_model::{Command, DesiredMotion, MOCA_BASE_JOINTS, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED};
+use moca_model::{Command, ControllerSettings, DesiredMotion, MecanumBase};
 
 /// Shares of limits, the greatest since they were last taken: 1 is at the limit.
 #[derive(Clone, Debug)]
 pub(super) struct LimitUse {
     joints: Vec<JointLimits>,
     desired: DesiredMotion,
+    base: Option<MecanumBase>,
     period: f64,
     velocity: Vec<f64>,
     shares: Vec<f32>,
 }
 
 impl LimitUse {
-    pub(super) fn new(model: &Model, desired: DesiredMotion, period: f64) -> Self {
+    pub(super) fn new(model: &Model, settings: &ControllerSettings) -> Self {
+        let &ControllerSettings { desired, base, period, .. } = settings;
         let joints = model.limits().to_vec();
-        let count = columns(model).len();
+        let count = columns(model, base.is_some()).len();
         Self {
             velocity: vec![0.0; joints.len()],
             shares: vec![0.0; count],
             joints,
             desired,
+            base,
             period,
         }
     }
@@ -29,7 +32,7 @@ impl LimitUse {
     /// Takes the command of a tick and the configuration that it was given at.
     #[expect(clippy::cast_possible_truncation, reason = "f32 is what is kept")]
     pub(super) fn update(&mut self, command: &Command, configuration: &[f64]) {
-        let Self { joints, desired, period, velocity, shares } = self;
+        let Self { joints, desired, base, period, velocity, shares } = self;
         let mut shares = shares.iter_mut();
         let mut raise = |share: f64| {
             if let Some(most) = shares.next() {
@@ -50,13 +53,18 @@ impl LimitUse {
                 raise((q - middle).abs() / (0.5 * (limits.upper - limits.lower)));
             }
         }
-        if joints.len() > MOCA_BASE_JOINTS {
+        if let Some(base) = base {
             let [x, y, turn] = command.base_twist.map(f64::abs);
-            raise((x + y + MOCA_WHEEL_LEVER * turn) / MOCA_WHEEL_SPEED);
+            raise((x + y + base.lever * turn) / base.speed);
         }
         let twist = &command.desired_twist;
         raise(twist.fixed_rows::<3>(0).amax() / desired.velocity);
         raise(twist.fixed_rows::<3>(3).amax() / desired.angular_velocity);
+    }
+
+    /// Whether the robot has wheels.
+    pub(super) fn is_of_wheels(&self) -> bool {
+        self.base.is_some()
     }
 
     /// The greatest since the last time; what follows begins anew.
@@ -66,13 +74,13 @@ impl LimitUse {
     }
 }
 
-/// Names of the shares, in their order.
-pub(super) fn columns(model: &Model) -> Vec<String> {
+/// Names of the shares, in their order, for a robot on wheels or without them.
+pub(super) fn columns(model: &Model, on_wheels: bool) -> Vec<String> {
     let (names, limits) = (model.velocity_names(), model.limits());
     let of = |what: &'static str| names.iter().map(move |name| format!("{name} {what}"));
     let ranged = names.iter().zip(limits).filter(|(_, limits)| limits.upper.is_finite());
     let ranges = ranged.map(|(name, _)| format!("{name} range"));
-    let wheels = (names.len() > MOCA_BASE_JOINTS).then(|| "wheels speed".to_owned());
+    let wheels = on_wheels.then(|| "wheels speed".to_owned());
     let desired = ["desired pose speed", "desired pose turning"].map(str::to_owned);
     of("speed").chain(of("acceleration")).chain(ranges).chain(wheels).chain(desired).collect()
 }

@@ -164,7 +164,7 @@ impl Recorder {
             samples: None,
             person: PersonTrack::new(map.stature()),
             others: OthersTrack::new(map.stature()),
-            limits: LimitUse::new(model, settings.desired, settings.period),
+            limits: LimitUse::new(model, settings),
             left: 0,
             phase: Lane::new("phase"),
             intention: Lane::new("intention"),
@@ -292,8 +292,8 @@ impl Recorder {
         self.write_predicted(controller, row, &mut values);
         write_series(controller, row, &mut values);
         self.limits.take(&mut values);
-        let (stage, model) = (&self.stage, &self.model);
-        let table = self.samples.get_or_insert_with(|| Table::new(groups(stage, model)));
+        let (stage, model, on_wheels) = (&self.stage, &self.model, self.limits.is_of_wheels());
+        let table = self.samples.get_or_insert_with(|| Table::new(groups(stage, model, on_wheels)));
         table.push(row.time, &values);
         Ok(())
     }
@@ -349,9 +349,10 @@ impl Recorder {
     /// The run up to here.
     #[expect(clippy::cast_possible_truncation, reason = "f32 is what is kept")]
     pub fn finish(self) -> Replay {
-        let Self { title, stage, map, model, capsules, person, others, samples, .. } = self;
+        let Self { title, stage, map, model, capsules, person, others, samples, limits, .. } = self;
         let person = person.smoothed();
-        let mut samples = samples.unwrap_or_else(|| Table::new(groups(&stage, &model)));
+        let mut samples =
+            samples.unwrap_or_else(|| Table::new(groups(&stage, &model, limits.is_of_wheels())));
         let times = samples.times().to_vec();
         let near = |index: usize, row: &[f32]| {
             let points = points_at(&person, times.get(index).copied().unwrap_or_default());
@@ -389,8 +390,8 @@ fn works(part: BodyPart) -> bool {
     matches!(part, BodyPart::LowerArm(_) | BodyPart::Wrist(_))
 }
 
-fn groups(stage: &Stage, model: &Model) -> Vec<Group> {
-    let limits = limit_use::columns(model);
+fn groups(stage: &Stage, model: &Model, on_wheels: bool) -> Vec<Group> {
+    let limits = limit_use::columns(model, on_wheels);
     let limits: Vec<&str> = limits.iter().map(String::as_str).collect();
     let frames: Vec<&str> = stage.frames().iter().map(String::as_str).collect();
     vec![

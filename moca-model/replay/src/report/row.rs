@@ -28,10 +28,10 @@ pub struct TickRow {
     pub reba_measured: Option<u8>,
     /// Whether the person works with the robot.
     pub collaborating: bool,
-    /// Base x, y (m) and yaw (rad), then the seven joints (rad).
-    pub q: [f64; 10],
-    /// Rates of `q` (m/s, rad/s).
-    pub qdot: [f64; 10],
+    /// The configuration, joint by joint (m or rad).
+    pub q: Vec<f64>,
+    /// Rates of `q` (m/s or rad/s).
+    pub qdot: Vec<f64>,
     /// How far the workspace is softened, position (m) then orientation (rad).
     pub slack: [f64; 6],
     /// Of the controller's whole step, kinematics and tracking included (µs).

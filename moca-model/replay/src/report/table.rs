@@ -4,12 +4,26 @@ use std::io::Write;
 
 use super::{ReportError, TickRow};
 
+/// The joints of MOCA with their units, for [`TickTable::new`].
+pub const MOCA_COLUMNS: [(&str, &str); 10] = [
+    ("base_x", "m"),
+    ("base_y", "m"),
+    ("base_yaw", "rad"),
+    ("joint1", "rad"),
+    ("joint2", "rad"),
+    ("joint3", "rad"),
+    ("joint4", "rad"),
+    ("joint5", "rad"),
+    ("joint6", "rad"),
+    ("joint7", "rad"),
+];
+
 /// Writes ticks as they come: a header with names and units, then a line for each.
 ///
 /// ```
 /// use moca_replay::report::{TickRow, TickTable};
 ///
-/// let mut table = TickTable::new(Vec::new())?;
+/// let mut table = TickTable::new(Vec::new(), &[])?;
 /// table.write(&TickRow { time: 0.5, reba: 3, ..TickRow::default() })?;
 /// let text = String::from_utf8(table.finish()?).expect("ASCII");
 /// assert_eq!(text.lines().count(), 2);
@@ -22,20 +36,20 @@ pub struct TickTable<W: Write> {
 }
 
 impl<W: Write> TickTable<W> {
-    /// Writes the header.
+    /// Writes the header, with these joints and their units, `m` or `rad`.
     ///
     /// # Errors
     /// [`ReportError::Table`].
-    pub fn new(output: W) -> Result<Self, ReportError> {
+    pub fn new(output: W, joints: &[(&str, &str)]) -> Result<Self, ReportError> {
         let mut writer = csv::Writer::from_writer(output);
-        writer.write_record(header())?;
+        writer.write_record(header(joints))?;
         Ok(Self { writer, cell: Vec::new() })
     }
 
     /// Writes a tick, with six decimals: micrometres and microradians.
     ///
     /// # Errors
-    /// [`ReportError::Table`].
+    /// [`ReportError::Table`], also for a row of another number of joints than the header has.
     pub fn write(&mut self, row: &TickRow) -> Result<(), ReportError> {
         let TickRow { desired, actual, workspace_min, workspace_max, q, qdot, slack, .. } = row;
         self.number(row.time)?;
@@ -77,19 +91,16 @@ impl<W: Write> TickTable<W> {
     }
 }
 
-fn header() -> Vec<String> {
+fn header(joints: &[(&str, &str)]) -> Vec<String> {
     let axes = |of: &'static str| ["x", "y", "z"].map(|axis| format!("{of}_{axis}_m"));
-    let joints = |of: &'static str, length: &'static str, angle: &'static str| {
-        let base = [("base_x", length), ("base_y", length), ("base_yaw", angle)];
-        let base = base.map(|(joint, unit)| format!("{of}_{joint}_{unit}"));
-        base.into_iter().chain((1..=7).map(move |joint| format!("{of}_joint{joint}_{angle}")))
-    };
+    let q = joints.iter().map(|(joint, unit)| format!("q_{joint}_{unit}"));
+    let qdot = joints.iter().map(|(joint, unit)| format!("qdot_{joint}_{unit}_s"));
     let turn = ["rx", "ry", "rz"].map(|axis| format!("slack_{axis}_rad"));
     std::iter::once("time_s".to_owned())
         .chain(["desired", "actual", "workspace_min", "workspace_max"].into_iter().flat_map(axes))
         .chain(["score", "reba", "reba_measured", "collaborating"].map(str::to_owned))
-        .chain(joints("q", "m", "rad"))
-        .chain(joints("qdot", "m_s", "rad_s"))
+        .chain(q)
+        .chain(qdot)
         .chain(axes("slack"))
         .chain(turn)
         .chain(["solve_time_us".to_owned()])
@@ -114,14 +125,16 @@ mod tests {
             reba: 4,
             reba_measured: Some(5),
             collaborating: true,
-            q: std::array::from_fn(|joint| 10.0 + joint as f64),
-            qdot: std::array::from_fn(|joint| -(joint as f64) - 0.5),
+            q: (0..10).map(|joint| 10.0 + f64::from(joint)).collect(),
+            qdot: (0..10).map(|joint| -f64::from(joint) - 0.5).collect(),
             slack: [0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
             solve_time_us: 31.25,
         };
-        let mut table = TickTable::new(Vec::new()).unwrap();
+        let mut table = TickTable::new(Vec::new(), &MOCA_COLUMNS).unwrap();
         table.write(&row).unwrap();
-        table.write(&TickRow::default()).unwrap();
+        let rest = vec![0.0; 10];
+        table.write(&TickRow { q: rest.clone(), qdot: rest, ..TickRow::default() }).unwrap();
+        assert!(table.write(&TickRow::default()).is_err(), "no joints");
         let bytes = table.finish().unwrap();
         let mut reader = csv::Reader::from_reader(bytes.as_slice());
         let names = reader.headers().unwrap().clone();

@@ -12,7 +12,8 @@ use nalgebra::{Point2, Rotation2, Vector2};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-use super::{WalkerError, script::TOWARDS_ROBOT};
+use super::script::TOWARDS_ROBOT;
+use crate::Error;
 
 /// Where the person receives the robot and works first, in the world (m).
 pub(super) const WORKPLACE: Point2<f64> = Point2::new(1.4, 0.0);
@@ -35,7 +36,7 @@ const FARTHEST: f64 = 50.0;
 /// assert_eq!("figure-eight".parse::<WalkingPath>()?, WalkingPath::FigureEight);
 /// let list: WalkingPath = "1.4,0 2.4,-1".parse()?;
 /// assert_eq!(list, WalkingPath::Points(vec![Point2::new(1.4, 0.0), Point2::new(2.4, -1.0)]));
-/// # Ok::<(), moca_simulation::people::WalkerError>(())
+/// # Ok::<(), moca_simulation::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum WalkingPath {
@@ -73,34 +74,32 @@ impl WalkingPath {
     /// A path from the command line: a name, a list of points, or a file with one point a line.
     ///
     /// # Errors
-    /// [`WalkerError::Path`] or [`WalkerError::PathFile`].
-    pub fn from_argument(argument: &str) -> Result<Self, WalkerError> {
+    /// [`Error::Path`] or [`Error::PathFile`].
+    pub fn from_argument(argument: &str) -> Result<Self, Error> {
         let file = Path::new(argument);
         if !file.is_file() {
             return argument.parse();
         }
-        let fail = |source| WalkerError::PathFile { path: file.to_owned(), source };
+        let fail = |source| Error::PathFile { path: file.to_owned(), source };
         let text = read(file).map_err(fail)?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
         let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
         let points = lines.map(|(line, text)| {
             let path = file.to_owned();
-            point(text).ok_or_else(|| WalkerError::PathLine { path, line, text: excerpt(text) })
+            point(text).ok_or_else(|| Error::PathLine { path, line, text: excerpt(text) })
         });
         let path = Self::Points(points.collect::<Result<_, _>>()?);
         path.validate().map(|()| path)
     }
 
     /// Checks that a list has points and that they are in reach.
-    pub(super) fn validate(&self) -> Result<(), WalkerError> {
+    pub(super) fn validate(&self) -> Result<(), Error> {
         match self {
-            Self::Points(points) if points.is_empty() => {
-                Err(WalkerError::Path { text: String::new() })
-            }
+            Self::Points(points) if points.is_empty() => Err(Error::Path { text: String::new() }),
             Self::Points(points) => {
                 let outside = |value: &&f64| !(-FARTHEST..=FARTHEST).contains(*value);
                 match points.iter().flat_map(|point| point.iter()).find(outside) {
-                    Some(&value) => Err(WalkerError::Setting {
+                    Some(&value) => Err(Error::Setting {
                         name: "path",
                         value,
                         expected: "points within 50 m of the origin",
@@ -181,9 +180,9 @@ fn in_directions(draw: &mut ChaCha8Rng) -> Vec<Waypoint> {
 }
 
 impl FromStr for WalkingPath {
-    type Err = WalkerError;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, WalkerError> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         let path = match text {
             "stations" => Self::Stations,
             "straight" => Self::Straight,
@@ -194,7 +193,7 @@ impl FromStr for WalkingPath {
             "directions" => Self::Directions,
             list => {
                 let points = list.split_whitespace().map(point).collect::<Option<_>>();
-                Self::Points(points.ok_or_else(|| WalkerError::Path { text: excerpt(text) })?)
+                Self::Points(points.ok_or_else(|| Error::Path { text: excerpt(text) })?)
             }
         };
         path.validate().map(|()| path)

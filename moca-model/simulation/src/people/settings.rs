@@ -2,7 +2,8 @@
 
 use vision_models::Tool;
 
-use super::{CameraSettings, Movement, WalkerError, WalkingPath};
+use super::{CameraSettings, Movement, WalkingPath};
+use crate::Error;
 
 /// What the person has come for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,13 +73,13 @@ impl WalkerSettings {
     /// Checks every field.
     ///
     /// # Errors
-    /// [`WalkerError::Setting`] names the field that is wrong, [`WalkerError::Path`] the path.
-    pub fn validate(&self) -> Result<(), WalkerError> {
+    /// [`Error::Setting`] names the field that is wrong, [`Error::Path`] the path.
+    pub fn validate(&self) -> Result<(), Error> {
         let in_range = |name, value: f64, low: f64, high: f64, expected| {
             if value >= low && value <= high {
                 Ok(())
             } else {
-                Err(WalkerError::Setting { name, value, expected })
+                Err(Error::Setting { name, value, expected })
             }
         };
         in_range("stature", self.stature, 1.0, 2.3, "1 to 2.3 m")?;

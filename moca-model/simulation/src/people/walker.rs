@@ -7,14 +7,13 @@ use vision_models::{Action, Percept, Tool};
 
 use super::activity::Activity;
 use super::camera::CameraSettings;
-use super::error::WalkerError;
 use super::motion::Gait;
 use super::path::WalkingPath;
 use super::perception::{FRAME_RATE, Perception};
 use super::person::{Joints, Person};
 use super::script::{self, Script};
 use super::settings::{Occupation, WalkerSettings};
-use crate::random;
+use crate::{Error, random};
 use percept_recording::Header;
 
 /// The simulated person and camera: an iterator over the camera's percepts.
@@ -58,8 +57,8 @@ impl Walker {
     /// A person before the first frame. The same settings give the same percepts.
     ///
     /// # Errors
-    /// [`WalkerError::Setting`] names the field that is wrong.
-    pub fn new(settings: WalkerSettings) -> Result<Self, WalkerError> {
+    /// [`Error::Setting`] names the field that is wrong.
+    pub fn new(settings: WalkerSettings) -> Result<Self, Error> {
         settings.validate()?;
         Ok(Self::at_pace(settings, 1.0))
     }

@@ -1,0 +1,96 @@
+//! The options of each experiment.
+
+use anyhow::Result;
+use clap::Args;
+use moca_simulation::experiment::{following, reorientation, subjects};
+
+use super::options::{Common, case_duration};
+use super::play::run;
+use crate::program::{Ending, Quiet, Session};
+
+/// Experiment 3: random people hand the object over and take the tool for the surface that they do not
+/// see.
+///
+/// The robot finds out by its camera which surface is where, and turns the object once the person
+/// engages. Prints how many turns end with the right surface before the person, how long they take
+/// against the time that the limits of the desired pose allow, every change of phase of the first case,
+/// and the person's ergonomics with and without.
+#[derive(Args, Debug)]
+pub struct Reorientation {
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Experiment 4: random people lead the robot along random paths.
+///
+/// Prints the person's ergonomics with ergonomics on the third level of the stack and with the
+/// paper's benchmark there, then how far the robot falls behind people who walk straight at up to
+/// its own speed.
+#[derive(Args, Debug)]
+pub struct Following {
+    #[command(flatten)]
+    common: Common,
+    /// Of each case (s).
+    #[arg(long, value_name = "SECONDS", default_value_t = 35.0, value_parser = case_duration, conflicts_with = "recording")]
+    duration: f64,
+}
+
+/// Experiment 5: people of ten statures lead the robot, which knows their own ergonomics map, chooses
+/// it by the stature that it measures, knows only the average map, or none.
+///
+/// Only the map differs: the shared workspace is that of the average person in all runs. Postures are
+/// always scored by the person's own map.
+#[derive(Args, Debug)]
+pub struct Subjects {
+    #[command(flatten)]
+    common: Common,
+    /// Of each case (s), by default a minute. While the robot comes to them all maps are alike, so that people gain less
+    /// by their own in a shorter time.
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = case_duration, conflicts_with = "recording")]
+    duration: f64,
+}
+
+impl Reorientation {
+    /// `--quiet`.
+    pub fn quiet(&self) -> Quiet {
+        self.common.quiet
+    }
+
+    /// Plays the cases, prints the table and draws the figure.
+    ///
+    /// # Errors
+    /// A folder that cannot be written; a case that cannot be played.
+    pub fn run(self, session: &mut Session) -> Result<Ending> {
+        run::<reorientation::Reorientation>(&self.common, reorientation::DURATION, session)
+    }
+}
+
+impl Following {
+    /// `--quiet`.
+    pub fn quiet(&self) -> Quiet {
+        self.common.quiet
+    }
+
+    /// Plays the cases, prints the table and draws the figure.
+    ///
+    /// # Errors
+    /// A folder that cannot be written; a case that cannot be played.
+    pub fn run(self, session: &mut Session) -> Result<Ending> {
+        run::<following::Following>(&self.common, self.duration, session)
+    }
+}
+
+impl Subjects {
+    /// `--quiet`.
+    pub fn quiet(&self) -> Quiet {
+        self.common.quiet
+    }
+
+    /// Plays the cases, prints the table and draws the figure.
+    ///
+    /// # Errors
+    /// A folder that cannot be written; a case that cannot be played.
+    pub fn run(self, session: &mut Session) -> Result<Ending> {
+        run::<subjects::Subjects>(&self.common, self.duration, session)
+    }
+}

@@ -1,0 +1,44 @@
+//! What a library's long work tells the person who waits.
+
+use std::ops::ControlFlow;
+
+use human_perception::Event;
+
+use super::{Interrupt, Progress, Session};
+
+impl Session {
+    /// The call-back of long work: shows how far it is, prints what should be known, and ends it after an interrupt.
+    pub fn watch(&self) -> impl FnMut(Event<'_>) -> ControlFlow<()> + use<> {
+        let (interrupt, quiet) = (self.interrupt().clone(), self.quiet());
+        let mut shown: Option<(String, Progress)> = None;
+        move |event| {
+            match event {
+                Event::Progress { what, done, all } => {
+                    if done == all {
+                        shown = None;
+                    } else {
+                        let (_, progress) = match &mut shown {
+                            Some(same) if same.0 == what => same,
+                            other => other
+                                .insert((what.to_owned(), Progress::new(what, Some(all), quiet))),
+                        };
+                        progress.set(done);
+                    }
+                }
+                Event::Warning(text) => match &shown {
+                    Some((_, progress)) => progress.note(text),
+                    None => super::warn(text),
+                },
+                Event::Working => {}
+            }
+            interrupt.flow()
+        }
+    }
+}
+
+impl Interrupt {
+    /// Whether long work goes on.
+    pub fn flow(&self) -> ControlFlow<()> {
+        if self.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}

@@ -1,0 +1,18 @@
+//! A scenario with the settings of a file.
+
+use moca_simulation::run::Scenario;
+
+use super::error::SettingsError;
+use super::file::SettingsFile;
+use super::robot::RobotSettings;
+
+/// The scenario with what a file of settings says in place of its settings so far. The goal is that of each run all the
+/// same.
+///
+/// # Errors
+/// Values that are out of range or do not go together.
+pub fn with_settings(scenario: Scenario, file: &SettingsFile) -> Result<Scenario, SettingsError> {
+    let base = RobotSettings { controller: scenario.settings, torque: scenario.torques };
+    let RobotSettings { controller, torque } = file.over(&base)?;
+    Ok(Scenario { settings: controller, torques: torque, ..scenario })
+}

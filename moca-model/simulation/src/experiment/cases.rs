@@ -1,0 +1,55 @@
+//! Independent cases, some at a time.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::{Error, random};
+
+/// Apart from the streams of people, cameras and robots.
+const STREAM: u64 = 1000;
+
+/// What the random numbers of a case come from.
+pub fn generator(seed: u64, case: u64) -> ChaCha8Rng {
+    random::generator(seed, STREAM + case)
+}
+
+/// Plays cases with so many threads; what they came to, in the order of the cases.
+///
+/// `each` is told now and then how many cases are done, from several threads, and may end it: with those that were
+/// played to their end. A case is given the question whether to go on, which a [`Player`](super::Player) asks in every
+/// tick.
+///
+/// # Errors
+/// The error of the first case that fails; [`Error::Threads`].
+pub fn play_all<C: Sync, R: Send>(
+    cases: &[C],
+    threads: usize,
+    each: impl Fn(u64) -> ControlFlow<()> + Sync,
+    play: impl Fn(&C, &(dyn Fn() -> ControlFlow<()> + Sync)) -> Result<R, Error> + Sync,
+) -> Result<Vec<R>, Error> {
+    let done = AtomicU64::new(0);
+    let go_on = || each(done.load(Ordering::Relaxed));
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(Error::Threads)?;
+    let results: Result<Vec<Option<R>>, Error> = pool.install(|| {
+        let played = cases.par_iter().map(|case| {
+            if go_on().is_break() {
+                return Ok(None);
+            }
+            let result = play(case, &go_on)?;
+            // A case that was ended early says nothing.
+            if go_on().is_break() {
+                return Ok(None);
+            }
+            done.fetch_add(1, Ordering::Relaxed);
+            Ok(Some(result))
+        });
+        played.collect()
+    });
+    // The last case that was done.
+    let _ = go_on();
+    Ok(results?.into_iter().flatten().collect())
+}

@@ -1,0 +1,316 @@
+//! Experiment 3: the robot takes the object, and turns it to the surface that the person's tool is for.
+
+mod judge;
+
+use std::fmt;
+use std::sync::Arc;
+
+use ergo_map::ErgonomicsMap;
+use moca_model::{BoxSide, Goal, HeldObject, WorkFace};
+use nalgebra::Point2;
+use rand::Rng;
+use serde::{Deserialize, Serialize};
+use vision_models::Surface;
+
+use super::cases::generator;
+use super::chart::{Panel, Series, Style, chart};
+use super::job::{Conditions, Experiment, Job};
+use super::player::Player;
+use super::recorded::{Needs, Recorded};
+use super::source::Source;
+use super::spread::Spread;
+use super::versus::Versus;
+use super::walk::ARM_SPEED;
+use crate::Error;
+use crate::people::{WalkerSettings, WalkingPath};
+use crate::run::{Delivery, Summary};
+pub use judge::{Judge, Turn};
+
+/// Where the on-board camera is, in the frame of the base on the floor \[m\].
+const CAMERA: [f64; 3] = [0.35, 0.0, 1.15];
+
+/// How long each case is \[s\].
+pub const DURATION: f64 = 30.0;
+
+/// How long the person holds the object out \[s\]: until the robot has come for it.
+const OFFER: f64 = 10.0;
+
+/// Experiment 3: random people hand the object over and take the tool for the surface that they do not
+/// see.
+///
+/// The robot finds out by its camera which surface is where, and turns the object once the person
+/// engages. What comes of it is how many turns end with the right surface before the person, how long they take
+/// against the time that the limits of the desired pose allow, every change of phase of the first case,
+/// and the person's ergonomics with and without.
+#[derive(Clone, Copy, Debug)]
+pub struct Reorientation;
+
+/// Somebody who hands the object over, and takes the tool for its far side.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Its number, from 0.
+    pub number: u64,
+    /// Who, and with which tool.
+    pub person: Source,
+    /// The surface in front, once the robot has it.
+    pub front: Surface,
+}
+
+/// The cases of a seed.
+pub fn cases(seed: u64, count: u64) -> Vec<Case> {
+    (0..count)
+        .map(|number| {
+            let mut draw = generator(seed, number);
+            let front = if draw.random_bool(0.5) { Surface::Drilled } else { Surface::Smooth };
+            let walker = WalkerSettings {
+                stature: draw.random_range(1.58..=1.94),
+                path: WalkingPath::Points(vec![Point2::new(1.4, 0.0)]),
+                tool: other(front).tool(),
+                offer: OFFER,
+                duration: DURATION,
+                seed: draw.random(),
+                arm_speed: Some(ARM_SPEED),
+                ..WalkerSettings::default()
+            };
+            Case { number, person: Source::Simulated(walker), front }
+        })
+        .collect()
+}
+
+fn other(surface: Surface) -> Surface {
+    match surface {
+        Surface::Drilled => Surface::Smooth,
+        Surface::Smooth => Surface::Drilled,
+    }
+}
+
+/// What a case came to, with ergonomics and without.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Trial {
+    summaries: [Summary; 2],
+    turns: [Turn; 2],
+    /// Of the run with ergonomics, a line each.
+    transitions: Vec<String>,
+    number: u64,
+}
+
+impl Case {
+    /// Plays it with ergonomics and without.
+    ///
+    /// # Errors
+    /// Settings that the controller refuses.
+    pub fn play(
+        &self,
+        average: &ErgonomicsMap,
+        conditions: Conditions,
+        player: &mut Player<'_>,
+    ) -> Result<Trial, Error> {
+        let mut draw = generator(self.person.seed(), self.number);
+        let map = average.for_stature(self.person.stature())?;
+        let walk = self.person.walk(conditions.sight)?;
+        let mut scenario = walk.scenario(&map, conditions.drive, &mut draw)?;
+        scenario.settings.on_board_camera = Some(CAMERA);
+        scenario.object.faces = vec![
+            WorkFace { side: BoxSide::Front, surface: self.front },
+            WorkFace { side: BoxSide::Back, surface: other(self.front) },
+        ];
+        // In half of the cases the robot is wrong until it has looked.
+        scenario.delivery = Delivery::HandedOver { believed: HeldObject::default() };
+        let needed = self.person.tool().surface();
+        let mut play = |title, goal| {
+            let mut judge = Judge::new(&scenario, &walk.truth, needed);
+            let mut transitions = Vec::new();
+            let summary = player.play(title, &scenario, goal, |row, plant| {
+                if let Some(transition) = plant.command().transition {
+                    transitions.push(format!(
+                        "{:>7.3} s  {:?} -> {:?}: {:?}",
+                        transition.time, transition.from, transition.to, transition.reason
+                    ));
+                }
+                judge.push(row.time, plant);
+            })?;
+            Ok::<_, Error>((summary, judge.turn(), transitions))
+        };
+        let (on, turn_on, transitions) = play("Ergonomics on", Goal::Ergonomics)?;
+        let (off, turn_off, _) = play("Ergonomics off", Goal::LeastMotion)?;
+        let number = self.number;
+        Ok(Trial { summaries: [on, off], turns: [turn_on, turn_off], transitions, number })
+    }
+}
+
+/// Turns with or without ergonomics.
+#[derive(Clone, Debug, Serialize)]
+pub struct TurnsLine {
+    /// All that were played.
+    pub cases: usize,
+    /// Cases in which the object was handed over.
+    pub grasped: usize,
+    /// Cases in which the person engages with the wrong surface before them, and the robot knows.
+    pub recognised: usize,
+    /// Of all cases, those that end with the right surface before the person.
+    pub right: usize,
+    /// Right, within the joints' limits and without a violation of separation or a protective stop.
+    pub safe: usize,
+    /// From the recognised mismatch to the work pose \[s\].
+    pub time_s: Spread,
+    /// Of that, how long the robot is slowed, stands or retreats because of the person \[s\].
+    pub hindered_s: Spread,
+    /// The time over the least time that the limits of the desired pose allow.
+    pub ratio: Spread,
+}
+
+/// What the experiment came to.
+#[derive(Debug, Serialize)]
+pub struct ReorientationResult {
+    /// With ergonomics.
+    pub turns_on: TurnsLine,
+    /// Without.
+    pub turns_off: TurnsLine,
+    #[serde(flatten)]
+    versus: Versus,
+    #[serde(skip)]
+    ratios: Vec<(f64, f64)>,
+    #[serde(skip)]
+    first: Vec<String>,
+    /// The cases that do not end right with ergonomics, and what happened in them.
+    #[serde(skip)]
+    wrong: Vec<String>,
+}
+
+impl ReorientationResult {
+    /// Of these trials.
+    pub fn new(trials: Vec<Trial>) -> Self {
+        let line = |run: usize| {
+            let count =
+                |of: fn(&Turn) -> bool| trials.iter().filter(|trial| of(&trial.turns[run])).count();
+            let clean = |summary: &Summary| {
+                summary.limit_violations == 0
+                    && summary.separation_violations == 0
+                    && summary.protective_stops == 0
+            };
+            let turns = || trials.iter().map(|trial| &trial.turns[run]);
+            TurnsLine {
+                cases: trials.len(),
+                grasped: count(|turn| turn.grasped),
+                recognised: count(|turn| turn.recognised),
+                right: count(|turn| turn.right),
+                safe: trials
+                    .iter()
+                    .filter(|trial| trial.turns[run].right && clean(&trial.summaries[run]))
+                    .count(),
+                time_s: Spread::of(turns().filter_map(|turn| turn.time)),
+                hindered_s: Spread::of(
+                    turns().filter(|turn| turn.time.is_some()).map(|turn| turn.hindered),
+                ),
+                ratio: Spread::of(turns().filter_map(Turn::ratio)),
+            }
+        };
+        let ratios = trials
+            .iter()
+            .filter_map(|trial| Some((trial.turns[0].least_time?, trial.turns[0].time?)));
+        let wrong = trials.iter().filter(|trial| !trial.turns[0].right).map(|trial| {
+            let [x, y, z] = trial.turns[0].off;
+            let lines = trial.transitions.join("\n");
+            format!("case {} ends turned by ({x:.2}, {y:.2}, {z:.2}) rad\n{lines}", trial.number)
+        });
+        Self {
+            wrong: wrong.collect(),
+            turns_on: line(0),
+            turns_off: line(1),
+            ratios: ratios.collect(),
+            first: trials.first().map(|trial| trial.transitions.clone()).unwrap_or_default(),
+            versus: Versus::new(trials.into_iter().map(|trial| trial.summaries)),
+        }
+    }
+
+    fn figure(&self) -> Result<String, Error> {
+        let dots = |name, points| Series { name, style: Style::Dots, points };
+        chart(&[
+            Panel {
+                title: "Each dot a turn",
+                x: "time that the limits allow (s)",
+                y: "time (s)",
+                series: vec![dots("with ergonomics", self.ratios.clone())],
+                diagonal: true,
+            },
+            Panel {
+                title: "Each dot a person",
+                x: "mean e_s without ergonomics",
+                y: "mean e_s with ergonomics",
+                series: vec![dots(
+                    "case",
+                    self.versus.scores().map(|(on, off)| (off, on)).collect(),
+                )],
+                diagonal: true,
+            },
+        ])
+    }
+}
+
+impl fmt::Display for ReorientationResult {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "the first case, with ergonomics")?;
+        for line in &self.first {
+            writeln!(f, "{line}")?;
+        }
+        for case in &self.wrong {
+            writeln!(f, "{case}")?;
+        }
+        writeln!(f, "\n{:<58}{:>10}{:>10}", "ergonomics", "on", "off")?;
+        let (on, off) = (&self.turns_on, &self.turns_off);
+        for (name, of) in [
+            ("cases", (|line| line.cases) as fn(&TurnsLine) -> usize),
+            ("object handed over", |line| line.grasped),
+            ("wrong surface recognised", |line| line.recognised),
+            ("right surface before the person at the end", |line| line.right),
+            ("  and no limit, distance or protective stop violated", |line| line.safe),
+        ] {
+            writeln!(f, "{name:<58}{:>10}{:>10}", of(on), of(off))?;
+        }
+        for (name, of) in [
+            ("time of a turn, mean [s]", (|line| line.time_s.mean) as fn(&TurnsLine) -> f64),
+            ("time of a turn, worst [s]", |line| line.time_s.worst),
+            ("  of it hindered by the person's nearness, mean [s]", |line| line.hindered_s.mean),
+            ("  of it hindered by the person's nearness, worst [s]", |line| line.hindered_s.worst),
+            ("over the time that the limits allow, mean", |line| line.ratio.mean),
+            ("over the time that the limits allow, worst", |line| line.ratio.worst),
+        ] {
+            writeln!(f, "{name:<58}{:>10.2}{:>10.2}", of(on), of(off))?;
+        }
+        writeln!(f, "\n{}", self.versus)
+    }
+}
+
+impl Experiment for Reorientation {
+    const NAME: &'static str = "reorientation";
+    const NEEDS: Needs = Needs::Surfaces;
+    type Case = Case;
+    type Trial = Trial;
+    type Outcome = ReorientationResult;
+
+    fn cases(job: &Job, recordings: &[Arc<Recorded>]) -> Vec<Case> {
+        if recordings.is_empty() {
+            return cases(job.seed, job.cases);
+        }
+        let people = Source::of_recordings(recordings, job.seed).into_iter();
+        let fronts = recordings.iter().filter_map(|recording| recording.facing_camera).map(other);
+        people.zip(fronts).map(|((number, person), front)| Case { number, person, front }).collect()
+    }
+
+    fn play(
+        case: &Case,
+        average: &ErgonomicsMap,
+        conditions: Conditions,
+        player: &mut Player<'_>,
+    ) -> Result<Trial, Error> {
+        case.play(average, conditions, player)
+    }
+
+    fn outcome(trials: Vec<Trial>) -> ReorientationResult {
+        ReorientationResult::new(trials)
+    }
+
+    fn figure(outcome: &ReorientationResult) -> Result<String, Error> {
+        outcome.figure()
+    }
+}

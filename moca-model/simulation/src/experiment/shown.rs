@@ -1,0 +1,52 @@
+//! The page of one case.
+
+use moca_replay::page::{ResultRow, Results, page};
+use moca_replay::recorded::ReplayError;
+use serde::Serialize;
+
+use super::player::ShownRun;
+use crate::Error;
+use crate::run::Comparison;
+
+/// The runs of a case, and what they came to.
+#[derive(Debug, Serialize)]
+pub struct Shown {
+    /// Its number.
+    case: u64,
+    #[serde(flatten)]
+    comparison: Comparison,
+    #[serde(skip)]
+    runs: Vec<ShownRun>,
+}
+
+impl Shown {
+    /// Of the runs of a case; none without runs.
+    pub fn of(case: u64, runs: Vec<ShownRun>) -> Option<Self> {
+        let first = runs.first()?;
+        let comparison = Comparison {
+            separation: first.separation,
+            on: first.summary.clone(),
+            off: runs.get(1).map(|run| run.summary.clone()),
+        };
+        Some(Self { case, comparison, runs })
+    }
+
+    /// The page of a case of this experiment, with the table of all cases.
+    ///
+    /// # Errors
+    /// A run without a tick.
+    pub fn page(&self, experiment: &str, table: &str) -> Result<String, Error> {
+        let rows = self.comparison.rows().map(|(name, digits, values)| ResultRow {
+            name: name.to_owned(),
+            digits,
+            values,
+        });
+        let results = Results {
+            rows: rows.collect(),
+            summary: serde_json::to_value(self).map_err(ReplayError::Json)?,
+            text: table.trim_end().to_owned(),
+        };
+        let replays: Vec<_> = self.runs.iter().map(|run| &run.replay).collect();
+        Ok(page(&format!("{experiment}: case {}", self.case), &replays, &results)?)
+    }
+}

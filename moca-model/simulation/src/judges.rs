@@ -1,0 +1,18 @@
+//! Judges of a robot that share nothing with its controller: limits of joints, torques and the desired pose, and
+//! distances from where people truly are.
+//!
+//! ```
+//! use moca_model::{ControllerSettings, DesiredMotion, MOCA_HOME, moca};
+//! use moca_simulation::judges::LimitMonitor;
+//!
+//! let monitor = LimitMonitor::new(&moca()?, &ControllerSettings::default(), &MOCA_HOME);
+//! assert_eq!(monitor.margins().worst(), 1.0);
+//! # Ok::<(), moca_model::Error>(())
+//! ```
+
+mod limits;
+mod separation;
+
+pub use limits::{Breaches, LimitMonitor, Margins, Return, TorqueMonitor};
+pub(crate) use separation::body;
+pub use separation::{Blame, Moment, SeparationMonitor, Verdict};

@@ -1,0 +1,274 @@
+//! Whether commands keep the limits, by finite differences and apart from the controller.
+//!
+//! The contract (`moca_model::DesiredMotion` and the robot's `JointLimits`): speeds hold for each
+//! joint and along and about each axis, accelerations for each joint, and for x_d by their norm,
+//! ‖ẍ_d‖ of the linear and of the angular part, and jerks for each joint that has a limit. A joint stays within its range; one that starts
+//! outside does not move farther out and returns. The base keeps to what its wheels can do.
+
+use hrsw::Fault;
+use moca_model::whole_body::{JointLimits, Model};
+use moca_model::{Command, ControllerSettings, DesiredMotion, MecanumBase, TorqueLoopSettings};
+use nalgebra::{Vector3, Vector6};
+use serde::{Deserialize, Serialize};
+
+/// What rounding may add: relative to a limit of speed, on a position \[m, rad\], and over the
+/// period relative to a limit of acceleration.
+const ROUNDING: f64 = 1e-9;
+
+/// How long a joint that starts outside its range may take to return while nothing hinders it (s).
+const RETURN_TIME: f64 = 5.0;
+
+/// What a command breaks.
+#[expect(clippy::struct_excessive_bools, reason = "several kinds of limits can be broken at once")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Breaches {
+    /// A limit of speed.
+    pub limit: bool,
+    /// The range of a joint.
+    pub range: bool,
+    /// The limit of acceleration of a joint.
+    pub acceleration: bool,
+    /// The limit of jerk of a joint.
+    pub jerk: bool,
+    /// The limit of ‖ẍ_d‖, linear or angular.
+    pub desired_acceleration: bool,
+}
+
+impl Breaches {
+    /// Returns true if anything is broken.
+    pub fn any(self) -> bool {
+        self.limit || self.range || self.acceleration || self.jerk || self.desired_acceleration
+    }
+}
+
+/// Whether a joint that started outside its range is free to return.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Return {
+    /// Nothing keeps it from returning.
+    Free,
+    /// A person, or the supervisor, may keep the robot where it is.
+    Hindered,
+}
+
+/// How much of each limit was left at the worst tick, as a fraction of the limit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Margins {
+    /// Distance from the nearer position limit over half the range.
+    pub position: f64,
+    /// Of joint velocities, the wheels and ẋ_d.
+    pub velocity: f64,
+    /// Of joint accelerations and ‖ẍ_d‖.
+    pub acceleration: f64,
+    /// Of joint jerks.
+    pub jerk: f64,
+}
+
+impl Margins {
+    const FULL: Self = Self { position: 1.0, velocity: 1.0, acceleration: 1.0, jerk: 1.0 };
+
+    /// The smallest of all.
+    pub fn worst(&self) -> f64 {
+        self.position.min(self.velocity).min(self.acceleration).min(self.jerk)
+    }
+}
+
+/// Watches the commands of a run, tick by tick.
+///
+/// ```
+/// use moca_model::{ControllerSettings, MOCA_HOME, moca};
+/// use crate::judges::LimitMonitor;
+///
+/// let monitor = LimitMonitor::new(&moca()?, &ControllerSettings::default(), &MOCA_HOME);
+/// assert_eq!(monitor.margins().worst(), 1.0);
+/// # Ok::<(), moca_model::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct LimitMonitor {
+    joints: Vec<JointLimits>,
+    desired: DesiredMotion,
+    base: Option<MecanumBase>,
+    period: f64,
+    velocity: Vec<f64>,
+    /// How fast the velocities changed in the last tick.
+    acceleration: Vec<f64>,
+    twist: Vector6<f64>,
+    /// How long each joint has been outside since the start (s); none for those that are within.
+    outside: Vec<Option<f64>>,
+    margins: Margins,
+}
+
+impl LimitMonitor {
+    /// Begins with a robot at rest at `configuration`, n \[rad or m\]. Of the settings count the period and the limits
+    /// of the desired pose and the base.
+    pub fn new(model: &Model, settings: &ControllerSettings, configuration: &[f64]) -> Self {
+        let &ControllerSettings { desired, base, period, .. } = settings;
+        let joints = model.limits().to_vec();
+        let outside = joints
+            .iter()
+            .zip(configuration)
+            .map(|(limits, q)| (!(limits.lower..=limits.upper).contains(q)).then_some(0.0))
+            .collect();
+        let (velocity, acceleration) = (vec![0.0; joints.len()], vec![0.0; joints.len()]);
+        let (twist, margins) = (Vector6::zeros(), Margins::FULL);
+        Self { joints, desired, base, period, velocity, acceleration, twist, outside, margins }
+    }
+
+    /// The worst so far.
+    pub fn margins(&self) -> Margins {
+        self.margins
+    }
+
+    /// Takes a command and the configuration before it, n \[rad or m\]. A number that is not finite
+    /// breaks its limit.
+    pub fn check(
+        &mut self,
+        command: &Command,
+        configuration: &[f64],
+        returning: Return,
+    ) -> Breaches {
+        let mut breaches = Breaches::default();
+        if command.fault == Some(Fault::RobotStopped) {
+            // The robot takes no commands: the next one begins at rest.
+            self.velocity.copy_from_slice(&command.joint_velocity);
+            self.acceleration.fill(0.0);
+            self.twist = command.desired_twist;
+        }
+        for (index, (&v, &q)) in command.joint_velocity.iter().zip(configuration).enumerate() {
+            let Some(limits) = self.joints.get(index).copied() else { continue };
+            let JointLimits { velocity, acceleration, jerk, .. } = limits;
+            breaches.limit |= self.speed(v.abs(), velocity);
+            let change = v - std::mem::replace(&mut self.velocity[index], v);
+            breaches.acceleration |= self.change(change.abs(), acceleration);
+            breaches.jerk |= self.jerk(index, change / self.period, jerk);
+            breaches.range |= self.position(index, q, v, returning);
+        }
+        if let Some(MecanumBase { speed, lever, axis_speed }) = self.base {
+            let [x, y, turn] = command.base_twist.map(f64::abs);
+            breaches.limit |= self.speed(x + y + lever * turn, speed);
+            breaches.limit |= self.speed(x, axis_speed) | self.speed(y, axis_speed);
+        }
+        let twist = command.desired_twist;
+        let change = twist - std::mem::replace(&mut self.twist, twist);
+        let DesiredMotion { velocity, acceleration, angular_velocity, angular_acceleration } =
+            self.desired;
+        for (at, velocity, acceleration) in
+            [(0, velocity, acceleration), (3, angular_velocity, angular_acceleration)]
+        {
+            let part = |v: &Vector6<f64>| -> Vector3<f64> { v.fixed_rows::<3>(at).into() };
+            for speed in part(&twist).iter() {
+                breaches.limit |= self.speed(speed.abs(), velocity);
+            }
+            breaches.desired_acceleration |= self.change(part(&change).norm(), acceleration);
+        }
+        breaches
+    }
+
+    /// Joints that are outside their range now were moved there by no command.
+    pub fn move_outside(&mut self, configuration: &[f64]) {
+        for ((outside, limits), q) in self.outside.iter_mut().zip(&self.joints).zip(configuration) {
+            let is_outside = !(limits.lower..=limits.upper).contains(q);
+            *outside = is_outside.then_some(0.0);
+        }
+    }
+
+    /// Returns true if a speed is too high, or no number.
+    fn speed(&mut self, speed: f64, limit: f64) -> bool {
+        let left = 1.0 - speed / limit;
+        self.margins.velocity = self.margins.velocity.min(left);
+        let kept = left >= -ROUNDING;
+        !kept
+    }
+
+    /// Returns true if a velocity changes too much in a period.
+    fn change(&mut self, change: f64, limit: f64) -> bool {
+        let left = 1.0 - change / self.period / limit;
+        self.margins.acceleration = self.margins.acceleration.min(left);
+        let kept = left >= -ROUNDING / self.period;
+        !kept
+    }
+
+    /// Returns true if the acceleration of a joint changes too much in a period.
+    fn jerk(&mut self, index: usize, acceleration: f64, limit: f64) -> bool {
+        let change = acceleration - std::mem::replace(&mut self.acceleration[index], acceleration);
+        if limit.is_infinite() {
+            return false;
+        }
+        let left = 1.0 - change.abs() / self.period / limit;
+        self.margins.jerk = self.margins.jerk.min(left);
+        let kept = left >= -ROUNDING / self.period;
+        !kept
+    }
+
+    /// Returns true if the velocity `v` takes a joint out of its range, or leaves it outside for
+    /// too long.
+    fn position(&mut self, index: usize, q: f64, v: f64, returning: Return) -> bool {
+        let JointLimits { lower, upper, .. } = self.joints[index];
+        let next = q + v * self.period;
+        let beyond = (next - upper).max(lower - next);
+        let outside = &mut self.outside[index];
+        let within = beyond <= 0.0;
+        if let Some(time) = outside
+            && !within
+        {
+            // From rest there is no reason to go farther out, nor to stay for long.
+            let outwards = if next > upper { v } else { -v };
+            *time += if returning == Return::Free { self.period } else { 0.0 };
+            let kept = outwards <= ROUNDING && *time <= RETURN_TIME;
+            return !kept;
+        }
+        *outside = None;
+        if upper.is_finite() {
+            let left = -beyond / (0.5 * (upper - lower));
+            self.margins.position = self.margins.position.min(left);
+        }
+        let kept = beyond <= ROUNDING;
+        !kept
+    }
+}
+
+/// Watches the torques of a run, tick by tick: within the joints' efforts, changing no faster than the
+/// torque rate.
+///
+/// ```
+/// use crate::judges::TorqueMonitor;
+/// use moca_model::whole_body::Compensation;
+/// use moca_model::{TorqueLoopSettings, moca};
+///
+/// let settings = TorqueLoopSettings::new(Compensation::BARE);
+/// let mut monitor = TorqueMonitor::new(&moca()?, &settings, 0.001);
+/// assert!(!monitor.check(&[80.0; 7][..4])); // the first counts as reached
+/// assert!(!monitor.check(&[81.0; 7][..4]));
+/// assert!(monitor.check(&[83.0; 7][..4])); // 2 Nm in a millisecond
+/// # Ok::<(), moca_model::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct TorqueMonitor {
+    efforts: Vec<f64>,
+    /// Largest change in a period \[Nm\].
+    change: f64,
+    last: Option<Vec<f64>>,
+}
+
+impl TorqueMonitor {
+    /// For the torques of these settings, a command each `period` \[s\].
+    pub fn new(model: &Model, settings: &TorqueLoopSettings, period: f64) -> Self {
+        let joints = model.joints().iter().zip(model.limits());
+        let driven = joints.filter(|(joint, _)| settings.joints.contains(&joint.name));
+        let efforts = driven.map(|(_, limits)| limits.effort).collect();
+        Self { efforts, change: settings.impedance.torque_rate * period, last: None }
+    }
+
+    /// Takes the torques of a tick \[Nm\]; returns true if a limit is broken, or a number is none.
+    pub fn check(&mut self, torque: &[f64]) -> bool {
+        let largest = torque.iter().zip(&self.efforts).all(|(torque, most)| torque.abs() <= *most);
+        let change = self.change * (1.0 + 1e-9);
+        let slow = self.last.as_ref().is_none_or(|last| {
+            torque.iter().zip(last).all(|(torque, last)| (torque - last).abs() <= change)
+        });
+        match &mut self.last {
+            Some(last) => last.clone_from_slice(torque),
+            last => *last = Some(torque.to_vec()),
+        }
+        !(largest && slow)
+    }
+}

@@ -1,0 +1,152 @@
+//! The robot's capsules, tick by tick.
+
+use hrsw::{Capsule, SeparationSettings};
+use moca_model::SafetySettings;
+use moca_model::whole_body::{Data, FrameId, JointLimits, Model};
+use nalgebra::Point3;
+
+use super::body;
+use super::judgement::{Body, MOMENT, Robot, Verdict, emergency_stop, judge};
+use super::rod::Rod;
+use crate::Error;
+use crate::people::Joints;
+
+/// The person in a tick, each time with where they were a period before: none after a jump, or for
+/// somebody who counts as standing.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// Now \[m\].
+    pub person: (&'a Joints, Option<&'a Joints>),
+    /// When the newest frame was taken that shows the person and has arrived \[m\].
+    pub known: Option<(&'a Joints, Option<&'a Joints>)>,
+    /// Whether all but the head may touch the robot.
+    pub contact: bool,
+}
+
+/// Judges every tick of a robot.
+#[derive(Clone, Debug)]
+pub struct SeparationMonitor {
+    model: Model,
+    data: Data,
+    shapes: Vec<(FrameId, Rod)>,
+    /// How many of them are the robot's own.
+    own: usize,
+    own_pairs: Vec<(usize, usize)>,
+    settings: SeparationSettings,
+    limits: Vec<JointLimits>,
+    period: f64,
+    /// In an emergency stop, then as commanded.
+    velocity: Vec<f64>,
+    /// Commanded last, and how fast that changed.
+    last: Vec<f64>,
+    acceleration: Vec<f64>,
+    robot: Robot,
+}
+
+impl SeparationMonitor {
+    /// For a robot at rest, with the control period \[s\].
+    ///
+    /// # Errors
+    /// Bodies on links that the robot does not have.
+    pub fn new(model: &Model, safety: &SafetySettings, period: f64) -> Result<Self, Error> {
+        let mut shapes = Vec::new();
+        for body in &safety.bodies {
+            shapes.push((model.frame_id(&body.link)?, rod(&body.capsule)));
+        }
+        let limits = model.limits().to_vec();
+        let rest = vec![0.0; limits.len()];
+        Ok(Self {
+            data: Data::new(model),
+            own: shapes.len(),
+            own_pairs: safety.own_pairs.clone(),
+            settings: safety.separation,
+            velocity: rest.clone(),
+            last: rest.clone(),
+            acceleration: rest,
+            robot: Robot::default(),
+            model: model.clone(),
+            limits,
+            shapes,
+            period,
+        })
+    }
+
+    /// A frame carries these as well, instead of what was carried before.
+    pub fn carry(&mut self, frame: FrameId, capsules: &[Capsule]) {
+        self.shapes.truncate(self.own);
+        self.shapes.extend(capsules.iter().map(|capsule| (frame, rod(capsule))));
+    }
+
+    /// Judges the tick of a command, n \[m/s, rad/s\], that begins at `configuration`, n \[m, rad\], for each
+    /// person.
+    ///
+    /// # Errors
+    /// A configuration that is not one of the robot.
+    pub fn check(
+        &mut self,
+        velocity: &[f64],
+        configuration: &[f64],
+        people: &[Moment<'_>],
+    ) -> Result<Verdict, Error> {
+        emergency_stop(&self.limits, &self.acceleration, &mut self.velocity, self.period);
+        self.place(velocity, configuration)?;
+        for ((acceleration, now), before) in
+            self.acceleration.iter_mut().zip(velocity).zip(&self.last)
+        {
+            *acceleration = (now - before) / self.period;
+        }
+        self.velocity.copy_from_slice(velocity);
+        self.last.copy_from_slice(velocity);
+        let body = |(now, before): (&Joints, Option<&Joints>)| Body {
+            now: body::capsules(now),
+            before: before.map(body::capsules),
+        };
+        let mut verdict = Verdict::default();
+        for Moment { person, known, contact } in people {
+            let (now, known) = (body(*person), known.map(body));
+            let of_one =
+                judge(&self.settings, &self.robot, &now, known.as_ref(), *contact, self.period);
+            verdict.add(&of_one);
+        }
+        Ok(verdict)
+    }
+
+    /// By how much bodies of the robot overlap that are to keep apart \[m\]: the most of all pairs.
+    pub fn overlap(&self) -> f64 {
+        let now = &self.robot.now;
+        let overlaps = self.own_pairs.iter().map(|&(i, j)| -now[i].distance(&now[j]));
+        overlaps.fold(0.0, f64::max)
+    }
+
+    /// The robot's bodies now, and as they move: commanded, and in an emergency stop.
+    fn place(&mut self, commanded_velocity: &[f64], configuration: &[f64]) -> Result<(), Error> {
+        let Robot { now, commanded, base, stopping } = &mut self.robot;
+        let base_joints = self.settings.base.map_or(0, |base| base.joints);
+        let mut of_base = commanded_velocity.to_vec();
+        of_base.iter_mut().skip(base_joints).for_each(|velocity| *velocity = 0.0);
+        for (rods, velocity, time) in [
+            (now, commanded_velocity, 0.0),
+            (&mut base.before, &of_base, -MOMENT),
+            (&mut base.after, &of_base, MOMENT),
+            (&mut commanded.before, commanded_velocity, -MOMENT),
+            (&mut commanded.after, commanded_velocity, MOMENT),
+            (&mut stopping.before, &self.velocity, -MOMENT),
+            (&mut stopping.after, &self.velocity, MOMENT),
+        ] {
+            let moved = configuration.iter().zip(velocity).map(|(q, v)| q + v * time);
+            let q: Vec<f64> = moved.collect();
+            let posed = self.data.pose(&self.model, &q)?;
+            rods.clear();
+            for (link, rod) in &self.shapes {
+                let pose = posed.world_from(*link)?;
+                let ends = rod.ends.map(|end| (pose * Point3::from(end)).coords);
+                rods.push(Rod { ends, ..*rod });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn rod(capsule: &Capsule) -> Rod {
+    Rod { ends: [*capsule.start(), *capsule.end()], radius: capsule.radius() }
+}

@@ -1,0 +1,42 @@
+//! Colour and depth.
+
+use human_perception::frames::ColourImage;
+use vision_models::{DepthImage, Error};
+
+/// A colour image with the depth of each pixel.
+#[derive(Clone, Debug)]
+pub struct RenderedImage {
+    pub(super) size: [usize; 2],
+    /// Red, green, blue, row after row.
+    pub(super) colour: Vec<u8>,
+    /// In metres; infinite where nothing is.
+    pub(super) depth: Vec<f32>,
+}
+
+impl RenderedImage {
+    /// Width and height (pixels).
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// The depth at a pixel (m), infinite where nothing is and outside the image.
+    pub fn depth_at(&self, column: usize, row: usize) -> f32 {
+        let [width, _] = self.size;
+        let inside = column < width;
+        let depth = self.depth.get(row * width + column).filter(|_| inside);
+        depth.copied().unwrap_or(f32::INFINITY)
+    }
+
+    /// The depths without any noise.
+    ///
+    /// # Errors
+    /// None for an image that was rendered.
+    pub fn depth_image(&self) -> Result<DepthImage, Error> {
+        DepthImage::from_metres(self.size, self.depth.clone())
+    }
+
+    /// The colours.
+    pub fn colours(&self) -> ColourImage<'_> {
+        ColourImage { size: self.size, pixels: &self.colour }
+    }
+}

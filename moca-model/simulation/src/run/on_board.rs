@@ -1,0 +1,70 @@
+//! What the robot's own camera makes of the object that the robot holds.
+
+use nalgebra::Vector3;
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use vision_models::{Confidence, RecognisedSurface, Surface};
+
+use super::scenario::Scenario;
+use crate::plant::Plant;
+use crate::{Error, random};
+
+/// The stream of its random numbers.
+const STREAM: u64 = 300;
+
+/// Probability that a surface is not seen, and that it is taken for the other.
+const MISSED: f64 = 0.02;
+const MISTAKEN: f64 = 0.02;
+
+/// A side is seen if its normal is within 60° of the way to the camera.
+const SEEN: f64 = 0.5;
+
+/// A camera on the base, with a network behind it that makes mistakes.
+#[derive(Clone, Debug)]
+pub(super) struct OnBoardEye {
+    draw: ChaCha8Rng,
+}
+
+impl OnBoardEye {
+    pub(super) fn new(seed: u64) -> Self {
+        Self { draw: random::generator(seed, STREAM) }
+    }
+
+    /// The surface of the true object that faces the camera; none while the robot holds nothing.
+    pub(super) fn look(
+        &mut self,
+        plant: &Plant,
+        scenario: &Scenario,
+    ) -> Result<Option<RecognisedSurface>, Error> {
+        // Drawn in any case, so that what follows does not depend on what is seen.
+        let sure = self.draw.random_range(0.8..0.99);
+        let (missed, mistaken) = (self.draw.random_bool(MISSED), self.draw.random_bool(MISTAKEN));
+        let Some(camera) = scenario.settings.on_board_camera else { return Ok(None) };
+        let camera = Vector3::from(camera);
+        if plant.controller().object().is_none() || missed {
+            return Ok(None);
+        }
+        let tool = plant.tool();
+        let [x, y, yaw] = [0, 1, 2].map(|joint| plant.configuration()[joint]);
+        let (sine, cosine) = yaw.sin_cos();
+        let eye = Vector3::new(
+            x + cosine * camera.x - sine * camera.y,
+            y + sine * camera.x + cosine * camera.y,
+            camera.z,
+        );
+        let object = &scenario.object;
+        let from_world = (tool * object.tool_from_object).inverse();
+        let way = (from_world * nalgebra::Point3::from(eye)).coords.normalize();
+        let facing = object.faces.iter().filter(|face| face.side.normal().dot(&way) >= SEEN);
+        let surface = facing.map(|face| face.surface).next();
+        let other = |surface| match surface {
+            Surface::Smooth => Surface::Drilled,
+            Surface::Drilled => Surface::Smooth,
+        };
+        let confidence = Confidence::new(if mistaken { sure - 0.3 } else { sure })?;
+        Ok(surface.map(|surface| RecognisedSurface {
+            surface: if mistaken { other(surface) } else { surface },
+            confidence,
+        }))
+    }
+}

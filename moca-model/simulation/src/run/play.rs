@@ -1,0 +1,352 @@
+//! One run of the loop.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use ergo_map::PersonFrame;
+use hrsw::{SafetyState, Workspace};
+use human_perception::percepts::{Assessor, MeasuredAssessment};
+use moca_model::{Command, Controller, ControllerSettings, Goal, HeldObject, Phase};
+use moca_replay::recorded::Recorder;
+use moca_replay::report::TickRow;
+use nalgebra::Vector3;
+use vision_models::{Body, Percept};
+
+use super::on_board::OnBoardEye;
+use super::scenario::{Delivery, Scenario};
+use super::scoring::Scorer;
+use super::seen::{SeenOthers, SeenPerson};
+use super::summary::Summary;
+use super::tally::{Played, Tally};
+use super::true_person::TruePerson;
+use super::work::WorkForce;
+use super::working_hand::WorkingHand;
+use crate::Error;
+use crate::judges::{LimitMonitor, Moment, Return, SeparationMonitor};
+use crate::plant::Plant;
+
+/// A margin below which x_d counts as within the workspace \[m or rad\].
+const INSIDE: f64 = 1e-3;
+
+/// Of the robot's noise, the same in both runs.
+const SEED: u64 = 1;
+
+/// One controller against the simulated robot.
+#[derive(Debug)]
+pub struct Run<'a> {
+    scenario: &'a Scenario,
+    scorer: Scorer<'a>,
+    assessor: Assessor,
+    /// In the newest percept.
+    measured: Option<MeasuredAssessment>,
+    plant: Plant,
+    on_board: OnBoardEye,
+    work: WorkForce,
+    hand: WorkingHand,
+    monitor: LimitMonitor,
+    person: SeenPerson,
+    /// By whom distances are judged, where that is known.
+    true_person: Option<TruePerson<'a>>,
+    others: SeenOthers,
+    separation: SeparationMonitor,
+    period: f64,
+    engaged: bool,
+    state: SafetyState,
+    tally: Tally,
+    recorder: Option<&'a mut Recorder>,
+}
+
+impl<'a> Run<'a> {
+    /// A run from the beginning.
+    ///
+    /// # Errors
+    /// Settings that the controller refuses.
+    pub fn new(scenario: &'a Scenario, goal: Goal) -> Result<Self, Error> {
+        let settings = ControllerSettings { goal, ..scenario.settings.clone() };
+        let period = settings.period;
+        let monitor = LimitMonitor::new(&scenario.model, &settings, &scenario.start);
+        let start = &scenario.start;
+        let controller =
+            Controller::new(scenario.model.clone(), scenario.comfort, settings, start)?;
+        let safety = &scenario.settings.safety;
+        let separation = SeparationMonitor::new(&scenario.model, safety, period)?;
+        let torques = scenario.torques.clone();
+        let plant = Plant::with_torques(scenario.drive, controller, torques, SEED)?;
+        let mut run = Self {
+            on_board: OnBoardEye::new(SEED),
+            scorer: Scorer::new(&scenario.map),
+            assessor: Assessor::new(scenario.posture),
+            measured: None,
+            plant,
+            work: WorkForce::default(),
+            hand: WorkingHand::new(scenario.map.stature(), scenario.map.side()),
+            monitor,
+            person: SeenPerson::default(),
+            true_person: scenario.truth.as_ref().map(|motion| TruePerson::new(motion, period)),
+            others: SeenOthers::default(),
+            separation,
+            period,
+            engaged: false,
+            state: SafetyState::Normal,
+            tally: Tally::default(),
+            recorder: None,
+            scenario,
+        };
+        if let Delivery::Held = scenario.delivery {
+            run.hold(&scenario.object)?;
+        }
+        Ok(run)
+    }
+
+    /// The same, with a recorder that sees every camera frame and every tick.
+    #[must_use]
+    pub fn recorded_by(mut self, recorder: &'a mut Recorder) -> Self {
+        self.recorder = Some(recorder);
+        self
+    }
+
+    /// Plays the scenario to its end; `each` sees every tick, with the robot as it is when the tick is over, and may
+    /// end it there.
+    ///
+    /// # Errors
+    /// Percepts out of order.
+    pub fn play(
+        mut self,
+        mut each: impl FnMut(&TickRow, &Plant) -> ControlFlow<()>,
+    ) -> Result<Summary, Error> {
+        let begin = self.scenario.percepts.first().map_or(0.0, |percept| percept.time);
+        let duration = self.scenario.duration();
+        let percepts = self.scenario.percepts.iter().zip(&self.scenario.arrivals);
+        let mut percepts = percepts.enumerate().peekable();
+        let started = Instant::now();
+        let mut elapsed = 0.0;
+        let mut flow = ControlFlow::Continue(());
+        while elapsed <= duration && flow.is_continue() {
+            let has_come = |(_, (_, at)): &(usize, (&Percept, &f64))| **at <= begin + elapsed;
+            while let Some((frame, (percept, _))) = percepts.next_if(has_come) {
+                let (shown, others) = (self.hand.show(percept), self.scenario.others(frame));
+                self.observe(&shown, others)?;
+                self.adapt()?;
+                let least_confidence = self.scenario.settings.safety.person.least_confidence;
+                let person = percept.body.as_ref();
+                self.others.update(percept.time, person, others, least_confidence);
+                if let Some(body) = &shown.body {
+                    self.person.update(percept.time, body, least_confidence);
+                    if let Some(person) = &mut self.true_person {
+                        person.show(percept.time, &self.hand);
+                    }
+                }
+                self.measured = match &percept.body {
+                    Some(body) => self.assessor.update(percept.time, body)?,
+                    None => None,
+                };
+                if let Some(recorder) = &mut self.recorder {
+                    let measured =
+                        self.measured.map(|measured| (measured.side, measured.reba.sub_scores));
+                    recorder.observe(&shown, others, measured);
+                }
+            }
+            let row = self.tick(begin + elapsed)?;
+            flow = each(&row, &self.plant);
+            #[expect(clippy::cast_precision_loss, reason = "ticks count far below 2^52")]
+            let time = self.tally.ticks as f64 * self.period;
+            elapsed = time;
+        }
+        let wall = started.elapsed().as_secs_f64();
+        let played = Played {
+            is_complete: flow.is_continue(),
+            duration: elapsed.min(duration),
+            wall,
+            period: self.period,
+            margins: self.monitor.margins(),
+            truth: self.true_person.is_some(),
+        };
+        Ok(self.tally.summary(&played))
+    }
+
+    fn observe(&mut self, percept: &Percept, others: &[Body]) -> Result<(), Error> {
+        let taken = match &self.scenario.delivery {
+            Delivery::Held => self.plant.observe_people(percept, others),
+            Delivery::HandedOver { .. } => {
+                let surface = self.on_board.look(&self.plant, self.scenario)?;
+                self.plant.observe_people(&Percept { surface, ..percept.clone() }, others)
+            }
+        };
+        // Too many people, or a body that is nobody's, stop the robot; the run goes on.
+        match taken {
+            Err(Error::Controller(
+                moca_model::Error::TooManyPeople { .. }
+                | moca_model::Error::Body { .. }
+                | moca_model::Error::BodySpeed { .. },
+            )) => Ok(()),
+            taken => taken,
+        }
+    }
+
+    /// Closes the gripper when the object is there.
+    fn grasp(&mut self) -> Result<(), Error> {
+        match &self.scenario.delivery {
+            Delivery::HandedOver { believed } if self.plant.command().phase == Phase::Grasping => {
+                self.hold(believed)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The robot holds the object, and takes it for this.
+    fn hold(&mut self, believed: &HeldObject) -> Result<(), Error> {
+        let tool = self.plant.controller().robot().tool();
+        self.separation.carry(tool, &[self.scenario.object.capsule()?]);
+        self.plant.hold(believed)
+    }
+
+    /// Has the controller minimise the ergonomics of somebody of the stature that was measured.
+    fn adapt(&mut self) -> Result<(), Error> {
+        let Some(stature) = self.scenario.adapts_from else { return Ok(()) };
+        if let Some(measured) = self.plant.controller().space().stature() {
+            let comfort = self.scenario.comfort.resized(measured.stature / stature)?;
+            self.plant.controller_mut().set_comfort(comfort);
+        }
+        Ok(())
+    }
+
+    fn tick(&mut self, now: f64) -> Result<TickRow, Error> {
+        let tick_us = self.plant.step(now)?;
+        let actual = self.plant.hand().translation.vector;
+        let (command, space) = (self.plant.command(), self.plant.controller().space());
+        let undisturbed = command.safety == SafetyState::Normal && space.person().is_none();
+        let returning = if undisturbed { Return::Free } else { Return::Hindered };
+        let breaches = self.monitor.check(command, self.plant.reference(), returning);
+
+        let violation = space.workspace().violation(&command.desired);
+        let inside = violation.amax() <= INSIDE;
+        // Working together begins when the tool first arrives in the shared workspace.
+        self.engaged = space.is_shared() && (self.engaged || inside);
+        let mut row = row(command, now, tick_us, &actual);
+        row.q = self.plant.configuration().to_vec();
+        (row.workspace_min, row.workspace_max) = extent(space.workspace());
+        row.collaborating = self.engaged;
+        let hand = space.person().and_then(|person| {
+            let floor = Vector3::new(person.floor.x, person.floor.y, 0.0);
+            let frame = PersonFrame::new(floor, person.heading).ok()?;
+            self.scorer.score(&frame, &actual)
+        });
+        if let Some(hand) = hand {
+            row.score = hand.score;
+            row.reba = hand.reba;
+        }
+        let begins = |state| command.safety == state && self.state != state;
+        let (stops, retreats) = (begins(SafetyState::ProtectiveStop), begins(SafetyState::Retreat));
+        row.reba_measured = self.measured.map(|measured| measured.reba.reba);
+        self.move_person(now, &actual);
+        let too_near = self.is_too_near()?;
+        let command = self.plant.command();
+        let tally = &mut self.tally;
+        tally.separation_violations += u64::from(too_near);
+        if let (true, Some(reba)) = (self.engaged, row.reba_measured) {
+            tally.measured += 1;
+            tally.reba_measured += f64::from(reba);
+            tally.reba_measured_max = tally.reba_measured_max.max(reba);
+        }
+        tally.ticks += 1;
+        tally.violations += u64::from(breaches.any());
+        tally.jerk_violations += u64::from(breaches.jerk);
+        tally.stops += u64::from(stops);
+        tally.retreats += u64::from(retreats);
+        if let Some(breaks) = self.plant.breaks_torque_limits() {
+            tally.torque_violations =
+                Some(tally.torque_violations.unwrap_or_default() + u64::from(breaks));
+        }
+        tally.failures += u64::from(!command.outcome.is_optimal());
+        tally.error_squared += (command.desired.translation.vector - actual).norm_squared();
+        if let (true, Some(hand)) = (self.engaged, hand) {
+            tally.together += 1;
+            tally.score += hand.score;
+            tally.score_max = tally.score_max.max(hand.score);
+            tally.reba += f64::from(hand.reba);
+            tally.reba_max = tally.reba_max.max(hand.reba);
+            tally.outside += u64::from(!inside);
+            tally.out_of_reach += u64::from(!hand.reached);
+        }
+        if let Some(recorder) = &mut self.recorder {
+            recorder.tick(self.plant.controller(), self.plant.configuration(), &row)?;
+        }
+        self.state = command.safety;
+        self.tally.ticks_us.push(tick_us);
+        let towards =
+            self.plant.controller().space().person().map(|person| {
+                Vector3::new(actual.x - person.floor.x, actual.y - person.floor.y, 0.0)
+            });
+        let force = self.work.advance(towards.filter(|_| self.engaged), self.period);
+        self.plant.act(&force)?;
+        self.grasp()?;
+        Ok(row)
+    }
+
+    /// The person's hand follows the tool, at `actual` \[m\], as long as they work on it.
+    fn move_person(&mut self, now: f64, actual: &Vector3<f64>) {
+        if let Some(joints) = self.scenario.truth.as_ref().and_then(|motion| motion.at(now)) {
+            self.hand.follow(&joints);
+        }
+        self.hand.advance(now, self.period, Some(*actual).filter(|_| self.engaged));
+        if let Some(person) = &mut self.true_person {
+            person.advance(now, &self.hand);
+        }
+    }
+
+    /// Returns true if the robot comes nearer to anybody than it may: to the true person, or where nobody knows
+    /// that, to the one whom the percepts show; to others as they are seen.
+    fn is_too_near(&mut self) -> Result<bool, Error> {
+        if !self.scenario.has_separation() {
+            return Ok(false);
+        }
+        let contact = self.plant.controller().safety().contact_speed() > 0.0;
+        let (velocity, start) = (&self.plant.command().joint_velocity, self.plant.reference());
+        let seen = self.person.joints().map(|now| (self.person.before(&now, self.period), now));
+        let moment = if let Some(person) = &self.true_person {
+            person.moment(contact)
+        } else {
+            seen.as_ref().map(|(before, now)| {
+                let person = (now, Some(before));
+                Moment { person, known: Some(person), contact }
+            })
+        };
+        let others = self.others.joints(self.period);
+        let others = others.iter().map(|(before, now)| {
+            let person = (now, Some(before));
+            Moment { person, known: Some(person), contact: false }
+        });
+        let people: Vec<Moment<'_>> = moment.into_iter().chain(others).collect();
+        if people.is_empty() {
+            return Ok(false);
+        }
+        let verdict = self.separation.check(velocity, start, &people)?;
+        let contact_speed = verdict.contact_speed.filter(|_| self.true_person.is_some());
+        self.tally.contact_speeds.extend(contact_speed);
+        Ok(verdict.violation.is_some())
+    }
+}
+
+/// The parts of a row that the command holds.
+fn row(command: &Command, now: f64, tick_us: f64, actual: &Vector3<f64>) -> TickRow {
+    TickRow {
+        time: now,
+        desired: command.desired.translation.vector.into(),
+        actual: (*actual).into(),
+        slack: command.slack.into(),
+        solve_time_us: tick_us,
+        qdot: command.joint_velocity.clone(),
+        ..TickRow::default()
+    }
+}
+
+/// The box along world axes around the workspace.
+fn extent(workspace: &Workspace) -> ([f64; 3], [f64; 3]) {
+    let bounds = workspace.position();
+    let centre = (bounds.min() + bounds.max()) * 0.5;
+    let half = (bounds.max() - bounds.min()) * 0.5;
+    let frame = workspace.world_from_workspace();
+    let middle = frame.transform_point(&centre.into()).coords;
+    let reach = frame.rotation.to_rotation_matrix().matrix().abs() * half;
+    ((middle - reach).into(), (middle + reach).into())
+}

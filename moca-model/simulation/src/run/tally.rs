@@ -1,0 +1,100 @@
+//! What is counted of a run, tick by tick.
+
+use super::summary::{MeasuredReba, Summary};
+use crate::judges::Margins;
+
+/// Sums over ticks.
+#[derive(Debug, Default)]
+pub(super) struct Tally {
+    pub(super) ticks: u64,
+    pub(super) together: u64,
+    pub(super) score: f64,
+    pub(super) score_max: f64,
+    pub(super) reba: f64,
+    pub(super) reba_max: u8,
+    /// Ticks of those with a measured posture.
+    pub(super) measured: u64,
+    pub(super) reba_measured: f64,
+    pub(super) reba_measured_max: u8,
+    pub(super) error_squared: f64,
+    pub(super) outside: u64,
+    pub(super) out_of_reach: u64,
+    pub(super) violations: u64,
+    pub(super) jerk_violations: u64,
+    /// None where there are no torques.
+    pub(super) torque_violations: Option<u64>,
+    /// How often a protective stop began, and a retreat.
+    pub(super) stops: u64,
+    pub(super) retreats: u64,
+    pub(super) separation_violations: u64,
+    /// One element a tick with a part of the true person within 5 cm that may be touched \[m/s\].
+    pub(super) contact_speeds: Vec<f64>,
+    pub(super) failures: u64,
+    /// How long the controller took, tick by tick \[µs\].
+    pub(super) ticks_us: Vec<f64>,
+}
+
+/// What is known of a run when it is over.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Played {
+    /// Whether it was played to its end.
+    pub(super) is_complete: bool,
+    /// Simulated time \[s\].
+    pub(super) duration: f64,
+    /// Time that it took \[s\].
+    pub(super) wall: f64,
+    /// The control period \[s\].
+    pub(super) period: f64,
+    /// Of the limits.
+    pub(super) margins: Margins,
+    /// Whether it is known where the person truly is.
+    pub(super) truth: bool,
+}
+
+impl Tally {
+    /// What they came to.
+    pub(super) fn summary(mut self, played: &Played) -> Summary {
+        let &Played { is_complete, duration, wall, period, margins, truth } = played;
+        let contact_speed = quantile(&mut self.contact_speeds, 999);
+        let tick_us = [500, 990, 1000]
+            .map(|thousandths| quantile(&mut self.ticks_us, thousandths).unwrap_or_default());
+        let tally = self;
+        let share = |sum: f64, ticks: u64| if ticks == 0 { 0.0 } else { sum / ticks as f64 };
+        let time = |ticks: u64| ticks as f64 * period;
+        Summary {
+            is_complete,
+            duration,
+            together: time(tally.together),
+            score_mean: share(tally.score, tally.together),
+            score_max: tally.score_max,
+            reba_mean: share(tally.reba, tally.together),
+            reba_max: tally.reba_max,
+            reba_measured: (tally.measured > 0).then(|| MeasuredReba {
+                mean: share(tally.reba_measured, tally.measured),
+                max: tally.reba_measured_max,
+            }),
+            tracking_error_rms_mm: 1e3 * share(tally.error_squared, tally.ticks).sqrt(),
+            outside: time(tally.outside),
+            out_of_reach: time(tally.out_of_reach),
+            margins,
+            limit_violations: tally.violations,
+            jerk_violations: tally.jerk_violations,
+            torque_violations: tally.torque_violations,
+            protective_stops: tally.stops,
+            retreats: tally.retreats,
+            truth,
+            separation_violations: tally.separation_violations,
+            contact_speed,
+            solver_failures: tally.failures,
+            tick_us,
+            wall,
+        }
+    }
+}
+
+/// The value that so many thousandths of all do not exceed; none of none.
+fn quantile(values: &mut [f64], thousandths: usize) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let last = values.len().checked_sub(1)?;
+    values.get((values.len() * thousandths / 1000).min(last)).copied()
+}

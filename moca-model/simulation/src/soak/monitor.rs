@@ -1,0 +1,253 @@
+//! The checks of every tick.
+
+use hrsw::{Capsule, Fault, SafetyState};
+use moca_model::whole_body::{FrameId, Model};
+use moca_model::{Command, ControllerSettings};
+use serde::{Deserialize, Serialize};
+
+use super::disturbance::{Disturbance, Endings};
+use crate::Error;
+use crate::judges::{LimitMonitor, Moment, Return, SeparationMonitor};
+
+/// Ticks with something wrong, by kind, and two kinds that are not wrong but worth counting.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Counts {
+    /// The hierarchy was not solved to its optimum.
+    pub infeasible: u64,
+    /// A number of the command is not finite.
+    pub not_finite: u64,
+    /// A limit of position or velocity is violated.
+    pub limit_violations: u64,
+    /// An acceleration limit of a joint is violated.
+    pub acceleration_violations: u64,
+    /// A jerk limit of a joint is violated.
+    pub jerk_violations: u64,
+    /// A torque, or its change, is too large.
+    pub torque_violations: u64,
+    /// The robot moves towards a person who is too near, and is not the person's own doing.
+    pub separation_violations: u64,
+    /// The velocity of the desired pose changes faster than its limit.
+    pub discontinuities: u64,
+    /// Bodies of the robot that are to keep apart overlap.
+    pub self_collisions: u64,
+    /// As `separation_violations`, by the person's own motion.
+    pub person_caused: u64,
+    /// The robot comes nearer to a person who works with it.
+    pub contact: u64,
+    /// Something is wrong with the loop, and the robot may do more than the book says.
+    pub wrong_states: u64,
+}
+
+impl Counts {
+    /// The sum of all that must be zero.
+    pub fn wrong(&self) -> u64 {
+        self.infeasible
+            + self.not_finite
+            + self.limit_violations
+            + self.acceleration_violations
+            + self.jerk_violations
+            + self.torque_violations
+            + self.separation_violations
+            + self.discontinuities
+            + self.self_collisions
+            + self.wrong_states
+    }
+}
+
+impl std::ops::AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        self.infeasible += other.infeasible;
+        self.not_finite += other.not_finite;
+        self.limit_violations += other.limit_violations;
+        self.acceleration_violations += other.acceleration_violations;
+        self.jerk_violations += other.jerk_violations;
+        self.torque_violations += other.torque_violations;
+        self.separation_violations += other.separation_violations;
+        self.discontinuities += other.discontinuities;
+        self.self_collisions += other.self_collisions;
+        self.person_caused += other.person_caused;
+        self.contact += other.contact;
+        self.wrong_states += other.wrong_states;
+    }
+}
+
+/// What happens in a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Tick<'a> {
+    /// The controller's answer.
+    pub command: &'a Command,
+    /// Where the robot is \[m, rad\].
+    pub configuration: &'a [f64],
+    /// Where the command begins \[m, rad\].
+    pub reference: &'a [f64],
+    /// Whether torques broke a limit; none without torques.
+    pub breaks_torque: Option<bool>,
+    /// Everybody.
+    pub people: &'a [Moment<'a>],
+    /// What is wrong with the loop at present, and for how long already \[s\].
+    pub disturbance: Option<(Disturbance, f64)>,
+}
+
+/// Checks every tick of an episode.
+#[derive(Clone, Debug)]
+pub struct Monitor {
+    separation: SeparationMonitor,
+    limits: LimitMonitor,
+    /// What was found so far.
+    pub counts: Counts,
+    /// How disturbances have ended.
+    pub ended: Endings,
+    /// Whether the tick before had no time, or no measurement.
+    was_blind: bool,
+    /// Ticks left in which joints may be outside their ranges by a push.
+    settling: u64,
+    /// By how much the robot's own bodies overlap that a push has brought together, at most from now on \[m\].
+    pushed_overlap: f64,
+    /// How fast the robot itself comes nearer to parts within 5 cm that it may touch, tick by tick \[m/s\].
+    pub contact_speeds: Vec<f64>,
+    /// The first tick with something wrong, and what is known of it.
+    pub first_wrong: Option<String>,
+}
+
+impl Monitor {
+    /// For a robot at rest.
+    ///
+    /// # Errors
+    /// Bodies on links that the robot does not have.
+    pub fn new(
+        model: &Model,
+        settings: &ControllerSettings,
+        configuration: &[f64],
+    ) -> Result<Self, Error> {
+        let period = settings.period;
+        Ok(Self {
+            separation: SeparationMonitor::new(model, &settings.safety, period)?,
+            limits: LimitMonitor::new(model, settings, configuration),
+            counts: Counts::default(),
+            ended: Endings::default(),
+            settling: 0,
+            pushed_overlap: 0.0,
+            was_blind: false,
+            contact_speeds: Vec::new(),
+            first_wrong: None,
+        })
+    }
+
+    /// The robot holds this, too, in the frame `tool`.
+    pub fn carry(&mut self, tool: FrameId, object: &Capsule) {
+        self.separation.carry(tool, std::slice::from_ref(object));
+    }
+
+    /// Checks a tick.
+    ///
+    /// # Errors
+    /// A configuration that is not one of the robot.
+    pub fn check(&mut self, tick: &Tick<'_>) -> Result<(), Error> {
+        let command = tick.command;
+        let is_settling = self.settle(tick);
+        let counts = &mut self.counts;
+        let blind = tick.disturbance.is_some_and(|(what, _)| what.leaves_nothing_to_solve());
+        // The tick after a wrong time has no time either.
+        let was_blind = std::mem::replace(&mut self.was_blind, blind);
+        let could_solve = !blind && !was_blind;
+        if let Some((disturbance, lasts)) = tick.disturbance {
+            counts.wrong_states += u64::from(command.safety < disturbance.least_state(lasts));
+        }
+        counts.infeasible += u64::from(!command.outcome.is_optimal() && could_solve);
+        if !is_finite(command) {
+            counts.not_finite += 1;
+            return Ok(());
+        }
+
+        let knows_nobody = tick.people.iter().all(|moment| moment.known.is_none());
+        let free = command.safety == SafetyState::Normal && knows_nobody;
+        let returning = if free { Return::Free } else { Return::Hindered };
+        let breaches = self.limits.check(command, tick.reference, returning);
+        counts.limit_violations += u64::from(breaches.limit || breaches.range && !is_settling);
+        counts.acceleration_violations += u64::from(breaches.acceleration);
+        counts.jerk_violations += u64::from(breaches.jerk);
+        counts.torque_violations += u64::from(tick.breaks_torque == Some(true));
+        counts.discontinuities += u64::from(breaches.desired_acceleration);
+
+        let velocity = &command.joint_velocity;
+        let verdict = self.separation.check(velocity, tick.configuration, tick.people)?;
+        let collides = self.collides(is_settling);
+        let counts = &mut self.counts;
+        counts.separation_violations += u64::from(verdict.violation.is_some());
+        counts.person_caused += u64::from(verdict.person_caused);
+        counts.contact += u64::from(verdict.contact);
+        self.contact_speeds.extend(verdict.contact_speed);
+        counts.self_collisions += u64::from(collides);
+        if self.first_wrong.is_none() && self.counts.wrong() > 0 {
+            let blame = verdict.violation;
+            let Command { outcome, fault, .. } = command;
+            self.first_wrong = Some(format!(
+                "{outcome:?} {fault:?} {breaches:?} {blame:?} {:?}; {:?}",
+                tick.disturbance, self.counts
+            ));
+        }
+        Ok(())
+    }
+
+    /// Returns true if the robot has moved its own bodies into each other. Those that a push has brought
+    /// together may stay where it left them, as long as the robot does not press them together.
+    fn collides(&mut self, is_settling: bool) -> bool {
+        let overlap = self.separation.overlap();
+        if is_settling {
+            self.pushed_overlap = overlap;
+        } else if self.pushed_overlap > 0.0 && overlap <= self.pushed_overlap + SAGGING {
+            self.pushed_overlap = self.pushed_overlap.min(overlap);
+        } else {
+            return overlap > 0.0;
+        }
+        false
+    }
+
+    /// Somebody pushes a joint, or the robot brakes by itself or unseen, which may take it out of its range. Returns true if that,
+    /// and its braking, may be so.
+    fn settle(&mut self, tick: &Tick<'_>) -> bool {
+        use Disturbance::{ArmPushed, CommandsLost, MeasurementFrozen, MeasurementMissing};
+        let disturbance = tick.disturbance.map(|(disturbance, _)| disturbance);
+        if let Some(ArmPushed | CommandsLost | MeasurementMissing | MeasurementFrozen) = disturbance
+        {
+            self.settling = SETTLING;
+        }
+        let is_settling = self.settling > 0;
+        self.settling = self.settling.saturating_sub(1);
+        // Of a robot that does not follow, what is commanded starts anew from what is measured, noise included. A
+        // command that takes a joint farther out counts all the same.
+        let starts_anew =
+            matches!(tick.command.fault, Some(Fault::RobotStopped | Fault::FollowingError))
+                || is_unseen(tick.command);
+        if is_settling || starts_anew {
+            self.limits.move_outside(tick.reference);
+        }
+        is_settling
+    }
+}
+
+/// Where the robot is is only predicted.
+fn is_unseen(command: &Command) -> bool {
+    let unseen = [Fault::MissingMeasurement, Fault::FrozenMeasurement];
+    command.fault.is_some_and(|fault| unseen.contains(&fault))
+}
+
+/// A robot that gives a little under its own weight comes no nearer to itself than this \[m\].
+const SAGGING: f64 = 1e-3;
+
+/// Ticks after a push in which joints may still brake that it took out of their ranges.
+const SETTLING: u64 = 500;
+
+fn is_finite(command: &Command) -> bool {
+    let numbers = command
+        .joint_velocity
+        .iter()
+        .chain(&command.joint_position)
+        .chain(&command.base_twist)
+        .chain(command.desired_twist.iter())
+        .chain(command.slack.iter())
+        .chain(command.desired.translation.vector.iter())
+        .chain(command.desired.rotation.coords.iter());
+    numbers.into_iter().all(|number| number.is_finite())
+}

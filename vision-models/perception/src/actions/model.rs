@@ -1,0 +1,122 @@
+//! A trained recogniser: a folder with the head and what it was trained on.
+
+use std::{collections::BTreeMap, path::Path};
+
+use ndarray::{Array2, ArrayView2};
+use serde::{Deserialize, Serialize};
+use vision_models::{LinearHead, Tensors, softmax};
+
+use super::window::Window;
+use crate::{
+    Error,
+    file::{make_folder, write_whole},
+    learning::{backbone::WeightsIdentity, description, split::Part},
+};
+
+const FILE: &str = "actions.json";
+const HEAD: &str = "head.safetensors";
+const VERSION: u32 = 1;
+/// The layer's name, as in mmaction2.
+const LAYER: &str = "cls_head.fc_cls";
+
+/// A trained recogniser.
+#[derive(Debug)]
+pub struct ActionModel {
+    /// The new last layer, with the names of the classes.
+    pub head: LinearHead,
+    /// What the network sees.
+    pub window: Window,
+    /// The network's weights.
+    pub weights: WeightsIdentity,
+    /// What each clip of the training's folder was for, by name.
+    pub parts: BTreeMap<String, Part>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Description {
+    action_model: u32,
+    classes: Vec<String>,
+    window: Window,
+    weights: WeightsIdentity,
+    training: Vec<String>,
+    test: Vec<String>,
+}
+
+impl ActionModel {
+    /// Writes it into a folder, the description last.
+    ///
+    /// # Errors
+    /// With the place that cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
+        make_folder(folder)?;
+        let mut head = Vec::new();
+        self.head.tensors(LAYER)?.write_safetensors(&mut head)?;
+        write_whole(&folder.join(HEAD), &head)?;
+        let of = |part| {
+            let own = self.parts.iter().filter(move |(_, own)| **own == part);
+            own.map(|(name, _)| name.clone()).collect()
+        };
+        let described = Description {
+            action_model: VERSION,
+            classes: self.head.classes().to_vec(),
+            window: self.window.clone(),
+            weights: self.weights.clone(),
+            training: of(Part::Training),
+            test: of(Part::Test),
+        };
+        description::write(&folder.join(FILE), &described)
+    }
+
+    /// Reads one.
+    ///
+    /// # Errors
+    /// With the file that is not there, not to be read, or does not fit the other.
+    pub fn read(folder: &Path) -> Result<Self, Error> {
+        let path = folder.join(FILE);
+        let described: Description = description::read(&path)?;
+        let Description { action_model, classes, window, weights, training, test } = described;
+        description::check_version(&path, action_model, VERSION)?;
+        let Window { length, interval, side, .. } = window;
+        if !(1..=64).contains(&length)
+            || !(1..=64).contains(&interval)
+            || !(32..=512).contains(&side)
+        {
+            let found =
+                format!("the window has {length} frames, every {interval}, of {side} pixels");
+            return Err(Error::unfit(path.display(), found, "give 1 to 64, 1 to 64 and 32 to 512"));
+        }
+        let file = folder.join(HEAD);
+        let head = Tensors::read(&file)
+            .and_then(|mut tensors| LinearHead::read(&mut tensors, LAYER, classes))
+            .map_err(Error::content(&file))?;
+        let mut parts = BTreeMap::new();
+        parts.extend(training.into_iter().map(|name| (name, Part::Training)));
+        parts.extend(test.into_iter().map(|name| (name, Part::Test)));
+        Ok(Self { head, window, weights, parts })
+    }
+
+    /// The mean probability of each class over views, a row of features each.
+    ///
+    /// # Errors
+    /// For another number of features than in training.
+    #[allow(clippy::needless_pass_by_value)] // views go by value, as everywhere in ndarray
+    pub fn probabilities(&self, views: ArrayView2<'_, f32>) -> Result<Vec<f32>, Error> {
+        let mut mean = vec![0.0; self.head.classes().len()];
+        for row in views.outer_iter() {
+            let probabilities = softmax(&self.head.scores(row)?.to_vec());
+            for (mean, probability) in mean.iter_mut().zip(probabilities) {
+                *mean += probability / views.nrows() as f32;
+            }
+        }
+        Ok(mean)
+    }
+
+    /// The same for each clip.
+    ///
+    /// # Errors
+    /// As of [`Self::probabilities`].
+    pub fn of_clips(&self, clips: &[Array2<f32>]) -> Result<Vec<Vec<f32>>, Error> {
+        clips.iter().map(|views| self.probabilities(views.view())).collect()
+    }
+}

@@ -1,0 +1,76 @@
+//! The network, and what it sees of a clip.
+
+use serde::{Deserialize, Serialize};
+use vision_models::{ClipSampling, Crops, Preprocessing, Resize, SlowOnlyForm};
+
+use crate::{
+    Error,
+    learning::backbone::{ClipBackbone, Weights},
+    networks::{clip_stream::preprocessing_of, names},
+};
+
+/// The window of a network: what a trained model keeps of it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Window {
+    /// Which SlowOnly, by its name on the command line.
+    pub network: String,
+    /// Frames.
+    pub length: usize,
+    /// Frames of the video from one to the next.
+    pub interval: usize,
+    /// Short side of the frames (pixels).
+    pub side: usize,
+}
+
+/// The parts of a clip that are seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Views {
+    /// Windows along the clip.
+    pub clips: usize,
+    /// Parts of each frame.
+    pub crops: Crops,
+}
+
+impl Views {
+    /// One window in the middle: for training.
+    pub const MIDDLE: Self = Self { clips: 1, crops: Crops::Centre };
+}
+
+impl Window {
+    /// The form of its name.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn form(&self) -> Result<SlowOnlyForm, Error> {
+        let place = || format!("there is no network \"{}\"", self.network);
+        let names = || names::forms().map(|(name, _)| name).join(", ");
+        names::form_of(&self.network)
+            .ok_or_else(|| Error::unfit(place(), format_args!("give {}", names()), ""))
+    }
+
+    /// The network, loaded when it is first asked.
+    ///
+    /// # Errors
+    /// As of [`Self::form`].
+    pub fn backbone(&self, weights: Weights, threads: usize) -> Result<ClipBackbone, Error> {
+        let size = [self.length, self.side, self.side];
+        Ok(ClipBackbone::new(weights, self.form()?, size, threads))
+    }
+
+    /// How frames are resized, cropped and normalised.
+    ///
+    /// # Errors
+    /// As of [`Self::form`].
+    pub fn preprocessing(&self, crops: Crops) -> Result<Preprocessing, Error> {
+        let library = preprocessing_of(self.form()?);
+        let side = self.side;
+        Ok(Preprocessing { crops, crop: side, resize: Resize::ShortSide(side), ..library })
+    }
+
+    /// Which frames each window of a clip has: in the middle of equal parts, as mmaction2 before 1.0.
+    pub fn sampling(&self, clips: usize) -> ClipSampling {
+        let Self { length, interval, .. } = *self;
+        ClipSampling::Mmaction2Before1 { length, interval, clips }
+    }
+}

@@ -1,0 +1,11 @@
+//! Folders of camera frames: colour and depth images with the camera's geometry. The book's page "Recordings"
+//! describes the layout.
+
+mod format;
+mod reader;
+pub mod truth;
+mod writer;
+
+pub use format::FrameEntry;
+pub use reader::FramesReader;
+pub use writer::{ColourImage, FramesWriter};

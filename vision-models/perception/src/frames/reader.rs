@@ -1,0 +1,257 @@
+//! Reading a folder of frames, also one that grows.
+
+use std::{
+    fs::File,
+    io::{BufRead, BufReader, Read},
+    path::{Path, PathBuf},
+    thread,
+    time::{Duration, Instant},
+};
+
+use vision_models::{Camera, DepthImage, file::read_text, read_depth};
+
+use super::{
+    FrameEntry,
+    format::{CAMERA, CameraFile, EndLine, INDEX},
+};
+use crate::{Error, excerpt::excerpt, npy};
+
+/// How often a folder that grows is looked at.
+const LOOK: Duration = Duration::from_millis(5);
+
+/// The longest line, and the largest camera file (bytes).
+const LONGEST: u64 = 4096;
+const LARGEST: u64 = 1 << 20;
+
+/// What a camera file is like.
+const CAMERA_WANTED: &str = concat!(
+    r#"give the camera as {"format":"moca-frames","version":1,"width":640,"height":480,"fx":615.0,"fy":615.0,"#,
+    r#""cx":319.5,"cy":239.5,"depth_scale":0.001,"position":[0.3,1.8,2.3],"quaternion":[x,y,z,w],"#,
+    r#""noise":{"constant":0.001,"quadratic":0.00416},"gravity":null,"stature":null}"#
+);
+
+/// What a line is like.
+const LINE_WANTED: &str = concat!(
+    r#"a line is such as {"frame":12,"time":0.6,"arrived":0.64}, with "arrived" null where it is not known, "#,
+    r#"and the last {"end":{"frames":13}}"#
+);
+
+/// A folder of frames.
+#[derive(Debug)]
+pub struct FramesReader {
+    folder: PathBuf,
+    camera: Camera,
+    scale: f64,
+    stature: Option<f64>,
+    index: BufReader<File>,
+    /// What there is of a line that is being written.
+    begun: Vec<u8>,
+    line: usize,
+    previous: Option<FrameEntry>,
+    frames: u64,
+    lost: u64,
+    wait: Duration,
+    ended: bool,
+}
+
+impl FramesReader {
+    /// Opens a folder. At its end, unless the index is closed, it is waited for a further frame for
+    /// `wait`.
+    ///
+    /// All lines that are there are checked at once: their order, and that the depth images exist.
+    ///
+    /// # Errors
+    /// [`Error`], with the file and the line.
+    pub fn open(folder: &Path, wait: Duration) -> Result<Self, Error> {
+        let begin = |wait| Self::begin(folder, wait);
+        let mut check = begin(Duration::ZERO)?;
+        while check.next_entry(|| false)?.is_some() {}
+        if check.frames == 0 && (wait.is_zero() || check.ended) {
+            let index = folder.join(INDEX);
+            return Err(Error::unfit(index.display(), "it has no frame", ""));
+        }
+        begin(wait)
+    }
+
+    fn begin(folder: &Path, wait: Duration) -> Result<Self, Error> {
+        let path = folder.join(CAMERA);
+        let text = read_text(&path, LARGEST).map_err(Error::read(&path))?;
+        let problem = |problem: String| Error::unfit(path.display(), problem, CAMERA_WANTED);
+        let camera: CameraFile =
+            serde_json::from_str(&text).map_err(|error| problem(error.to_string()))?;
+        if !camera.is_known() {
+            return Err(problem("it is of another format or version".to_owned()));
+        }
+        let index = folder.join(INDEX);
+        let file = File::open(&index).map_err(Error::read(&index))?;
+        Ok(Self {
+            folder: folder.to_owned(),
+            scale: camera.depth_scale,
+            stature: camera.stature,
+            camera: camera.camera().map_err(|error| problem(error.to_string()))?,
+            index: BufReader::new(file),
+            begun: Vec::new(),
+            line: 0,
+            previous: None,
+            frames: 0,
+            lost: 0,
+            wait,
+            ended: false,
+        })
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The person's stature, where the camera's file has it (m).
+    pub fn stature(&self) -> Option<f64> {
+        self.stature
+    }
+
+    /// Returns true if the index was closed: no frame comes after the last.
+    pub fn is_ended(&self) -> bool {
+        self.ended
+    }
+
+    /// How many numbers were left out so far: frames that the camera lost.
+    pub fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// The next frame; `None` at the end, and when `stop` says so while a frame is waited for.
+    ///
+    /// # Errors
+    /// [`Error`], with the line.
+    pub fn next_entry(&mut self, stop: impl Fn() -> bool) -> Result<Option<FrameEntry>, Error> {
+        let started = Instant::now();
+        while !self.ended {
+            if let Some(text) = self.next_line()? {
+                if let Some(entry) = self.parse(&text)? {
+                    return Ok(Some(entry));
+                }
+            } else if started.elapsed() >= self.wait || stop() {
+                break;
+            } else {
+                thread::sleep(LOOK);
+            }
+        }
+        Ok(None)
+    }
+
+    /// The depth image of a frame.
+    ///
+    /// # Errors
+    /// The file that cannot be used.
+    pub fn depth(&self, entry: &FrameEntry) -> Result<DepthImage, Error> {
+        let folder = self.folder.join("depth");
+        let array = entry.file(&folder, "npy");
+        if !array.exists() {
+            return Ok(read_depth(entry.file(&folder, "png"), self.scale)?);
+        }
+        let depths = npy::read_array(&array)?;
+        let &[height, width] = depths.shape() else {
+            let found = format!("its shape is {:?}, not rows × columns", depths.shape());
+            return Err(Error::unfit(array.display(), found, ""));
+        };
+        let depths = depths.iter().copied().collect();
+        Ok(DepthImage::from_metres([width, height], depths)?)
+    }
+
+    /// Where the colour image of a frame is.
+    pub fn colour(&self, entry: &FrameEntry) -> PathBuf {
+        let folder = self.folder.join("colour");
+        let jpeg = entry.file(&folder, "jpg");
+        if jpeg.exists() { jpeg } else { entry.file(&folder, "png") }
+    }
+
+    /// Where the image of the on-board camera for a frame is, if there is one.
+    pub fn surface(&self, entry: &FrameEntry) -> PathBuf {
+        entry.file(&self.folder.join("surface"), "png")
+    }
+
+    /// The folder of the on-board camera's images.
+    pub fn surfaces(&self) -> PathBuf {
+        self.folder.join("surface")
+    }
+
+    /// The next whole line.
+    fn next_line(&mut self) -> Result<Option<String>, Error> {
+        let path = self.folder.join(INDEX);
+        let room = LONGEST.saturating_sub(self.begun.len() as u64);
+        let read = self.index.by_ref().take(room).read_until(b'\n', &mut self.begun);
+        read.map_err(Error::read(path))?;
+        if self.begun.last() != Some(&b'\n') {
+            let long = self.begun.len() as u64 >= LONGEST;
+            return if long {
+                Err(self.problem("a line of 4096 bytes".to_owned()))
+            } else {
+                Ok(None)
+            };
+        }
+        self.line += 1;
+        let text = String::from_utf8_lossy(&self.begun).into_owned();
+        self.begun.clear();
+        Ok(Some(text))
+    }
+
+    /// The frame of a line, if it is one.
+    fn parse(&mut self, text: &str) -> Result<Option<FrameEntry>, Error> {
+        if text.trim().is_empty() {
+            return Ok(None);
+        }
+        if text.trim_start().starts_with("{\"end\"") {
+            let EndLine { end } =
+                serde_json::from_str(text).map_err(|error| self.problem(error.to_string()))?;
+            if end.frames != self.frames {
+                let (said, found) = (end.frames, self.frames);
+                return Err(
+                    self.problem(format!("{said} frames at the end, and there are {found}"))
+                );
+            }
+            self.ended = true;
+            return Ok(None);
+        }
+        let entry: FrameEntry = serde_json::from_str(text)
+            .map_err(|error| self.problem(excerpt(&error.to_string())))?;
+        let FrameEntry { frame, time, arrived } = entry;
+        if !time.is_finite() || arrived.is_some_and(|arrived| arrived.is_nan() || arrived < time) {
+            return Err(self.problem(format!("taken at {time} s and arrived at {arrived:?} s")));
+        }
+        if let Some(previous) = self.previous {
+            if frame <= previous.frame || time <= previous.time {
+                let FrameEntry { frame: before, time: then, .. } = previous;
+                return Err(self.at_line(
+                    format!("frame {frame} of {time} s comes after frame {before} of {then} s"),
+                    "a frame is there once, and frames are in the order of number and time",
+                ));
+            }
+            self.lost += frame - previous.frame - 1;
+        }
+        let depth = self.folder.join("depth");
+        if !["png", "npy"].iter().any(|extension| entry.file(&depth, extension).exists()) {
+            let depth = entry.file(&depth, "").with_extension("");
+            let depth = depth.display();
+            return Err(self.at_line(
+                format!(
+                    "frame {frame} is listed, but there is neither {depth}.png nor {depth}.npy"
+                ),
+                "write a frame's images before its line",
+            ));
+        }
+        self.previous = Some(entry);
+        self.frames += 1;
+        Ok(Some(entry))
+    }
+
+    fn problem(&self, problem: String) -> Error {
+        self.at_line(problem, LINE_WANTED)
+    }
+
+    fn at_line(&self, found: String, wanted: &str) -> Error {
+        let index = self.folder.join(INDEX);
+        let place = format!("{}, line {}", index.display(), self.line.max(1));
+        Error::unfit(place, found, wanted)
+    }
+}

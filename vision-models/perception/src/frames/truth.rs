@@ -1,0 +1,86 @@
+//! Frames of which the truth is known, as `record --frames` writes them.
+
+use std::path::{Path, PathBuf};
+
+use percept_recording::{IfPartial, Recording, RecordingError};
+use vision_models::Percept;
+
+use super::{FrameEntry, FramesReader};
+use crate::Error;
+
+/// The name of the recording of what is true, in a folder of frames.
+pub const TRUTH: &str = "truth.jsonl";
+
+/// A frame and its truth may be so far apart (s): times are written to the microsecond.
+const SAME_TIME: f64 = 2e-6;
+
+/// A folder of frames with the truth of each.
+#[derive(Debug)]
+pub struct TrueFilm {
+    /// The folder's own name.
+    pub name: String,
+    /// The frames in their order, with what is true in each.
+    pub frames: Vec<(FrameEntry, Percept)>,
+    reader: FramesReader,
+}
+
+impl TrueFilm {
+    /// Reads the index and the truth.
+    ///
+    /// # Errors
+    /// With the file that cannot be used, or the frame of which nothing is known.
+    pub fn open(folder: &Path) -> Result<Self, Error> {
+        let mut reader = FramesReader::open(folder, std::time::Duration::ZERO)?;
+        let file = folder.join(TRUTH);
+        let mut truth = read(&file)?.into_iter().peekable();
+        let mut frames = Vec::new();
+        while let Some(entry) = reader.next_entry(|| false)? {
+            while truth.next_if(|percept| percept.time < entry.time - SAME_TIME).is_some() {}
+            match truth.next_if(|percept| percept.time <= entry.time + SAME_TIME) {
+                Some(percept) => frames.push((entry, percept)),
+                None => {
+                    let found = format!("nothing of frame {} at {} s", entry.frame, entry.time);
+                    return Err(Error::unfit(file.display(), found, ""));
+                }
+            }
+        }
+        let name = folder.canonicalize().map_err(Error::read(folder))?;
+        let name = name.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Self { name, frames, reader })
+    }
+
+    /// Several, each of another name: their frames can then be told apart by it.
+    ///
+    /// # Errors
+    /// As of [`Self::open`]; two of one name.
+    pub fn open_all(folders: &[PathBuf]) -> Result<Vec<Self>, Error> {
+        let films =
+            folders.iter().map(|folder| Self::open(folder)).collect::<Result<Vec<_>, _>>()?;
+        for (place, film) in films.iter().enumerate() {
+            let twice = films.iter().take(place).any(|other| other.name == film.name);
+            if twice {
+                let place = format!("two folders are called \"{}\"", film.name);
+                return Err(Error::unfit(place, "give each another name", ""));
+            }
+        }
+        Ok(films)
+    }
+
+    /// Where the files of its frames are.
+    pub fn reader(&self) -> &FramesReader {
+        &self.reader
+    }
+}
+
+/// The percepts of a recording of what is true.
+///
+/// # Errors
+/// With the file's name: it cannot be read, or is not complete.
+pub fn read(file: &Path) -> Result<Vec<Percept>, Error> {
+    let named = |error: RecordingError| match error {
+        RecordingError::Open { path, source } => Error::Read { path, source },
+        source => Error::Truth { path: file.to_owned(), source },
+    };
+    let reader = percept_recording::open(file).map_err(named)?;
+    Ok(Recording::read(reader, IfPartial::Refuse).map_err(named)?.percepts)
+}

@@ -1,0 +1,12 @@
+//! What surfaces and actions are learnt with: networks for features, features on disk, parts of a data set, and what
+//! is measured.
+
+pub mod backbone;
+pub mod cache;
+pub mod confusion_figure;
+pub mod description;
+pub mod digest;
+pub mod evaluation;
+pub mod random_network;
+pub mod split;
+pub mod twins;

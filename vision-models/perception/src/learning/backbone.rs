@@ -1,0 +1,176 @@
+//! Networks that give features.
+
+use std::{fmt, path::PathBuf};
+
+use ndarray::{Array4, Array5};
+use serde::{Deserialize, Serialize};
+use vision_models::{NetworkKind, Options, ResNet, ResNetDepth, SlowOnly, SlowOnlyForm};
+
+use super::{digest::Digest, random_network::random_network};
+use crate::{Error, Watch, networks::open_weights};
+
+/// Where a network's weights come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Weights {
+    /// A checkpoint.
+    File(PathBuf),
+    /// Drawn with this seed: nothing is learnt in them.
+    Random(u64),
+}
+
+impl Weights {
+    /// What tells them apart from all others.
+    ///
+    /// # Errors
+    /// [`Error::Read`], [`Error::Stopped`].
+    pub fn identity(&self, watch: &mut Watch<'_>) -> Result<WeightsIdentity, Error> {
+        Ok(match self {
+            Self::File(path) => WeightsIdentity::Sha256(Digest::of_file(path, watch)?.to_string()),
+            Self::Random(seed) => WeightsIdentity::RandomSeed(*seed),
+        })
+    }
+}
+
+/// What tells weights apart.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WeightsIdentity {
+    /// The SHA-256 of the checkpoint.
+    Sha256(String),
+    /// The seed that they are drawn with.
+    RandomSeed(u64),
+}
+
+impl WeightsIdentity {
+    /// The weights of this identity: of a checkpoint that is given, or drawn.
+    ///
+    /// # Errors
+    /// [`Error::NoWeights`] if the checkpoint is missing; [`Error::Unfit`] if it is another one.
+    pub fn weights(&self, file: Option<PathBuf>, watch: &mut Watch<'_>) -> Result<Weights, Error> {
+        match (file, self) {
+            (None, Self::RandomSeed(seed)) => Ok(Weights::Random(*seed)),
+            (None, Self::Sha256(_)) => Err(Error::NoWeights { identity: self.clone() }),
+            (Some(file), _) => {
+                let shown = file.display().to_string();
+                let weights = Weights::File(file);
+                let own = weights.identity(watch)?;
+                if own == *self {
+                    return Ok(weights);
+                }
+                let found = format!("these are {own}, but the model was trained with {self}");
+                Err(Error::unfit(shown, found, ""))
+            }
+        }
+    }
+}
+
+impl fmt::Display for WeightsIdentity {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sha256(sha256) => write!(formatter, "the weights with SHA-256 {sha256}"),
+            Self::RandomSeed(seed) => write!(formatter, "random weights of seed {seed}"),
+        }
+    }
+}
+
+/// A network for images that is loaded when it is first asked.
+#[derive(Debug)]
+pub struct ImageBackbone {
+    weights: Weights,
+    depth: ResNetDepth,
+    options: Options,
+    side: usize,
+    network: Option<ResNet>,
+}
+
+impl ImageBackbone {
+    /// For square images of this side.
+    pub fn new(weights: Weights, depth: ResNetDepth, side: usize, threads: usize) -> Self {
+        let options = Options { threads, ..Options::default() };
+        Self { weights, depth, options, side, network: None }
+    }
+
+    /// The features of a normalised image, N × 3 × side × side: those of the first.
+    ///
+    /// # Errors
+    /// As of [`ResNet::load`] and [`ResNet::infer`].
+    pub fn features(
+        &mut self,
+        image: &Array4<f32>,
+        watch: &mut Watch<'_>,
+    ) -> Result<Vec<f32>, Error> {
+        if self.network.is_none() {
+            self.network = Some(self.load(watch)?);
+        }
+        let Some(network) = &mut self.network else { return Ok(Vec::new()) };
+        Ok(network.infer(image.view())?.features.row(0).to_vec())
+    }
+
+    /// The network itself.
+    ///
+    /// # Errors
+    /// As of [`ResNet::load`].
+    pub fn load(&self, watch: &mut Watch<'_>) -> Result<ResNet, Error> {
+        let (depth, size, options) = (self.depth, [self.side, self.side], self.options);
+        match &self.weights {
+            Weights::File(path) => ResNet::load(depth, open_weights(path, watch)?, size, options)
+                .map_err(Error::weights(path)),
+            Weights::Random(seed) => {
+                let tensors = random_network(NetworkKind::ResNet(depth.into()), *seed)?;
+                Ok(ResNet::load(depth, tensors, size, options)?)
+            }
+        }
+    }
+}
+
+/// A network for clips that is loaded when it is first asked.
+#[derive(Debug)]
+pub struct ClipBackbone {
+    weights: Weights,
+    form: SlowOnlyForm,
+    options: Options,
+    /// Frames, rows, columns.
+    size: [usize; 3],
+    network: Option<SlowOnly>,
+}
+
+impl ClipBackbone {
+    /// For clips of this size: frames, rows, columns.
+    pub fn new(weights: Weights, form: SlowOnlyForm, size: [usize; 3], threads: usize) -> Self {
+        let options = Options { threads, ..Options::default() };
+        Self { weights, form, options, size, network: None }
+    }
+
+    /// The features of normalised clips, N × 3 × frames × rows × columns, one after the other.
+    ///
+    /// # Errors
+    /// As of [`SlowOnly::load`] and [`SlowOnly::infer`].
+    pub fn features(
+        &mut self,
+        clips: &Array5<f32>,
+        watch: &mut Watch<'_>,
+    ) -> Result<Vec<f32>, Error> {
+        if self.network.is_none() {
+            self.network = Some(self.load(watch)?);
+        }
+        let Some(network) = &mut self.network else { return Ok(Vec::new()) };
+        Ok(network.infer(clips.view())?.features.iter().copied().collect())
+    }
+
+    /// The network itself.
+    ///
+    /// # Errors
+    /// As of [`SlowOnly::load`].
+    pub fn load(&self, watch: &mut Watch<'_>) -> Result<SlowOnly, Error> {
+        match &self.weights {
+            Weights::File(path) => {
+                SlowOnly::load(self.form, open_weights(path, watch)?, self.size, self.options)
+                    .map_err(Error::weights(path))
+            }
+            Weights::Random(seed) => {
+                let tensors = random_network(NetworkKind::SlowOnly(self.form), *seed)?;
+                Ok(SlowOnly::load(self.form, tensors, self.size, self.options)?)
+            }
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Features on disk, by the content of what they are of.
+//!
+//! A file begins with two lines: `features 1`, and the key that says what made the features. Then come records:
+//! the SHA-256 of what the features are of, how many there are (u32), the features (f32), and the first eight
+//! bytes of the SHA-256 of those (numbers little-endian). A record is complete or not there: what stands behind
+//! the last complete one is cut off when the file is opened.
+
+use std::{
+    collections::HashMap,
+    fs::File,
+    io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write},
+    path::{Path, PathBuf},
+};
+
+use super::digest::Digest;
+use crate::{Error, Event, Watch};
+
+const FIRST_LINE: &str = "features 1";
+/// More features than any record has.
+const MOST: usize = 1 << 24;
+/// The longest line of the head that is read (bytes).
+const LONGEST_LINE: u64 = 4096;
+
+/// The features that are known, and the file that further ones go to.
+#[derive(Debug)]
+pub struct FeatureCache {
+    path: PathBuf,
+    file: File,
+    known: HashMap<Digest, Vec<f32>>,
+}
+
+impl FeatureCache {
+    /// Opens the file, or begins it.
+    ///
+    /// # Errors
+    /// With its name, if it cannot be read and written, is no such file, or has features that something else than
+    /// `key` made.
+    pub fn open(path: &Path, key: &str) -> Result<Self, Error> {
+        let refuse = |source| Error::Read { path: path.to_owned(), source };
+        let options = File::options().read(true).append(true).create(true).clone();
+        let mut file = options.open(path).map_err(refuse)?;
+        let own = file.try_clone().map_err(refuse)?;
+        let mut cache = Self { path: path.to_owned(), file: own, known: HashMap::new() };
+        if file.metadata().map_err(refuse)?.len() == 0 {
+            file.write_all(format!("{FIRST_LINE}\n{key}\n").as_bytes()).map_err(refuse)?;
+            return Ok(cache);
+        }
+        let mut reader = BufReader::new(&mut file);
+        let mut head = [const { String::new() }; 2];
+        for line in &mut head {
+            let mut limited = (&mut reader).take(LONGEST_LINE);
+            match limited.read_line(line) {
+                Ok(_) => {}
+                Err(error) if error.kind() == ErrorKind::InvalidData => line.clear(),
+                Err(error) => return Err(refuse(error)),
+            }
+        }
+        let [first, own] = head.each_ref().map(|line| line.trim_end_matches('\n'));
+        let shown = path.display();
+        let wanted = "give another folder for the cache, or remove it";
+        if first != FIRST_LINE {
+            return Err(Error::unfit(shown, "no file of features", wanted));
+        }
+        if own != key {
+            let found =
+                format!("the features are of other weights: of \"{own}\", not of \"{key}\"");
+            return Err(Error::unfit(shown, found, wanted));
+        }
+        let mut whole = (first.len() + own.len() + 2) as u64;
+        while let Some((digest, features, length)) = record(&mut reader).map_err(refuse)? {
+            whole += length;
+            cache.known.insert(digest, features);
+        }
+        file.set_len(whole).map_err(refuse)?;
+        file.seek(SeekFrom::End(0)).map_err(refuse)?;
+        Ok(cache)
+    }
+
+    /// The features of what has this content.
+    pub fn get(&self, digest: &Digest) -> Option<&[f32]> {
+        self.known.get(digest).map(Vec::as_slice)
+    }
+
+    /// Says by a warning where the features so far are.
+    pub(crate) fn tell_kept(&self, watch: &mut Watch<'_>) {
+        let kept = self.path.display();
+        let _ = watch(Event::Warning(&format_args!("the features so far are kept in {kept}")));
+    }
+
+    /// Keeps features, at once also in the file.
+    ///
+    /// # Errors
+    /// Errors carry the file's name.
+    pub fn insert(&mut self, digest: Digest, features: Vec<f32>) -> Result<(), Error> {
+        let count = u32::try_from(features.len()).ok().filter(|count| *count as usize <= MOST);
+        let Some(count) = count else {
+            let found = format!("{} features are too many to keep", features.len());
+            return Err(Error::unfit(self.path.display(), found, ""));
+        };
+        let numbers: Vec<u8> = features.iter().flat_map(|feature| feature.to_le_bytes()).collect();
+        let mut bytes = digest.0.to_vec();
+        bytes.extend(count.to_le_bytes());
+        bytes.extend(&numbers);
+        bytes.extend(check(&numbers));
+        self.file.write_all(&bytes).map_err(Error::read(&self.path))?;
+        self.known.insert(digest, features);
+        Ok(())
+    }
+}
+
+/// The next record with its length in bytes; none where the rest is not a complete one.
+fn record(reader: &mut impl Read) -> std::io::Result<Option<(Digest, Vec<f32>, u64)>> {
+    let mut head = [0; 36];
+    if !fill(reader, &mut head)? {
+        return Ok(None);
+    }
+    let (digest, count) = head.split_at(32);
+    let mut own = Digest([0; 32]);
+    own.0.copy_from_slice(digest);
+    let count = count.iter().rev().fold(0, |value, byte| value << 8 | usize::from(*byte));
+    if count > MOST {
+        return Ok(None);
+    }
+    let mut numbers = vec![0; 4 * count];
+    let mut sum = [0; 8];
+    if !fill(reader, &mut numbers)? || !fill(reader, &mut sum)? || check(&numbers) != sum {
+        return Ok(None);
+    }
+    let (numbers, _) = numbers.as_chunks::<4>();
+    let features = numbers.iter().map(|&bytes| f32::from_le_bytes(bytes)).collect();
+    Ok(Some((own, features, 36 + 4 * count as u64 + 8)))
+}
+
+/// Reads so many bytes. Returns false if there are fewer.
+fn fill(reader: &mut impl Read, bytes: &mut [u8]) -> std::io::Result<bool> {
+    match reader.read_exact(bytes) {
+        Ok(()) => Ok(true),
+        Err(error) if error.kind() == ErrorKind::UnexpectedEof => Ok(false),
+        Err(error) => Err(error),
+    }
+}
+
+fn check(numbers: &[u8]) -> [u8; 8] {
+    let Digest(all) = Digest::of_bytes(numbers);
+    let mut first = [0; 8];
+    first.copy_from_slice(all.split_at(8).0);
+    first
+}

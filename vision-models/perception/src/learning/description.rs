@@ -1,0 +1,50 @@
+//! The file that describes a trained model: JSON with the version of its format.
+
+use std::{io::ErrorKind, path::Path};
+
+use serde::{Serialize, de::DeserializeOwned};
+
+use vision_models::file::read_text;
+
+use crate::{Error, file::write_whole};
+
+/// The most that one may take (bytes): the names of some hundred thousand images.
+const LARGEST: u64 = 64 << 20;
+
+/// Writes one, whole or not at all.
+///
+/// # Errors
+/// With the place that cannot be written.
+pub fn write(path: &Path, description: &impl Serialize) -> Result<(), Error> {
+    let text = serde_json::to_string_pretty(description);
+    let text = text.map_err(|error| Error::write(path)(error.into()))? + "\n";
+    write_whole(path, text.as_bytes())
+}
+
+/// Reads one.
+///
+/// # Errors
+/// With the file's name: it cannot be read, is too long, or is no description.
+pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
+    let text = read_text(path, LARGEST).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => {
+            let most = LARGEST >> 20;
+            let found = format!("a model's description takes at most {most} MiB");
+            Error::unfit(path.display(), found, "")
+        }
+        _ => Error::read(path)(error),
+    })?;
+    serde_json::from_str(&text).map_err(|error| Error::unfit(path.display(), error, ""))
+}
+
+/// Checks the version of the format.
+///
+/// # Errors
+/// If it is not the known one.
+pub fn check_version(path: &Path, version: u32, known: u32) -> Result<(), Error> {
+    if version == known {
+        return Ok(());
+    }
+    let found = format!("version {version} of the format, of which {known} is known");
+    Err(Error::unfit(path.display(), found, ""))
+}

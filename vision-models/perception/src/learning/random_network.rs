@@ -1,0 +1,50 @@
+//! Networks whose weights are drawn at random.
+
+use rand::RngCore;
+use vision_models::{NetworkKind, Tensor, Tensors};
+
+use crate::{Error, random::generator};
+
+/// Weight of the last norm of a residual block: activations then grow little over fifty blocks.
+const RESIDUAL: f32 = 0.3;
+
+/// The weights of a network without a head: kernels as K. He, X. Zhang, S. Ren and J. Sun ("Delving deep into
+/// rectifiers", ICCV 2015, equation 10) begin with, but uniform; norms that keep what they get. Nothing is learnt in them:
+/// their features are random projections of the image.
+///
+/// # Errors
+/// None that is known: the shapes fit.
+pub fn random_network(kind: NetworkKind, seed: u64) -> Result<Tensors, Error> {
+    let mut tensors = Tensors::new();
+    let parameters = kind.parameters(1);
+    for (stream, (name, shape)) in (0..).zip(parameters) {
+        if ["fc.", "cls_head.", "blocks.5."].iter().any(|head| name.starts_with(head)) {
+            continue;
+        }
+        let count = shape.iter().product();
+        let mut random = generator(seed, stream);
+        let values = match (name.rsplit('.').next(), shape.len()) {
+            (Some("weight"), 2..) => {
+                let inputs: usize = shape.iter().skip(1).product();
+                let bound = (6.0 / inputs as f32).sqrt();
+                (0..count).map(|_| bound * symmetric(random.next_u32())).collect()
+            }
+            (Some("weight"), _) => {
+                vec![if is_last_of_block(&name) { RESIDUAL } else { 1.0 }; count]
+            }
+            (Some("running_var"), _) => vec![1.0; count],
+            _ => vec![0.0; count],
+        };
+        tensors.insert(name, Tensor::new(shape, values)?)?;
+    }
+    Ok(tensors)
+}
+
+/// In [-1, 1): the upper 24 bits, for there are tens of millions to draw.
+fn symmetric(bits: u32) -> f32 {
+    (bits >> 8) as f32 / (1 << 23) as f32 - 1.0
+}
+
+fn is_last_of_block(name: &str) -> bool {
+    [".bn3.", ".conv3.bn.", ".norm_c."].iter().any(|norm| name.contains(norm))
+}

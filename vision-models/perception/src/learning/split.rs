@@ -1,0 +1,70 @@
+//! Parts of a data set.
+
+use rand::seq::SliceRandom;
+
+use crate::{Error, random::generator};
+
+/// What a sample is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// To train with.
+    Training,
+    /// To choose settings by.
+    Validation,
+    /// To measure with: seen in nothing before.
+    Test,
+}
+
+/// The shares of validation and test; the rest is for training.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shares {
+    /// Of validation.
+    pub validation: f64,
+    /// Of the test.
+    pub test: f64,
+}
+
+impl Shares {
+    /// 70/20/10 (paper, Sec. "Experiment 1").
+    pub const SURFACE: Self = Self { validation: 0.2, test: 0.1 };
+}
+
+/// Puts the samples of each class into parts at random: the same seed and labels give the same parts. Each class
+/// has at least one sample in each part whose share is not zero.
+///
+/// # Errors
+/// With the class that has too few samples for that.
+pub fn split(
+    labels: &[usize],
+    classes: &[String],
+    shares: Shares,
+    seed: u64,
+) -> Result<Vec<Part>, Error> {
+    let mut parts = vec![Part::Training; labels.len()];
+    for (class, name) in classes.iter().enumerate() {
+        let mut own: Vec<usize> = (0..labels.len()).filter(|&i| labels[i] == class).collect();
+        own.shuffle(&mut generator(seed, class as u64));
+        let of = |share: f64| {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share")]
+            let count = (share * own.len() as f64).round() as usize;
+            if share > 0.0 { count.max(1) } else { 0 }
+        };
+        let (test, validation) = (of(shares.test), of(shares.validation));
+        let least = 1 + usize::from(test > 0) + usize::from(validation > 0);
+        if own.len() < least || own.len() <= test + validation {
+            return Err(Error::unfit(
+                format!("class \"{name}\""),
+                format!("it has {} samples", own.len()),
+                format!("give at least {least}, so that there is one for each part of the split"),
+            ));
+        }
+        let (of_test, rest) = own.split_at(test);
+        for &sample in of_test {
+            parts[sample] = Part::Test;
+        }
+        for &sample in &rest[..validation] {
+            parts[sample] = Part::Validation;
+        }
+    }
+    Ok(parts)
+}

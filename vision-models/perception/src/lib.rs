@@ -1,0 +1,17 @@
+#![doc = include_str!("../README.md")]
+
+pub mod actions;
+mod error;
+mod excerpt;
+mod file;
+pub mod frames;
+pub mod learning;
+pub mod networks;
+pub mod npy;
+pub mod percepts;
+mod random;
+pub mod surface;
+mod watch;
+
+pub use error::Error;
+pub use watch::{Event, Watch};

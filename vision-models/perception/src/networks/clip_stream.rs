@@ -1,0 +1,65 @@
+//! A network for clips over the newest frames of a camera.
+
+use std::path::Path;
+
+use ndarray::Axis;
+use vision_models::{
+    LinearHead, Preprocessing, SlowOnly, SlowOnlyForm, SlowOnlyStream, read_image, softmax,
+};
+
+use crate::Error;
+
+/// How the library that a SlowOnly comes from prepares frames.
+pub fn preprocessing_of(form: SlowOnlyForm) -> Preprocessing {
+    match form {
+        SlowOnlyForm::PyTorchVideo => Preprocessing::PYTORCHVIDEO,
+        SlowOnlyForm::MmAction2
+        | SlowOnlyForm::MmAction2Depth18
+        | SlowOnlyForm::MmAction2Depth101 => Preprocessing::MMACTION2,
+    }
+}
+
+/// SlowOnly over a sliding window of frames, each an image file.
+#[derive(Debug)]
+pub struct ClipStream {
+    stream: SlowOnlyStream,
+    preprocessing: Preprocessing,
+    /// In place of the network's own last layer.
+    head: Option<LinearHead>,
+}
+
+impl ClipStream {
+    /// With an empty window of so many frames, of the middle of each.
+    ///
+    /// # Errors
+    /// As of [`SlowOnlyStream::new`].
+    pub fn new(
+        network: SlowOnly,
+        length: usize,
+        preprocessing: Preprocessing,
+        head: Option<LinearHead>,
+    ) -> Result<Self, Error> {
+        let size = [length, preprocessing.crop, preprocessing.crop];
+        Ok(Self { stream: SlowOnlyStream::new(network, size)?, preprocessing, head })
+    }
+
+    /// Takes a frame into the window; the probability of each class, once the window is full.
+    ///
+    /// # Errors
+    /// With the name of an image that cannot be used.
+    pub fn push(&mut self, path: &Path) -> Result<Option<Vec<f32>>, Error> {
+        let image = read_image(path)?;
+        let image = self.preprocessing.image(image.view()).map_err(Error::content(path))?;
+        let Some(scores) = self.stream.push(image.index_axis(Axis(0), 0))? else { return Ok(None) };
+        let logits = match &self.head {
+            Some(head) => head.scores(scores.features.row(0))?.to_vec(),
+            None => scores.logits.row(0).to_vec(),
+        };
+        Ok(Some(softmax(&logits)))
+    }
+
+    /// Forgets all frames.
+    pub fn clear(&mut self) {
+        self.stream.clear();
+    }
+}

@@ -1,0 +1,46 @@
+//! Clips of a video whose frames are files.
+
+use std::path::PathBuf;
+
+use ndarray::{Array5, Axis};
+use vision_models::{Preprocessing, read_image};
+
+use crate::{Error, Event, Watch};
+
+/// Reads the frames of a clip, given by their places among all of the video, and makes of them
+/// what a network sees: crops × 3 × frames × side × side. Only one frame is in memory as it is in
+/// its file. `None` where the call-back
+/// ends it.
+///
+/// # Errors
+/// With the name of a frame that cannot be used or has another size than the first one.
+pub fn read_clip(
+    preprocessing: &Preprocessing,
+    frames: &[PathBuf],
+    indices: &[usize],
+    watch: &mut Watch<'_>,
+) -> Result<Option<Array5<f32>>, Error> {
+    let mut clip: Option<(Array5<f32>, (usize, usize, usize))> = None;
+    let paths = indices.iter().filter_map(|&index| frames.get(index));
+    for (index, path) in paths.enumerate() {
+        if watch(Event::Working).is_break() {
+            return Ok(None);
+        }
+        let frame = read_image(path)?;
+        let crops = preprocessing.image(frame.view()).map_err(Error::content(path))?;
+        let (clip, size) = clip.get_or_insert_with(|| {
+            let (count, channels, height, width) = crops.dim();
+            let empty = Array5::zeros((count, channels, indices.len(), height, width));
+            (empty, frame.dim())
+        });
+        let ((height, width, _), (own_height, own_width, _)) = (*size, frame.dim());
+        if (height, width) != (own_height, own_width) {
+            let found = format!(
+                "{own_height} × {own_width} pixels, but the clip's first frame has {height} × {width}"
+            );
+            return Err(Error::unfit(path.display(), found, ""));
+        }
+        clip.index_axis_mut(Axis(2), index).assign(&crops);
+    }
+    Ok(clip.map(|(clip, _)| clip))
+}

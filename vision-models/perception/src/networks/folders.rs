@@ -1,0 +1,140 @@
+//! Images in folders, one folder a class, and images that cannot be read.
+
+use std::path::{Path, PathBuf};
+
+use vision_models::ImageFolder;
+
+use crate::{Error, Event, Watch};
+
+/// An image of a known class.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LabelledImage {
+    /// The file.
+    pub path: PathBuf,
+    /// The index of its class.
+    pub label: usize,
+}
+
+/// The folders in a folder, by name, but for hidden ones: at least two classes. Images beside them are counted by
+/// a warning.
+///
+/// # Errors
+/// With the folder's name, if it cannot be read, has too few folders, or one whose name cannot be
+/// a class's.
+pub fn list_classes(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<String>, Error> {
+    let shown = folder.display();
+    let found = open(folder)?;
+    let mut classes = Vec::new();
+    for path in found.folders {
+        let name = path.file_name().unwrap_or_default();
+        match name.to_str() {
+            Some(name) if name.trim() == name && !name.contains(['\n', '\r']) => {
+                classes.push(name.to_owned());
+            }
+            _ => {
+                let name = name.to_string_lossy();
+                return Err(Error::unfit(
+                    shown,
+                    format!("the folder \"{}\" is no class name", name.escape_debug()),
+                    "give names in UTF-8, of one line and without spaces around them",
+                ));
+            }
+        }
+    }
+    if classes.len() < 2 {
+        let found = format!("{} folders with images", classes.len());
+        return Err(Error::unfit(shown, found, "give one for each of at least two classes"));
+    }
+    if !found.images.is_empty() {
+        let count = found.images.len();
+        let _ = watch(Event::Warning(&format_args!(
+            "{shown}: left out {count} images beside the folders of the classes"
+        )));
+    }
+    classes.sort();
+    Ok(classes)
+}
+
+/// The images in the folders of these classes. Files of other types are counted by a warning.
+///
+/// # Errors
+/// With the folder that cannot be read or has none.
+pub fn list_images(
+    folder: &Path,
+    classes: &[String],
+    watch: &mut Watch<'_>,
+) -> Result<Vec<LabelledImage>, Error> {
+    let mut images = Vec::new();
+    for (label, class) in classes.iter().enumerate() {
+        let paths = images_in(&folder.join(class), watch)?;
+        images.extend(paths.into_iter().map(|path| LabelledImage { path, label }));
+    }
+    Ok(images)
+}
+
+/// The images in a folder, by name, but for hidden ones. Files of other types are counted by a warning.
+///
+/// # Errors
+/// Errors carry the folder's name, if it cannot be read or has none.
+pub fn images_in(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<PathBuf>, Error> {
+    let ImageFolder { images, others, .. } = open(folder)?;
+    let shown = folder.display();
+    if images.is_empty() {
+        return Err(if others.is_empty() {
+            Error::unfit(shown, "no JPEG or PNG files", "")
+        } else {
+            Error::unfit(shown, format!("no JPEG or PNG files, but {others}"), "convert them")
+        });
+    }
+    if !others.is_empty() {
+        let _ = watch(Event::Warning(&format_args!(
+            "{shown}: left out {others}: only JPEG and PNG are read"
+        )));
+    }
+    Ok(images)
+}
+
+/// The folders in a folder, by name, but for hidden ones.
+///
+/// # Errors
+/// Errors carry the folder's name, if it cannot be read.
+pub fn folders_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    Ok(open(folder)?.folders)
+}
+
+fn open(folder: &Path) -> Result<ImageFolder, Error> {
+    ImageFolder::open(folder).map_err(Error::content(folder))
+}
+
+/// Images that cannot be read: named by warnings, and counted.
+#[derive(Clone, Copy, Debug)]
+pub struct Unreadable {
+    /// Whether the first one is an error.
+    strict: bool,
+    count: usize,
+}
+
+impl Unreadable {
+    /// None so far.
+    pub fn new(strict: bool) -> Self {
+        Self { strict, count: 0 }
+    }
+
+    /// How many there were.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Leaves one out.
+    ///
+    /// # Errors
+    /// The error itself, if the first one is not left out.
+    pub fn leave_out(&mut self, error: Error, watch: &mut Watch<'_>) -> Result<(), Error> {
+        if self.strict {
+            return Err(error);
+        }
+        self.count += 1;
+        let _ = watch(Event::Warning(&format_args!("left out: {error}")));
+        Ok(())
+    }
+}

@@ -1,0 +1,133 @@
+//! From joints in the image to the person who works with the robot.
+
+use std::time::{Duration, Instant};
+
+use vision_models::{
+    Body, Body25, Camera, DepthImage, ImageBody, Lifter, LiftingSettings, People, PeopleSettings,
+    PersonBox, PersonTrack, TrackerSettings,
+};
+
+use crate::Error;
+
+/// Of a person whose stature was not measured yet (m).
+const STATURE: f64 = 1.75;
+
+/// So many bodies tell whether the images are upside down, and so large a share of them.
+const BODIES: u32 = 20;
+const SHARE: f64 = 0.8;
+
+/// The parameters of a [`Perceiver`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PerceiverSettings {
+    /// Of the lifting.
+    pub lifting: LiftingSettings,
+    /// Of telling people apart.
+    pub people: PeopleSettings,
+    /// Of following each.
+    pub tracker: TrackerSettings,
+}
+
+/// Lifts the joints of everybody in a frame into the world, follows everybody, and selects the one
+/// who engages with the robot.
+#[derive(Clone, Debug)]
+pub struct Perceiver {
+    lifter: Lifter,
+    people: People,
+    bodies: Vec<Body>,
+    /// Upside down, and in all.
+    seen: [u32; 2],
+    time_taken: Duration,
+}
+
+impl Perceiver {
+    /// Before the first frame of a camera.
+    ///
+    /// # Errors
+    /// [`Error::Vision`] if a setting is outside its range.
+    pub fn new(camera: Camera, settings: PerceiverSettings) -> Result<Self, Error> {
+        Ok(Self {
+            lifter: Lifter::new(camera, settings.lifting)?,
+            people: People::new(settings.people.clone(), settings.tracker)?,
+            bodies: Vec::with_capacity(settings.people.most),
+            seen: [0; 2],
+            time_taken: Duration::ZERO,
+        })
+    }
+
+    /// Takes a frame in: the people in the image and the depth that is aligned to it.
+    ///
+    /// # Errors
+    /// [`Error::Vision`] for a depth image of another size, times out of order; [`Error::Unfit`] for
+    /// images that are upside down.
+    pub fn see(
+        &mut self,
+        time: f64,
+        people: &[ImageBody],
+        depth: &DepthImage,
+    ) -> Result<(), Error> {
+        let started = Instant::now();
+        self.bodies.clear();
+        for image in people {
+            self.check_upright(image)?;
+            let facing = |body: &Body| self.people.heading_near(body, time);
+            let body = self.lifter.lift_facing(image, depth, facing)?;
+            self.bodies.push(body);
+        }
+        self.people.update(time, &self.bodies)?;
+        self.time_taken = started.elapsed();
+        Ok(())
+    }
+
+    /// The person who works with the robot, or is about to.
+    pub fn engaged(&self) -> Option<&PersonTrack> {
+        self.people.engaged()
+    }
+
+    /// The box in which the person who works with the robot is expected at a time (s).
+    pub fn expected(&self, time: f64) -> Option<PersonBox> {
+        let person = self.engaged()?;
+        let place = person.predict(time).filter(|place| place.status.is_usable())?;
+        let stature = person.stature().map_or(STATURE, |estimate| estimate.stature);
+        PersonBox::around(self.lifter.camera(), &place.floor, stature)
+    }
+
+    /// Everybody who is followed.
+    pub fn people(&self) -> &People {
+        &self.people
+    }
+
+    /// The joints of who works with the robot, if they are in the newest frame.
+    pub fn body(&self) -> Option<&Body> {
+        self.engaged().filter(|person| person.is_in_frame()).map(PersonTrack::body)
+    }
+
+    /// The joints of everybody else in the newest frame.
+    pub fn others(&self) -> impl Iterator<Item = &Body> {
+        let engaged = self.engaged().map(PersonTrack::id);
+        let others = self.people.tracks().iter().filter(move |person| Some(person.id()) != engaged);
+        others.filter(|person| person.is_in_frame()).map(PersonTrack::body)
+    }
+
+    /// How long lifting and tracking took for the newest frame.
+    pub fn time_taken(&self) -> Duration {
+        self.time_taken
+    }
+
+    fn check_upright(&mut self, image: &ImageBody) -> Result<(), Error> {
+        let row = |joint| image.get(joint).map(|joint| joint.position.y);
+        let Some((neck, hips)) = row(Body25::Neck).zip(row(Body25::MidHip)) else {
+            return Ok(());
+        };
+        let [upside_down, bodies] = &mut self.seen;
+        *bodies = bodies.saturating_add(1);
+        *upside_down = upside_down.saturating_add(u32::from(neck > hips));
+        if *bodies == BODIES && f64::from(*upside_down) > SHARE * f64::from(BODIES) {
+            return Err(Error::unfit(
+                format_args!("{upside_down} of {bodies} people have the neck below the hips"),
+                "the images are upside down, or the camera's pose is wrong",
+                "turn the images or correct camera.json",
+            ));
+        }
+        Ok(())
+    }
+}

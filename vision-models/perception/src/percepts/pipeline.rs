@@ -1,0 +1,250 @@
+//! From a frame's files to a percept, with when each part of it was seen and known.
+
+use std::time::{Duration, Instant};
+
+use percept_recording::{MeasuredSegments, Stamp, Timing};
+use vision_models::{
+    Body, BodySegment, Percept, PersonId, PersonTrack, RecognisedAction, RecognisedSurface,
+    StatureEstimate,
+};
+
+use super::{
+    action_network::ActionNetwork,
+    chain::Perceiver,
+    pose_source::{Frame, PoseSource},
+    posture::{Assessor, MeasuredAssessment, PostureSettings},
+    sighting::Sightings,
+    surface_network::SurfaceNetwork,
+};
+use crate::{
+    Error,
+    frames::{FrameEntry, FramesReader},
+};
+
+/// An action or a surface whose images are older is no longer said (s).
+const OLDEST: f64 = 2.0;
+
+/// Everything that looks at frames: joints for each, the surface and the action now and then.
+#[derive(Debug)]
+pub struct Pipeline {
+    perceiver: Perceiver,
+    poses: Box<dyn PoseSource>,
+    surface: Option<SurfaceNetwork>,
+    /// Camera frames from one look at the surface to the next.
+    surface_interval: u64,
+    action: Option<ActionNetwork>,
+    seen_surface: Option<Seen<RecognisedSurface>>,
+    seen_action: Option<Seen<RecognisedAction>>,
+    /// The next frame for the surface.
+    next_surface: u64,
+    posture: PostureSettings,
+    assessor: Option<(PersonId, Assessor)>,
+    sightings: Sightings,
+    stature: Option<StatureEstimate>,
+}
+
+/// What was recognised, and when.
+#[derive(Clone, Copy, Debug)]
+struct Seen<T> {
+    what: T,
+    stamp: Stamp,
+}
+
+/// What came of one frame.
+#[derive(Clone, Debug)]
+pub struct Perceived {
+    /// What is recorded.
+    pub percept: Percept,
+    /// The people in the frame beside the one of the percept.
+    pub others: Vec<Body>,
+    /// When its parts were seen and known.
+    pub timing: Timing,
+    /// The posture of the person who works with the robot.
+    pub posture: Option<MeasuredAssessment>,
+    /// Whether somebody looked for people.
+    pub has_skeletons: bool,
+    /// How long each stage took, where it ran.
+    pub times: StageTimes,
+}
+
+/// How long the work on one frame took.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StageTimes {
+    /// Joints in the image, reading included.
+    pub poses: Duration,
+    /// Lifting and tracking.
+    pub tracking: Duration,
+    /// The surface.
+    pub surface: Option<Duration>,
+    /// The action.
+    pub action: Option<Duration>,
+    /// All of it.
+    pub whole: Duration,
+}
+
+impl Pipeline {
+    /// A pipeline with joints from this source.
+    pub fn new(perceiver: Perceiver, poses: Box<dyn PoseSource>) -> Self {
+        Self {
+            perceiver,
+            poses,
+            surface: None,
+            surface_interval: 1,
+            action: None,
+            seen_surface: None,
+            seen_action: None,
+            next_surface: 0,
+            posture: PostureSettings::default(),
+            assessor: None,
+            sightings: Sightings::default(),
+            stature: None,
+        }
+    }
+
+    /// The same, and every so many camera frames it looks at the surface.
+    #[must_use]
+    pub fn with_surface(mut self, network: SurfaceNetwork, interval: u64) -> Self {
+        (self.surface, self.surface_interval) = (Some(network), interval.max(1));
+        self
+    }
+
+    /// The same, and it recognises the action.
+    #[must_use]
+    pub fn with_action(mut self, network: ActionNetwork) -> Self {
+        self.action = Some(network);
+        self
+    }
+
+    /// The same, and this is known of whoever works with the robot.
+    #[must_use]
+    pub fn with_posture(mut self, posture: PostureSettings) -> Self {
+        self.posture = posture;
+        self
+    }
+
+    /// The people.
+    pub fn perceiver(&self) -> &Perceiver {
+        &self.perceiver
+    }
+
+    /// Checks that somebody could be found in the frames so far, where nobody was.
+    ///
+    /// # Errors
+    /// Why nobody could be; `frame` is the first of the frames.
+    pub fn check_sightings(&self, frame: u64) -> Result<(), Error> {
+        let expected = self.poses.expected(frame).map(|path| path.display().to_string());
+        self.sightings.clone().check(expected.as_deref())
+    }
+
+    /// The stature of who worked with the robot last.
+    pub fn stature(&self) -> Option<StatureEstimate> {
+        self.stature
+    }
+
+    /// The lengths of the segments of who works with the robot, as far as they are known to a centimetre,
+    /// to the millimetre.
+    pub fn segments(&self) -> MeasuredSegments {
+        let length = |segment| {
+            let known = self.perceiver.engaged()?.segment(segment)?;
+            (known.standard_error < 0.01).then(|| (known.length * 1e3).round() / 1e3)
+        };
+        MeasuredSegments {
+            thigh: length(BodySegment::Thigh),
+            shank: length(BodySegment::Shank),
+            trunk: length(BodySegment::Trunk),
+            upper_arm: length(BodySegment::UpperArm),
+            forearm: length(BodySegment::Forearm),
+            shoulders: length(BodySegment::Shoulders),
+        }
+    }
+
+    /// Looks at the next frame.
+    ///
+    /// # Errors
+    /// [`Error::Frame`] for files that cannot be used, with their names, after which the next frame may be looked at;
+    /// what [`Perceiver::see`] says.
+    pub fn perceive(
+        &mut self,
+        reader: &FramesReader,
+        entry: &FrameEntry,
+    ) -> Result<Perceived, Error> {
+        let started = Instant::now();
+        let known = || entry.arrived.map(|arrived| arrived + started.elapsed().as_secs_f64());
+        let depth = reader.depth(entry).map_err(|error| Error::Frame(Box::new(error)))?;
+        let colour = reader.colour(entry);
+        let frame = Frame {
+            entry,
+            colour: &colour,
+            depth: &depth,
+            camera: reader.camera(),
+            expected: self.perceiver.expected(entry.time),
+        };
+        let people = self.poses.people(&frame).map_err(Error::of_frame)?;
+        self.sightings.push(people.as_deref(), &depth);
+        let mut times = StageTimes { poses: started.elapsed(), ..StageTimes::default() };
+        let has_skeletons = people.is_some();
+        self.perceiver.see(entry.time, &people.unwrap_or_default(), &depth)?;
+        times.tracking = self.perceiver.time_taken();
+        let body = self.perceiver.body().cloned();
+        let others = self.perceiver.others().cloned().collect();
+        let posture = self.assess(entry.time, body.as_ref())?;
+        let stature = self.perceiver.engaged().and_then(PersonTrack::stature);
+        self.stature = stature.or(self.stature);
+        let mut timing = Timing { arrived: known(), ..Timing::default() };
+
+        let stamp = || Stamp { captured: Some(entry.time), arrived: known() };
+        let image = reader.surface(entry);
+        if let Some(network) = &mut self.surface
+            && entry.frame >= self.next_surface
+            && image.exists()
+        {
+            let begun = Instant::now();
+            let what = network.recognise(&image).map_err(Error::of_frame)?;
+            self.seen_surface = what.map(|what| Seen { what, stamp: stamp() });
+            self.next_surface = entry.frame.saturating_add(self.surface_interval);
+            times.surface = Some(begun.elapsed());
+        }
+        if let Some(network) = self.action.as_mut().filter(|network| network.wants(entry.frame)) {
+            let begun = Instant::now();
+            if let Some(what) = network.push(entry.frame, &colour).map_err(Error::of_frame)? {
+                self.seen_action = Some(Seen { what, stamp: stamp() });
+                times.action = Some(begun.elapsed());
+            }
+        }
+        let surface = self.seen_surface.filter(|seen| seen.is_recent(entry.time));
+        let action = self.seen_action.filter(|seen| seen.is_recent(entry.time));
+        timing.surface = surface.map(|seen| seen.stamp).unwrap_or_default();
+        timing.action = action.map(|seen| seen.stamp).unwrap_or_default();
+        let percept = Percept {
+            time: entry.time,
+            body,
+            action: action.map(|seen| seen.what),
+            surface: surface.map(|seen| seen.what),
+        };
+        times.whole = started.elapsed();
+        Ok(Perceived { percept, others, timing, posture, has_skeletons, times })
+    }
+
+    /// The posture of who works with the robot, followed from frame to frame; anew for another person.
+    fn assess(
+        &mut self,
+        time: f64,
+        body: Option<&Body>,
+    ) -> Result<Option<MeasuredAssessment>, Error> {
+        let Some((id, body)) = self.perceiver.engaged().map(PersonTrack::id).zip(body) else {
+            return Ok(None);
+        };
+        let (_, assessor) = match &mut self.assessor {
+            Some(same) if same.0 == id => same,
+            other => other.insert((id, Assessor::new(self.posture))),
+        };
+        Ok(assessor.update(time, body)?)
+    }
+}
+
+impl<T> Seen<T> {
+    /// Returns true if its images are not too old at a time (s).
+    fn is_recent(&self, time: f64) -> bool {
+        self.stamp.captured.is_some_and(|captured| time - captured <= OLDEST)
+    }
+}

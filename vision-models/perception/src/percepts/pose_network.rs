@@ -1,0 +1,103 @@
+//! Joints by a pose network.
+
+use std::path::Path;
+
+use vision_models::{
+    GroupingSettings, ImageBody, NetworkKind, OpenPose, Options, Passes, PersonBox, SimpleBaseline,
+    read_image,
+};
+
+use super::pose_source::{Frame, PoseSource};
+use crate::{Error, Watch, networks::open_weights};
+
+/// Rows of the images that OpenPose sees; columns follow.
+const ROWS: f64 = 368.0;
+
+/// A pose network, whichever its checkpoint holds: a simple baseline, which looks for one person in the
+/// box in which the tracker expects them, or the nearest person of the depth image, or OpenPose, which
+/// finds everybody.
+#[derive(Debug)]
+pub struct PoseNetwork {
+    network: Network,
+}
+
+#[derive(Debug)]
+enum Network {
+    SimpleBaseline(Box<SimpleBaseline>),
+    OpenPose(Box<OpenPose>),
+}
+
+impl PoseNetwork {
+    /// Loads the network for images of this width and height (pixels).
+    ///
+    /// # Errors
+    /// With the checkpoint's name; one that holds another network says which.
+    pub fn load(
+        weights: &Path,
+        [width, height]: [usize; 2],
+        passes: Passes,
+        threads: usize,
+        watch: &mut Watch<'_>,
+    ) -> Result<Self, Error> {
+        let options = Options { threads, ..Options::default() };
+        let checkpoint = open_weights(weights, watch)?;
+        let of_file = Error::content(weights);
+        let none =
+            |found: String, wanted: &str| Err(Error::unfit(weights.display(), found, wanted));
+        let network = match NetworkKind::of(&checkpoint) {
+            Some(NetworkKind::SimpleBaseline(_)) => {
+                let network =
+                    SimpleBaseline::load(checkpoint, passes, options).map_err(&of_file)?;
+                Network::SimpleBaseline(Box::new(network))
+            }
+            Some(NetworkKind::OpenPose(_)) => {
+                let columns = (ROWS * width as f64 / height as f64).round();
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "as large as an image"
+                )]
+                let size = [ROWS as usize, columns as usize];
+                let network = OpenPose::load(checkpoint, size, options).map_err(&of_file)?;
+                Network::OpenPose(Box::new(network))
+            }
+            Some(other) => {
+                let wanted = "give the weights of a simple baseline or of OpenPose";
+                return none(format!("this is a {other}"), wanted);
+            }
+            None => {
+                return none(
+                    "no pose network that is known has these tensors".to_owned(),
+                    "give the weights of a simple baseline (Microsoft's or mmpose's) or of OpenPose (COCO-18)",
+                );
+            }
+        };
+        Ok(Self { network })
+    }
+}
+
+impl PoseSource for PoseNetwork {
+    fn people(&mut self, frame: &Frame<'_>) -> Result<Option<Vec<ImageBody>>, Error> {
+        let image = read_image(frame.colour)?;
+        let (rows, columns, _) = image.dim();
+        let size = frame.depth.size();
+        if [columns, rows] != size {
+            let [width, height] = size;
+            let found =
+                format!("{columns} × {rows} pixels, but the depth image has {width} × {height}");
+            return Err(Error::unfit(frame.colour.display(), found, ""));
+        }
+        match &mut self.network {
+            Network::OpenPose(network) => {
+                Ok(Some(network.estimate(image.view(), &GroupingSettings::default())?))
+            }
+            Network::SimpleBaseline(network) => {
+                let nearest = || PersonBox::nearest(frame.camera, frame.depth);
+                let Some(person) = frame.expected.or_else(nearest) else {
+                    return Ok(Some(Vec::new()));
+                };
+                Ok(Some(vec![network.estimate(image.view(), &person)?]))
+            }
+        }
+    }
+}

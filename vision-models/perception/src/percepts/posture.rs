@@ -1,0 +1,207 @@
+//! REBA and RULA of a person whose joints were measured.
+
+use ergo_map::{
+    Conditions, Error, JointPositions, LegSupport, MeasuredPosture, NeutralEstimate, PostureFilter,
+    Reba, Rula, RulaWorksheet, Side, Worksheet,
+};
+use nalgebra::Matrix3;
+use vision_models::{Body, Body25};
+
+/// The standard deviation of a joint, each axis, whose covariance is not known (m): of a depth camera 2 m
+/// away.
+const SIGMA: f64 = 0.025;
+
+/// The scores of a measured posture, with the arm that is worse off.
+///
+/// What nobody can see counts as on an easy sheet: no load, a good hold, nothing held for long or repeated;
+/// [`MeasuredPosture::unseen`] names the angles that are missing. Whether somebody walks or sits is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredAssessment {
+    /// Whose arm it is.
+    pub side: Side,
+    /// The angles.
+    pub measured: MeasuredPosture,
+    /// The REBA score.
+    pub reba: Reba,
+    /// The RULA score.
+    pub rula: Rula,
+}
+
+/// What is known of a person beside their joints.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PostureSettings {
+    /// Score the person as seated; without it a seat is found by balance.
+    pub sitting: bool,
+    /// Score the person's arm as supported.
+    pub arm_supported: bool,
+    /// The person stands upright and looks ahead for so long after being seen first (s): their angles count
+    /// from there. An average is taken with 0.
+    pub upright: f64,
+}
+
+/// No neutral posture needs longer (s).
+const LONGEST_UPRIGHT: f64 = 600.0;
+
+impl PostureSettings {
+    /// Checks the time, and gives the settings back.
+    ///
+    /// # Errors
+    /// [`Error`] for a time that is negative, over ten minutes or not finite.
+    pub fn checked(self) -> Result<Self, Error> {
+        let Self { upright: value, .. } = self;
+        if (0.0..=LONGEST_UPRIGHT).contains(&value) {
+            return Ok(self);
+        }
+        let (name, min, max) = ("upright", 0.0, LONGEST_UPRIGHT);
+        Err(Error::OutOfRange { name, value, min, max, unit: "s" })
+    }
+
+    fn conditions(&self, measured: &MeasuredPosture) -> Conditions {
+        let support = if self.sitting { LegSupport::Sitting } else { measured.support };
+        Conditions { support, arm_supported: self.arm_supported, ..Conditions::default() }
+    }
+}
+
+/// Follows the posture of one person from frame to frame and scores it.
+///
+/// ```
+/// use human_perception::percepts::Assessor;
+/// use vision_models::Body;
+///
+/// let mut assessor = Assessor::default();
+/// assert_eq!(assessor.update(0.0, &Body::default())?, None);
+/// # Ok::<(), ergo_map::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Assessor {
+    settings: PostureSettings,
+    sides: [PostureFilter; 2],
+    /// As long as the person's own neutral posture is measured.
+    neutral: Option<NeutralEstimate>,
+    /// When the trunk was first seen (s).
+    since: Option<f64>,
+}
+
+impl Default for Assessor {
+    fn default() -> Self {
+        Self::new(PostureSettings::default())
+    }
+}
+
+impl Assessor {
+    /// Of a person who has not been seen yet.
+    pub fn new(settings: PostureSettings) -> Self {
+        let sides = [Side::Right, Side::Left].map(PostureFilter::new);
+        let neutral = (settings.upright > 0.0).then(NeutralEstimate::default);
+        Self { settings, sides, neutral, since: None }
+    }
+
+    /// Takes a frame in, and gives the scores at its time (s); `None` as long as the trunk was not seen
+    /// in the last second.
+    ///
+    /// # Errors
+    /// None for a body whose joints are finite.
+    pub fn update(&mut self, time: f64, body: &Body) -> Result<Option<MeasuredAssessment>, Error> {
+        let (joints, covariances) = (joint_positions(body), covariances(body));
+        self.stand_upright(time, &joints);
+        let [right, left] = &mut self.sides;
+        let postures = [
+            (Side::Right, right.update(time, &joints, &covariances)),
+            (Side::Left, left.update(time, &joints, &covariances)),
+        ];
+        worse(&postures, &self.settings)
+    }
+
+    /// Measures the person's own neutral posture while it lasts.
+    fn stand_upright(&mut self, time: f64, joints: &JointPositions) {
+        let Some(estimate) = &mut self.neutral else { return };
+        if joints.posture(Side::Right).is_none() {
+            return;
+        }
+        estimate.push(joints);
+        if time - *self.since.get_or_insert(time) >= self.settings.upright {
+            let own = estimate.neutral();
+            self.sides = self.sides.map(|filter| filter.with_neutral(own));
+            self.neutral = None;
+        }
+    }
+}
+
+/// The scores of a body by itself, as where its joints are without error; `None` where the trunk was not
+/// seen.
+///
+/// # Errors
+/// None for a body whose joints are finite.
+pub fn assess(body: &Body) -> Result<Option<MeasuredAssessment>, Error> {
+    let joints = joint_positions(body);
+    let postures = [Side::Right, Side::Left].map(|side| (side, joints.posture(side)));
+    worse(&postures, &PostureSettings::default())
+}
+
+/// The scores of the side that is worse off.
+fn worse(
+    postures: &[(Side, Option<MeasuredPosture>); 2],
+    settings: &PostureSettings,
+) -> Result<Option<MeasuredAssessment>, Error> {
+    let mut worst: Option<MeasuredAssessment> = None;
+    for &(side, measured) in postures {
+        let Some(measured) = measured else { continue };
+        let posture = &measured.posture;
+        let reba = Worksheet::from_posture(posture, settings.conditions(&measured)).score()?;
+        let sheet = RulaWorksheet::from_posture(posture);
+        let rula = RulaWorksheet { arm_supported: settings.arm_supported, ..sheet }.score()?;
+        if worst.is_none_or(|worst| (reba.reba, rula.rula) > (worst.reba.reba, worst.rula.rula)) {
+            worst = Some(MeasuredAssessment { side, measured, reba, rula });
+        }
+    }
+    Ok(worst)
+}
+
+/// Of the joints of [`joint_positions`], in the order of its array (m²).
+fn covariances(body: &Body) -> [Matrix3<f64>; JointPositions::LEN] {
+    use Body25::{
+        LeftAnkle, LeftEar, LeftElbow, LeftHip, LeftKnee, LeftShoulder, LeftWrist, MidHip, Neck,
+        Nose, RightAnkle, RightEar, RightElbow, RightHip, RightKnee, RightShoulder, RightWrist,
+    };
+    let joints = [
+        Neck,
+        MidHip,
+        Nose,
+        LeftEar,
+        RightEar,
+        LeftShoulder,
+        RightShoulder,
+        LeftElbow,
+        RightElbow,
+        LeftWrist,
+        RightWrist,
+        LeftHip,
+        RightHip,
+        LeftKnee,
+        RightKnee,
+        LeftAnkle,
+        RightAnkle,
+    ];
+    let unknown = Matrix3::identity() * SIGMA.powi(2);
+    joints.map(|joint| body.covariance(joint).unwrap_or(unknown))
+}
+
+fn joint_positions(body: &Body) -> JointPositions {
+    use Body25::{
+        LeftAnkle, LeftEar, LeftElbow, LeftHip, LeftKnee, LeftShoulder, LeftWrist, MidHip, Neck,
+        Nose, RightAnkle, RightEar, RightElbow, RightHip, RightKnee, RightShoulder, RightWrist,
+    };
+    let at = |joint: Body25| body.get(joint).map(|keypoint| keypoint.position.coords);
+    JointPositions {
+        neck: at(Neck),
+        pelvis: at(MidHip),
+        nose: at(Nose),
+        ears: [LeftEar, RightEar].map(at),
+        shoulders: [LeftShoulder, RightShoulder].map(at),
+        elbows: [LeftElbow, RightElbow].map(at),
+        wrists: [LeftWrist, RightWrist].map(at),
+        hips: [LeftHip, RightHip].map(at),
+        knees: [LeftKnee, RightKnee].map(at),
+        ankles: [LeftAnkle, RightAnkle].map(at),
+    }
+}

@@ -1,0 +1,121 @@
+//! The surface of the object, by a ResNet.
+
+use std::path::{Path, PathBuf};
+
+use vision_models::{
+    Confidence, LinearHead, LinearSvm, RecognisedSurface, ResNet, ResNetDepth, Surface, read_image,
+    softmax,
+};
+
+use crate::{
+    Error, Watch,
+    learning::backbone::ImageBackbone,
+    networks::classifier::load_resnet,
+    surface::{features::PREPROCESSING, model::SurfaceModel},
+};
+
+/// Which part of a trained model decides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceDecision {
+    /// The support vector machine.
+    Svm,
+    /// The new last layer.
+    Head,
+}
+
+/// What makes a surface of an image.
+#[derive(Clone, Debug)]
+enum Decision {
+    /// The network's own last layer.
+    Own,
+    Svm(LinearSvm),
+    Head(LinearHead),
+}
+
+/// Recognises the surface in an image of the on-board camera (paper, Experiment 1).
+#[derive(Debug)]
+pub struct SurfaceNetwork {
+    network: ResNet,
+    decision: Decision,
+    /// Of each class.
+    surfaces: Vec<Surface>,
+}
+
+impl SurfaceNetwork {
+    /// Loads a network whose last layer has two classes, drilled and smooth in this order.
+    ///
+    /// # Errors
+    /// Errors carry the file's name.
+    pub fn load(
+        weights: &Path,
+        depth: ResNetDepth,
+        threads: usize,
+        watch: &mut Watch<'_>,
+    ) -> Result<Self, Error> {
+        let network = load_resnet(weights, depth, PREPROCESSING.crop, threads, watch)?;
+        let classes = network.classes();
+        if classes != 2 {
+            let found = format!("the network has {classes} classes, not drilled and smooth");
+            let wanted = "give one that has, or a trained model";
+            return Err(Error::unfit(weights.display(), found, wanted));
+        }
+        let surfaces = vec![Surface::Drilled, Surface::Smooth];
+        Ok(Self { network, decision: Decision::Own, surfaces })
+    }
+
+    /// Loads what `surface train` has trained, over the network that it was trained with: the one of this depth, if
+    /// there are several.
+    ///
+    /// # Errors
+    /// With the file that does not fit; a class that is no surface.
+    pub fn of_model(
+        folder: &Path,
+        (depth, decision): (Option<ResNetDepth>, SurfaceDecision),
+        weights: Option<PathBuf>,
+        threads: usize,
+        watch: &mut Watch<'_>,
+    ) -> Result<Self, Error> {
+        let SurfaceModel { classes, networks, .. } = SurfaceModel::read(folder)?;
+        let surfaces = classes.iter().map(|class| class.parse());
+        let surfaces = surfaces.collect::<Result<_, _>>().map_err(Error::content(folder))?;
+        let depths: Vec<_> = networks.iter().map(|own| own.depth.layers().to_string()).collect();
+        let mut chosen = networks.into_iter().filter(|own| depth.is_none_or(|d| own.depth == d));
+        let (Some(own), None) = (chosen.next(), chosen.next()) else {
+            let found = format!("trained over networks of {} layers", depths.join(" and "));
+            return Err(Error::unfit(folder.display(), found, "choose one by its depth"));
+        };
+        let weights = own.weights.weights(weights, watch)?;
+        let network =
+            ImageBackbone::new(weights, own.depth, PREPROCESSING.crop, threads).load(watch)?;
+        let decision = match decision {
+            SurfaceDecision::Svm => Decision::Svm(own.svm),
+            SurfaceDecision::Head => Decision::Head(own.head),
+        };
+        Ok(Self { network, decision, surfaces })
+    }
+
+    /// The surface in an image file. The confidence of an SVM is the logistic function of its decision,
+    /// which orders images but is no measured probability.
+    ///
+    /// # Errors
+    /// If the image cannot be used.
+    pub fn recognise(&mut self, image: &Path) -> Result<Option<RecognisedSurface>, Error> {
+        let image = PREPROCESSING.image(read_image(image)?.view())?;
+        let scores = self.network.infer(image.view())?;
+        let features = scores.features.row(0);
+        let of = |probabilities: &[f32]| {
+            let class = vision_models::top_k(probabilities, 1).first().copied().unwrap_or_default();
+            (class, probabilities.get(class).copied().unwrap_or_default().into())
+        };
+        let (class, probability) = match &self.decision {
+            Decision::Own => of(&softmax(&scores.logits.row(0).to_vec())),
+            Decision::Head(head) => of(&softmax(&head.scores(features)?.to_vec())),
+            Decision::Svm(svm) => {
+                let decision = svm.decide(features)?.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+                (svm.classify(features)?, 1.0 / (1.0 + (-decision).exp()))
+            }
+        };
+        let confidence = Confidence::new(f64::clamp(probability, 0.0, 1.0))?;
+        Ok(self.surfaces.get(class).map(|&surface| RecognisedSurface { surface, confidence }))
+    }
+}

@@ -1,0 +1,171 @@
+//! Features of images in folders.
+
+use std::path::{Path, PathBuf};
+
+use ndarray::{Array2, Array4, s};
+use vision_models::{
+    Error as VisionError, Preprocessing, ResNetDepth, decode_image, file::read_bytes,
+};
+
+use crate::{
+    Error, Event, Watch,
+    file::make_folder,
+    learning::{
+        backbone::{ImageBackbone, Weights, WeightsIdentity},
+        cache::FeatureCache,
+        digest::Digest,
+    },
+    networks::folders::{LabelledImage, Unreadable},
+};
+
+/// What the paper does to the images: 255 × 255, the middle 224 × 224.
+pub const PREPROCESSING: Preprocessing = Preprocessing::SURFACE;
+
+/// The largest image file that is read (bytes).
+const MOST: u64 = 256 << 20;
+
+/// A network's features of images, from disk where they are known.
+#[derive(Debug)]
+pub struct FeatureSource {
+    name: String,
+    backbone: ImageBackbone,
+    cache: Option<FeatureCache>,
+}
+
+/// Images as they are and mirrored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flips {
+    /// As they are.
+    None,
+    /// Both: each image is two samples.
+    Horizontal,
+}
+
+/// Features of images with their classes.
+#[derive(Clone, Debug)]
+pub struct Features {
+    /// Samples × features.
+    pub rows: Array2<f32>,
+    /// The class of each.
+    pub labels: Vec<usize>,
+    /// The image of each.
+    pub paths: Vec<PathBuf>,
+}
+
+/// The name of a ResNet's folder entries and messages.
+pub fn name_of(depth: ResNetDepth) -> String {
+    format!("resnet{}", depth.layers())
+}
+
+impl FeatureSource {
+    /// Of this network. The cache is `NAME.features` in a folder.
+    ///
+    /// # Errors
+    /// As of [`FeatureCache::open`].
+    pub fn new(
+        depth: ResNetDepth,
+        (weights, identity): (Weights, &WeightsIdentity),
+        folder: Option<&PathBuf>,
+        threads: usize,
+    ) -> Result<Self, Error> {
+        let name = name_of(depth);
+        let key = format!("{name}, 255 x 255, crop 224, {identity}");
+        let open = |folder: &PathBuf| {
+            make_folder(folder)?;
+            FeatureCache::open(&folder.join(format!("{name}.features")), &key)
+        };
+        let cache = folder.map(open).transpose()?;
+        let backbone = ImageBackbone::new(weights, depth, PREPROCESSING.crop, threads);
+        Ok(Self { name, backbone, cache })
+    }
+
+    /// The features of images; those that cannot be read are left out. None where the call-back ends it: the features
+    /// so far are then in the cache.
+    ///
+    /// # Errors
+    /// As of [`Unreadable::leave_out`]; of the network and the cache.
+    pub fn of_images(
+        &mut self,
+        images: &[LabelledImage],
+        flips: Flips,
+        unreadable: &mut Unreadable,
+        watch: &mut Watch<'_>,
+    ) -> Result<Option<Features>, Error> {
+        let (what, all) = (format!("features of {}", self.name), images.len() as u64);
+        let mut rows = Vec::new();
+        let (mut labels, mut paths, mut width) = (Vec::new(), Vec::new(), 0);
+        for (done, LabelledImage { path, label }) in (0..).zip(images) {
+            if watch(Event::Progress { what: &what, done, all }).is_break() {
+                if let Some(cache) = &self.cache {
+                    cache.tell_kept(watch);
+                }
+                return Ok(None);
+            }
+            match read(path) {
+                Ok(bytes) => match self.of_image(&bytes, flips, watch) {
+                    Ok(own) => {
+                        for row in own {
+                            width = row.len();
+                            rows.extend(row);
+                            labels.push(*label);
+                            paths.push(path.clone());
+                        }
+                    }
+                    Err(Error::Vision(VisionError::Image { reason, .. })) => {
+                        let path = path.display().to_string();
+                        unreadable.leave_out(VisionError::Image { path, reason }.into(), watch)?;
+                    }
+                    Err(error) => return Err(error),
+                },
+                Err(error) => unreadable.leave_out(error.into(), watch)?,
+            }
+        }
+        let _ = watch(Event::Progress { what: &what, done: all, all });
+        let rows = Array2::from_shape_vec((labels.len(), width), rows)
+            .map_err(|error| Error::unfit(what, error, ""))?;
+        Ok(Some(Features { rows, labels, paths }))
+    }
+
+    /// One row of features, or two.
+    fn of_image(
+        &mut self,
+        bytes: &[u8],
+        flips: Flips,
+        watch: &mut Watch<'_>,
+    ) -> Result<Vec<Vec<f32>>, Error> {
+        let plain = Digest::of_bytes(bytes);
+        let mirrored = Digest::of_all([plain, Digest::of_bytes(b"mirrored")]);
+        let mut rows = Vec::new();
+        // Decoded once, if at all.
+        let mut image: Option<Array4<f32>> = None;
+        let views = if flips == Flips::None { 1 } else { 2 };
+        for (digest, flip) in [(plain, false), (mirrored, true)].into_iter().take(views) {
+            let known = self.cache.as_ref().and_then(|cache| cache.get(&digest));
+            if let Some(features) = known {
+                rows.push(features.to_vec());
+                continue;
+            }
+            let image = match &mut image {
+                Some(image) => image,
+                none => none.insert(PREPROCESSING.image(decode_image(bytes)?.view())?),
+            };
+            // The crop is in the middle but for half a pixel, so that mirroring it is mirroring the image.
+            let features = if flip {
+                self.backbone.features(&image.slice(s![.., .., .., ..;-1]).to_owned(), watch)?
+            } else {
+                self.backbone.features(image, watch)?
+            };
+            if let Some(cache) = &mut self.cache {
+                cache.insert(digest, features.clone())?;
+            }
+            rows.push(features);
+        }
+        Ok(rows)
+    }
+}
+
+/// Reads a file of at most so many bytes as an image may have.
+fn read(path: &Path) -> Result<Vec<u8>, VisionError> {
+    let refuse = |reason: String| VisionError::File { path: path.display().to_string(), reason };
+    read_bytes(path, MOST).map_err(|error| refuse(error.to_string()))
+}

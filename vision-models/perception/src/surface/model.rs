@@ -1,0 +1,220 @@
+//! A trained model: a folder with what was learnt over each network.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use ndarray::ArrayView1;
+use serde::{Deserialize, Serialize};
+use vision_models::{LinearHead, LinearSvm, ResNetDepth, Tensors};
+
+use super::features::{FeatureSource, Features, name_of};
+use crate::{
+    Error, Watch,
+    file::{make_folder, write_whole},
+    learning::{backbone::WeightsIdentity, description, evaluation::Evaluation, split::Part},
+    networks::names::depth_of,
+};
+
+/// The name of the file that describes the model.
+const FILE: &str = "surface.json";
+const VERSION: u32 = 1;
+/// The layer's name in the files of heads, as in torchvision.
+const LAYER: &str = "fc";
+
+/// What was learnt over one network.
+#[derive(Debug)]
+pub struct OverNetwork {
+    /// How many layers the network has.
+    pub depth: ResNetDepth,
+    /// Its weights.
+    pub weights: WeightsIdentity,
+    /// The new last layer.
+    pub head: LinearHead,
+    /// The support vector machine.
+    pub svm: LinearSvm,
+}
+
+/// A trained model.
+#[derive(Debug)]
+pub struct SurfaceModel {
+    /// The names of the classes.
+    pub classes: Vec<String>,
+    /// What each image of the training's folder was for, by its path in there.
+    pub parts: BTreeMap<String, Part>,
+    /// What was learnt over each network.
+    pub networks: Vec<OverNetwork>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Description {
+    surface_model: u32,
+    classes: Vec<String>,
+    networks: Vec<NetworkDescription>,
+    validation: Vec<String>,
+    test: Vec<String>,
+    training: Vec<String>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NetworkDescription {
+    depth: usize,
+    weights: WeightsIdentity,
+}
+
+/// One of the paper's ways to decide.
+#[derive(Clone, Copy, Debug)]
+pub enum Decider<'a> {
+    /// The network with a new last layer.
+    Head(&'a LinearHead),
+    /// A support vector machine over its features.
+    Svm(&'a LinearSvm),
+}
+
+impl SurfaceModel {
+    /// Writes it into a folder, the description last.
+    ///
+    /// # Errors
+    /// With the place that cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
+        make_folder(folder)?;
+        for network in &self.networks {
+            let name = name_of(network.depth);
+            let mut head = Vec::new();
+            network.head.tensors(LAYER)?.write_safetensors(&mut head)?;
+            write_whole(&folder.join(format!("{name}-head.safetensors")), &head)?;
+            let svm = network.svm.to_string();
+            write_whole(&folder.join(format!("{name}.svm")), svm.as_bytes())?;
+        }
+        let of = |part| {
+            let own = self.parts.iter().filter(move |(_, own)| **own == part);
+            own.map(|(path, _)| path.clone()).collect()
+        };
+        let describe = |network: &OverNetwork| NetworkDescription {
+            depth: network.depth.layers(),
+            weights: network.weights.clone(),
+        };
+        let described = Description {
+            surface_model: VERSION,
+            classes: self.classes.clone(),
+            networks: self.networks.iter().map(describe).collect(),
+            validation: of(Part::Validation),
+            test: of(Part::Test),
+            training: of(Part::Training),
+        };
+        description::write(&folder.join(FILE), &described)
+    }
+
+    /// Reads one.
+    ///
+    /// # Errors
+    /// With the file that is not there, not to be read, or does not fit the others.
+    pub fn read(folder: &Path) -> Result<Self, Error> {
+        let path = folder.join(FILE);
+        let described: Description = description::read(&path)?;
+        let Description { surface_model, classes, networks, .. } = described;
+        description::check_version(&path, surface_model, VERSION)?;
+        let mut parts = BTreeMap::new();
+        for (part, paths) in [
+            (Part::Training, described.training),
+            (Part::Validation, described.validation),
+            (Part::Test, described.test),
+        ] {
+            parts.extend(paths.into_iter().map(|path| (path, part)));
+        }
+        let networks = networks
+            .into_iter()
+            .map(|NetworkDescription { depth, weights }| {
+                let Some(depth) = depth_of(&depth.to_string()) else {
+                    let found = format!("no ResNet has {depth} layers");
+                    return Err(Error::unfit(path.display(), found, ""));
+                };
+                let name = name_of(depth);
+                let file = folder.join(format!("{name}-head.safetensors"));
+                let head = Tensors::read(&file)
+                    .and_then(|mut tensors| LinearHead::read(&mut tensors, LAYER, classes.clone()))
+                    .map_err(Error::content(&file))?;
+                let file = folder.join(format!("{name}.svm"));
+                let svm = LinearSvm::read(&file).map_err(Error::content(&file))?;
+                if svm.classes() != classes {
+                    let found = format!("its classes are not those of {}", path.display());
+                    return Err(Error::unfit(file.display(), found, ""));
+                }
+                Ok(OverNetwork { depth, weights, head, svm })
+            })
+            .collect::<Result<_, Error>>()?;
+        Ok(Self { classes, parts, networks })
+    }
+
+    /// The networks for the features, with the weights that the model was trained with: `weights` has the checkpoint
+    /// of each depth.
+    ///
+    /// # Errors
+    /// If a checkpoint is missing or another one; of the cache.
+    pub fn sources(
+        &self,
+        weights: &[(ResNetDepth, PathBuf)],
+        cache: Option<&PathBuf>,
+        threads: usize,
+        watch: &mut Watch<'_>,
+    ) -> Result<Vec<FeatureSource>, Error> {
+        let source = |network: &OverNetwork| {
+            let given = weights.iter().find(|(depth, _)| *depth == network.depth);
+            let file = given.map(|(_, file)| file.clone());
+            let own = network.weights.weights(file, watch)?;
+            FeatureSource::new(network.depth, (own, &network.weights), cache, threads)
+        };
+        self.networks.iter().map(source).collect()
+    }
+}
+
+impl OverNetwork {
+    /// The paper's two ways to decide, by name.
+    pub fn deciders(&self) -> [(String, Decider<'_>); 2] {
+        let name = name_of(self.depth);
+        let svm = format!("{name}+svm");
+        [(name, Decider::Head(&self.head)), (svm, Decider::Svm(&self.svm))]
+    }
+}
+
+impl Features {
+    /// The scores of each sample.
+    ///
+    /// # Errors
+    /// As of [`Decider::scores`].
+    pub fn scores(&self, decider: Decider<'_>) -> Result<Vec<Vec<f32>>, Error> {
+        self.rows.outer_iter().map(|row| decider.scores(row)).collect()
+    }
+
+    /// What these scores get right.
+    ///
+    /// # Errors
+    /// None for classes below `classes`.
+    pub fn evaluate(&self, classes: usize, scores: &[Vec<f32>]) -> Result<Evaluation, Error> {
+        let scores = scores.iter().map(Vec::as_slice);
+        Evaluation::of(classes, self.labels.iter().copied().zip(scores))
+    }
+}
+
+impl Decider<'_> {
+    /// One score a class; the highest decides.
+    ///
+    /// # Errors
+    /// For another number of features than in training.
+    #[allow(clippy::needless_pass_by_value)] // views go by value, as everywhere in ndarray
+    pub fn scores(self, features: ArrayView1<'_, f32>) -> Result<Vec<f32>, Error> {
+        match self {
+            Self::Head(head) => Ok(head.scores(features)?.to_vec()),
+            Self::Svm(svm) => {
+                #[expect(clippy::cast_possible_truncation, reason = "the scores of a network, too")]
+                let scores: Vec<f32> =
+                    svm.decide(features)?.iter().map(|score| *score as f32).collect();
+                // One plane between two classes; its positive side is the second's.
+                Ok(if let [score] = scores[..] { vec![-score, score] } else { scores })
+            }
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! The records of a file in MCAP, and the few that a recording is read from.
+//!
+//! <https://mcap.dev/spec>. Lengths within a record are held against the record before anything is taken for them.
+
+use std::collections::BTreeMap;
+
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+use super::error::McapError;
+
+/// The most that a chunk, or a record in it, may hold \[bytes\]; writers begin a new chunk after one or a few million.
+const LARGEST: u32 = 256 << 20;
+
+/// What stands in place of a record's name.
+pub(super) mod opcode {
+    pub(crate) const SCHEMA: u8 = 0x03;
+    pub(crate) const CHANNEL: u8 = 0x04;
+    pub(crate) const MESSAGE: u8 = 0x05;
+    pub(crate) const CHUNK: u8 = 0x06;
+    pub(crate) const METADATA: u8 = 0x0c;
+}
+
+/// Gives the records of a file one after another, those within chunks in place of the chunks. A chunk that claims more
+/// than any has, or is compressed in a way that is not read, ends it before memory is taken for it.
+pub(super) fn each(
+    file: &[u8],
+    mut take: impl FnMut(u8, &[u8]) -> Result<(), McapError>,
+) -> Result<(), McapError> {
+    pass(file, true, |code, data| if code == opcode::CHUNK { check_chunk(data) } else { Ok(()) })?;
+    pass(file, false, &mut take)
+}
+
+fn pass(
+    file: &[u8],
+    whole_chunks: bool,
+    mut take: impl FnMut(u8, &[u8]) -> Result<(), McapError>,
+) -> Result<(), McapError> {
+    let limit = if whole_chunks { file.len() } else { LARGEST as usize };
+    // Without a limit the library takes as much memory as a record claims.
+    let options = LinearReaderOptions::default()
+        .with_record_length_limit(limit)
+        .with_emit_chunks(whole_chunks)
+        .with_validate_chunk_crcs(true);
+    let mut reader = LinearReader::new_with_options(options);
+    let mut rest = file;
+    while let Some(event) = reader.next_event() {
+        match event? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let (now, later) = rest.split_at(wanted.min(rest.len()));
+                reader.insert(now.len()).copy_from_slice(now);
+                reader.notify_read(now.len());
+                rest = later;
+            }
+            LinearReadEvent::Record { opcode, data } => take(opcode, data)?,
+        }
+    }
+    Ok(())
+}
+
+fn check_chunk(data: &[u8]) -> Result<(), McapError> {
+    let mut fields = Fields(data);
+    // The first and the last time.
+    let _ = (fields.number::<8>("chunk")?, fields.number::<8>("chunk")?);
+    let claimed = fields.number::<8>("chunk")?;
+    let _checksum = fields.number::<4>("chunk")?;
+    let compression = fields.text("chunk")?;
+    if claimed > LARGEST.into() {
+        return Err(McapError::Chunk { claimed });
+    }
+    if !matches!(&*compression, "" | "zstd") {
+        return Err(McapError::Compression { found: compression });
+    }
+    Ok(())
+}
+
+/// What is left of a record.
+pub(super) struct Fields<'a>(pub(super) &'a [u8]);
+
+impl<'a> Fields<'a> {
+    pub(super) fn bytes(
+        &mut self,
+        count: usize,
+        what: &'static str,
+    ) -> Result<&'a [u8], McapError> {
+        let left = self.0.len();
+        let split = self.0.split_at_checked(count);
+        let (bytes, rest) = split.ok_or(McapError::Record { what, needed: count, left })?;
+        self.0 = rest;
+        Ok(bytes)
+    }
+
+    /// A number of so many bytes, the lowest first.
+    pub(super) fn number<const SIZE: usize>(
+        &mut self,
+        what: &'static str,
+    ) -> Result<u64, McapError> {
+        let bytes = self.bytes(SIZE, what)?;
+        Ok(bytes.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte)))
+    }
+
+    /// A text behind its length.
+    pub(super) fn text(&mut self, what: &'static str) -> Result<String, McapError> {
+        let length = self.number::<4>(what)?;
+        let bytes = self.bytes(usize::try_from(length).unwrap_or(usize::MAX), what)?;
+        Ok(String::from_utf8(bytes.to_vec())?)
+    }
+
+    /// Pairs of texts behind their length.
+    pub(super) fn map(
+        &mut self,
+        what: &'static str,
+    ) -> Result<BTreeMap<String, String>, McapError> {
+        let length = self.number::<4>(what)?;
+        let mut fields = Fields(self.bytes(usize::try_from(length).unwrap_or(usize::MAX), what)?);
+        let mut map = BTreeMap::new();
+        while !fields.0.is_empty() {
+            map.insert(fields.text(what)?, fields.text(what)?);
+        }
+        Ok(map)
+    }
+}

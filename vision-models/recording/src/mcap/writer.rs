@@ -1,0 +1,106 @@
+//! A file in MCAP that is being written, with its channels.
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+
+use mcap::records::{MessageHeader, Metadata};
+use mcap::{WriteOptions, Writer};
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
+
+use super::error::McapError;
+use super::from_json_lines::write_recording;
+use super::messages::{Message, nanoseconds};
+
+/// A file in memory that holds a recording, and what else is written into it.
+pub struct McapWriter {
+    writer: Writer<Cursor<Vec<u8>>>,
+    sequence: u32,
+}
+
+/// Where messages of one kind go.
+#[derive(Clone, Copy, Debug)]
+pub struct Channel(u16);
+
+impl std::fmt::Debug for McapWriter {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("McapWriter").field("sequence", &self.sequence).finish_non_exhaustive()
+    }
+}
+
+impl McapWriter {
+    /// Begins a file with a recording in JSON Lines, whole or partial, and the body as a scene.
+    ///
+    /// # Errors
+    /// [`McapError::Recording`] for what is no recording.
+    pub fn with_recording(text: &[u8]) -> Result<Self, McapError> {
+        let library = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));
+        let writer = WriteOptions::new().library(library).create(Cursor::new(Vec::new()))?;
+        let mut file = Self { writer, sequence: 0 };
+        write_recording(&mut file, text)?;
+        Ok(file)
+    }
+
+    /// Adds a channel for messages of this type.
+    ///
+    /// # Errors
+    /// None in memory.
+    pub fn channel<M: Message>(&mut self, topic: &str) -> Result<Channel, McapError> {
+        self.channel_of::<M>(topic, M::SCHEMA)
+    }
+
+    /// A channel for JSON that is described by a type.
+    pub(super) fn channel_of<T: JsonSchema>(
+        &mut self,
+        topic: &str,
+        schema: &str,
+    ) -> Result<Channel, McapError> {
+        let mut settings = SchemaSettings::draft07();
+        settings.inline_subschemas = true;
+        let described = serde_json::to_vec(&settings.into_generator().into_root_schema_for::<T>())?;
+        let schema = self.writer.add_schema(schema, "jsonschema", &described)?;
+        Ok(Channel(self.writer.add_channel(schema, topic, "json", &BTreeMap::new())?))
+    }
+
+    pub(super) fn metadata(
+        &mut self,
+        name: &str,
+        entries: BTreeMap<String, String>,
+    ) -> Result<(), McapError> {
+        Ok(self.writer.write_metadata(&Metadata { name: name.to_owned(), metadata: entries })?)
+    }
+
+    /// Writes a message of `time` \[s\].
+    ///
+    /// # Errors
+    /// [`McapError::Json`] for a message that is not JSON.
+    pub fn write<M: Message>(
+        &mut self,
+        channel: Channel,
+        time: f64,
+        message: &M,
+    ) -> Result<(), McapError> {
+        self.write_bytes(channel, time, &serde_json::to_vec(message)?)
+    }
+
+    pub(super) fn write_bytes(
+        &mut self,
+        Channel(channel_id): Channel,
+        time: f64,
+        bytes: &[u8],
+    ) -> Result<(), McapError> {
+        let (sequence, log_time) = (self.sequence, nanoseconds(time));
+        self.sequence = self.sequence.wrapping_add(1);
+        let header = MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
+        Ok(self.writer.write_to_known_channel(&header, bytes)?)
+    }
+
+    /// Ends the file and returns all of it.
+    ///
+    /// # Errors
+    /// None in memory.
+    pub fn finish(mut self) -> Result<Vec<u8>, McapError> {
+        self.writer.finish()?;
+        Ok(self.writer.into_inner().into_inner())
+    }
+}
