@@ -6,6 +6,7 @@ mod excerpt;
 pub mod experiment;
 pub mod follow;
 pub mod ik;
+pub mod infer;
 pub mod learning;
 #[cfg(feature = "mcap")]
 pub mod mcap_files;
