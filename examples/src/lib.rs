@@ -3,6 +3,7 @@
 pub mod actions;
 mod excerpt;
 pub mod experiment;
+pub mod infer;
 pub mod learning;
 pub mod maps;
 pub mod posture;

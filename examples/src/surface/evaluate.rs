@@ -106,7 +106,7 @@ impl Evaluate {
                 return session.conclude(self.json, &report, Ending::Partial);
             };
             for (name, decider) in network.deciders() {
-                let scores = features.scores(decider)?;
+                let scores = features.scores(&decider)?;
                 let evaluation = features.evaluate(model.classes.len(), &scores)?;
                 writeln!(session.output(), "\n{name}")?;
                 evaluation.write_confusion(session.output(), &model.classes)?;

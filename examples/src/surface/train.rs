@@ -192,7 +192,7 @@ impl Train {
                 over_network((depth, identity), &training, &parts.classes, (&head, &svm), session)?;
             for (name, decider) in network.deciders() {
                 let accuracy = |features: &Features| -> Result<Option<f64>> {
-                    let scores = features.scores(decider)?;
+                    let scores = features.scores(&decider)?;
                     Ok(features.evaluate(parts.classes.len(), &scores)?.accuracy)
                 };
                 let (of_training, of_validation) = (accuracy(&training)?, accuracy(&validation)?);

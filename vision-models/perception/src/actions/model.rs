@@ -68,6 +68,11 @@ impl ActionModel {
         description::write(&folder.join(FILE), &described)
     }
 
+    /// Whether there is one in a folder.
+    pub fn is_in(folder: &Path) -> bool {
+        folder.join(FILE).exists()
+    }
+
     /// Reads one.
     ///
     /// # Errors
