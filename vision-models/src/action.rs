@@ -12,7 +12,7 @@ pub use direction::WalkingDirection;
 pub use group::ActionGroup;
 pub use tool::Tool;
 
-use crate::Error;
+use crate::error::Error;
 
 /// One of the thirty classes of the HRI30 data set (Iodice, De Momi, Ajoudani, ICPR 2022).
 ///

@@ -3,7 +3,8 @@
 use std::fmt;
 
 #[cfg(feature = "inference")]
-use crate::{CheckpointError, NetworkKind};
+use crate::networks::NetworkKind;
+use crate::weights::CheckpointError;
 
 /// A value that this crate refuses, with the place and what would be right.
 ///

@@ -2,7 +2,7 @@
 
 use std::{fs::File, io::Read, path::Path};
 
-use crate::Error;
+use crate::error::Error;
 
 /// Reads a file of at most `limit` bytes.
 ///

@@ -15,11 +15,10 @@ pub use trainer::{Epoch, HeadTrainer};
 
 use scaling::Standardisation;
 
-use crate::{
-    Error, Tensor, TensorSource, Tensors,
-    random::uniform,
-    samples::{check_classes, check_finite, check_samples},
-};
+use crate::error::Error;
+use crate::random::uniform;
+use crate::samples::{check_classes, check_finite, check_samples};
+use crate::weights::{Tensor, TensorSource, Tensors};
 
 /// A linear layer from features to one score a class, the logits of [`softmax`](crate::softmax).
 ///

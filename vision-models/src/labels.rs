@@ -6,10 +6,9 @@ use std::{
     str::FromStr,
 };
 
-use crate::{
-    Action, Error,
-    file::{read_text, without_byte_order_mark},
-};
+use crate::action::Action;
+use crate::error::Error;
+use crate::file::{read_text, without_byte_order_mark};
 
 /// The largest label file that is read (bytes).
 const MAX_BYTES: u64 = 64 << 20;

@@ -1,6 +1,6 @@
 //! How well a classifier does.
 
-use crate::Error;
+use crate::error::Error;
 
 /// How often each class was taken for each: rows are the true classes, columns the given ones.
 ///

@@ -18,7 +18,7 @@ pub use folder::{ImageFolder, OtherFiles, is_hidden, list_frames};
 pub use library::Library;
 pub use sampling::ClipSampling;
 
-use crate::Error;
+use crate::error::Error;
 
 /// The size that a frame is brought to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use ndarray::ArrayView2;
 
-use crate::{Error, error::Excerpt};
+use crate::error::{Error, Excerpt};
 
 /// Checks samples × features, of which `labels` says the classes as indices into `classes`; each
 /// class has a sample, and there are no more than `most`.

@@ -4,7 +4,8 @@ use std::{fmt, str::FromStr};
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Tool};
+use crate::action::Tool;
+use crate::error::Error;
 
 /// A surface of the object, as the paper's surface classifier tells them apart (Sec. "Surface
 /// Classification Model"): the drilled one is for drilling, the smooth one for polishing.

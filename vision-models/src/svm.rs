@@ -18,10 +18,8 @@ pub use settings::{Bias, ClassWeights, Loss, SvmSettings};
 pub use training::Training;
 
 use self::{newton::Newton, problem::Problem, training::train};
-use crate::{
-    Error,
-    samples::{check_classes, check_finite, check_samples},
-};
+use crate::error::Error;
+use crate::samples::{check_classes, check_finite, check_samples};
 
 /// A linear classifier: for two classes one plane, whose positive side is the second class; for
 /// more, one plane a class against the rest, and the class whose plane is farthest behind wins.

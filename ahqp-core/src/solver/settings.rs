@@ -1,6 +1,6 @@
 //! The solver's few parameters.
 
-use crate::Error;
+use crate::error::Error;
 
 /// How hard the solver tries and what it calls zero. All tolerances are relative to the sizes
 /// of the rows, bounds and gradients at hand, so that they do not depend on units, and at most 1e-4.

@@ -12,7 +12,8 @@ use super::{
     image_body::{ImageBody, ImageKeypoint},
     keypoints::Body25,
 };
-use crate::{Confidence, Error, error::Excerpt};
+use crate::confidence::Confidence;
+use crate::error::{Error, Excerpt};
 
 /// The largest text that is read (bytes).
 const LARGEST: usize = 16 << 20;

@@ -13,7 +13,7 @@ use super::{
     seen::{Facing, Seen},
     settings::TrackerSettings,
 };
-use crate::Error;
+use crate::error::Error;
 
 /// Follows several people at once and selects the one who engages with the robot.
 ///

@@ -1,7 +1,7 @@
 //! The parameters of the tracker.
 
 use super::filter::{Measurement, Motion};
-use crate::Error;
+use crate::error::Error;
 
 /// The parameters of a [`BodyTracker`](crate::BodyTracker). The defaults are for a depth camera at
 /// 20 frames/s, 2 to 4 m from the person.

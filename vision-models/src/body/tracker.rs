@@ -13,7 +13,8 @@ use super::{
     settings::TrackerSettings,
     track::{Candidate, Track, nearest_branch},
 };
-use crate::{Error, Percept};
+use crate::error::Error;
+use crate::percept::Percept;
 
 /// Follows one person through the camera's frames.
 ///

@@ -1,6 +1,6 @@
 //! An image of depths.
 
-use crate::Error;
+use crate::error::Error;
 
 /// Depths along the optical axis (m), row after row; where nothing was measured there is none.
 ///

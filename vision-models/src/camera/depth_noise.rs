@@ -1,6 +1,6 @@
 //! How wrong a depth camera is.
 
-use crate::Error;
+use crate::error::Error;
 
 /// The noise of a stereo depth camera: the standard deviation of a depth z is a constant plus
 /// `quadratic` · z².

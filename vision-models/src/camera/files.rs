@@ -5,7 +5,8 @@ use std::{io::Cursor, path::Path};
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::depth_image::{DepthImage, check_scale};
-use crate::{Error, file::read_bytes};
+use crate::error::Error;
+use crate::file::read_bytes;
 
 /// The longest side of an image that is read (pixels).
 const MAX_SIDE: u32 = 16_384;

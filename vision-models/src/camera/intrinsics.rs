@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Point3, Vector3};
 
-use crate::Error;
+use crate::error::Error;
 
 /// The longest side of an image (pixels).
 const MAX_SIDE: usize = 16_384;

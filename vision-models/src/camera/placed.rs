@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Point2, Point3, Vector3};
 
 use super::{depth_noise::DepthNoise, intrinsics::Intrinsics};
-use crate::Error;
+use crate::error::Error;
 
 /// The image's downward direction may point above the horizon by no more than this (rad).
 const STEEPEST: f64 = 0.17;

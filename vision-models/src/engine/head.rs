@@ -1,6 +1,6 @@
 //! The end of a classifier: pool the last activation, then a linear layer.
 
-use crate::Error;
+use crate::error::Error;
 use crate::layout::{Channels, Layout, offset, position};
 
 /// How the last activation becomes a vector of features.

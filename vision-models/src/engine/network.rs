@@ -2,8 +2,9 @@
 
 use ndarray::{ArrayView2, ArrayView5};
 
+use crate::error::Error;
 use crate::layout::Extent;
-use crate::{Error, TensorSource};
+use crate::weights::TensorSource;
 
 use super::graph::Graph;
 use super::lowering::lower;

@@ -1,7 +1,8 @@
 //! Weights as the kernels read them.
 
+use crate::error::Error;
 use crate::kernels::{Buffer, Finish, InstructionSet, Operands, Panels, Phase, Winograd, pack};
-use crate::{Error, TensorSource};
+use crate::weights::TensorSource;
 
 use super::layer::{Activation, Convolution};
 use super::program::{Layer, slopes, take, take_where};

@@ -1,6 +1,6 @@
 //! The forward pass for one input size: where every activation lives, and what runs on it.
 
-use crate::Error;
+use crate::error::Error;
 use crate::kernels::{
     Buffer, Copy, Depthwise, Direct, Epilogue, InstructionSet, MaxPool, Pool, Winograd,
 };

@@ -2,7 +2,9 @@
 
 use ndarray::ArrayView2;
 
-use crate::{ClassNames, Error, softmax, top_k};
+use crate::error::Error;
+use crate::labels::ClassNames;
+use crate::metrics::{softmax, top_k};
 
 /// What a network says about each input of a batch.
 #[derive(Clone, Copy, Debug, PartialEq)]

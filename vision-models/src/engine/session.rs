@@ -2,7 +2,7 @@
 
 use ndarray::{ArrayView3, ArrayView4, Axis};
 
-use crate::Error;
+use crate::error::Error;
 use crate::kernels::{Direct, Epilogue, Finish, InstructionSet, Pool, Window};
 use crate::layout::{Channels, Extent, Layout, offset, position};
 

@@ -1,6 +1,6 @@
 //! The size of every activation, and how each convolution is computed.
 
-use crate::Error;
+use crate::error::Error;
 use crate::kernels::{Tiling, Window};
 use crate::layout::{Channels, Extent, Layout};
 

@@ -1,7 +1,7 @@
 //! How a head is trained.
 
 use super::FeatureScaling;
-use crate::Error;
+use crate::error::Error;
 
 /// Settings of stochastic gradient descent.
 ///

@@ -4,11 +4,9 @@ use ndarray::{Array1, Array2, ArrayView2, Axis};
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{HeadSettings, LinearHead};
-use crate::{
-    Error,
-    random::{shuffle, uniform},
-    samples::{check_finite, check_labels},
-};
+use crate::error::Error;
+use crate::random::{shuffle, uniform};
+use crate::samples::{check_finite, check_labels};
 
 /// What going once through all samples gave.
 #[derive(Clone, Copy, Debug, PartialEq)]

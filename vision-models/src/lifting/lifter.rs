@@ -6,7 +6,9 @@ use super::{
     settings::LiftingSettings,
     window::{self, Surface, Wanted},
 };
-use crate::{Body, Body25, Camera, DepthImage, Error, ImageBody, ImageKeypoint, Keypoint};
+use crate::body::{Body, Body25, ImageBody, ImageKeypoint, Keypoint};
+use crate::camera::{Camera, DepthImage};
+use crate::error::Error;
 
 /// Joints of which the trunk's place is the median.
 const TRUNK: [Body25; 6] = [

@@ -1,6 +1,6 @@
 //! How deep a joint lies in a part of the body that is wider than deep.
 
-use crate::Error;
+use crate::error::Error;
 
 /// A horizontal section of the trunk or the head: an ellipse, as wide as the person seen from the front
 /// and as deep as seen from the side (m).

@@ -1,7 +1,7 @@
 //! The parameters of the lifting.
 
 use super::skin::SkinDepths;
-use crate::Error;
+use crate::error::Error;
 
 /// The parameters of a [`Lifter`](crate::Lifter). The defaults are for a RealSense D435i, 1 to 5 m
 /// from the person, and a pose network with an error of 3 pixels.

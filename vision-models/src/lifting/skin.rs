@@ -1,7 +1,8 @@
 //! How far below the skin joints are.
 
 use super::section::CrossSection;
-use crate::{Body25, Error};
+use crate::body::Body25;
+use crate::error::Error;
 
 /// How far the centre of a joint lies behind the skin that depth sees (m).
 ///

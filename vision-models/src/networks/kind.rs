@@ -3,7 +3,8 @@
 use std::fmt;
 
 use crate::engine::{Fitted, Graph, Misfit, Network, Options, Program, lower};
-use crate::{Error, TensorSource};
+use crate::error::Error;
+use crate::weights::TensorSource;
 
 use super::architecture::{
     OpenPoseForm, ResNetDepth, ResNetForm, SimpleBaselineForm, SlowFastForm, SlowOnlyForm,

@@ -3,7 +3,8 @@
 use ndarray::ArrayView5;
 
 use crate::engine::{Network, Options, Scores, Threads};
-use crate::{Error, TensorSource};
+use crate::error::Error;
+use crate::weights::TensorSource;
 
 use super::architecture::SlowFastForm;
 use super::kind::NetworkKind;

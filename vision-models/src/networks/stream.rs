@@ -2,8 +2,8 @@
 
 use ndarray::{ArrayView2, ArrayView3};
 
-use crate::Error;
 use crate::engine::{Network, Plan, Scores, Session, check_finite, copy_frame};
+use crate::error::Error;
 use crate::layout::{Channels, offset};
 
 use super::slow_only::SlowOnly;

@@ -9,7 +9,8 @@ mod peaks;
 
 use ndarray::ArrayView3;
 
-use crate::{Error, ImageKeypoint};
+use crate::body::ImageKeypoint;
+use crate::error::Error;
 
 /// The eighteen joints of OpenPose's COCO model, each where it was seen.
 pub type Coco18 = [Option<ImageKeypoint>; 18];

@@ -3,9 +3,11 @@
 use nalgebra::Point2;
 use ndarray::{Array4, ArrayView3, ArrayView4, Axis, s};
 
+use crate::body::{ImageBody, ImageKeypoint};
 use crate::engine::{Network, Options, Threads};
+use crate::error::Error;
 use crate::networks::{NetworkKind, OpenPoseForm};
-use crate::{Error, ImageBody, ImageKeypoint, TensorSource};
+use crate::weights::TensorSource;
 
 use super::grouping::{GroupingSettings, group_parts};
 use super::sampling::{Scaling, check_image};

@@ -1,6 +1,6 @@
 //! Where a person is in an image.
 
-use crate::Error;
+use crate::error::Error;
 
 /// The rectangle around a person, in pixels; the centre of the pixel at the top left is at 0, 0.
 ///

@@ -2,7 +2,7 @@
 
 use ndarray::{ArrayView3, ArrayViewMut3};
 
-use crate::Error;
+use crate::error::Error;
 
 /// A scaled and moved copy of an image: the source of the pixel at column u and row v is at
 /// x = `left` + `step` u, y = `top` + `step` v.

@@ -3,9 +3,12 @@
 use nalgebra::Point2;
 use ndarray::{Array4, ArrayView3, ArrayView4, Axis, s};
 
+use crate::body::{ImageBody, ImageKeypoint};
+use crate::confidence::Confidence;
 use crate::engine::{Network, Options, Threads};
+use crate::error::Error;
 use crate::networks::{NetworkKind, SimpleBaselineForm};
-use crate::{Confidence, Error, ImageBody, ImageKeypoint, TensorSource};
+use crate::weights::TensorSource;
 
 use super::person_box::PersonBox;
 use super::sampling::{Scaling, check_image};

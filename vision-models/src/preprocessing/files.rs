@@ -6,7 +6,8 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, Imag
 use ndarray::Array3;
 
 use super::jpeg;
-use crate::{Error, file::read_bytes};
+use crate::error::Error;
+use crate::file::read_bytes;
 
 /// The longest side of an image that is read (pixels).
 const MAX_SIDE: u32 = 16_384;

@@ -1,6 +1,6 @@
 //! Which frames of a video a network sees.
 
-use crate::Error;
+use crate::error::Error;
 
 /// More frames of a clip, or clips of a video, than any network asks for.
 const MOST: usize = 1024;

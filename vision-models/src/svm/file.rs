@@ -18,11 +18,9 @@ use std::{fmt, path::Path, str::FromStr};
 use ndarray::{Array1, Array2};
 
 use super::LinearSvm;
-use crate::{
-    Error,
-    file::{read_text, without_byte_order_mark},
-    labels::MAX_CLASSES,
-};
+use crate::error::Error;
+use crate::file::{read_text, without_byte_order_mark};
+use crate::labels::MAX_CLASSES;
 
 const FIRST_LINE: &str = "linear-svm 1";
 /// More features than any network has.

@@ -1,6 +1,6 @@
 //! What is minimised, and how far.
 
-use crate::Error;
+use crate::error::Error;
 
 /// The penalty of a sample that is ξ = max(0, 1 − y f(x)) short of its margin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! The memory that a checkpoint file may take.
 
 use super::{CheckpointError, Tensor, shape::elements};
-use crate::Error;
+use crate::error::Error;
 
 /// What remains of the memory that opening and reading a file may take: four times its size and
 /// [`Budget::BESIDE`]. Whatever is kept because of something in the file is taken off before it is

@@ -10,7 +10,8 @@ use super::{
     CheckpointError, Format, TensorInfo, TensorSource, budget::Budget, contents::Contents,
     input::reading, safetensors, torch,
 };
-use crate::{Error, Tensor, Tensors};
+use crate::error::Error;
+use crate::weights::{Tensor, Tensors};
 
 /// A checkpoint whose tensors are read from the file as they are asked for.
 ///

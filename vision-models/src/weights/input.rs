@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 
 use super::CheckpointError;
-use crate::Error;
+use crate::error::Error;
 
 /// More bytes than the name of any module or class has.
 const LONGEST_LINE: usize = 4096;

@@ -1,6 +1,7 @@
 //! Where a network takes its weights from.
 
-use crate::{Error, Tensor, Tensors};
+use crate::error::Error;
+use crate::weights::{Tensor, Tensors};
 
 /// Named tensors that are given out one at a time: all in memory ([`Tensors`]), or read from their
 /// file as they are asked for ([`Checkpoint`](crate::Checkpoint)), so that a network that packs its

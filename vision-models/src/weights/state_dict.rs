@@ -7,7 +7,7 @@ use super::{
     budget::Budget,
     pickle::{Pickle, Value, View},
 };
-use crate::Error;
+use crate::error::Error;
 
 /// The keys under which training programs save a state dict.
 const WRAPPERS: &[&str] = &["state_dict", "model_state", "model_state_dict", "model"];

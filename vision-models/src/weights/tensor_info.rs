@@ -3,7 +3,7 @@
 use std::io::{Read, Seek, SeekFrom};
 
 use super::{CheckpointError, ElementType, input::reading, shape::elements};
-use crate::Error;
+use crate::error::Error;
 
 /// Bytes that are read at a time: they stay in the cache until they are decoded.
 const CHUNK: usize = 128 << 10;

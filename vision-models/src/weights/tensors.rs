@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::shape::elements;
-use crate::Error;
+use crate::error::Error;
 
 /// An f32 tensor in row-major (C) order. A scalar has the empty shape.
 #[derive(Clone, Debug, PartialEq)]

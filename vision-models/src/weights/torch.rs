@@ -15,7 +15,7 @@ use super::{
     tensor_info::Region,
     zip::Archive,
 };
-use crate::Error;
+use crate::error::Error;
 
 /// More bytes of pickle than any checkpoint has: the weights are not in it.
 const MAX_PICKLE: u64 = 64 << 20;

@@ -15,7 +15,7 @@ use super::{
     budget::Budget,
     input::{Input, reading},
 };
-use crate::Error;
+use crate::error::Error;
 
 /// An entry's bytes within the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use crate::Error;
+use crate::error::Error;
 
 /// The parameters of [`People`](crate::People).
 ///

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::{Error, TensorSource};
+use crate::error::Error;
+use crate::weights::TensorSource;
 
 use super::{Layer, fit::Behind, slopes};
 

@@ -1,7 +1,7 @@
 //! Residual networks of torchvision.
 
-use crate::Error;
 use crate::engine::{Graph, Pooling};
+use crate::error::Error;
 
 use super::backbone::{Backbone, ResNetDepth};
 use super::naming::Naming;

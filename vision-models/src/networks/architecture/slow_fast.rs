@@ -1,7 +1,7 @@
 //! SlowFast: a slow path that sees few frames, and a thin fast one that sees them all.
 
-use crate::Error;
 use crate::engine::{Activation, Convolution, Frames, Graph, Pooling};
+use crate::error::Error;
 
 use super::backbone::{Backbone, ResNetDepth};
 use super::naming::{Names, Naming};

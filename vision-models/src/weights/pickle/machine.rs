@@ -5,10 +5,10 @@ mod stack;
 use std::{collections::HashMap, io::BufRead};
 
 use super::{Global, Id, Pickle, Value};
-use crate::{
-    Error,
-    weights::{CheckpointError, PickleProblem, budget::Budget, input::Input},
-};
+use crate::error::Error;
+use crate::weights::budget::Budget;
+use crate::weights::input::Input;
+use crate::weights::{CheckpointError, PickleProblem};
 
 /// More values than any checkpoint has: enough for 100,000 tensors.
 const MAX_VALUES: usize = 1 << 21;

@@ -3,10 +3,9 @@
 use std::{io::BufRead, rc::Rc};
 
 use super::{Global, Id, Storage, Value, View, machine::Machine};
-use crate::{
-    Error,
-    weights::{PickleProblem, shape::MAX_AXES},
-};
+use crate::error::Error;
+use crate::weights::PickleProblem;
+use crate::weights::shape::MAX_AXES;
 
 /// More bytes than the key of any storage has.
 const MAX_KEY: usize = 64;

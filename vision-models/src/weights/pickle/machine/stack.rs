@@ -3,13 +3,9 @@
 use std::io::BufRead;
 
 use super::Machine;
-use crate::{
-    Error,
-    weights::{
-        PickleProblem,
-        pickle::{Id, Value},
-    },
-};
+use crate::error::Error;
+use crate::weights::PickleProblem;
+use crate::weights::pickle::{Id, Value};
 
 impl<R: BufRead> Machine<'_, R> {
     pub(super) fn mark(&mut self) -> Result<(), Error> {
