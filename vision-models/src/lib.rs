@@ -49,6 +49,7 @@ mod confidence;
 #[cfg(feature = "inference")]
 pub mod engine;
 mod error;
+mod excerpt;
 #[cfg(feature = "inference")]
 mod file;
 #[cfg(feature = "inference")]

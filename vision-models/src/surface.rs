@@ -58,7 +58,7 @@ impl FromStr for Surface {
         match name {
             "smooth" => Ok(Self::Smooth),
             "drilled" => Ok(Self::Drilled),
-            _ => Err(Error::UnknownSurface { name: name.into() }),
+            _ => Err(Error::unknown("surface", name, "\"smooth\" or \"drilled\"")),
         }
     }
 }

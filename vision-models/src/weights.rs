@@ -22,4 +22,5 @@ pub use element::ElementType;
 pub use error::{CheckpointError, PickleProblem};
 pub use source::TensorSource;
 pub use tensor_info::TensorInfo;
+pub(crate) use tensors::unfilled;
 pub use tensors::{Tensor, Tensors};

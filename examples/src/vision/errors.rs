@@ -25,9 +25,7 @@ pub fn in_file(path: &Path, error: Error) -> anyhow::Error {
 /// An error about a value of the command line, with the option.
 pub fn of_option(error: Error) -> anyhow::Error {
     match error {
-        Error::Setting { name, value, expected } => {
-            anyhow::anyhow!("--{name} {value}: give {expected}")
-        }
+        Error::Value { what, got, wanted } => anyhow::anyhow!("--{what} {got}: give {wanted}"),
         error => error.into(),
     }
 }
@@ -65,7 +63,9 @@ pub fn open_checkpoint(path: &Path) -> anyhow::Result<Checkpoint> {
 pub fn of_weights(path: &Path, accepted: Accepted, error: Error) -> anyhow::Error {
     match error {
         Error::Weights { found: Some(found), .. } => {
-            anyhow::anyhow!("{}: this is a {found}: {}", path.display(), accepted.hint(found))
+            let kind = NetworkKind::all().into_iter().find(|kind| kind.to_string() == found);
+            let hint = kind.map(|kind| accepted.hint(kind)).unwrap_or_default();
+            anyhow::anyhow!("{}: this is a {found}: {hint}", path.display())
         }
         Error::Threads { .. } => error.into(),
         error => in_file(path, error),

@@ -39,7 +39,7 @@ impl CrossSection {
     pub(super) fn validate(&self, name: &'static str) -> Result<(), Error> {
         for value in [self.half_width, self.half_depth] {
             if !(0.01..=0.5).contains(&value) {
-                return Err(Error::Setting { name, value, expected: "lengths in [0.01, 0.5] m" });
+                return Err(Error::value(name, value, "lengths in [0.01, 0.5] m"));
             }
         }
         Ok(())

@@ -62,13 +62,13 @@ impl LiftingSettings {
     /// Checks every field.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the first field that is NaN or outside its range.
+    /// [`Error::Value`] names the first field that is NaN or outside its range.
     pub fn validate(&self) -> Result<(), Error> {
         let within = |name, value: f64, low: f64, high: f64, expected| {
             if value >= low && value <= high {
                 Ok(())
             } else {
-                Err(Error::Setting { name, value, expected })
+                Err(Error::value(name, value, expected))
             }
         };
         let [nearest, farthest] = self.range;

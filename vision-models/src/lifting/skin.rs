@@ -121,7 +121,7 @@ impl SkinDepths {
             ("skin.feet", self.feet),
         ] {
             if !(0.0..=0.3).contains(&value) {
-                return Err(Error::Setting { name, value, expected: "a depth in [0, 0.3] m" });
+                return Err(Error::value(name, value, "a depth in [0, 0.3] m"));
             }
         }
         Ok(())

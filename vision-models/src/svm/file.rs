@@ -63,13 +63,8 @@ impl FromStr for LinearSvm {
     fn from_str(text: &str) -> Result<Self, Error> {
         let text = without_byte_order_mark(text);
         let mut lines = text.lines().zip(1..);
-        let mut next = |expected: &str| {
-            lines.next().ok_or_else(|| Error::SvmFile {
-                line: text.lines().count() + 1,
-                expected: expected.into(),
-            })
-        };
-        let refuse = |line, expected: &str| Error::SvmFile { line, expected: expected.into() };
+        let mut next =
+            |expected: &str| lines.next().ok_or_else(|| refuse(text.lines().count() + 1, expected));
 
         let (first, line) = next(FIRST_LINE)?;
         if first != FIRST_LINE {
@@ -122,4 +117,9 @@ impl FromStr for LinearSvm {
             .map_err(|_| refuse(0, "weights for every plane"))?;
         Self::new(classes, weights, Array1::from_vec(biases))
     }
+}
+
+/// An error of a line, counted from one.
+fn refuse(line: usize, expected: &str) -> Error {
+    Error::malformed(&format!("linear SVM file, line {line}"), format!("expected {expected}"))
 }

@@ -8,7 +8,7 @@ use std::{
 
 use super::{
     CheckpointError, Format, TensorInfo, TensorSource, budget::Budget, contents::Contents,
-    input::reading, safetensors, torch,
+    input::reading, safetensors, source::no_tensor, torch,
 };
 use crate::error::Error;
 use crate::weights::{Tensor, Tensors};
@@ -127,7 +127,7 @@ impl<R: Read + Seek> Checkpoint<R> {
     /// Reads a tensor, its elements as f32.
     ///
     /// # Errors
-    /// [`Error::NoTensor`]; [`Error::File`]; [`CheckpointError::Checksum`].
+    /// [`Error::Name`]; [`Error::File`]; [`CheckpointError::Checksum`].
     pub fn tensor(&mut self, name: &str) -> Result<Tensor, Error> {
         let info = self.info(name)?;
         let mut values = Vec::with_capacity(info.elements());
@@ -175,7 +175,7 @@ impl<R: Read + Seek> Checkpoint<R> {
 
     fn info(&self, name: &str) -> Result<TensorInfo, Error> {
         let info = self.contents.tensors.get(name).cloned();
-        info.ok_or_else(|| Error::NoTensor { name: name.into() })
+        info.ok_or_else(|| no_tensor(name))
     }
 }
 

@@ -1,6 +1,6 @@
 //! What can be wrong with a checkpoint file.
 
-use crate::error::Excerpt;
+use crate::excerpt::Excerpt;
 
 /// A checkpoint that is refused. Nothing of it is used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -20,7 +20,8 @@ use super::{
     input::{Input, reading},
     shape::{MAX_AXES, elements},
 };
-use crate::error::{Error, Excerpt};
+use crate::error::Error;
+use crate::excerpt::Excerpt;
 use crate::weights::Tensors;
 
 /// The largest header that is accepted (bytes); the format allows 100 MB.
