@@ -3,8 +3,6 @@
 use std::fmt;
 
 use crate::excerpt::Excerpt;
-#[cfg(feature = "inference")]
-use crate::weights::CheckpointError;
 
 /// A value that this crate refuses, with the place and what would be right.
 ///
@@ -107,10 +105,14 @@ pub enum Error {
         /// What the operating system says.
         reason: String,
     },
-    /// A checkpoint that is refused.
-    #[cfg(feature = "inference")]
-    #[error(transparent)]
-    Checkpoint(#[from] CheckpointError),
+    /// A checkpoint file that is refused. Nothing of it is used.
+    #[error("{place}: {problem}")]
+    Checkpoint {
+        /// The part of the file.
+        place: String,
+        /// What is wrong there.
+        problem: String,
+    },
     /// An image file that cannot be decoded.
     #[error("{}no JPEG or PNG image that can be read: {reason}", place(.path))]
     Image {
