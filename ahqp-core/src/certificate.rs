@@ -250,8 +250,10 @@ impl Check<'_> {
                 Ok(self.bound(variable))
             }
             ConstraintSource::Constraint { level: at, row } if at.index() <= level => {
-                let rows =
-                    levels.get(at.index()).map(crate::problem::level::Level::constraints).ok_or_else(missing)?;
+                let rows = levels
+                    .get(at.index())
+                    .map(crate::problem::level::Level::constraints)
+                    .ok_or_else(missing)?;
                 self.row(rows, row).ok_or_else(missing)
             }
             ConstraintSource::Objective { level: at, row } if at.index() < level => {
