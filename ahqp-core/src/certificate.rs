@@ -215,7 +215,7 @@ impl Check<'_> {
         let n = self.x.len();
         let mut gradient = vec![0.0; n];
         let mut size = 0.0;
-        match self.hierarchy.levels().get(level).map(crate::Level::objective) {
+        match self.hierarchy.levels().get(level).map(crate::problem::level::Level::objective) {
             None => {
                 gradient.copy_from_slice(self.x);
                 size = norm(self.x);
@@ -250,12 +250,14 @@ impl Check<'_> {
                 Ok(self.bound(variable))
             }
             ConstraintSource::Constraint { level: at, row } if at.index() <= level => {
-                let rows =
-                    levels.get(at.index()).map(crate::Level::constraints).ok_or_else(missing)?;
+                let rows = levels
+                    .get(at.index())
+                    .map(crate::problem::level::Level::constraints)
+                    .ok_or_else(missing)?;
                 self.row(rows, row).ok_or_else(missing)
             }
             ConstraintSource::Objective { level: at, row } if at.index() < level => {
-                match levels.get(at.index()).map(crate::Level::objective) {
+                match levels.get(at.index()).map(crate::problem::level::Level::objective) {
                     Some(Objective::LeastSquares(rows)) => {
                         self.objective_row(rows, row).ok_or_else(missing)
                     }

@@ -11,67 +11,64 @@ use crate::solver::status::Status;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A hierarchy needs at least one variable.
-    #[error("the hierarchy has no variables; give it at least one")]
-    NoVariables,
-
     /// A matrix, vector or buffer does not fit.
-    #[error("{what} has size {found}, but {expected} was expected")]
+    #[error("{what} has size {got}, but {wanted} was expected")]
     Size {
         /// The offending item.
         what: &'static str,
         /// Its size.
-        found: usize,
+        got: usize,
         /// The size that fits.
-        expected: usize,
+        wanted: usize,
     },
 
-    /// A datum is NaN, or infinite where only finite numbers make sense.
+    /// A setting, a parameter or a count is out of its range.
+    #[error("{what}{} is {got}; it must be {wanted}", index.map(|i| format!(" {i}")).unwrap_or_default())]
+    Value {
+        /// What it is.
+        what: &'static str,
+        /// Which of several.
+        index: Option<usize>,
+        /// Its value.
+        got: f64,
+        /// The range it must lie in.
+        wanted: &'static str,
+    },
+
+    /// A number of a problem is NaN, infinite where only finite numbers make sense, or so large that its
+    /// square overflows.
     #[error(
-        "{what} holds a value that is not finite ({}, entry {entry}); replace NaN and infinities before solving",
-        .names.label(*.source_of_row)
+        "{}: {what}{} is {got:e}; {wanted}",
+        .names.label(*.source_of_row),
+        entry.map(|i| format!(", entry {i},")).unwrap_or_default()
     )]
-    NotFinite {
+    Datum {
         /// The offending item.
         what: &'static str,
         /// Where it stands.
         source_of_row: ConstraintSource,
-        /// The entry in it.
-        entry: usize,
+        /// The entry in it, if it has several.
+        entry: Option<usize>,
+        /// The number.
+        got: f64,
+        /// What would be right.
+        wanted: &'static str,
         /// What they are called.
         names: Names,
     },
 
-    /// Only equalities can be damped.
+    /// A lower bound lies above its upper bound, or both are the same infinity.
     #[error(
-        "row {row} of the damped level has the bounds {lower} and {upper}; damp levels of equalities only"
-    )]
-    NotAnEquality {
-        /// The row.
-        row: usize,
-        /// Its lower bound.
-        lower: f64,
-        /// Its upper bound.
-        upper: f64,
-    },
-
-    /// A row that is to be damped is not finite, or overflows.
-    #[error("row {row} of the damped level is not finite; replace NaN and infinities first")]
-    NotFiniteDamping {
-        /// The row.
-        row: usize,
-    },
-
-    /// A number is so large that its square overflows.
-    #[error(
-        "{} holds {value:e}, beyond 1e100, where double precision overflows; change units, or use an infinite bound",
+        "{}: lower bound {lower} and upper bound {upper} leave nothing between them; order them, or use an infinite bound for a side that is free",
         .names.label(*.source_of_row)
     )]
-    TooLarge {
-        /// Where it stands.
+    EmptyRange {
+        /// Where the bounds stand.
         source_of_row: ConstraintSource,
-        /// The number.
-        value: f64,
+        /// The lower bound.
+        lower: f64,
+        /// The upper bound.
+        upper: f64,
         /// What they are called.
         names: Names,
     },
@@ -95,66 +92,23 @@ pub enum Error {
         names: Names,
     },
 
-    /// A bound is NaN.
+    /// A Hessian is not symmetric, or has a negative eigenvalue.
     #[error(
-        "{}: {what} is NaN; give a number, or an infinite bound for a side that is free",
-        .names.label(*.source_of_row)
-    )]
-    NanBound {
-        /// The offending bound.
-        what: &'static str,
-        /// Where it stands.
-        source_of_row: ConstraintSource,
-        /// What they are called.
-        names: Names,
-    },
-
-    /// A lower bound lies above its upper bound, or both are the same infinity.
-    #[error(
-        "{}: lower bound {lower} and upper bound {upper} leave nothing between them; order them, or use an infinite bound for a side that is free",
-        .names.label(*.source_of_row)
-    )]
-    EmptyRange {
-        /// Where the bounds stand.
-        source_of_row: ConstraintSource,
-        /// The lower bound.
-        lower: f64,
-        /// The upper bound.
-        upper: f64,
-        /// What they are called.
-        names: Names,
-    },
-
-    /// A Hessian is not symmetric.
-    #[error(
-        "the Hessian of {} is not symmetric: entries ({row}, {column}) and ({column}, {row}) differ by {difference:e}; pass (H + Hᵀ)/2",
+        "the Hessian of {} is not {wanted} (row {row}, column {column}: {got:e})",
         .names.label_of_level(*.level)
     )]
-    AsymmetricHessian {
+    Hessian {
         /// The level.
         level: LevelId,
-        /// Row of the worst entry.
+        /// What it must be, and how to make it so.
+        wanted: &'static str,
+        /// Row of the worst entry, or the variable at which the factorisation failed.
         row: usize,
-        /// Column of the worst entry.
+        /// Column of it.
         column: usize,
-        /// By how much the two differ.
-        difference: f64,
-        /// What it is called.
-        names: Names,
-    },
-
-    /// A Hessian has a negative eigenvalue.
-    #[error(
-        "the Hessian of {} is not positive semidefinite (found near variable {variable}: {pivot:e}); project it onto the convex cone first",
-        .names.label_of_level(*.level)
-    )]
-    IndefiniteHessian {
-        /// The level.
-        level: LevelId,
-        /// The variable at which the factorisation failed.
-        variable: usize,
-        /// The negative pivot, or the off-diagonal remainder that cannot belong to a PSD matrix.
-        pivot: f64,
+        /// The difference to the mirrored entry, the negative pivot, or the off-diagonal remainder that cannot
+        /// belong to a PSD matrix.
+        got: f64,
         /// What it is called.
         names: Names,
     },
@@ -180,47 +134,20 @@ pub enum Error {
         level: LevelId,
     },
 
-    /// A block has no such row.
-    #[error("there is no row {row}: the block has {rows}, counted from 0")]
-    NoSuchRow {
-        /// The row asked for.
-        row: usize,
-        /// How many there are.
-        rows: usize,
-    },
-
     /// A level minimises something else.
     #[error(
-        "{} minimises {found}, not {expected}; see Level::objective, and constraints_mut for what must hold",
+        "{} minimises {got}, not {wanted}; see Level::objective, and constraints_mut for what must hold",
         .names.label_of_level(*.level)
     )]
     OtherObjective {
         /// The level, if it is known.
         level: Option<LevelId>,
-        /// What was asked for.
-        expected: &'static str,
         /// What there is.
-        found: &'static str,
+        got: &'static str,
+        /// What was asked for.
+        wanted: &'static str,
         /// What it is called.
         names: Names,
-    },
-
-    /// A weight of a row is NaN, negative, infinite, or so far from 1 that it would overflow.
-    #[error(
-        "the weight of row {row} is {weight:e}; it must be from 1e-100 to 1e100, or zero to leave the row out"
-    )]
-    Weight {
-        /// The row.
-        row: usize,
-        /// Its weight.
-        weight: f64,
-    },
-
-    /// A change of a continuous stack was asked for while too many are under way.
-    #[error("{limit} changes of the stack are under way; wait until one is over")]
-    TooManyChanges {
-        /// The most that there can be.
-        limit: usize,
     },
 
     /// The hard constraints of a level contradict each other or those above.
@@ -284,28 +211,6 @@ pub enum Error {
         names: Names,
     },
 
-    /// A setting is out of its range.
-    #[error("setting {name} is {value}; it must be {expected}")]
-    Setting {
-        /// The setting.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The range it must lie in.
-        expected: &'static str,
-    },
-
-    /// A physical parameter is out of its range.
-    #[error("{name} is {value}; it must be {expected}")]
-    Parameter {
-        /// The parameter.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The range it must lie in.
-        expected: &'static str,
-    },
-
     /// The reference solver stopped without an answer.
     #[cfg(feature = "reference")]
     #[error("the reference solver ended level {level} with status {status}")]
@@ -318,20 +223,45 @@ pub enum Error {
 }
 
 impl Error {
+    pub(crate) fn value(what: &'static str, got: f64, wanted: &'static str) -> Self {
+        Self::Value { what, index: None, got, wanted }
+    }
+
+    pub(crate) fn not_finite(
+        what: &'static str,
+        source_of_row: ConstraintSource,
+        entry: usize,
+        got: f64,
+    ) -> Self {
+        let wanted = "it is not finite: replace NaN and infinities before solving";
+        let (entry, names) = (Some(entry), Names::default());
+        Self::Datum { what, source_of_row, entry, got, wanted, names }
+    }
+
+    pub(crate) fn too_large(source_of_row: ConstraintSource, got: f64) -> Self {
+        let wanted =
+            "beyond 1e100 double precision overflows: change units, or use an infinite bound";
+        let (what, names) = ("its largest number", Names::default());
+        Self::Datum { what, source_of_row, entry: None, got, wanted, names }
+    }
+
+    pub(crate) fn nan_bound(what: &'static str, source_of_row: ConstraintSource) -> Self {
+        let wanted = "give a number, or an infinite bound for a side that is free";
+        let (got, names) = (f64::NAN, Names::default());
+        Self::Datum { what, source_of_row, entry: None, got, wanted, names }
+    }
+
     /// The row or the level that the error speaks of, and what they are called.
     pub(crate) fn spot_mut(&mut self) -> Option<Spot<'_>> {
         match self {
-            Self::NotFinite { source_of_row, names, .. }
-            | Self::TooLarge { source_of_row, names, .. }
-            | Self::NanBound { source_of_row, names, .. }
+            Self::Datum { source_of_row, names, .. }
             | Self::EmptyRange { source_of_row, names, .. }
             | Self::Inaccurate { source_of_row, names, .. }
             | Self::DataChanged { source_of_row, names }
             | Self::Infeasible { worst: source_of_row, names, .. } => {
                 Some(Spot::Row(source_of_row, names))
             }
-            Self::AsymmetricHessian { level, names, .. }
-            | Self::IndefiniteHessian { level, names, .. }
+            Self::Hessian { level, names, .. }
             | Self::ShapeChanged { level, names }
             | Self::Unbounded { level, names } => Some(Spot::Level(level, names)),
             _ => None,

@@ -68,29 +68,21 @@ impl Limits {
     /// and the acceleration limit, in consistent units.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for NaN, an empty range, or limits that are not positive and finite.
+    /// [`Error::Value`] for NaN, an empty range, or limits that are not positive and finite.
     pub fn new(lower: f64, upper: f64, velocity: f64, acceleration: f64) -> Result<Self, Error> {
         if lower.is_nan() || lower == f64::INFINITY {
             let expected = "a number, or negative infinity";
-            return Err(Error::Parameter {
-                name: "the lower position limit",
-                value: lower,
-                expected,
-            });
+            return Err(Error::value("the lower position limit", lower, expected));
         }
         if upper.is_nan() || upper < lower || upper == f64::NEG_INFINITY {
             let expected = "not below the lower limit";
-            return Err(Error::Parameter {
-                name: "the upper position limit",
-                value: upper,
-                expected,
-            });
+            return Err(Error::value("the upper position limit", upper, expected));
         }
         for (name, value) in
             [("the velocity limit", velocity), ("the acceleration limit", acceleration)]
         {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::Parameter { name, value, expected: "positive and finite" });
+                return Err(Error::value(name, value, "positive and finite"));
             }
         }
         Ok(Self { lower, upper, velocity, acceleration, hold: 0.0 })
@@ -99,7 +91,7 @@ impl Limits {
     /// The same limits and one of the jerk, positive, or infinite for none.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a jerk limit that is not positive.
+    /// [`Error::Value`] for a jerk limit that is not positive.
     pub fn with_jerk(self, jerk: f64) -> Result<JerkLimits, Error> {
         JerkLimits::new(self, jerk)
     }

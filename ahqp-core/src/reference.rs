@@ -21,10 +21,10 @@ mod task;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::Solver;
 use crate::error::Error;
 use crate::problem::hierarchy::Hierarchy;
 use crate::problem::level::Objective;
+use crate::solver::Solver;
 use always_active::always_active;
 use level::{LevelOptimum, LevelProgram};
 use polish::polish;

@@ -83,7 +83,7 @@ impl Solver {
     /// Sizes a solver for hierarchies of this shape.
     ///
     /// # Errors
-    /// [`Error::Setting`] for a setting out of range.
+    /// [`Error::Value`] for a setting out of range.
     pub fn new(hierarchy: &Hierarchy, settings: Settings) -> Result<Self, Error> {
         settings.validate()?;
         let data = ProblemData::new(hierarchy);
@@ -107,7 +107,7 @@ impl Solver {
     /// Changes the settings. Where tolerances change, the next solve starts from nothing.
     ///
     /// # Errors
-    /// [`Error::Setting`] for a setting out of range; nothing has changed then.
+    /// [`Error::Value`] for a setting out of range; nothing has changed then.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
         if !settings.has_tolerances_of(&self.settings) {
@@ -121,9 +121,8 @@ impl Solver {
     /// Checks the data of a hierarchy without solving it.
     ///
     /// # Errors
-    /// The errors of [`Solver::solve`] for data that make no problem: [`Error::NotFinite`],
-    /// [`Error::TooLarge`], [`Error::NanBound`], [`Error::EmptyRange`],
-    /// [`Error::AsymmetricHessian`], [`Error::IndefiniteHessian`].
+    /// The errors of [`Solver::solve`] for data that make no problem: [`Error::Datum`], [`Error::Datum`], [`Error::EmptyRange`],
+    /// [`Error::Hessian`].
     pub fn validate(hierarchy: &Hierarchy) -> Result<(), Error> {
         ProblemData::new(hierarchy).load(hierarchy).map_err(|error| hierarchy.named(error))
     }
@@ -148,8 +147,8 @@ impl Solver {
     /// Solves `hierarchy`, of the shape given at construction.
     ///
     /// # Errors
-    /// Data that make no problem ([`Error::NotFinite`], [`Error::TooLarge`], [`Error::NanBound`],
-    /// [`Error::EmptyRange`], [`Error::AsymmetricHessian`], [`Error::IndefiniteHessian`],
+    /// Data that make no problem ([`Error::Datum`], [`Error::Datum`],
+    /// [`Error::EmptyRange`], [`Error::Hessian`],
     /// [`Error::ShapeChanged`]), or a problem that has no solution ([`Error::Infeasible`],
     /// [`Error::Unbounded`]), or one beyond double precision ([`Error::Overflow`]).
     pub fn solve(&mut self, hierarchy: &Hierarchy) -> Result<&Solution, Error> {

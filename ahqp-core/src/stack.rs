@@ -117,7 +117,7 @@ impl ContinuousStack {
     /// A stack of the levels of `hierarchy`, all active; they keep their ids.
     ///
     /// # Errors
-    /// [`Error::Setting`] for a setting out of range.
+    /// [`Error::Value`] for a setting out of range.
     pub fn new(hierarchy: &Hierarchy, settings: Settings) -> Result<Self, Error> {
         let variables = hierarchy.variables();
         let (lower, upper) = (hierarchy.lower().to_vec(), hierarchy.upper().to_vec());
@@ -150,7 +150,7 @@ impl ContinuousStack {
     /// Changes the settings. Where tolerances change, the next solve starts from nothing.
     ///
     /// # Errors
-    /// [`Error::Setting`] for a setting out of range; nothing has changed then.
+    /// [`Error::Value`] for a setting out of range; nothing has changed then.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
         self.blend.set_settings(settings)?;
@@ -261,8 +261,8 @@ impl ContinuousStack {
     ///
     /// # Errors
     /// [`Error::Size`] when its rows do not cover the variables, [`Error::NoSuchLevel`] for a
-    /// place next to a level that is gone, [`Error::Parameter`] for a duration that is negative
-    /// or not finite, [`Error::TooManyChanges`]. Nothing has changed then.
+    /// place next to a level that is gone, [`Error::Value`] for a duration that is negative
+    /// or not finite, [`Error::Value`]. Nothing has changed then.
     pub fn insert(&mut self, level: Level, place: Place, duration: f64) -> Result<LevelId, Error> {
         let share = Ramp::new(0.0, 1.0, duration)?;
         self.settle();
@@ -282,8 +282,8 @@ impl ContinuousStack {
     /// Removes a level: its activation goes to 0 over `duration` seconds, then it is gone.
     ///
     /// # Errors
-    /// [`Error::NoSuchLevel`] when it is gone already, [`Error::Parameter`] for a duration that
-    /// is negative or not finite, [`Error::TooManyChanges`]. Nothing has changed then.
+    /// [`Error::NoSuchLevel`] when it is gone already, [`Error::Value`] for a duration that
+    /// is negative or not finite, [`Error::Value`]. Nothing has changed then.
     pub fn remove(&mut self, id: LevelId, duration: f64) -> Result<(), Error> {
         self.move_activation(id, 0.0, duration, End::Removes)
     }
@@ -296,13 +296,13 @@ impl ContinuousStack {
     /// setting it again does not allocate.
     ///
     /// # Errors
-    /// [`Error::NoSuchLevel`] when the level is gone, [`Error::Parameter`] for an activation
+    /// [`Error::NoSuchLevel`] when the level is gone, [`Error::Value`] for an activation
     /// outside \[0, 1\] or a duration that is negative or not finite,
-    /// [`Error::TooManyChanges`]. Nothing has changed then.
+    /// [`Error::Value`]. Nothing has changed then.
     pub fn activate(&mut self, id: LevelId, activation: f64, duration: f64) -> Result<(), Error> {
         if !(0.0..=1.0).contains(&activation) {
             let expected = "from 0 to 1";
-            return Err(Error::Parameter { name: "the activation", value: activation, expected });
+            return Err(Error::value("the activation", activation, expected));
         }
         let end = if duration == 0.0 { End::Waits } else { End::Settles };
         self.move_activation(id, activation, duration, end)
@@ -312,8 +312,8 @@ impl ContinuousStack {
     /// has begun, it lets them go back from where they are.
     ///
     /// # Errors
-    /// [`Error::NoSuchLevel`] when one is gone, [`Error::Parameter`] for a duration that is
-    /// negative or not finite, [`Error::TooManyChanges`]. Nothing has changed then.
+    /// [`Error::NoSuchLevel`] when one is gone, [`Error::Value`] for a duration that is
+    /// negative or not finite, [`Error::Value`]. Nothing has changed then.
     pub fn swap(&mut self, a: LevelId, b: LevelId, duration: f64) -> Result<(), Error> {
         let share = Ramp::new(0.0, 1.0, duration)?;
         self.settle();
@@ -337,7 +337,7 @@ impl ContinuousStack {
     ///
     /// # Errors
     /// Those of [`Solver::solve`](crate::Solver::solve), of the part that
-    /// [`failed_part`](Self::failed_part) names; [`Error::Parameter`] for a period that is negative
+    /// [`failed_part`](Self::failed_part) names; [`Error::Value`] for a period that is negative
     /// or not finite.
     pub fn solve(&mut self, period: f64) -> Result<&Solution, Error> {
         self.solve_within(period, Budget::default())
@@ -351,7 +351,7 @@ impl ContinuousStack {
     pub fn solve_within(&mut self, period: f64, budget: Budget) -> Result<&Solution, Error> {
         if !(period >= 0.0 && period.is_finite()) {
             let expected = "finite and not negative [s]";
-            return Err(Error::Parameter { name: "the period", value: period, expected });
+            return Err(Error::value("the period", period, expected));
         }
         let begin = budget.time.map(|time| (Instant::now(), time));
         let left = || Budget {
@@ -468,7 +468,12 @@ impl ContinuousStack {
         if self.blend.changes.len() < Self::MAX_CHANGES {
             Ok(())
         } else {
-            Err(Error::TooManyChanges { limit: Self::MAX_CHANGES })
+            let wanted = "below ContinuousStack::MAX_CHANGES; wait until one is over";
+            Err(Error::value(
+                "the number of changes under way",
+                self.blend.changes.len() as f64,
+                wanted,
+            ))
         }
     }
 }

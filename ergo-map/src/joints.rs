@@ -133,7 +133,7 @@ impl JointAngles {
     /// Checks that every angle is finite and at most a full turn.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] or [`Error::OutOfRange`] names the first joint that is not.
+    /// [`Error::Value`] names the first joint that is not.
     pub fn validate(&self) -> Result<()> {
         NAMES.into_iter().zip(self.to_array()).try_for_each(|(n, q)| angle(n, q).map(drop))
     }
@@ -192,7 +192,7 @@ impl JointRanges {
     /// Checks that every range is finite, holds zero (the neutral posture) and is not empty.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] or [`Error::OutOfRange`] with the name of the joint.
+    /// [`Error::Value`] with the name of the joint.
     pub fn validate(&self) -> Result<()> {
         self.min.validate()?;
         self.max.validate()?;
@@ -200,7 +200,8 @@ impl JointRanges {
             NAMES.into_iter().zip(self.min.to_array()).zip(self.max.to_array())
         {
             if !(min <= 0.0 && max >= 0.0 && max - min > 1e-3) {
-                return Err(Error::OutOfRange { name, value: 0.0, min, max, unit: "rad" });
+                let wanted = format!("lie in [{min}, {max}] rad, a range that is not empty");
+                return Err(Error::Value { what: name, got: 0.0, unit: "rad", wanted });
             }
         }
         Ok(())

@@ -62,7 +62,7 @@ mod steps;
 mod upper_arm;
 
 pub use body_segment::BodySegment;
-pub use error::{Error, MapFileProblem, Unreachable};
+pub use error::Error;
 pub use joints::{JointAngles, JointRanges};
 pub use map::{
     ErgonomicsMap, MapNode, MapOptions, MapSample, MeasuredOptions, MeasuredSample, Validation,

@@ -162,7 +162,7 @@ impl ErgonomicsMap {
     /// The integer REBA of the posture taken to put the hand there. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::OutOfDomain`]; [`Error::OutOfRange`] for the load.
+    /// [`Error::OutOfDomain`]; [`Error::Value`] for the load.
     pub fn assess(&self, hand: &Vector3<f64>, conditions: &Conditions) -> Result<Reba> {
         let posture = self.posture(hand)?.posture();
         Worksheet::from_posture(&posture, *conditions).score()

@@ -172,8 +172,8 @@ impl Person {
     /// The same person with measured lengths; those not given are average for the stature.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a length that no body of this stature has, and
-    /// [`Error::HeightOrder`] where ankle, knee, hip, shoulder and eye do not follow one another.
+    /// [`Error::Value`] for a length that no body of this stature has, and
+    /// [`Error::Value`] where ankle, knee, hip, shoulder and eye do not follow one another.
     pub fn with_segments(self, segments: &Segments) -> Result<Self> {
         let stature = self.stature;
         let ratio = |name, length: Option<f64>, average: f64| match length {
@@ -212,8 +212,8 @@ impl Person {
             if let [(lower, low), (upper, high)] = *pair
                 && high - low < 0.01
             {
-                let (lower_value, upper_value) = (low * stature, high * stature);
-                return Err(Error::HeightOrder { lower, lower_value, upper, upper_value });
+                let wanted = format!("lie below {upper}, {} m", high * stature);
+                return Err(Error::Value { what: lower, got: low * stature, unit: "m", wanted });
             }
         }
         Ok(Self { proportions, ..self })

@@ -24,7 +24,7 @@ impl PersonFrame {
     /// x axis along `heading` \[rad\] about the world's z axis.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] or [`crate::Error::OutOfRange`] for a coordinate or the heading.
+    /// [`crate::Error::Value`] for a coordinate or the heading.
     pub fn new(position: Vector3<f64>, heading: f64) -> Result<Self> {
         for (name, value) in ["person x", "person y", "person z"].into_iter().zip(position.iter()) {
             within(name, *value, [-1e7, 1e7], "m")?;

@@ -146,7 +146,7 @@ impl Posture {
     /// Checks that every angle is finite and at most a full turn.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] or [`crate::Error::OutOfRange`] names the first that is not.
+    /// [`crate::Error::Value`] names the first that is not.
     pub fn validate(&self) -> Result<()> {
         Self::NAMES
             .into_iter()

@@ -6,7 +6,7 @@ mod solve;
 
 use nalgebra::{Rotation3, Vector3};
 
-use crate::error::{Error, Result, Unreachable, finite, within};
+use crate::error::{Error, Result, finite, within};
 use crate::joints::{JointAngles, POINT_DOF};
 use crate::kinematics::Pose;
 use crate::person::Person;
@@ -95,7 +95,7 @@ impl EffortWeights {
     /// Checks that the weights are finite, displacement weights positive, the others non-negative.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] or [`Error::OutOfRange`] with the name of the weight.
+    /// [`Error::Value`] with the name of the weight.
     pub fn validate(&self) -> Result<()> {
         let weights = self.displacement.to_array();
         for (name, weight) in JointAngles::NAMES.into_iter().zip(weights) {
@@ -179,7 +179,7 @@ impl PosturePredictor {
     /// The posture of least effort for this target.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] or [`Error::OutOfRange`] (beyond a kilometre) for the target;
+    /// [`Error::Value`] (beyond a kilometre) for the target;
     /// [`Error::Unreachable`] with the reason.
     pub fn predict(&self, target: &HandTarget) -> Result<Prediction> {
         self.predict_from(target, &JointAngles::default())
@@ -189,7 +189,7 @@ impl PosturePredictor {
     /// moved into the ranges of motion.
     ///
     /// # Errors
-    /// As [`PosturePredictor::predict`]; [`Error::NotFinite`] for the start as well.
+    /// As [`PosturePredictor::predict`]; [`Error::Value`] for the start as well.
     pub fn predict_from(&self, target: &HandTarget, start: &JointAngles) -> Result<Prediction> {
         for (name, value) in ["x", "y", "z"].into_iter().zip(target.position.iter()) {
             within(name, *value, [-1e3, 1e3], "m")?;
@@ -222,21 +222,18 @@ impl PosturePredictor {
         let pose = Pose::new(self.effort.body(), &outcome.q);
         let distance = outcome.distance * self.person.stature();
         let reason = if outcome.distance > REACHED {
-            let balance = self.effort.on_edge(&pose);
-            Some(if balance {
-                Unreachable::Balance { distance }
-            } else {
-                Unreachable::TooFar { distance }
-            })
+            // At heel or toe the person would fall before the hand is there.
+            let balance = if self.effort.on_edge(&pose) { " in balance" } else { "" };
+            format!("the closest posture{balance} leaves it {distance:.4} m away")
         } else if outcome.angle > ORIENTED {
-            Some(Unreachable::Orientation { angle: outcome.angle })
+            format!("the closest posture leaves its orientation {:.3} rad away", outcome.angle)
         } else if inside_trunk(&pose, &goal.position) {
-            Some(Unreachable::InsideBody)
+            "it lies inside the person's trunk".to_owned()
         } else {
-            None
+            return Ok(());
         };
         let [x, y, z]: [f64; 3] = target.position.into();
-        reason.map_or(Ok(()), |reason| Err(Error::Unreachable { x, y, z, reason }))
+        Err(Error::Unreachable { x, y, z, reason })
     }
 }
 

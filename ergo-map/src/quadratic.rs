@@ -53,7 +53,7 @@ impl ErgonomicsQuadratic {
     /// The quadratic with these coefficients.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for a coefficient, [`Error::NotSymmetric`] and [`Error::NotConvex`]
+    /// [`Error::Value`] for a coefficient, [`Error::Value`]
     /// for the Hessian. Entry (i, j) is judged against √(Hᵢᵢ Hⱼⱼ), the largest that it can be in a convex
     /// quadratic, so that the units of the axes do not matter: 1e-9 of it counts as rounding.
     pub fn new(hessian: Matrix3<f64>, gradient: Vector3<f64>, constant: f64) -> Result<Self> {
@@ -131,7 +131,7 @@ impl ErgonomicsQuadratic {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NotFinite`] or [`Error::OutOfRange`] for a ratio that is not from 0.1 to 10.
+    /// [`Error::Value`] for a ratio that is not from 0.1 to 10.
     pub fn resized(&self, ratio: f64) -> Result<Self> {
         let ratio = within("ratio of sizes", ratio, [0.1, 10.0], "(ratio)")?;
         let (hessian, gradient) = (self.hessian / (ratio * ratio), self.gradient / ratio);
@@ -169,7 +169,12 @@ fn expect_symmetric(hessian: &Matrix3<f64>) -> Result<()> {
     for (i, j) in [(1, 0), (2, 0), (2, 1)] {
         let asymmetry = (hessian[(i, j)] - hessian[(j, i)]).abs();
         if asymmetry > ROUNDING * roots[i] * roots[j] {
-            return Err(Error::NotSymmetric { asymmetry });
+            return Err(Error::Value {
+                what: "the difference between the Hessian and its transpose",
+                got: asymmetry,
+                unit: "1/m²",
+                wanted: "be 0: symmetrise the Hessian".into(),
+            });
         }
     }
     Ok(())
@@ -189,7 +194,15 @@ fn expect_convex(hessian: &Matrix3<f64>) -> Result<()> {
     } else {
         f64::NEG_INFINITY
     };
-    if eigenvalue < -ROUNDING { Err(Error::NotConvex { eigenvalue }) } else { Ok(()) }
+    if eigenvalue >= -ROUNDING {
+        return Ok(());
+    }
+    Err(Error::Value {
+        what: "the smallest eigenvalue of the Hessian",
+        got: eigenvalue,
+        unit: "",
+        wanted: "be at least 0, once the Hessian has ones on its diagonal".into(),
+    })
 }
 
 /// R with R Rᵀ = H, by Cholesky factorisation with pivoting.

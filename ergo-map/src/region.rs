@@ -14,12 +14,13 @@ impl Region {
     /// The box between two corners.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for a corner, [`Error::EmptyRegion`] with the axis that is empty.
+    /// [`Error::Value`] for a corner, [`Error::Value`] with the axis that is empty.
     pub fn new(min: Vector3<f64>, max: Vector3<f64>) -> Result<Self> {
         for (axis, (min, max)) in ['x', 'y', 'z'].into_iter().zip(min.iter().zip(max.iter())) {
             let (min, max) = (finite("region min", *min)?, finite("region max", *max)?);
             if min >= max {
-                return Err(Error::EmptyRegion { name: "region", axis, min, max });
+                let wanted = format!("lie below region max, {max} m, on the axis {axis}");
+                return Err(Error::Value { what: "region min", got: min, unit: "m", wanted });
             }
         }
         Ok(Self { min, max })

@@ -63,7 +63,7 @@ impl Skeleton {
     /// Forward kinematics.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] for a joint angle.
+    /// [`crate::Error::Value`] for a joint angle.
     pub fn landmarks(&self, angles: &JointAngles) -> Result<Landmarks> {
         angles.validate()?;
         let chain = match self.side {

@@ -12,7 +12,7 @@ pub use direction::WalkingDirection;
 pub use group::ActionGroup;
 pub use tool::Tool;
 
-use crate::Error;
+use crate::error::Error;
 
 /// One of the thirty classes of the HRI30 data set (Iodice, De Momi, Ajoudani, ICPR 2022).
 ///
@@ -49,6 +49,13 @@ pub enum Action {
     WalkingWith(Tool),
     /// Walks with the object in the hands.
     WalkingWithObject,
+}
+
+/// The error of a name that is no action's.
+pub(crate) fn unknown(name: &str) -> Error {
+    let wanted = "one of the thirty HRI30 class names exactly as they are written, such as \
+                  \"Using The Drill\"";
+    Error::unknown("action", name, wanted)
 }
 
 impl Action {
@@ -120,12 +127,9 @@ impl Action {
     /// The class of this name.
     ///
     /// # Errors
-    /// [`Error::UnknownAction`] if no class has exactly this name.
+    /// [`Error::Name`] if no class has exactly this name.
     pub fn from_name(name: &str) -> Result<Self, Error> {
-        Self::ALL
-            .into_iter()
-            .find(|action| action.name() == name)
-            .ok_or_else(|| Error::UnknownAction { name: name.into() })
+        Self::ALL.into_iter().find(|action| action.name() == name).ok_or_else(|| unknown(name))
     }
 
     /// The class that a label of a copy of HRI30 means: words joined in any way, in any case, with or without
@@ -140,7 +144,7 @@ impl Action {
     /// ```
     ///
     /// # Errors
-    /// [`Error::UnknownAction`] if it means none.
+    /// [`Error::Name`] if it means none.
     pub fn from_label(label: &str) -> Result<Self, Error> {
         let letters = |name: &str| -> String {
             let letters = name.chars().filter(|letter| letter.is_alphanumeric());
@@ -150,7 +154,7 @@ impl Action {
         Self::ALL
             .into_iter()
             .find(|action| letters(action.name()) == own)
-            .ok_or_else(|| Error::UnknownAction { name: label.into() })
+            .ok_or_else(|| unknown(label))
     }
 
     /// Where the person walks while working, in the person's frame. `None` for every other action:

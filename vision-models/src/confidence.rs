@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::Error;
+use crate::error::Error;
 
 /// A confidence in [0, 1]; never NaN.
 ///
@@ -27,12 +27,12 @@ impl Confidence {
     /// Takes a probability.
     ///
     /// # Errors
-    /// [`Error::Confidence`] if `value` is NaN or outside [0, 1].
+    /// [`Error::Value`] if `value` is NaN or outside [0, 1].
     pub fn new(value: f64) -> Result<Self, Error> {
         if (0.0..=1.0).contains(&value) {
             Ok(Self(value))
         } else {
-            Err(Error::Confidence { value })
+            Err(Error::value("confidence", value, "a probability in [0, 1]"))
         }
     }
 

@@ -20,6 +20,7 @@
 
 mod graph;
 mod head;
+mod input;
 mod layer;
 mod lowering;
 mod memory;
@@ -37,6 +38,7 @@ mod validation;
 pub use crate::kernels::{Waiting, Window};
 pub use graph::{Frames, Graph, Value};
 pub use head::Pooling;
+pub(crate) use input::{too_large, too_small, wrong_input};
 pub use layer::{Activation, Convolution};
 pub(crate) use lowering::lower;
 pub(crate) use network::check_finite;

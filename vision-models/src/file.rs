@@ -7,7 +7,7 @@ use std::{
 };
 
 #[cfg(feature = "inference")]
-use crate::Error;
+use crate::error::Error;
 
 /// Reads a file of at most `limit` bytes. A device or a pipe, which has no length, is read no further than that.
 ///

@@ -15,11 +15,10 @@ pub use trainer::{Epoch, HeadTrainer};
 
 use scaling::Standardisation;
 
-use crate::{
-    Error, Tensor, TensorSource, Tensors,
-    random::uniform,
-    samples::{check_classes, check_finite, check_samples},
-};
+use crate::error::Error;
+use crate::random::uniform;
+use crate::samples::{check_classes, check_finite, check_samples, misfit, not_finite};
+use crate::weights::{Tensor, TensorSource, Tensors};
 
 /// A linear layer from features to one score a class, the logits of [`softmax`](crate::softmax).
 ///
@@ -55,9 +54,9 @@ impl LinearHead {
     /// give the same head.
     ///
     /// # Errors
-    /// [`Error::Samples`] if there are none or too many, labels are missing or out of range, a class
+    /// [`Error::Malformed`] if there are none or too many, labels are missing or out of range, a class
     /// has no sample, no name or another's, there are fewer than two classes, or the steps go to
-    /// infinity; [`Error::Feature`] for one that is not finite; [`Error::Setting`].
+    /// infinity; [`Error::Value`] for one that is not finite; [`Error::Value`].
     pub fn train(
         samples: ArrayView2<'_, f32>,
         labels: &[usize],
@@ -90,7 +89,7 @@ impl LinearHead {
     /// begins.
     ///
     /// # Errors
-    /// [`Error::Samples`] for no feature, fewer than two classes, or a class without a name of its own.
+    /// [`Error::Malformed`] for no feature, fewer than two classes, or a class without a name of its own.
     pub fn random(classes: Vec<String>, features: usize, seed: u64) -> Result<Self, Error> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(1); // Not what the order of the samples is drawn from.
@@ -105,8 +104,8 @@ impl LinearHead {
     /// A head of given weights, classes × features.
     ///
     /// # Errors
-    /// [`Error::Samples`] if the numbers of classes, weights and biases do not fit, or a class has no
-    /// name or another's; [`Error::Feature`] for a weight or bias that is not finite.
+    /// [`Error::Malformed`] if the numbers of classes, weights and biases do not fit, or a class has no
+    /// name or another's; [`Error::Value`] for a weight or bias that is not finite.
     pub fn new(
         classes: Vec<String>,
         weights: Array2<f32>,
@@ -121,11 +120,11 @@ impl LinearHead {
                 weights.ncols(),
                 biases.len()
             );
-            return Err(Error::Samples { problem });
+            return Err(misfit(problem));
         }
         check_finite(&weights.view())?;
         if let Some((row, &value)) = biases.iter().enumerate().find(|(_, bias)| !bias.is_finite()) {
-            return Err(Error::Feature { row, column: weights.ncols(), value: value.into() });
+            return Err(not_finite(row, weights.ncols(), value.into()));
         }
         let weights = weights.as_standard_layout().into_owned();
         Ok(Self { classes, weights, biases })
@@ -134,7 +133,7 @@ impl LinearHead {
     /// Reads the layer `NAME.weight`, `NAME.bias` of a checkpoint, whose classes have these names.
     ///
     /// # Errors
-    /// [`Error::NoTensor`] if it is not there; [`Error::Samples`] if it has another shape; as of
+    /// [`Error::Name`] if it is not there; [`Error::Malformed`] if it has another shape; as of
     /// [`Self::new`].
     pub fn read(
         source: &mut impl TensorSource,
@@ -146,9 +145,9 @@ impl LinearHead {
         let &[rows, columns] = weights.shape() else {
             let shape = weights.shape();
             let problem = format!("{name}.weight has the shape {shape:?}: give classes × features");
-            return Err(Error::Samples { problem });
+            return Err(misfit(problem));
         };
-        let fits = |error: ndarray::ShapeError| Error::Samples { problem: error.to_string() };
+        let fits = |error: ndarray::ShapeError| misfit(error.to_string());
         let weights = Array2::from_shape_vec((rows, columns), weights.into_data()).map_err(fits)?;
         Self::new(classes, weights, Array1::from_vec(biases.into_data()))
     }
@@ -185,7 +184,7 @@ impl LinearHead {
     /// One score a class.
     ///
     /// # Errors
-    /// [`Error::Samples`] for another number of features than in training; [`Error::Feature`] for one
+    /// [`Error::Malformed`] for another number of features than in training; [`Error::Value`] for one
     /// that is not finite.
     pub fn scores(&self, features: ArrayView1<'_, f32>) -> Result<Array1<f32>, Error> {
         if features.len() != self.weights.ncols() {
@@ -194,7 +193,7 @@ impl LinearHead {
                 features.len(),
                 self.weights.ncols()
             );
-            return Err(Error::Samples { problem });
+            return Err(misfit(problem));
         }
         check_finite(&features.insert_axis(Axis(0)))?;
         Ok(self.weights.dot(&features) + &self.biases)

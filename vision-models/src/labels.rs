@@ -6,10 +6,10 @@ use std::{
     str::FromStr,
 };
 
-use crate::{
-    Action, Error,
-    file::{in_file, read_text, without_byte_order_mark},
-};
+use crate::action::{Action, unknown};
+use crate::error::Error;
+use crate::excerpt::Excerpt;
+use crate::file::{in_file, read_text, without_byte_order_mark};
 
 /// The largest label file that is read (bytes).
 const MAX_BYTES: u64 = 64 << 20;
@@ -68,7 +68,7 @@ impl ClassNames {
     /// Reads a file of at most 64 MiB.
     ///
     /// # Errors
-    /// [`Error::File`], [`Error::Labels`], [`Error::EqualNames`].
+    /// [`Error::File`], [`Error::Malformed`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         read_text(path, MAX_BYTES).map_err(in_file(path))?.parse()
@@ -114,7 +114,7 @@ impl ClassNames {
     /// The classes as actions of HRI30.
     ///
     /// # Errors
-    /// [`Error::UnknownAction`] for a name that is none.
+    /// [`Error::Name`] for a name that is none.
     pub fn actions(&self) -> Result<Vec<Action>, Error> {
         let key = |name: &str| letters(name).to_lowercase();
         let known = Action::ALL.map(|action| (key(action.name()), action));
@@ -123,9 +123,7 @@ impl ClassNames {
             .map(|name| {
                 let key = key(name);
                 let action = known.iter().find(|(known, _)| *known == key);
-                action
-                    .map(|&(_, action)| action)
-                    .ok_or_else(|| Error::UnknownAction { name: name.clone() })
+                action.map(|&(_, action)| action).ok_or_else(|| unknown(name))
             })
             .collect()
     }
@@ -133,7 +131,7 @@ impl ClassNames {
     /// Reads a file of at most 64 MiB as [`Self::clips`] does.
     ///
     /// # Errors
-    /// [`Error::File`], [`Error::Labels`].
+    /// [`Error::File`], [`Error::Malformed`].
     pub fn read_clips(&self, path: impl AsRef<Path>) -> Result<Vec<(String, usize)>, Error> {
         let path = path.as_ref();
         self.clips(&read_text(path, MAX_BYTES).map_err(in_file(path))?)
@@ -143,7 +141,7 @@ impl ClassNames {
     /// with a comma or a space between. A first line whose class is unknown is a heading.
     ///
     /// # Errors
-    /// [`Error::Labels`].
+    /// [`Error::Malformed`].
     pub fn clips(&self, text: &str) -> Result<Vec<(String, usize)>, Error> {
         let mut clips = Vec::new();
         for (line, number) in lines(without_byte_order_mark(text)) {
@@ -156,7 +154,7 @@ impl ClassNames {
                 None if number == 1 => {}
                 None => {
                     let expected = "a clip's name, a comma or a space, and a class of the list";
-                    return Err(Error::Labels { line: number, expected });
+                    return Err(refuse(number, expected));
                 }
             }
         }
@@ -204,7 +202,7 @@ impl FromStr for ClassNames {
         let mut at_lines = Vec::new();
         for (line, at) in lines(without_byte_order_mark(text)) {
             let (number, name) = split_number(line);
-            let refuse = |expected| Err(Error::Labels { line: at, expected });
+            let refuse = |expected| Err(refuse(at, expected));
             if name.is_empty() {
                 return refuse("a class name");
             }
@@ -221,15 +219,26 @@ impl FromStr for ClassNames {
             }
             at_lines.push(at);
             if let Some(other) = classes.insert(name.into(), letters(name)) {
-                let names = [&classes.names[other], name].map(str::to_owned);
-                return Err(Error::EqualNames { names, lines: [at_lines[other], at] });
+                let problem = format!(
+                    "\"{}\" and \"{}\" are one name, as only letters and digits count: give each \
+                     class its own",
+                    Excerpt(&classes.names[other]),
+                    Excerpt(name)
+                );
+                let lines = format!("label file, lines {} and {at}", at_lines[other]);
+                return Err(Error::malformed(&lines, problem));
             }
         }
-        classes.ok_or(Error::Labels { line: 1, expected: "at least one class name" })
+        classes.ok_or_else(|| refuse(1, "at least one class name"))
     }
 }
 
 /// The lines that are not empty, trimmed, counted from one.
+/// An error of a line, counted from one.
+fn refuse(line: usize, expected: &str) -> Error {
+    Error::malformed(&format!("label file, line {line}"), format!("expected {expected}"))
+}
+
 fn lines(text: &str) -> impl Iterator<Item = (&str, usize)> {
     text.lines().map(str::trim).zip(1..).filter(|(line, _)| !line.is_empty())
 }

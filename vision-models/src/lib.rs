@@ -49,6 +49,7 @@ mod confidence;
 #[cfg(feature = "inference")]
 pub mod engine;
 mod error;
+mod excerpt;
 pub mod file;
 #[cfg(feature = "inference")]
 mod head;
@@ -123,10 +124,7 @@ pub use surface::Surface;
 #[cfg(feature = "inference")]
 pub use svm::{Bias, ClassWeights, LinearSvm, Loss, SvmSettings, Training};
 #[cfg(feature = "inference")]
-pub use weights::{
-    Checkpoint, CheckpointError, ElementType, Format, PickleProblem, Tensor, TensorInfo,
-    TensorSource, Tensors,
-};
+pub use weights::{Checkpoint, ElementType, Format, Tensor, TensorInfo, TensorSource, Tensors};
 
 /// The program of the crate's README.
 #[cfg(doctest)]

@@ -1,6 +1,6 @@
 //! How well a classifier does.
 
-use crate::Error;
+use crate::error::Error;
 
 /// How often each class was taken for each: rows are the true classes, columns the given ones.
 ///
@@ -30,12 +30,12 @@ impl ConfusionMatrix {
     /// Counts a sample.
     ///
     /// # Errors
-    /// [`Error::ClassIndex`].
+    /// [`Error::Value`].
     pub fn add(&mut self, truth: usize, given: usize) -> Result<(), Error> {
         let classes = self.classes;
         for class in [truth, given] {
             if class >= classes {
-                return Err(Error::ClassIndex { class, classes });
+                return Err(Error::value("the class", class, &format!("an index below {classes}")));
             }
         }
         if let Some(count) = self.counts.get_mut(truth * classes + given) {

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Action, Body, Confidence, Surface};
+use crate::action::Action;
+use crate::body::Body;
+use crate::confidence::Confidence;
+use crate::surface::Surface;
 
 /// All that perception says about one camera frame. `None` means that it was not seen.
 ///

@@ -18,7 +18,7 @@ pub use folder::{ImageFolder, OtherFiles, is_hidden, list_frames};
 pub use library::Library;
 pub use sampling::ClipSampling;
 
-use crate::Error;
+use crate::error::Error;
 
 /// The size that a frame is brought to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,8 +93,8 @@ impl Preprocessing {
     /// The crops of one frame, crops × 3 × side × side.
     ///
     /// # Errors
-    /// [`Error::FrameShape`] for a frame without pixels, with other than three channels or with a
-    /// side above 16,384, before or after the resize; [`Error::CropTooLarge`]; [`Error::Setting`]
+    /// [`Error::Size`] for a frame without pixels, with other than three channels or with a
+    /// side above 16,384, before or after the resize; [`Error::Size`]; [`Error::Value`]
     /// for a size that is not from 1 to 16,384.
     pub fn image(&self, frame: ArrayView3<'_, u8>) -> Result<Array4<f32>, Error> {
         Ok(self.clip(&[frame])?.index_axis_move(Axis(2), 0))
@@ -109,10 +109,8 @@ impl Preprocessing {
             return Err(Error::NoFrames);
         };
         if let Some(other) = rest.iter().find(|frame| frame.dim() != first.dim()) {
-            return Err(Error::FrameShape {
-                shape: other.shape().to_vec(),
-                expected: format!("that of the clip's first frame, {:?}", first.shape()),
-            });
+            let expected = format!("as many as the clip's first frame has, {:?}", first.shape());
+            return Err(Error::size("a frame", other.shape(), "values", &expected));
         }
         let (height, width) = self.size(first)?;
         let places = self.places(height, width)?;
@@ -150,8 +148,8 @@ impl Preprocessing {
             Resize::ShortSide(side) => (self.library.long_side(height, width, side), side),
         };
         if size.0.max(size.1) > MAX_SIDE {
-            let expected = "a shape of which no side becomes longer than 16,384 pixels".into();
-            return Err(Error::FrameShape { shape: frame.shape().to_vec(), expected });
+            let expected = "a shape of which no side becomes longer than 16,384 pixels";
+            return Err(Error::size("a frame", frame.shape(), "values", expected));
         }
         Ok(size)
     }
@@ -160,7 +158,8 @@ impl Preprocessing {
     fn places(&self, height: usize, width: usize) -> Result<Vec<Place>, Error> {
         let crop = self.crop;
         if crop > height.min(width) {
-            return Err(Error::CropTooLarge { crop, height, width });
+            let expected = format!("at least {crop} × {crop} for the crop");
+            return Err(Error::size("the resized frame", &[height, width], "pixels", &expected));
         }
         let place = |top, left| Place { top, left, mirrored: false };
         let (down, right) = (height - crop, width - crop);
@@ -200,8 +199,8 @@ impl Preprocessing {
 /// pixels as the width.
 ///
 /// # Errors
-/// [`Error::FrameShape`] for a frame without pixels or with other than three channels,
-/// [`Error::Setting`] for a side that is not from 1 to 16,384.
+/// [`Error::Size`] for a frame without pixels or with other than three channels,
+/// [`Error::Value`] for a side that is not from 1 to 16,384.
 pub fn resize_pillow(
     frame: ArrayView3<'_, u8>,
     height: usize,
@@ -238,15 +237,15 @@ fn check_frame(frame: &ArrayView3<'_, u8>) -> Result<(), Error> {
     if (1..=MAX_SIDE).contains(&height) && (1..=MAX_SIDE).contains(&width) && channels == 3 {
         return Ok(());
     }
-    let expected = "height × width × 3, with sides from 1 to 16,384".into();
-    Err(Error::FrameShape { shape: frame.shape().to_vec(), expected })
+    let expected = "height × width × 3, with sides from 1 to 16,384";
+    Err(Error::size("a frame", frame.shape(), "values", expected))
 }
 
 fn check_sides(sides: [(&'static str, usize); 2]) -> Result<(), Error> {
     match sides.into_iter().find(|(_, side)| !(1..=MAX_SIDE).contains(side)) {
         Some((name, side)) => {
             let expected = "from 1 to 16,384 pixels";
-            Err(Error::Setting { name, value: side as f64, expected })
+            Err(Error::value(name, side, expected))
         }
         None => Ok(()),
     }

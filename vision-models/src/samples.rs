@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use ndarray::ArrayView2;
 
-use crate::{Error, error::Excerpt};
+use crate::error::Error;
+use crate::excerpt::Excerpt;
 
 /// Checks samples × features, of which `labels` says the classes as indices into `classes`; each
 /// class has a sample, and there are no more than `most`.
@@ -16,7 +17,7 @@ pub(crate) fn check_samples(
 ) -> Result<(), Error> {
     check_classes(classes)?;
     let (count, features) = samples.dim();
-    let refuse = |problem| Err(Error::Samples { problem });
+    let refuse = |problem| Err(misfit(problem));
     if labels.len() != count || features == 0 || count > most {
         return refuse(format!(
             "{count} samples of {features} features have {} labels: give one label each, at least \
@@ -37,7 +38,7 @@ pub(crate) fn check_labels(labels: &[usize], classes: &[String]) -> Result<(), E
         Some((sample, label)) => {
             let classes = classes.len();
             let problem = format!("sample {sample} is of class {label}, of {classes} from zero");
-            Err(Error::Samples { problem })
+            Err(misfit(problem))
         }
         None => Ok(()),
     }
@@ -45,7 +46,7 @@ pub(crate) fn check_labels(labels: &[usize], classes: &[String]) -> Result<(), E
 
 /// At least two classes, each with a name of its own in one line.
 pub(crate) fn check_classes(classes: &[String]) -> Result<(), Error> {
-    let refuse = |problem| Err(Error::Samples { problem });
+    let refuse = |problem| Err(misfit(problem));
     if classes.len() < 2 {
         return refuse(format!("{} classes: give at least two", classes.len()));
     }
@@ -70,9 +71,17 @@ pub(crate) fn check_classes(classes: &[String]) -> Result<(), Error> {
 /// No feature is NaN or infinite.
 pub(crate) fn check_finite(samples: &ArrayView2<'_, f32>) -> Result<(), Error> {
     match samples.indexed_iter().find(|(_, value)| !value.is_finite()) {
-        Some(((row, column), &value)) => {
-            Err(Error::Feature { row, column, value: f64::from(value) })
-        }
+        Some(((row, column), &value)) => Err(not_finite(row, column, value.into())),
         None => Ok(()),
     }
+}
+
+/// Samples, labels, classes and weights of a linear classifier do not fit together.
+pub(crate) fn misfit(problem: impl Into<String>) -> Error {
+    Error::malformed("linear classifier", problem)
+}
+
+/// A feature, weight or bias is NaN or infinite; the bias of a plane comes after its weights.
+pub(crate) fn not_finite(row: usize, column: usize, value: f64) -> Error {
+    Error::value(&format!("row {row}, column {column}"), value, "finite numbers")
 }

@@ -4,7 +4,8 @@ use std::{fmt, str::FromStr};
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Tool};
+use crate::action::Tool;
+use crate::error::Error;
 
 /// A surface of the object, as the paper's surface classifier tells them apart (Sec. "Surface
 /// Classification Model"): the drilled one is for drilling, the smooth one for polishing.
@@ -57,7 +58,7 @@ impl FromStr for Surface {
         match name {
             "smooth" => Ok(Self::Smooth),
             "drilled" => Ok(Self::Drilled),
-            _ => Err(Error::UnknownSurface { name: name.into() }),
+            _ => Err(Error::unknown("surface", name, "\"smooth\" or \"drilled\"")),
         }
     }
 }

@@ -18,10 +18,8 @@ pub use settings::{Bias, ClassWeights, Loss, SvmSettings};
 pub use training::Training;
 
 use self::{newton::Newton, problem::Problem, training::train};
-use crate::{
-    Error,
-    samples::{check_classes, check_finite, check_samples},
-};
+use crate::error::Error;
+use crate::samples::{check_classes, check_finite, check_samples, misfit, not_finite};
 
 /// A linear classifier: for two classes one plane, whose positive side is the second class; for
 /// more, one plane a class against the rest, and the class whose plane is farthest behind wins.
@@ -57,10 +55,10 @@ impl LinearSvm {
     /// `classes`. Gives how the training of each plane ended, too.
     ///
     /// # Errors
-    /// [`Error::Samples`] if there are none or too many, labels are missing or out of range, a
+    /// [`Error::Malformed`] if there are none or too many, labels are missing or out of range, a
     /// class has no sample, no name or another's, there are fewer than two classes, or not as many class
-    /// weights; [`Error::Feature`] for one that
-    /// is not finite; [`Error::Setting`].
+    /// weights; [`Error::Value`] for one that
+    /// is not finite; [`Error::Value`].
     pub fn train(
         samples: ArrayView2<'_, f32>,
         labels: &[usize],
@@ -100,9 +98,9 @@ impl LinearSvm {
     /// A machine of given planes, one row of `weights` each.
     ///
     /// # Errors
-    /// [`Error::Samples`] if the numbers of classes, planes and biases do not fit, or a class has no name
+    /// [`Error::Malformed`] if the numbers of classes, planes and biases do not fit, or a class has no name
     /// or another's;
-    /// [`Error::Feature`] for a weight or bias that is not finite.
+    /// [`Error::Value`] for a weight or bias that is not finite.
     pub fn new(
         classes: Vec<String>,
         weights: Array2<f64>,
@@ -111,21 +109,19 @@ impl LinearSvm {
         check_classes(&classes)?;
         let planes = if classes.len() == 2 { 1 } else { classes.len() };
         if weights.nrows() != planes || biases.len() != planes || weights.ncols() == 0 {
-            return Err(Error::Samples {
-                problem: format!(
-                    "{} classes have {} rows of {} weights and {} biases: give {planes} of each",
-                    classes.len(),
-                    weights.nrows(),
-                    weights.ncols(),
-                    biases.len()
-                ),
-            });
+            return Err(misfit(format!(
+                "{} classes have {} rows of {} weights and {} biases: give {planes} of each",
+                classes.len(),
+                weights.nrows(),
+                weights.ncols(),
+                biases.len()
+            )));
         }
         let all = weights.indexed_iter().map(|((row, column), &value)| (row, column, value));
         let biased = biases.iter().enumerate().map(|(row, &value)| (row, weights.ncols(), value));
         if let Some((row, column, value)) = all.chain(biased).find(|(.., value)| !value.is_finite())
         {
-            return Err(Error::Feature { row, column, value });
+            return Err(not_finite(row, column, value));
         }
         let weights = weights.as_standard_layout().into_owned();
         Ok(Self { classes, weights, biases })
@@ -149,17 +145,15 @@ impl LinearSvm {
     /// f(x) = wᵀx + b of each plane: the distance from it times |w|, positive on its side.
     ///
     /// # Errors
-    /// [`Error::Samples`] for another number of features than in training; [`Error::Feature`] for
+    /// [`Error::Malformed`] for another number of features than in training; [`Error::Value`] for
     /// one that is not finite.
     pub fn decide(&self, features: ArrayView1<'_, f32>) -> Result<Array1<f64>, Error> {
         if features.len() != self.weights.ncols() {
-            return Err(Error::Samples {
-                problem: format!(
-                    "{} features were given to a machine that was trained with {}",
-                    features.len(),
-                    self.weights.ncols()
-                ),
-            });
+            return Err(misfit(format!(
+                "{} features were given to a machine that was trained with {}",
+                features.len(),
+                self.weights.ncols()
+            )));
         }
         check_finite(&features.insert_axis(Axis(0)))?;
         Ok(self.weights.dot(&features.mapv(f64::from)) + &self.biases)

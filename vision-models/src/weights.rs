@@ -19,7 +19,7 @@ mod zip;
 pub use checkpoint::Checkpoint;
 pub use contents::Format;
 pub use element::ElementType;
-pub use error::{CheckpointError, PickleProblem};
 pub use source::TensorSource;
 pub use tensor_info::TensorInfo;
+pub(crate) use tensors::unfilled;
 pub use tensors::{Tensor, Tensors};

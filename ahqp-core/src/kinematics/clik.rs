@@ -114,7 +114,7 @@ impl PoseAxes {
     /// These coordinates, counted from 0; they come in the order of a pose.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for none, for one named twice, and for one above 5.
+    /// [`Error::Value`] for none, for one named twice, and for one above 5.
     pub fn new(axes: &[usize]) -> Result<Self, Error> {
         let mut chosen = [false; 6];
         for &axis in axes {
@@ -122,13 +122,13 @@ impl PoseAxes {
                 Some(chosen) if !*chosen => *chosen = true,
                 _ => {
                     let (name, expected) = ("a coordinate of the task", "from 0 to 5, each once");
-                    return Err(Error::Parameter { name, value: axis as f64, expected });
+                    return Err(Error::value(name, axis as f64, expected));
                 }
             }
         }
         if axes.is_empty() {
             let (name, expected) = ("the dimension of the task", "from 1 to 6");
-            return Err(Error::Parameter { name, value: 0.0, expected });
+            return Err(Error::value(name, 0.0, expected));
         }
         Ok(Self { chosen })
     }
@@ -189,7 +189,7 @@ impl Clik {
     /// the control period Δt \[s\].
     ///
     /// # Errors
-    /// [`Error::Parameter`] for gains or a period that are not positive and finite, or a gain above
+    /// [`Error::Value`] for gains or a period that are not positive and finite, or a gain above
     /// 1/Δt, where the loop of one step would overshoot.
     pub fn new(
         joints: usize,
@@ -198,19 +198,15 @@ impl Clik {
         period: f64,
     ) -> Result<Self, Error> {
         if !(period.is_finite() && period > 0.0) {
-            return Err(Error::Parameter {
-                name: "the control period",
-                value: period,
-                expected: "positive and finite [s]",
-            });
+            return Err(Error::value("the control period", period, "positive and finite [s]"));
         }
         let gains = axes.iter().map(|axis| gain[axis]);
         if let Some(value) = gains.into_iter().find(|&k| !(k > 0.0 && k <= 1.0 / period)) {
-            return Err(Error::Parameter {
-                name: "a gain of the inverse kinematics",
+            return Err(Error::value(
+                "a gain of the inverse kinematics",
                 value,
-                expected: "positive and at most 1/Δt [1/s]",
-            });
+                "positive and at most 1/Δt [1/s]",
+            ));
         }
         Ok(Self { joints, axes, gain })
     }
@@ -425,7 +421,7 @@ mod tests {
     #[test]
     fn axes_are_one_to_six_different_coordinates() {
         for wrong in [&[][..], &[6], &[1, 1], &[0, 1, 2, 3, 4, 5, 0]] {
-            assert!(matches!(PoseAxes::new(wrong), Err(Error::Parameter { .. })), "{wrong:?}");
+            assert!(matches!(PoseAxes::new(wrong), Err(Error::Value { .. })), "{wrong:?}");
         }
         assert_eq!(PoseAxes::new(&[5, 0, 1]).unwrap(), PoseAxes::PLANAR);
         assert_eq!(PoseAxes::new(&[0, 1, 2, 3, 4, 5]).unwrap(), PoseAxes::ALL);
@@ -435,7 +431,7 @@ mod tests {
         assert!(Clik::new(7, PoseAxes::PLANAR, gain, 1e-3).is_err());
         let state = AugmentedState { joints: 7, task: 6, slack: 0 };
         let error = AugmentedClik::new(state, PoseAxes::POSITION, gain, 1e-3).unwrap_err();
-        assert_eq!(error, Error::Size { what: "the dimension of the task", found: 6, expected: 3 });
+        assert_eq!(error, Error::Size { what: "the dimension of the task", got: 6, wanted: 3 });
     }
 
     #[test]

@@ -54,11 +54,11 @@ impl Damping {
     /// norms of the rows.
     ///
     /// # Errors
-    /// [`Error::Setting`] when either does not lie between 0 and 1, both excluded.
+    /// [`Error::Value`] when either does not lie between 0 and 1, both excluded.
     pub fn new(rows: usize, threshold: f64, largest: f64) -> Result<Self, Error> {
         for (name, value) in [("threshold", threshold), ("largest", largest)] {
             if !(value > 0.0 && value < 1.0) {
-                return Err(Error::Setting { name, value, expected: "between 0 and 1" });
+                return Err(Error::value(name, value, "between 0 and 1"));
             }
         }
         Ok(Self {
@@ -81,12 +81,12 @@ impl Damping {
     /// throughout.
     ///
     /// # Errors
-    /// [`Error::Size`] for more rows than sized for; [`Error::NotAnEquality`] for a row whose bounds
-    /// differ; [`Error::NotFiniteDamping`] for rows that are not finite.
+    /// [`Error::Size`] for more rows than sized for; [`Error::Value`] for a row whose bounds
+    /// differ; [`Error::Value`] for rows that are not finite.
     pub fn apply(&mut self, rows: &mut Rows) -> Result<f64, Error> {
         let m = rows.len();
         if m > self.rows {
-            return Err(Error::Size { what: "the damped level", found: m, expected: self.rows });
+            return Err(Error::Size { what: "the damped level", got: m, wanted: self.rows });
         }
         rows.undo_damping();
         self.load(rows)?;
@@ -114,11 +114,18 @@ impl Damping {
         let (m, n) = (rows.len(), rows.columns());
         for (i, (row, lower, upper)) in rows.iter().enumerate() {
             if lower != upper {
-                return Err(Error::NotAnEquality { row: i, lower, upper });
+                let (what, wanted) = ("the width of damped row", "0: damp equalities only");
+                return Err(Error::Value { what, index: Some(i), got: upper - lower, wanted });
             }
             let square = dot(row, row);
             if !(square + lower.abs()).is_finite() {
-                return Err(Error::NotFiniteDamping { row: i });
+                let (what, wanted) = ("the squared norm of damped row", "finite");
+                return Err(Error::Value {
+                    what,
+                    index: Some(i),
+                    got: square + lower.abs(),
+                    wanted,
+                });
             }
             self.norms[i] = if square > 0.0 { square.sqrt() } else { 1.0 };
         }
@@ -226,15 +233,15 @@ mod tests {
 
     #[test]
     fn bad_input_is_an_error() {
-        assert!(matches!(Damping::new(2, 0.0, 0.1), Err(Error::Setting { .. })));
-        assert!(matches!(Damping::new(2, 0.1, f64::NAN), Err(Error::Setting { .. })));
+        assert!(matches!(Damping::new(2, 0.0, 0.1), Err(Error::Value { .. })));
+        assert!(matches!(Damping::new(2, 0.1, f64::NAN), Err(Error::Value { .. })));
         let mut damping = Damping::new(1, 0.1, 0.05).unwrap();
         assert!(matches!(damping.apply(&mut Rows::zeros(2, 3)), Err(Error::Size { .. })));
         let mut open = Rows::zeros(1, 3);
         open.upper_mut()[0] = 1.0;
-        assert!(matches!(damping.apply(&mut open), Err(Error::NotAnEquality { .. })));
+        assert!(matches!(damping.apply(&mut open), Err(Error::Value { .. })));
         let mut nan = Rows::zeros(1, 3);
         nan.row_mut(0).unwrap()[1] = f64::NAN;
-        assert!(matches!(damping.apply(&mut nan), Err(Error::NotFiniteDamping { .. })));
+        assert!(matches!(damping.apply(&mut nan), Err(Error::Value { .. })));
     }
 }

@@ -71,7 +71,7 @@ impl JerkLimits {
             Ok(Self { limits, jerk, longest })
         } else {
             let expected = "positive, or infinite for none";
-            Err(Error::Parameter { name: "the jerk limit", value: jerk, expected })
+            Err(Error::value("the jerk limit", jerk, expected))
         }
     }
 

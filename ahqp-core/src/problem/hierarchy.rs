@@ -51,10 +51,10 @@ impl Hierarchy {
     /// An empty hierarchy over `variables` unbounded variables.
     ///
     /// # Errors
-    /// [`Error::NoVariables`] for zero.
+    /// [`Error::Value`] for zero.
     pub fn new(variables: usize) -> Result<Self, Error> {
         if variables == 0 {
-            return Err(Error::NoVariables);
+            return Err(Error::value("the number of variables", 0.0, "at least 1"));
         }
         Ok(Self {
             lower: vec![f64::NEG_INFINITY; variables],

@@ -194,16 +194,16 @@ impl Level {
     }
 }
 
-fn other_objective(expected: &'static str, found: &'static str, name: Option<&Arc<str>>) -> Error {
+fn other_objective(wanted: &'static str, got: &'static str, name: Option<&Arc<str>>) -> Error {
     let names = Names { level: name.cloned(), row: None };
-    Error::OtherObjective { level: None, expected, found, names }
+    Error::OtherObjective { level: None, got, wanted, names }
 }
 
 /// Says which level an error speaks of.
 pub(crate) fn of_level<T>(level: LevelId, result: Result<T, Error>) -> Result<T, Error> {
     result.map_err(|error| match error {
-        Error::OtherObjective { expected, found, names, .. } => {
-            Error::OtherObjective { level: Some(level), expected, found, names }
+        Error::OtherObjective { got, wanted, names, .. } => {
+            Error::OtherObjective { level: Some(level), got, wanted, names }
         }
         other => other,
     })

@@ -188,11 +188,11 @@ impl Rows {
     /// The coefficients of row `index`, to write in place.
     ///
     /// # Errors
-    /// [`Error::NoSuchRow`] past the last.
+    /// [`Error::Size`] past the last.
     pub fn row_mut(&mut self, index: usize) -> Result<&mut [f64], Error> {
         let rows = self.len();
         if index >= rows {
-            return Err(Error::NoSuchRow { row: index, rows });
+            return Err(too_few(rows, index + 1));
         }
         Ok(&mut self.matrix[index * self.columns..(index + 1) * self.columns])
     }
@@ -200,17 +200,17 @@ impl Rows {
     /// The coefficients of some rows, one row behind the other, to write in place.
     ///
     /// # Errors
-    /// [`Error::NoSuchRow`] past the last.
+    /// [`Error::Size`] past the last.
     pub fn coefficients_mut(&mut self, rows: Range<usize>) -> Result<&mut [f64], Error> {
         let (last, count) = (rows.end, self.len());
         let own = rows.start * self.columns..rows.end * self.columns;
-        self.matrix.get_mut(own).ok_or(Error::NoSuchRow { row: last, rows: count })
+        self.matrix.get_mut(own).ok_or(too_few(count, last))
     }
 
     /// Copies coefficients and bounds of row `index`.
     ///
     /// # Errors
-    /// [`Error::NoSuchRow`] past the last, [`Error::Size`] unless there is a coefficient a variable.
+    /// [`Error::Size`] past the last, [`Error::Size`] unless there is a coefficient a variable.
     pub fn set_row<'a>(
         &mut self,
         index: usize,
@@ -312,7 +312,7 @@ impl Rows {
     /// ones do not.
     ///
     /// # Errors
-    /// [`Error::Size`] when there is not one a row; [`Error::Weight`] unless they are zero or from
+    /// [`Error::Size`] when there is not one a row; [`Error::Value`] unless they are zero or from
     /// 1e-100 to 1e100. Nothing has changed then.
     pub fn set_weights<'a, T: Values<'a, IntoIter: Clone>>(
         &mut self,
@@ -322,7 +322,13 @@ impl Rows {
         expect_size("the weights", weights.len(), self.len())?;
         let fits = |weight: &f64| *weight == 0.0 || WEIGHTS.contains(weight);
         if let Some((row, &weight)) = weights.clone().enumerate().find(|(_, w)| !fits(w)) {
-            return Err(Error::Weight { row, weight });
+            let wanted = "from 1e-100 to 1e100, or zero to leave the row out";
+            return Err(Error::Value {
+                what: "the weight of row",
+                index: Some(row),
+                got: weight,
+                wanted,
+            });
         }
         self.weights.resize(self.len(), 1.0);
         write(&mut self.weights, weights);
@@ -397,12 +403,11 @@ impl Rows {
     /// [`Error::Size`] where there are fewer rows, or fewer variables.
     pub fn multiply_into(&self, first: usize, x: &[f64], out: &mut [f64]) -> Result<(), Error> {
         if first + out.len() > self.len() {
-            let found = first + out.len();
-            return Err(Error::Size { what: "the rows to multiply", found, expected: self.len() });
+            let got = first + out.len();
+            return Err(Error::Size { what: "the rows to multiply", got, wanted: self.len() });
         }
         if x.len() > self.columns {
-            let found = x.len();
-            return Err(Error::Size { what: "the variables", found, expected: self.columns });
+            return Err(Error::Size { what: "the variables", got: x.len(), wanted: self.columns });
         }
         if self.columns > 0 {
             multiply_rows(&self.matrix[first * self.columns..], self.columns, x, out);
@@ -424,9 +429,14 @@ impl Rows {
     }
 }
 
-/// An error unless `found` equals `expected`.
-pub(crate) fn expect_size(what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
-    if found == expected { Ok(()) } else { Err(Error::Size { what, found, expected }) }
+/// The error of a row past the last of a block.
+fn too_few(got: usize, wanted: usize) -> Error {
+    Error::Size { what: "the block with the row asked for", got, wanted }
+}
+
+/// An error unless the size is the one wanted.
+pub(crate) fn expect_size(what: &'static str, got: usize, wanted: usize) -> Result<(), Error> {
+    if got == wanted { Ok(()) } else { Err(Error::Size { what, got, wanted }) }
 }
 
 /// Copies as many numbers as there are.

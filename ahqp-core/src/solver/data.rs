@@ -379,8 +379,7 @@ impl ProblemData {
     fn check_row(&self, id: usize, row: &[f64]) -> Result<(), Error> {
         if let Some(entry) = row.iter().position(|value| !value.is_finite()) {
             let source_of_row = self.sources[id];
-            let (what, names) = ("the matrix", Names::default());
-            return Err(Error::NotFinite { what, source_of_row, entry, names });
+            return Err(Error::not_finite("the matrix", source_of_row, entry, row[entry]));
         }
         self.expect_moderate(id, norm_max(row))
     }
@@ -389,8 +388,7 @@ impl ProblemData {
         if value.abs() <= MODERATE {
             Ok(())
         } else {
-            let (source_of_row, names) = (self.sources[id], Names::default());
-            Err(Error::TooLarge { source_of_row, value, names })
+            Err(Error::too_large(self.sources[id], value))
         }
     }
 
@@ -416,13 +414,13 @@ impl ProblemData {
         if lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY {
             self.expect_moderate_bounds(id)
         } else {
-            let (source_of_row, names) = (self.sources[id], Names::default());
+            let source_of_row = self.sources[id];
             Err(if lower.is_nan() {
-                Error::NanBound { what: "the lower bound", source_of_row, names }
+                Error::nan_bound("the lower bound", source_of_row)
             } else if upper.is_nan() {
-                Error::NanBound { what: "the upper bound", source_of_row, names }
+                Error::nan_bound("the upper bound", source_of_row)
             } else {
-                Error::EmptyRange { source_of_row, lower, upper, names }
+                Error::EmptyRange { source_of_row, lower, upper, names: Names::default() }
             })
         }
     }

@@ -245,7 +245,8 @@ impl QuadraticFactor {
 
 fn indefinite(level: usize, variable: usize, pivot: f64) -> Error {
     let (level, names) = (LevelId::new(level), Names::default());
-    Error::IndefiniteHessian { level, variable, pivot, names }
+    let wanted = "positive semidefinite; project it onto the convex cone first";
+    Error::Hessian { level, wanted, row: variable, column: variable, got: pivot, names }
 }
 
 fn check_finite(
@@ -254,21 +255,19 @@ fn check_finite(
     gradient: &DVector<f64>,
 ) -> Result<(), Error> {
     let find = |values: &[f64]| values.iter().position(|v| !v.is_finite());
-    let not_finite = |what, row, entry| Error::NotFinite {
-        what,
-        source_of_row: ConstraintSource::Objective { level: LevelId::new(level), row },
-        entry,
-        names: Names::default(),
+    let not_finite = |what, row, entry, got| {
+        let level = LevelId::new(level);
+        Error::not_finite(what, ConstraintSource::Objective { level, row }, entry, got)
     };
     if !dot(hessian.as_slice(), hessian.as_slice()).is_finite()
         && let Some(entry) = find(hessian.as_slice())
     {
         let rows = hessian.nrows().max(1);
         let (row, entry) = (entry % rows, entry / rows);
-        return Err(not_finite("the Hessian", row, entry));
+        return Err(not_finite("the Hessian", row, entry, hessian[(row, entry)]));
     }
     if let Some(entry) = find(gradient.as_slice()) {
-        return Err(not_finite("the gradient", entry, entry));
+        return Err(not_finite("the gradient", entry, entry, gradient[entry]));
     }
     Ok(())
 }
@@ -278,7 +277,7 @@ fn check_moderate(level: usize, value: f64) -> Result<(), Error> {
         return Ok(());
     }
     let source_of_row = ConstraintSource::Objective { level: LevelId::new(level), row: 0 };
-    Err(Error::TooLarge { source_of_row, value, names: Names::default() })
+    Err(Error::too_large(source_of_row, value))
 }
 
 /// The largest that entry (i, j) of a positive semidefinite matrix with this diagonal can be.
@@ -293,7 +292,8 @@ fn check_symmetric(level: usize, hessian: &DMatrix<f64>) -> Result<(), Error> {
             let difference = (hessian[(row, column)] - hessian[(column, row)]).abs();
             if difference > 0.0 && difference > SHAPE * largest_entry(hessian, row, column) {
                 let (level, names) = (LevelId::new(level), Names::default());
-                return Err(Error::AsymmetricHessian { level, row, column, difference, names });
+                let wanted = "symmetric; pass (H + Hᵀ)/2";
+                return Err(Error::Hessian { level, wanted, row, column, got: difference, names });
             }
         }
     }
@@ -354,14 +354,14 @@ mod tests {
             for entry in [1e-10, 1.0, 1e10] {
                 let verdict = |block: [f64; 4]| verdict(&beside(entry, block.map(|b| b * size)));
                 let error = verdict([5.0, 2.0, -2.0, 5.0]).unwrap_err();
-                assert!(matches!(error, Error::AsymmetricHessian { row: 2, column: 1, .. }));
+                assert!(matches!(error, Error::Hessian { row: 2, column: 1, .. }));
                 let error = verdict([1.0, 2.0, 2.0, 1.0]).unwrap_err();
                 assert!(
-                    matches!(error, Error::IndefiniteHessian { level, .. } if level.index() == 3),
+                    matches!(error, Error::Hessian { level, .. } if level.index() == 3),
                     "{error}"
                 );
                 let error = verdict([1.0, 0.0, 0.0, -1.0]).unwrap_err();
-                assert!(matches!(error, Error::IndefiniteHessian { variable: 2, .. }), "{error}");
+                assert!(matches!(error, Error::Hessian { row: 2, column: 2, .. }), "{error}");
                 verdict([2.0, 1.0, 1.0, 2.0]).unwrap();
                 verdict([1.0, 1.0, 1.0, 1.0]).unwrap();
             }
@@ -372,8 +372,8 @@ mod tests {
     fn kind(hessian: &DMatrix<f64>) -> &'static str {
         match verdict(hessian) {
             Ok(()) => "convex",
-            Err(Error::AsymmetricHessian { .. }) => "asymmetric",
-            Err(Error::IndefiniteHessian { .. }) => "indefinite",
+            Err(Error::Hessian { wanted, .. }) if wanted.starts_with("symmetric") => "asymmetric",
+            Err(Error::Hessian { .. }) => "indefinite",
             Err(error) => panic!("{error}"),
         }
     }
@@ -415,7 +415,7 @@ mod tests {
         for entries in [[1.0, 0.0, 0.0, -1.0], [0.0, 1.0, 1.0, 0.0], [1.0, 2.0, 2.0, 1.0]] {
             let hessian = DMatrix::from_row_slice(2, 2, &entries);
             let error = factor.factorise(3, &hessian, &gradient).unwrap_err();
-            let Error::IndefiniteHessian { level, .. } = error else { panic!("{error}") };
+            let Error::Hessian { level, .. } = error else { panic!("{error}") };
             assert_eq!(level.index(), 3);
         }
     }

@@ -1,6 +1,6 @@
 //! The solver's few parameters.
 
-use crate::Error;
+use crate::error::Error;
 
 /// How hard the solver tries and what it calls zero. All tolerances are relative to the sizes
 /// of the rows, bounds and gradients at hand, so that they do not depend on units, and at most 1e-4.
@@ -69,14 +69,10 @@ impl Settings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the first that is out of its range.
+    /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         if self.max_iterations == 0 {
-            return Err(Error::Setting {
-                name: "max_iterations",
-                value: 0.0,
-                expected: "at least 1",
-            });
+            return Err(Error::value("max_iterations", 0.0, "at least 1"));
         }
         for (name, value) in [
             ("feasibility_tolerance", self.feasibility_tolerance),
@@ -85,7 +81,7 @@ impl Settings {
         ] {
             if !(value > 0.0 && value <= LARGEST_TOLERANCE) {
                 let expected = "above 0 and at most 1e-4";
-                return Err(Error::Setting { name, value, expected });
+                return Err(Error::value(name, value, expected));
             }
         }
         Ok(())

@@ -17,13 +17,13 @@ pub(super) struct Ramp {
 
 impl Ramp {
     /// # Errors
-    /// [`Error::Parameter`] for a duration that is negative or not finite.
+    /// [`Error::Value`] for a duration that is negative or not finite.
     pub(super) fn new(from: f64, to: f64, duration: f64) -> Result<Self, Error> {
         if duration >= 0.0 && duration.is_finite() {
             Ok(Self { from, to, duration, elapsed: 0.0 })
         } else {
             let expected = "finite and not negative [s]";
-            Err(Error::Parameter { name: "the duration of a change", value: duration, expected })
+            Err(Error::value("the duration of a change", duration, expected))
         }
     }
 

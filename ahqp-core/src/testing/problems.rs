@@ -54,7 +54,7 @@ pub fn humanoid_sequence(seed: u64, ticks: usize) -> Result<Vec<Hierarchy>, Erro
 /// `rows`, a third of the rows inequalities; from tick to tick all data change a little.
 ///
 /// # Errors
-/// [`Error::NoVariables`] for zero variables.
+/// [`Error::Value`] for zero variables.
 pub fn growing_sequence(
     seed: u64,
     variables: usize,

@@ -71,10 +71,10 @@ fn refusing_a_problem_does_not_allocate() {
     assert!(matches!(fail(&mut solver, &hierarchy), Error::Unbounded { .. }));
 
     hierarchy.quadratic_mut(level).unwrap().0[(0, 0)] = -1.0;
-    assert!(matches!(fail(&mut solver, &hierarchy), Error::IndefiniteHessian { .. }));
+    assert!(matches!(fail(&mut solver, &hierarchy), Error::Hessian { .. }));
 
     hierarchy.bounds_mut().0[0] = f64::NAN;
-    assert!(matches!(fail(&mut solver, &hierarchy), Error::NanBound { .. }));
+    assert!(matches!(fail(&mut solver, &hierarchy), Error::Datum { .. }));
     assert!(matches!(fail(&mut solver, &Hierarchy::new(3).unwrap()), Error::ShapeChanged { .. }));
 }
 

@@ -150,7 +150,7 @@ fn settings_change_on_a_solver_that_lives() {
     let x = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
     // Bad ones are refused, and change nothing.
     let bad = Settings { rank_tolerance: f64::NAN, ..Settings::default() };
-    assert!(matches!(solver.set_settings(bad), Err(Error::Setting { name: "rank_tolerance", .. })));
+    assert!(matches!(solver.set_settings(bad), Err(Error::Value { what: "rank_tolerance", .. })));
     assert_eq!(solver.settings(), &Settings::default());
     // A budget leaves the warm start alone.
     solver.set_settings(Settings { max_iterations: 3, ..Settings::default() }).unwrap();

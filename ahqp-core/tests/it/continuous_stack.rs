@@ -191,7 +191,13 @@ impl Run {
                 })
             }
         };
-        assert!(matches!(result, Ok(()) | Err(Error::TooManyChanges { .. })), "{result:?}");
+        assert!(
+            matches!(
+                result,
+                Ok(()) | Err(Error::Value { what: "the number of changes under way", .. })
+            ),
+            "{result:?}"
+        );
     }
 
     fn tick(&mut self) -> Vec<f64> {

@@ -403,7 +403,7 @@ proptest! {
 fn the_reference_refuses_what_the_solver_refuses() {
     let mut hierarchy = Hierarchy::new(1).unwrap();
     hierarchy.bounds_mut().0[0] = f64::NAN;
-    assert!(matches!(solve_reference(&hierarchy), Err(Error::NanBound { .. })));
+    assert!(matches!(solve_reference(&hierarchy), Err(Error::Datum { .. })));
     let mut hierarchy = Hierarchy::new(1).unwrap();
     let (one, two) = (DVector::from_element(1, 1.0), DVector::from_element(1, 2.0));
     let identity = DMatrix::identity(1, 1);

@@ -98,14 +98,14 @@ fn a_level_that_is_gone_is_unknown() {
 fn a_bad_change_changes_nothing() {
     let (mut stack, zero) = line();
     for duration in [-1.0, f64::NAN, f64::INFINITY] {
-        let wrong = |result: Result<(), Error>| matches!(result, Err(Error::Parameter { .. }));
+        let wrong = |result: Result<(), Error>| matches!(result, Err(Error::Value { .. }));
         assert!(wrong(stack.insert(near(1.0), Place::Top, duration).map(|_| ())));
         assert!(wrong(stack.remove(zero, duration)));
         assert!(wrong(stack.activate(zero, 0.5, duration)));
         assert!(wrong(stack.solve(duration).map(|_| ())));
     }
     for activation in [-0.1, 1.1, f64::NAN] {
-        assert!(matches!(stack.activate(zero, activation, 0.1), Err(Error::Parameter { .. })));
+        assert!(matches!(stack.activate(zero, activation, 0.1), Err(Error::Value { .. })));
     }
     let wide = Level::constraints_only(Rows::zeros(1, 2));
     assert!(matches!(stack.insert(wide, Place::Top, 0.1), Err(Error::Size { .. })));
@@ -113,9 +113,9 @@ fn a_bad_change_changes_nothing() {
     for _ in 0..ContinuousStack::MAX_CHANGES {
         stack.insert(near(1.0), Place::Top, 0.1).unwrap();
     }
-    let full = Error::TooManyChanges { limit: ContinuousStack::MAX_CHANGES };
-    assert_eq!(stack.insert(near(1.0), Place::Top, 0.1), Err(full.clone()));
-    assert_eq!(stack.remove(zero, 0.1), Err(full));
+    let is_full = |error: Error| error.to_string().starts_with("the number of changes under way");
+    assert!(is_full(stack.insert(near(1.0), Place::Top, 0.1).unwrap_err()));
+    assert!(is_full(stack.remove(zero, 0.1).unwrap_err()));
     ticks(&mut stack, 101);
     assert!(stack.remove(zero, 0.1).is_ok());
 }
@@ -147,7 +147,7 @@ fn rows_of_another_width_and_bounds_that_are_no_numbers_are_refused() {
         let (mut stack, zero) = line();
         stack.insert(near(1.0), Place::Above(zero), 0.2).unwrap();
         *bound(&mut stack) = f64::NAN;
-        assert!(matches!(stack.solve(PERIOD), Err(Error::NanBound { .. })));
+        assert!(matches!(stack.solve(PERIOD), Err(Error::Datum { .. })));
         *bound(&mut stack) = 0.0;
         assert!(stack.solve(PERIOD).is_ok());
     }

@@ -50,7 +50,7 @@ impl ErgonomicsMap {
     /// `progress` is called now and then, from any thread, with nodes done and nodes in all.
     ///
     /// # Errors
-    /// [`crate::Error::OutOfRange`] and others for the options; a node out of reach is no error.
+    /// [`crate::Error::Value`] and others for the options; a node out of reach is no error.
     pub fn build(
         person: &Person,
         options: &MapOptions,

@@ -78,7 +78,7 @@ impl ErgonomicsMap {
             .filter_map(|_| self.regret_in(quadratic, &random.box_in(region, self.stature())?))
             .collect();
         let (Some(at_optimum), false) = (at_optimum, regrets.is_empty()) else {
-            return Err(Error::TooFewSamples { what: "the regret", needed: 1, found: 0 });
+            return Err(Error::TooFewSamples { what: "the regret", got: 0, wanted: 1 });
         };
         regrets.sort_by(f64::total_cmp);
         let boxes = regrets.len();

@@ -33,7 +33,12 @@ impl Grid {
         let cells = region.size().map(|length| (length / spacing - 1e-9).ceil().max(1.0));
         let nodes = (cells.x + 1.0) * (cells.y + 1.0) * (cells.z + 1.0);
         if nodes > MAX_NODES as f64 {
-            return Err(Error::GridTooLarge { nodes, max: MAX_NODES });
+            return Err(Error::Value {
+                what: "the grid",
+                got: nodes,
+                unit: "nodes",
+                wanted: format!("have at most {MAX_NODES}: use a coarser spacing"),
+            });
         }
         // Positive and below MAX_NODES.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]

@@ -64,7 +64,7 @@ impl ErgonomicsMap {
     /// around it, or samples on one side only, is outside the domain.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for stature and options, [`Error::NotFinite`] for a sample,
+    /// [`Error::Value`] for stature and options, [`Error::Value`] for a sample,
     /// [`Error::TooFewSamples`] where no node has enough samples.
     pub fn from_samples(
         stature: f64,
@@ -92,8 +92,8 @@ impl ErgonomicsMap {
         }
         let too_few = Error::TooFewSamples {
             what: "a measured map (within one radius of a node)",
-            needed: FEWEST,
-            found: samples.len(),
+            got: samples.len(),
+            wanted: FEWEST,
         };
         if samples.len() < FEWEST {
             return Err(too_few);
@@ -139,7 +139,7 @@ impl ErgonomicsMap {
         }
         let count = ours.len();
         if count < 2 {
-            return Err(Error::TooFewSamples { what: "validation", needed: 2, found: count });
+            return Err(Error::TooFewSamples { what: "validation", got: count, wanted: 2 });
         }
         let n = count as f64;
         let differences = || ours.iter().zip(&theirs).map(|(a, b)| a - b);

@@ -76,7 +76,7 @@ pub fn read_samples(table: impl BufRead) -> Result<Vec<MeasuredSample>> {
         }
     }
     if samples.is_empty() {
-        return Err(Error::TooFewSamples { what: "a table of postures", needed: 1, found: 0 });
+        return Err(Error::TooFewSamples { what: "a table of postures", got: 0, wanted: 1 });
     }
     Ok(samples)
 }

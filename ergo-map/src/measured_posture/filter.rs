@@ -5,9 +5,10 @@ use nalgebra::{Matrix3, Vector3};
 use super::direction::{between, towards, turned};
 use super::support::Gait;
 use super::{JointPositions, MeasuredPosture, NeutralPosture};
+use crate::posture::Posture;
 use crate::reba::LegSupport;
+use crate::side::Side;
 use crate::upper_arm::UpperArm;
-use crate::{posture::Posture, side::Side};
 
 /// An angle that was not measured for so long counts as not seen \[s\].
 const KEPT: f64 = 1.0;

@@ -33,7 +33,7 @@ impl FitOptions {
     /// Checks temperature and curvature.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with the name of the option.
+    /// [`Error::Value`] with the name of the option.
     pub fn validate(&self) -> Result<()> {
         if self.temperature != f64::INFINITY {
             within("temperature", self.temperature, [1e-3, 1e9], "(score)")?;
@@ -48,7 +48,7 @@ impl ErgonomicsQuadratic {
     ///
     /// # Errors
     /// [`Error::TooFewSamples`] below 20 points, [`Error::DegenerateSamples`] where they do not
-    /// determine a quadratic, [`Error::NotFinite`] or [`Error::OutOfRange`] for a point or an
+    /// determine a quadratic, [`Error::Value`] for a point or an
     /// option.
     pub fn fit(points: &[ScoredPoint], options: &FitOptions) -> Result<(Self, FitReport)> {
         let inside = |point: &&ScoredPoint| {
@@ -82,8 +82,8 @@ pub(crate) fn fit_weighted(
     options.validate()?;
     let FitInput { points, weights } = input;
     if points.len() < FEWEST {
-        let (what, needed, found) = ("the fit of a quadratic", FEWEST, points.len());
-        return Err(Error::TooFewSamples { what, needed, found });
+        let (what, got) = ("the fit of a quadratic", points.len());
+        return Err(Error::TooFewSamples { what, got, wanted: FEWEST });
     }
     for point in points {
         let coordinates = point.position.iter();

@@ -80,7 +80,7 @@ impl Conditions {
     /// Checks the load: finite, from 0 to 1000 kg.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] or [`crate::Error::OutOfRange`] for the load.
+    /// [`crate::Error::Value`] for the load.
     pub fn validate(&self) -> Result<()> {
         within("load", self.load, [0.0, 1000.0], "kg").map(drop)
     }

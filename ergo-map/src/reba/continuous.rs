@@ -99,7 +99,7 @@ impl ContinuousReba {
     /// grow with the angle as well.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] for an angle, [`crate::Error::OutOfRange`] for the load or the
+    /// [`crate::Error::Value`] for an angle, [`crate::Error::Value`] for the load or the
     /// mode's half width.
     pub fn of_posture(posture: &Posture, conditions: &Conditions, mode: Mode) -> Result<Self> {
         posture.validate()?;

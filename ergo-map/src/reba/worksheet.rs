@@ -88,7 +88,7 @@ impl Worksheet {
     /// The integer score with every sub-score.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] or [`crate::Error::OutOfRange`] for an angle or the load.
+    /// [`crate::Error::Value`] for an angle or the load.
     pub fn score(&self) -> Result<Reba> {
         self.validate()?;
         Ok(Reba::new(self.sub_scores(), &self.conditions))

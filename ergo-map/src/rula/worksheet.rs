@@ -116,7 +116,7 @@ impl RulaWorksheet {
     /// The score with every sub-score.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] or [`crate::Error::OutOfRange`] for an angle or the load.
+    /// [`crate::Error::Value`] for an angle or the load.
     pub fn score(&self) -> Result<Rula> {
         angle("upper_arm_flexion", self.upper_arm_flexion)?;
         angle("elbow_flexion", self.elbow_flexion)?;

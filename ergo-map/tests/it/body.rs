@@ -114,13 +114,13 @@ fn bad_bodies_are_refused_with_name_and_unit() {
     let upside_down =
         Segments { hip_height: Some(0.7), knee_height: Some(0.75), ..Segments::default() };
     let error = person.clone().with_segments(&upside_down).unwrap_err();
-    assert!(matches!(error, Error::HeightOrder { lower: "knee_height", .. }), "{error}");
+    assert!(matches!(error, Error::Value { what: "knee_height", .. }), "{error}");
     let mut ranges = JointRanges::default();
     ranges.max.elbow = -0.1;
-    assert!(matches!(person.with_ranges(ranges), Err(Error::OutOfRange { name: "elbow", .. })));
+    assert!(matches!(person.with_ranges(ranges), Err(Error::Value { what: "elbow", .. })));
     let skeleton = Skeleton::new(&Person::average(), Side::Left);
     let nan = JointAngles { hip: f64::NAN, ..JointAngles::default() };
-    assert!(matches!(skeleton.landmarks(&nan), Err(Error::NotFinite { name: "hip", .. })));
+    assert!(matches!(skeleton.landmarks(&nan), Err(Error::Value { what: "hip", .. })));
     assert!(PersonFrame::new(Vector3::new(0.0, f64::NAN, 0.0), 0.0).is_err());
 }
 

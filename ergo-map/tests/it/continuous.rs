@@ -222,8 +222,8 @@ fn bad_numbers_are_named() {
     let posture = Posture { elbow_flexion: f64::INFINITY, ..Posture::default() };
     let conditions = Conditions::default();
     let error = ContinuousReba::of_posture(&posture, &conditions, Mode::Graded).unwrap_err();
-    assert!(matches!(error, Error::NotFinite { name: "elbow_flexion", .. }));
+    assert!(matches!(error, Error::Value { what: "elbow_flexion", .. }));
     let mode = Mode::Faithful { half_width: 0.0 };
     let error = ContinuousReba::of_posture(&Posture::default(), &conditions, mode).unwrap_err();
-    assert!(matches!(error, Error::OutOfRange { name: "half_width", .. }));
+    assert!(matches!(error, Error::Value { what: "half_width", .. }));
 }

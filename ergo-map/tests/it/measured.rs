@@ -57,7 +57,7 @@ fn too_little_or_broken_data_is_refused() {
     let options = MeasuredOptions::default();
     let few = recording(4, 0.0, 4);
     let error = ErgonomicsMap::from_samples(1.75, &few, &options).unwrap_err();
-    assert!(matches!(error, Error::TooFewSamples { found: 4, .. }), "{error}");
+    assert!(matches!(error, Error::TooFewSamples { got: 4, .. }), "{error}");
     let far_apart: Vec<_> = (0..20)
         .map(|i| MeasuredSample {
             hand: Vector3::new(f64::from(i), 0.0, 1.0),
@@ -69,7 +69,7 @@ fn too_little_or_broken_data_is_refused() {
     broken[3].angles.hip = f64::NAN;
     assert!(matches!(
         ErgonomicsMap::from_samples(1.75, &broken, &options),
-        Err(Error::NotFinite { name: "hip", .. })
+        Err(Error::Value { what: "hip", .. })
     ));
     assert!(ErgonomicsMap::from_samples(f64::NAN, &few, &options).is_err());
     let options = MeasuredOptions { radius: -1.0, ..options };

@@ -136,7 +136,7 @@ fn a_posture_ticks_the_boxes() {
 #[test]
 fn bad_numbers_are_named() {
     let sheet = Worksheet { neck_flexion: f64::NAN, ..Worksheet::default() };
-    assert!(matches!(sheet.score(), Err(Error::NotFinite { name: "neck_flexion", .. })));
+    assert!(matches!(sheet.score(), Err(Error::Value { what: "neck_flexion", .. })));
     let mut sheet = Worksheet::default();
     sheet.conditions.load = -1.0;
     let message = sheet.score().unwrap_err().to_string();

@@ -121,9 +121,9 @@ fn an_easy_posture_is_acceptable_and_bad_numbers_are_named() {
     let easy = Posture { elbow_flexion: 1.4, ..Posture::default() };
     assert_eq!(RulaWorksheet::from_posture(&easy).score().unwrap().rula, 1);
     let sheet = RulaWorksheet { wrist_flexion: f64::NAN, ..RulaWorksheet::default() };
-    assert!(matches!(sheet.score(), Err(Error::NotFinite { name: "wrist_flexion", .. })));
+    assert!(matches!(sheet.score(), Err(Error::Value { what: "wrist_flexion", .. })));
     let sheet = RulaWorksheet { load: -2.0, ..RulaWorksheet::default() };
-    assert!(matches!(sheet.score(), Err(Error::OutOfRange { name: "load", .. })));
+    assert!(matches!(sheet.score(), Err(Error::Value { what: "load", .. })));
 }
 
 proptest! {

@@ -136,15 +136,15 @@ fn malformed_json() {
 fn wrong_keypoints() {
     assert_error!(
         error_of(&good("0.1").replace("null,null,[", "null,[")),
-        RecordingError::KeypointCount { line: 3, found: 24 },
+        RecordingError::Value { line: 3, .. },
         "line 3",
-        "24 keypoints",
+        "number of keypoints is 24",
         "25 of BODY_25"
     );
     for hip in ["[1,2,3]", "[1,2,\"3\",0.5]", "[1,2,null,0.5]", "\"here\"", "7", "{}"] {
         assert_error!(
             error_of(&frame("0.1", hip, "null")),
-            RecordingError::Keypoint { line: 3, index: 8, .. },
+            RecordingError::Value { line: 3, .. },
             "line 3",
             "keypoint 8 (mid hip)",
             "[x, y, z, confidence]"
@@ -152,7 +152,7 @@ fn wrong_keypoints() {
     }
     assert_error!(
         error_of(&frame("0.1", "[1000.0,200.0,900.0,0.9]", "null")),
-        RecordingError::Coordinate { line: 3, index: 8, .. },
+        RecordingError::Value { line: 3, .. },
         "mid hip",
         "1000 m",
         "in metres"
@@ -170,20 +170,20 @@ fn wrong_keypoints() {
 fn wrong_confidences() {
     assert_error!(
         error_of(&frame("0.1", "[1,0,0.9,1.01]", "null")),
-        RecordingError::Confidence { line: 3, .. },
+        RecordingError::Value { line: 3, .. },
         "keypoint 8 (mid hip)",
         "1.01",
         "[0, 1]"
     );
     assert_error!(
         error_of(&good("0.1").replace("0.9}", "-0.1}")),
-        RecordingError::Confidence { line: 3, .. },
+        RecordingError::Value { line: 3, .. },
         "the action",
         "-0.1"
     );
     let surface =
         good("0.1").replace("\"surface\":null", r#""surface":{"name":"smooth","confidence":2}"#);
-    assert_error!(error_of(&surface), RecordingError::Confidence { .. }, "the surface is 2");
+    assert_error!(error_of(&surface), RecordingError::Value { .. }, "the surface is 2");
 }
 
 #[test]
@@ -205,14 +205,14 @@ fn wrong_times() {
     for time in ["0.0", "-1.0"] {
         assert_error!(
             error_of(&good(time)),
-            RecordingError::TimeOrder { line: 3, .. },
+            RecordingError::Value { line: 3, .. },
             "line 3",
             "not later than 0 s"
         );
     }
     assert_error!(
         error_of(&good("50.0")),
-        RecordingError::TimeGap { line: 3, .. },
+        RecordingError::Value { line: 3, .. },
         "50 s without a frame",
         "in seconds"
     );
@@ -286,13 +286,13 @@ fn wrong_closing_lines() {
     };
     assert_error!(
         with(&end(2)),
-        RecordingError::FrameCount { line: 3, said: 2, found: 1 },
+        RecordingError::End { line: 3, .. },
         "line 3",
         "gives 2 camera frame(s), and there are 1"
     );
     assert_error!(
         with(&format!("{}\n\n{}", end(1), good("0.1"))),
-        RecordingError::AfterEnd { line: 5 },
+        RecordingError::End { line: 5, .. },
         "line 5",
         "after the closing line"
     );
@@ -365,20 +365,20 @@ fn a_writer_refuses_what_no_reader_takes_and_goes_on() {
     };
     assert_error!(
         writer.write(&at(f64::NAN, None)).unwrap_err(),
-        RecordingError::Time { line: 2, .. },
+        RecordingError::Value { line: 2, .. },
         "finite"
     );
     for x in [f64::NAN, f64::INFINITY, 1e6] {
         assert_error!(
             writer.write(&at(0.0, hip(x))).unwrap_err(),
-            RecordingError::Coordinate { line: 2, .. },
+            RecordingError::Value { line: 2, .. },
             "mid hip"
         );
     }
     writer.write(&at(0.0, hip(1.0))).unwrap();
     assert_error!(
         writer.write(&at(0.0, None)).unwrap_err(),
-        RecordingError::TimeOrder { line: 3, .. },
+        RecordingError::Value { line: 3, .. },
         "not later"
     );
     writer.write(&at(0.1, None)).unwrap();

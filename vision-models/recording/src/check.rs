@@ -4,7 +4,9 @@
 use nalgebra::Point3;
 use vision_models::{Body, Body25, Confidence};
 
-use super::{RecordingError, format::Header, timing::Stamp};
+use crate::error::RecordingError;
+use crate::format::Header;
+use crate::timing::Stamp;
 
 /// The longest pause between two frames (s): time stamps in milliseconds have longer ones.
 const LONGEST_GAP: f64 = 10.0;
@@ -45,23 +47,33 @@ pub(super) fn stamp(
     if orderly && time - captured <= LONGEST_DELAY && arrived - captured <= LONGEST_DELAY {
         return Ok(stamp);
     }
-    Err(RecordingError::Stamp { line, of, captured, arrived, time, limit: LONGEST_DELAY })
+    Err(RecordingError::Value {
+        line,
+        what: format!("the {of} of the frame of {time} s"),
+        got: format!("captured at {captured} s and arrived at {arrived} s"),
+        wanted: format!(
+            "a capture no later than the frame and an arrival no earlier, both within {LONGEST_DELAY} s"
+        ),
+    })
 }
 
 /// A time stamp and the one before, if any.
 pub(super) fn time(line: usize, time: f64, previous: Option<f64>) -> Result<f64, RecordingError> {
-    if !time.is_finite() {
-        return Err(RecordingError::Time { line, time });
-    }
-    match previous {
-        Some(previous) if time <= previous => {
-            Err(RecordingError::TimeOrder { line, time, previous })
-        }
-        Some(previous) if time - previous > LONGEST_GAP => {
-            Err(RecordingError::TimeGap { line, time, gap: time - previous, limit: LONGEST_GAP })
-        }
-        _ => Ok(time),
-    }
+    let (got, wanted) = match previous {
+        _ if !time.is_finite() => (time.to_string(), "finite seconds".to_owned()),
+        Some(previous) if time <= previous => (
+            format!("{time} s, not later than {previous} s on the line before"),
+            "the frames in the order in which the camera took them".to_owned(),
+        ),
+        Some(previous) if time - previous > LONGEST_GAP => (
+            format!("{time} s, after {} s without a frame", time - previous),
+            format!(
+                "time stamps in seconds, and pauses of more than {LONGEST_GAP} s in recordings of their own"
+            ),
+        ),
+        _ => return Ok(time),
+    };
+    Err(RecordingError::Value { line, what: "the time stamp".to_owned(), got, wanted })
 }
 
 pub(super) fn position(
@@ -71,12 +83,14 @@ pub(super) fn position(
 ) -> Result<Point3<f64>, RecordingError> {
     match Body::far_coordinate(&position, &Point3::origin()) {
         None => Ok(position),
-        Some(value) => Err(RecordingError::Coordinate {
+        Some(value) => Err(RecordingError::Value {
             line,
-            index: joint.index(),
-            joint: joint.name(),
-            value,
-            limit: Body::FARTHEST,
+            what: format!("a coordinate of {}", keypoint(joint)),
+            got: format!("{value} m"),
+            wanted: format!(
+                "finite positions in metres, within {} m of the origin",
+                Body::FARTHEST
+            ),
         }),
     }
 }
@@ -86,5 +100,26 @@ pub(super) fn confidence(
     of: impl FnOnce() -> String,
     value: f64,
 ) -> Result<Confidence, RecordingError> {
-    Confidence::new(value).map_err(|_| RecordingError::Confidence { line, of: of(), value })
+    Confidence::new(value).map_err(|_| RecordingError::Value {
+        line,
+        what: format!("the confidence of {}", of()),
+        got: value.to_string(),
+        wanted: "a probability in [0, 1]".to_owned(),
+    })
+}
+
+/// A keypoint in words.
+pub(super) fn keypoint(joint: Body25) -> String {
+    format!("keypoint {} ({})", joint.index(), joint.name())
+}
+
+/// The error of the keypoints of a person beside the one who works with the robot, counted from 1.
+pub(super) fn of_other(error: RecordingError, person: usize) -> RecordingError {
+    match error {
+        RecordingError::Value { line, what, got, wanted } => {
+            let what = format!("{what} of other person {person} in the frame");
+            RecordingError::Value { line, what, got, wanted }
+        }
+        error => error,
+    }
 }

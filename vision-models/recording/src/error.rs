@@ -32,34 +32,6 @@ pub enum RecordingError {
         /// How many lines there are.
         lines: usize,
     },
-    /// Something is wrong with the keypoints of a person beside the one who works with the robot.
-    #[error("{source} (of other person {person} in the frame)")]
-    Other {
-        /// Which of them, from 1.
-        person: usize,
-        /// What is wrong.
-        source: Box<RecordingError>,
-    },
-    /// Something was known before it was seen, or seen after its frame, or long before.
-    #[error(
-        "line {line}: the {of} of the frame of {time} s was captured at {captured} s and arrived at \
-         {arrived} s: it is captured no later than the frame and arrives no earlier, both within \
-         {limit} s"
-    )]
-    Stamp {
-        /// The line.
-        line: usize,
-        /// What it is of.
-        of: &'static str,
-        /// When it was seen (s).
-        captured: f64,
-        /// When it was known (s).
-        arrived: f64,
-        /// The frame's time (s).
-        time: f64,
-        /// The longest time between them (s).
-        limit: f64,
-    },
     /// A line that cannot be a frame.
     #[error(
         "line {line} is longer than {limit} bytes: a frame takes about 1000; write one JSON object \
@@ -104,7 +76,7 @@ pub enum RecordingError {
         /// How many frames there are.
         frames: u64,
     },
-    /// A closing line that is none.
+    /// A closing line that is none, that counts other frames than there are, or that is not the last.
     #[error(
         "line {line}: {problem}; the closing line of a recording of version 2 is such as \
          {{\"end\":{{\"frames\":1119,\"complete\":true}}}}"
@@ -114,25 +86,6 @@ pub enum RecordingError {
         line: usize,
         /// What was found.
         problem: String,
-    },
-    /// The closing line gives another number of frames than there are.
-    #[error(
-        "line {line}: the closing line gives {said} camera frame(s), and there are {found}: lines \
-         were lost or added"
-    )]
-    FrameCount {
-        /// The closing line.
-        line: usize,
-        /// What it says.
-        said: u64,
-        /// How many there are.
-        found: u64,
-    },
-    /// Something comes after the closing line.
-    #[error("line {line} comes after the closing line: a file holds one recording")]
-    AfterEnd {
-        /// The line.
-        line: usize,
     },
     /// A line is not the JSON that a frame has.
     #[error(
@@ -147,94 +100,17 @@ pub enum RecordingError {
         /// What was found.
         problem: String,
     },
-    /// The wrong number of keypoints.
-    #[error(
-        "line {line}: {found} keypoints: give the 25 of BODY_25 in OpenPose's order, null for those \
-         that were not seen"
-    )]
-    KeypointCount {
+    /// A value in a frame that no camera frame has.
+    #[error("line {line}: {what} is {got}: give {wanted}")]
+    Value {
         /// The line.
         line: usize,
-        /// How many there are.
-        found: usize,
-    },
-    /// A keypoint that is no position with confidence.
-    #[error(
-        "line {line}: keypoint {index} ({joint}) is {found}: give [x, y, z, confidence] with the \
-         position in metres, or null if it was not seen"
-    )]
-    Keypoint {
-        /// The line.
-        line: usize,
-        /// The index in `BODY_25`.
-        index: usize,
-        /// The joint's name.
-        joint: &'static str,
+        /// Which value.
+        what: String,
         /// What stands there.
-        found: String,
-    },
-    /// A keypoint that is in no room.
-    #[error(
-        "line {line}: keypoint {index} ({joint}) has the coordinate {value} m: give finite positions \
-         in metres, within {limit} m of the origin"
-    )]
-    Coordinate {
-        /// The line.
-        line: usize,
-        /// The index in `BODY_25`.
-        index: usize,
-        /// The joint's name.
-        joint: &'static str,
-        /// The coordinate (m).
-        value: f64,
-        /// The largest that is right (m).
-        limit: f64,
-    },
-    /// A confidence outside [0, 1].
-    #[error("line {line}: the confidence of {of} is {value}: give a probability in [0, 1]")]
-    Confidence {
-        /// The line.
-        line: usize,
-        /// What it is the confidence of.
-        of: String,
-        /// The value.
-        value: f64,
-    },
-    /// A time stamp that is NaN or infinite.
-    #[error("line {line}: the time stamp is {time}: give finite seconds")]
-    Time {
-        /// The line.
-        line: usize,
-        /// The time stamp (s).
-        time: f64,
-    },
-    /// Time goes backwards or stands still.
-    #[error(
-        "line {line}: the time stamp {time} s is not later than {previous} s on the line before: \
-         give the frames in the order in which the camera took them"
-    )]
-    TimeOrder {
-        /// The line.
-        line: usize,
-        /// The time stamp (s).
-        time: f64,
-        /// The time stamp before (s).
-        previous: f64,
-    },
-    /// A pause that is no pause.
-    #[error(
-        "line {line}: {gap} s without a frame before the time stamp {time} s: time stamps are in \
-         seconds, and pauses of more than {limit} s belong in recordings of their own"
-    )]
-    TimeGap {
-        /// The line.
-        line: usize,
-        /// The time stamp (s).
-        time: f64,
-        /// The time since the frame before (s).
-        gap: f64,
-        /// The longest pause that is right (s).
-        limit: f64,
+        got: String,
+        /// What would be right.
+        wanted: String,
     },
     /// An action or a surface with an unknown name.
     #[error("line {line}: {source}")]

@@ -4,7 +4,8 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{segments::MeasuredSegments, timing::Stamp};
+use crate::segments::MeasuredSegments;
+use crate::timing::Stamp;
 
 pub(super) const FORMAT: &str = "moca-recording";
 

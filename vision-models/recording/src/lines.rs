@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, Read};
 
-use super::RecordingError;
+use crate::error::RecordingError;
 
 /// The byte-order mark that some editors put before a text.
 const MARK: &[u8] = "\u{feff}".as_bytes();

@@ -1,6 +1,8 @@
 //! Reading a recording, line by line.
 
-use std::io::BufRead;
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
 
 use nalgebra::Point3;
 use serde::de::DeserializeOwned;
@@ -9,13 +11,36 @@ use vision_models::{
     Action, Body, Body25, Keypoint, Percept, RecognisedAction, RecognisedSurface, Surface,
 };
 
-use super::{
-    Completeness, RecordingError, check,
-    format::{EndLine, FORMAT, FrameLine, Header, HeaderLine, Label, UNMARKED_VERSION, VERSION},
-    lines::{Line, Lines},
-    timing::{Stamp, Timing},
-};
+use crate::check;
+use crate::error::RecordingError;
 use crate::excerpt::excerpt;
+use crate::format::{
+    EndLine, FORMAT, FrameLine, Header, HeaderLine, Label, UNMARKED_VERSION, VERSION,
+};
+use crate::lines::{Line, Lines};
+use crate::timing::{Stamp, Timing};
+
+/// Whether a recording is complete.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Completeness {
+    /// Its closing line says so.
+    Complete,
+    /// It is of version 1, which has no closing line: it may have been cut off.
+    Unmarked,
+    /// It was interrupted, or it is cut off.
+    Partial,
+}
+
+/// Opens a recording and reads its header.
+///
+/// # Errors
+/// [`RecordingError::Open`] if the file cannot be opened, otherwise as [`Reader::new`].
+pub fn open(path: impl AsRef<Path>) -> Result<Reader<BufReader<File>>, RecordingError> {
+    let path = path.as_ref();
+    let file = File::open(path)
+        .map_err(|source| RecordingError::Open { path: path.to_owned(), source })?;
+    Reader::new(BufReader::new(file))
+}
 
 /// Reads a recording as an iterator over its percepts, one line at a time. After the first error
 /// it ends. The last item of a recording that ends early is an error of which
@@ -30,7 +55,7 @@ use crate::excerpt::excerpt;
 /// );
 /// let mut reader = Reader::new(text.as_bytes())?;
 /// let error = reader.next().expect("a line").unwrap_err();
-/// assert!(error.to_string().starts_with("line 2: 0 keypoints: give the 25 of BODY_25"));
+/// assert!(error.to_string().starts_with("line 2: the number of keypoints is 0: give the 25 of BODY_25"));
 /// assert!(reader.next().is_none());
 /// # Ok::<(), percept_recording::RecordingError>(())
 /// ```
@@ -137,10 +162,15 @@ impl<R: BufRead> Reader<R> {
             return Err(RecordingError::End { line, problem });
         }
         if said != found {
-            return Err(RecordingError::FrameCount { line, said, found });
+            let problem = format!(
+                "the closing line gives {said} camera frame(s), and there are {found}: lines were \
+                 lost or added"
+            );
+            return Err(RecordingError::End { line, problem });
         }
         if let Some(line) = self.lines.next()? {
-            return Err(RecordingError::AfterEnd { line: line.number });
+            let problem = "this comes after the closing line, and a file holds one recording";
+            return Err(RecordingError::End { line: line.number, problem: problem.to_owned() });
         }
         if !complete {
             return Err(RecordingError::Interrupted { line, frames: found });
@@ -253,7 +283,13 @@ fn parse_frame(
 /// The body with these keypoints; none of nobody.
 fn body(line: usize, keypoints: &[Value]) -> Result<Option<Body>, RecordingError> {
     if keypoints.len() != Body25::COUNT {
-        return Err(RecordingError::KeypointCount { line, found: keypoints.len() });
+        return Err(RecordingError::Value {
+            line,
+            what: "the number of keypoints".to_owned(),
+            got: keypoints.len().to_string(),
+            wanted: "the 25 of BODY_25 in OpenPose's order, null for those that were not seen"
+                .to_owned(),
+        });
     }
     let mut body = Body::default();
     for (joint, value) in Body25::ALL.into_iter().zip(keypoints) {
@@ -267,8 +303,7 @@ fn body_of_other(
     keypoints: &[Value],
     person: usize,
 ) -> Result<Option<Body>, RecordingError> {
-    body(line, keypoints)
-        .map_err(|source| RecordingError::Other { person, source: Box::new(source) })
+    body(line, keypoints).map_err(|error| check::of_other(error, person))
 }
 
 fn keypoint(line: usize, joint: Body25, value: &Value) -> Result<Option<Keypoint>, RecordingError> {
@@ -278,17 +313,17 @@ fn keypoint(line: usize, joint: Body25, value: &Value) -> Result<Option<Keypoint
     let numbers = value.as_array().map(|values| values.iter().map(Value::as_f64));
     let numbers: Option<Vec<f64>> = numbers.and_then(Iterator::collect);
     let Some(&[x, y, z, confidence]) = numbers.as_deref() else {
-        return Err(RecordingError::Keypoint {
+        return Err(RecordingError::Value {
             line,
-            index: joint.index(),
-            joint: joint.name(),
-            found: excerpt(&value.to_string()),
+            what: check::keypoint(joint),
+            got: excerpt(&value.to_string()),
+            wanted: "[x, y, z, confidence] with the position in metres, or null if it was not seen"
+                .to_owned(),
         });
     };
-    let of = || format!("keypoint {} ({})", joint.index(), joint.name());
     Ok(Some(Keypoint {
         position: check::position(line, joint, Point3::new(x, y, z))?,
-        confidence: check::confidence(line, of, confidence)?,
+        confidence: check::confidence(line, || check::keypoint(joint), confidence)?,
     }))
 }
 

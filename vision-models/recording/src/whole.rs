@@ -4,18 +4,10 @@ use std::io::BufRead;
 
 use vision_models::{Body, Percept};
 
-use super::{Header, Reader, RecordingError, Timing};
-
-/// Whether a recording is complete.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Completeness {
-    /// Its closing line says so.
-    Complete,
-    /// It is of version 1, which has no closing line: it may have been cut off.
-    Unmarked,
-    /// It was interrupted, or it is cut off.
-    Partial,
-}
+use crate::error::RecordingError;
+use crate::format::Header;
+use crate::reader::{Completeness, Reader};
+use crate::timing::Timing;
 
 /// What to do with a recording that ends early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,16 +5,15 @@ use std::io::Write;
 use serde::Serialize;
 use vision_models::{Body, Body25, Confidence, Percept};
 
-use super::{
-    RecordingError, check,
-    format::{
-        End, EndLine, FORMAT, FrameLineOut, Header, HeaderLine, KeypointsOut, LabelOut, VERSION,
-    },
-    timing::{Stamp, Timing},
+use crate::check;
+use crate::error::RecordingError;
+use crate::format::{
+    End, EndLine, FORMAT, FrameLineOut, Header, HeaderLine, KeypointsOut, LabelOut, VERSION,
 };
+use crate::timing::{Stamp, Timing};
 
 /// Writes a recording: times to the microsecond, positions to a tenth of a millimetre, confidences
-/// to a thousandth. It writes nothing that [`Reader`](super::Reader) would refuse. A recording whose
+/// to a thousandth. It writes nothing that [`Reader`](crate::Reader) would refuse. A recording whose
 /// writer is dropped without [`finish`](Self::finish) has no closing line and counts as cut off.
 ///
 /// ```
@@ -25,7 +24,7 @@ use super::{
 /// let percept = Percept { time: 1.0, body: None, action: None, surface: None };
 /// writer.write(&percept)?;
 /// // The same frame again: time stands still.
-/// assert!(matches!(writer.write(&percept), Err(RecordingError::TimeOrder { line: 3, .. })));
+/// assert!(matches!(writer.write(&percept), Err(RecordingError::Value { line: 3, .. })));
 /// # Ok::<(), RecordingError>(())
 /// ```
 #[derive(Debug)]
@@ -89,8 +88,7 @@ impl<W: Write> Writer<W> {
         };
         let seen = others.iter().filter(|body| body.iter().next().is_some());
         let others = seen.zip(1..).map(|(body, person)| {
-            written(line, body)
-                .map_err(|source| RecordingError::Other { person, source: Box::new(source) })
+            written(line, body).map_err(|error| check::of_other(error, person))
         });
         let others = others.collect::<Result<_, _>>()?;
         let stamp = |of, stamp: Stamp| {

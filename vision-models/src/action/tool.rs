@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::Surface;
+use crate::surface::Surface;
 
 /// A tool that the person works with.
 ///

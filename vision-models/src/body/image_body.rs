@@ -3,7 +3,7 @@
 use nalgebra::{Point2, center};
 
 use super::keypoints::Body25;
-use crate::Confidence;
+use crate::confidence::Confidence;
 
 /// One joint in an image.
 ///

@@ -9,7 +9,7 @@ use super::{
     segment::{BodySegment, ENDS},
     settings::TrackerSettings,
 };
-use crate::Confidence;
+use crate::confidence::Confidence;
 
 /// Joints of head and trunk.
 const TRUNK: [Body25; 11] = [

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3};
 
-use crate::Confidence;
+use crate::confidence::Confidence;
 
 /// The joints of `BODY_25`; the discriminant is the index in `OpenPose`'s output.
 ///

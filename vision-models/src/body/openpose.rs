@@ -12,7 +12,9 @@ use super::{
     image_body::{ImageBody, ImageKeypoint},
     keypoints::Body25,
 };
-use crate::{Confidence, Error, error::Excerpt};
+use crate::confidence::Confidence;
+use crate::error::Error;
+use crate::excerpt::Excerpt;
 
 /// The largest text that is read (bytes).
 const LARGEST: usize = 16 << 20;
@@ -70,7 +72,7 @@ impl ImageBody {
     /// ```
     ///
     /// # Errors
-    /// [`Error::OpenPose`] for what is no such JSON: with the person and the number that is wrong,
+    /// [`Error::Malformed`] for what is no such JSON: with the person and the number that is wrong,
     /// and for other models with what would be right.
     pub fn from_openpose(json: &[u8]) -> Result<Vec<Self>, Error> {
         if json.len() > LARGEST {
@@ -152,5 +154,7 @@ fn keypoint(values: &[&RawValue; 3]) -> Result<Option<ImageKeypoint>, String> {
 }
 
 fn refuse(problem: String) -> Error {
-    Error::OpenPose { problem }
+    let wanted = "give an object with \"people\", each with \"pose_keypoints_2d\" of 75 (BODY_25) or 54 \
+                  (COCO-18) numbers x, y, confidence";
+    Error::malformed("no OpenPose JSON", format!("{problem}; {wanted}"))
 }

@@ -12,8 +12,9 @@ use super::{
     keypoints::Body,
     seen::{Facing, Seen},
     settings::TrackerSettings,
+    tracker::check_time,
 };
-use crate::Error;
+use crate::error::Error;
 
 /// Follows several people at once and selects the one who engages with the robot.
 ///
@@ -45,7 +46,7 @@ impl People {
     /// Nobody yet.
     ///
     /// # Errors
-    /// [`Error::Setting`] if a setting is outside its range.
+    /// [`Error::Value`] if a setting is outside its range.
     pub fn new(settings: PeopleSettings, tracker: TrackerSettings) -> Result<Self, Error> {
         settings.validate()?;
         tracker.validate()?;
@@ -63,14 +64,9 @@ impl People {
     /// Takes the bodies of one frame in. Frames come in the order of their time stamps.
     ///
     /// # Errors
-    /// [`Error::Time`] or [`Error::TimeOrder`]; nothing is then changed.
+    /// [`Error::Value`]; nothing is then changed.
     pub fn update(&mut self, time: f64, bodies: &[Body]) -> Result<(), Error> {
-        if !time.is_finite() {
-            return Err(Error::Time { time });
-        }
-        if let Some(previous) = self.last_time.filter(|&previous| time <= previous) {
-            return Err(Error::TimeOrder { time, previous });
-        }
+        check_time(time, self.last_time)?;
         let interval = self.last_time.map_or(f64::INFINITY, |previous| time - previous);
         self.last_time = Some(time);
         for track in &mut self.tracks {

@@ -259,7 +259,8 @@ fn is_sound(covariance: &Matrix3<f64>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Confidence, Keypoint};
+    use crate::body::Keypoint;
+    use crate::confidence::Confidence;
 
     fn body(joints: &[(Body25, [f64; 3])]) -> Body {
         let mut body = Body::default();

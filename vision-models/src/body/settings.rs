@@ -1,7 +1,7 @@
 //! The parameters of the tracker.
 
 use super::filter::{Measurement, Motion};
-use crate::Error;
+use crate::error::Error;
 
 /// The parameters of a [`BodyTracker`](crate::BodyTracker). The defaults are for a depth camera at
 /// 20 frames/s, 2 to 4 m from the person.
@@ -103,13 +103,13 @@ impl TrackerSettings {
     /// Checks every field.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the first field that is NaN, infinite or outside its range.
+    /// [`Error::Value`] names the first field that is NaN, infinite or outside its range.
     pub fn validate(&self) -> Result<(), Error> {
         let in_range = |name, value: f64, low: f64, high: f64, expected| {
             if value >= low && value <= high {
                 Ok(())
             } else {
-                Err(Error::Setting { name, value, expected })
+                Err(Error::value(name, value, expected))
             }
         };
         let scale = |name, value| in_range(name, value, 1e-6, 1e6, "a value in [1e-6, 1e6]");

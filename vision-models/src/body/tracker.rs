@@ -13,7 +13,8 @@ use super::{
     settings::TrackerSettings,
     track::{Candidate, Track, nearest_branch},
 };
-use crate::{Error, Percept};
+use crate::error::Error;
+use crate::percept::Percept;
 
 /// Follows one person through the camera's frames.
 ///
@@ -51,7 +52,7 @@ impl BodyTracker {
     /// A tracker that has seen nobody yet.
     ///
     /// # Errors
-    /// [`Error::Setting`] if a setting is outside its range.
+    /// [`Error::Value`] if a setting is outside its range.
     pub fn new(settings: TrackerSettings) -> Result<Self, Error> {
         settings.validate()?;
         Ok(Self {
@@ -73,16 +74,11 @@ impl BodyTracker {
     /// Takes a percept in. Percepts come in the order of their time stamps, at any rate.
     ///
     /// # Errors
-    /// [`Error::Time`] or [`Error::TimeOrder`] for a time stamp that is not finite or not later than
+    /// [`Error::Value`] for a time stamp that is not finite or not later than
     /// the one before; the tracker is then as it was.
     pub fn update(&mut self, percept: &Percept) -> Result<(), Error> {
         let time = percept.time;
-        if !time.is_finite() {
-            return Err(Error::Time { time });
-        }
-        if let Some(previous) = self.last_time.filter(|&previous| time <= previous) {
-            return Err(Error::TimeOrder { time, previous });
-        }
+        check_time(time, self.last_time)?;
         let interval = self.last_time.map_or(f64::INFINITY, |previous| time - previous);
         self.last_time = Some(time);
         let Some(body) = &percept.body else {
@@ -236,4 +232,22 @@ fn age_at(now: f64, then: f64, tolerance: f64) -> f64 {
 /// if `now` is no time at all.
 fn extrapolated(now: f64, then: f64, limit: f64) -> f64 {
     if now < then { 0.0 } else { (now - then).min(limit) }
+}
+
+/// Checks that a time is finite and later than the one before.
+pub(super) fn check_time(time: f64, previous: Option<f64>) -> Result<(), Error> {
+    if !time.is_finite() {
+        return Err(Error::value("time stamp", format!("{time} s"), "finite seconds"));
+    }
+    match previous.filter(|&previous| time <= previous) {
+        Some(previous) => {
+            let got = format!("{time} s, not later than {previous} s of the percept before");
+            Err(Error::value(
+                "time stamp",
+                got,
+                "percepts in the order in which the camera took them",
+            ))
+        }
+        None => Ok(()),
+    }
 }

@@ -1,6 +1,6 @@
 //! An image of depths.
 
-use crate::Error;
+use crate::error::Error;
 
 /// Depths along the optical axis (m), row after row; where nothing was measured there is none.
 ///
@@ -26,7 +26,7 @@ impl DepthImage {
     /// positive counts as no measurement.
     ///
     /// # Errors
-    /// [`Error::DepthSize`] if the depths do not fill the image.
+    /// [`Error::Size`] if the depths do not fill the image.
     pub fn from_metres(size: [usize; 2], mut depths: Vec<f32>) -> Result<Self, Error> {
         check_size(size, depths.len())?;
         for depth in &mut depths {
@@ -40,7 +40,7 @@ impl DepthImage {
     /// An image from whole numbers of `scale` metres.
     ///
     /// # Errors
-    /// [`Error::DepthSize`] as above, [`Error::Setting`] for a scale that is not positive.
+    /// [`Error::Size`] as above, [`Error::Value`] for a scale that is not positive.
     pub fn from_units(size: [usize; 2], units: &[u16], scale: f64) -> Result<Self, Error> {
         check_size(size, units.len())?;
         check_scale(scale)?;
@@ -79,7 +79,7 @@ pub(super) fn check_scale(scale: f64) -> Result<(), Error> {
         Ok(())
     } else {
         let expected = "metres a unit, in [1e-6, 1]: 0.001 for millimetres";
-        Err(Error::Setting { name: "depth_scale", value: scale, expected })
+        Err(Error::value("depth_scale", scale, expected))
     }
 }
 
@@ -88,6 +88,7 @@ fn check_size(size: [usize; 2], found: usize) -> Result<(), Error> {
     if width.checked_mul(height) == Some(found) && found > 0 {
         Ok(())
     } else {
-        Err(Error::DepthSize { size, found })
+        let image = format!("a depth image of {width} × {height} pixels");
+        Err(Error::size(&image, &[found], "depths", "one for each pixel"))
     }
 }

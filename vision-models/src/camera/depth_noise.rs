@@ -1,6 +1,6 @@
 //! How wrong a depth camera is.
 
-use crate::Error;
+use crate::error::Error;
 
 /// The noise of a stereo depth camera: the standard deviation of a depth z is a constant plus
 /// `quadratic` · z².
@@ -35,7 +35,7 @@ impl DepthNoise {
             [("noise.constant", self.constant), ("noise.quadratic", self.quadratic)]
         {
             if !(0.0..=1.0).contains(&value) {
-                return Err(Error::Setting { name, value, expected: "a value in [0, 1]" });
+                return Err(Error::value(name, value, "a value in [0, 1]"));
             }
         }
         Ok(())

@@ -5,10 +5,8 @@ use std::{io::Cursor, path::Path};
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::depth_image::{DepthImage, check_scale};
-use crate::{
-    Error,
-    file::{in_file, read_bytes},
-};
+use crate::error::Error;
+use crate::file::{in_file, read_bytes};
 
 /// The longest side of an image that is read (pixels).
 const MAX_SIDE: u32 = 16_384;
@@ -24,7 +22,7 @@ const MAX_FILE: u64 = 256 << 20;
 ///
 /// # Errors
 /// [`Error::File`] if it cannot be read or has more than 256 MiB, [`Error::Image`] if it is no such
-/// PNG or has more than 64 megapixels, [`Error::Setting`] for a scale outside [1e-6, 1] m.
+/// PNG or has more than 64 megapixels, [`Error::Value`] for a scale outside [1e-6, 1] m.
 pub fn read_depth(path: impl AsRef<Path>, scale: f64) -> Result<DepthImage, Error> {
     check_scale(scale)?;
     let path = path.as_ref();
@@ -41,7 +39,7 @@ pub fn read_depth(path: impl AsRef<Path>, scale: f64) -> Result<DepthImage, Erro
 /// The same from the bytes of a file. Takes at most 512 MiB of memory.
 ///
 /// # Errors
-/// [`Error::Image`] if it is no such PNG or has more than 64 megapixels, [`Error::Setting`] for a
+/// [`Error::Image`] if it is no such PNG or has more than 64 megapixels, [`Error::Value`] for a
 /// scale outside [1e-6, 1] m.
 pub fn decode_depth(bytes: &[u8], scale: f64) -> Result<DepthImage, Error> {
     check_scale(scale)?;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Point3, Vector3};
 
-use crate::Error;
+use crate::error::Error;
 
 /// The longest side of an image (pixels).
 const MAX_SIDE: usize = 16_384;
@@ -35,23 +35,23 @@ impl Intrinsics {
     /// principal point cx, cy (pixels).
     ///
     /// # Errors
-    /// [`Error::Setting`] for a side of no pixels or more than 16,384, a focal length that is not
+    /// [`Error::Value`] for a side of no pixels or more than 16,384, a focal length that is not
     /// positive and finite, or a principal point outside the image.
     pub fn new(size: [usize; 2], focal: [f64; 2], centre: [f64; 2]) -> Result<Self, Error> {
         for (axis, side) in ["width", "height"].into_iter().zip(size) {
             if side == 0 || side > MAX_SIDE {
                 let expected = "1 to 16384 pixels";
-                return Err(Error::Setting { name: axis, value: side as f64, expected });
+                return Err(Error::value(axis, side, expected));
             }
         }
         for (name, value) in ["fx", "fy"].into_iter().zip(focal) {
             if !(value > 0.0 && value <= 1e6) {
-                return Err(Error::Setting { name, value, expected: "0 to 1e6 pixels" });
+                return Err(Error::value(name, value, "0 to 1e6 pixels"));
             }
         }
         for ((name, value), side) in ["cx", "cy"].into_iter().zip(centre).zip(size) {
             if !(value >= -0.5 && value <= side as f64 - 0.5) {
-                return Err(Error::Setting { name, value, expected: "a pixel of the image" });
+                return Err(Error::value(name, value, "a pixel of the image"));
             }
         }
         Ok(Self { size, focal, centre })

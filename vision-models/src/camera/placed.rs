@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Point2, Point3, Vector3};
 
 use super::{depth_noise::DepthNoise, intrinsics::Intrinsics};
-use crate::Error;
+use crate::error::Error;
 
 /// The image's downward direction may point above the horizon by no more than this (rad).
 const STEEPEST: f64 = 0.17;
@@ -39,8 +39,8 @@ impl Camera {
     /// A camera whose optical frame (x right, y down, z forwards) has this pose in the world.
     ///
     /// # Errors
-    /// [`Error::CameraPose`] for a pose that is not finite, [`Error::UpsideDown`] for one that has
-    /// the top of the image at the bottom, [`Error::Setting`] for noise that is negative or above 1.
+    /// [`Error::Value`] for a pose that is not finite, [`Error::Value`] for one that has
+    /// the top of the image at the bottom, [`Error::Value`] for noise that is negative or above 1.
     pub fn new(
         intrinsics: Intrinsics,
         world_from_camera: Isometry3<f64>,
@@ -52,11 +52,16 @@ impl Camera {
         let mut values = world_from_camera.translation.vector.iter().chain(of_rotation);
         let unit = (rotation.norm() - 1.0).abs() < 1e-6;
         if !(unit && values.all(|value| value.is_finite())) {
-            return Err(Error::CameraPose);
+            return Err(no_pose());
         }
         let down = rotation * Vector3::y();
         if down.z > STEEPEST.sin() {
-            return Err(Error::UpsideDown { angle: angle_to_down(&down) });
+            let got = format!(
+                "upside down: the bottom of its image points {:.0}° away from the floor",
+                angle_to_down(&down).to_degrees()
+            );
+            let wanted = "images that are turned, or another pose of the camera";
+            return Err(Error::value("the camera", got, wanted));
         }
         Ok(Self { intrinsics, pose: world_from_camera, noise })
     }
@@ -64,15 +69,15 @@ impl Camera {
     /// A camera at `eye` that looks at `target` (world, m), with the image's top upwards.
     ///
     /// # Errors
-    /// [`Error::CameraPose`] for points that are one above the other or not finite.
+    /// [`Error::Value`] for points that are one above the other or not finite.
     pub fn looking_at(
         intrinsics: Intrinsics,
         eye: Point3<f64>,
         target: Point3<f64>,
         noise: DepthNoise,
     ) -> Result<Self, Error> {
-        let forwards = (target - eye).try_normalize(1e-9).ok_or(Error::CameraPose)?;
-        let right = forwards.cross(&Vector3::z()).try_normalize(1e-6).ok_or(Error::CameraPose)?;
+        let forwards = (target - eye).try_normalize(1e-9).ok_or_else(no_pose)?;
+        let right = forwards.cross(&Vector3::z()).try_normalize(1e-6).ok_or_else(no_pose)?;
         let axes = Matrix3::from_columns(&[right, forwards.cross(&right), forwards]);
         let rotation = nalgebra::Rotation3::from_matrix_unchecked(axes);
         let world_from_camera = Isometry3::from_parts(eye.coords.into(), rotation.into());
@@ -83,12 +88,17 @@ impl Camera {
     /// in any unit: along +y for a level camera.
     ///
     /// # Errors
-    /// [`Error::Gravity`] if they differ by more than 15°, or for a vector that has no direction.
+    /// [`Error::Value`] if they differ by more than 15°, or for a vector that has no direction.
     pub fn check_gravity(&self, gravity: &Vector3<f64>) -> Result<(), Error> {
         let limit = GRAVITY_TOLERANCE;
         let direction = gravity.try_normalize(1e-9).unwrap_or(Vector3::repeat(f64::NAN));
         let angle = angle_to_down(&(self.pose.rotation * direction));
-        if angle <= limit { Ok(()) } else { Err(Error::Gravity { angle, limit }) }
+        if angle <= limit {
+            return Ok(());
+        }
+        let got = format!("{:.0}° away from down as its pose has it", angle.to_degrees());
+        let wanted = format!("a pose of the camera within {:.0}°", limit.to_degrees());
+        Err(Error::value("gravity as the camera measures it", got, &wanted))
     }
 
     /// The pinhole model.
@@ -115,4 +125,8 @@ impl Camera {
 
 fn angle_to_down(direction: &Vector3<f64>) -> f64 {
     (-direction.z).clamp(-1.0, 1.0).acos()
+}
+
+fn no_pose() -> Error {
+    Error::value("the camera's pose", "not finite or has no direction", "a rigid motion")
 }

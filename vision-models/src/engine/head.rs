@@ -1,6 +1,6 @@
 //! The end of a classifier: pool the last activation, then a linear layer.
 
-use crate::Error;
+use crate::error::Error;
 use crate::layout::{Channels, Layout, offset, position};
 
 /// How the last activation becomes a vector of features.
@@ -21,7 +21,11 @@ impl Pooling {
             Self::Windows(windows) => {
                 let window = windows[axis];
                 if length < window {
-                    return Err(Error::PoolTooSmall { axis, length, window });
+                    let unit = ["frames", "rows", "columns"][axis];
+                    let wanted = format!(
+                        "more frames or larger images, as the head's window takes {window}"
+                    );
+                    return Err(Error::size("the last activation", &[length], unit, &wanted));
                 }
                 let positions = length - window + 1;
                 let total = (positions * window) as f64;

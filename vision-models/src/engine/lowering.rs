@@ -3,7 +3,7 @@
 //! A part of a concatenation is written where the concatenation has it, and a residual block adds to its
 //! shortcut where that lies, wherever nothing else reads what would be overwritten. What is left is copied.
 
-use crate::Error;
+use crate::error::Error;
 
 use super::graph::{Graph, Head, Node, Value};
 use super::program::{Classifier, Layer, Program, Slot, Step};

@@ -2,10 +2,12 @@
 
 use ndarray::{ArrayView2, ArrayView5};
 
+use crate::error::Error;
 use crate::layout::Extent;
-use crate::{Error, TensorSource};
+use crate::weights::TensorSource;
 
 use super::graph::Graph;
+use super::input::{overflow, wrong_input};
 use super::lowering::lower;
 use super::options::Options;
 use super::packed::Packed;
@@ -80,8 +82,8 @@ impl Network {
     ///
     /// # Errors
     /// [`Error::Layer`] for a graph that cannot be computed; [`Error::Weights`] with every tensor that is
-    /// missing, surplus or misshapen; [`Error::Weight`] for one that is not finite and for negative variances,
-    /// [`Error::FoldedWeights`]; [`Error::InputTooSmall`] and [`Error::InputTooLarge`] for a size that does not
+    /// missing, surplus or misshapen; [`Error::Value`] for one that is not finite and for negative variances,
+    /// [`Error::Overflow`]; [`Error::Size`] for a size that does not
     /// fit; [`Error::Threads`] for a number of threads that cannot be started.
     pub fn load(
         graph: &Graph,
@@ -155,8 +157,8 @@ impl Network {
     /// Weights stay packed for the size that was loaded.
     ///
     /// # Errors
-    /// [`Error::InputTooSmall`], [`Error::InputTooLarge`]; [`Error::Layer`] where activations that are joined
-    /// come out in different sizes; [`Error::PoolTooSmall`] if the head's windows do not fit.
+    /// [`Error::Size`]; [`Error::Layer`] where activations that are joined
+    /// come out in different sizes; [`Error::Size`] if the head's windows do not fit.
     pub fn plan(&mut self, size: [usize; 3]) -> Result<(), Error> {
         if self.planned.iter().all(|(planned, _)| *planned != size) {
             let session = self.session(&self.program.steps, &self.program.input_sizes(size))?;
@@ -206,15 +208,15 @@ impl Network {
     /// Runs the network on a batch, N × channels × frames × rows × columns.
     ///
     /// # Errors
-    /// [`Error::InputShape`] if there are no inputs or other channels than the graph's;
-    /// [`Error::InputTooSmall`] if a kernel does not fit, and what else [`Self::plan`] gives for a new size;
-    /// [`Error::NotFinite`] if a value is NaN or infinite, [`Error::Overflow`] if an output is.
+    /// [`Error::Size`] if there are no inputs or other channels than the graph's;
+    /// [`Error::Size`] if a kernel does not fit, and what else [`Self::plan`] gives for a new size;
+    /// [`Error::Value`] if a value is NaN or infinite, [`Error::Overflow`] if an output is.
     pub fn infer(&mut self, clips: ArrayView5<'_, f32>) -> Result<Inference<'_>, Error> {
         let (count, channels, frames, rows, columns) = clips.dim();
         let size = [frames, rows, columns];
         let expected = self.program.inputs.first().map_or(0, |(slot, _)| slot.count);
         if channels != expected || count == 0 {
-            return Err(Error::InputShape { shape: clips.shape().to_vec() });
+            return Err(wrong_input(clips.shape()));
         }
         let is_planned = self.planned.iter().any(|(planned, _)| *planned == size);
         if !is_planned && self.unplanned.as_ref().is_none_or(|(planned, _)| *planned != size) {
@@ -231,7 +233,7 @@ impl Network {
         let session =
             sessions.map(|(planned, session)| (*planned, session)).find(|(own, _)| *own == size);
         let Some((_, session)) = session else {
-            return Err(Error::InputShape { shape: clips.shape().to_vec() });
+            return Err(wrong_input(clips.shape()));
         };
         for (map, (channels, _)) in maps.iter_mut().zip(session.maps()) {
             (map.size, map.channels) = (channels.layout.size, channels.count);
@@ -249,14 +251,13 @@ impl Network {
             for (map, output) in maps.iter_mut().zip(session.maps()) {
                 let length = map.data.len() / count;
                 if !copy_map(output, &mut map.data[index * length..][..length]) {
-                    return Err(Error::Overflow { input: index });
+                    return Err(overflow(index));
                 }
             }
         }
         drop(pool);
         let view = |width, data| {
-            ArrayView2::from_shape((count, width), data)
-                .map_err(|_| Error::InputShape { shape: clips.shape().to_vec() })
+            ArrayView2::from_shape((count, width), data).map_err(|_| wrong_input(clips.shape()))
         };
         let scores = Scores {
             logits: view(classes, &self.logits)?,
@@ -275,7 +276,7 @@ pub(crate) fn check_finite(input: usize, features: &[f32], logits: &[f32]) -> Re
     if features.iter().chain(logits).all(|value| value.is_finite()) {
         Ok(())
     } else {
-        Err(Error::Overflow { input })
+        Err(overflow(input))
     }
 }
 

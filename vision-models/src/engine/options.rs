@@ -1,6 +1,6 @@
 //! How a network runs.
 
-use crate::Error;
+use crate::error::Error;
 use crate::kernels::InstructionSet;
 
 use super::threads::ThreadSettings;

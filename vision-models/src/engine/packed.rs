@@ -1,7 +1,9 @@
 //! Weights as the kernels read them.
 
+use crate::error::Error;
+use crate::excerpt::Excerpt;
 use crate::kernels::{Buffer, Finish, InstructionSet, Operands, Panels, Phase, Winograd, pack};
-use crate::{Error, TensorSource};
+use crate::weights::TensorSource;
 
 use super::layer::{Activation, Convolution};
 use super::program::{Layer, slopes, take, take_where};
@@ -34,7 +36,7 @@ impl Packed {
     /// Takes a layer's tensors out of the checkpoint, folds the batch norm (in f64) and packs.
     ///
     /// # Errors
-    /// [`Error::Weight`], [`Error::FoldedWeights`], and what the source gives.
+    /// [`Error::Value`], [`Error::Overflow`], and what the source gives.
     pub(crate) fn convolution(
         isa: InstructionSet,
         layer: &Layer,
@@ -60,7 +62,10 @@ impl Packed {
         let bias = panels.spread(&shift);
         let is_finite = |values: &[f32]| values.iter().fold(true, |all, v| all & v.is_finite());
         if !weights.iter().all(|weights| is_finite(weights)) || !is_finite(&bias) {
-            return Err(Error::FoldedWeights { layer: name.clone() });
+            let what =
+                format!("layer \"{}\": with its batch norm folded in, a weight", Excerpt(name));
+            let cause = "the checkpoint is damaged, or its training diverged";
+            return Err(Error::Overflow { what, cause });
         }
         let activation =
             match (&layer.convolution.activation, slopes(&layer.convolution.activation)) {

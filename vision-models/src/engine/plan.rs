@@ -1,11 +1,12 @@
 //! The forward pass for one input size: where every activation lives, and what runs on it.
 
-use crate::Error;
+use crate::error::Error;
 use crate::kernels::{
     Buffer, Copy, Depthwise, Direct, Epilogue, InstructionSet, MaxPool, Pool, Winograd,
 };
 use crate::layout::{Channels, Extent};
 
+use super::input::too_large;
 use super::memory::{Memory, Place, place};
 use super::packed::Packed;
 use super::program::{Program, Slot, Step};
@@ -53,7 +54,7 @@ impl Plan {
     /// Plans the steps from `inputs` to `outputs`.
     ///
     /// # Errors
-    /// [`Error::InputTooSmall`] if a kernel does not fit, [`Error::InputTooLarge`] if there is not the memory,
+    /// [`Error::Size`] if a kernel does not fit, [`Error::Size`] if there is not the memory,
     /// [`Error::Layer`] for a step that does not fit the others.
     pub(crate) fn new(
         isa: InstructionSet,
@@ -65,13 +66,12 @@ impl Plan {
         outputs: &[Slot],
     ) -> Result<Self, Error> {
         let sizes = sizes(program, steps, inputs)?;
-        let too_large =
-            || Error::InputTooLarge { size: inputs.first().map_or([0; 3], |input| input.1) };
+        let refuse = || too_large(inputs.first().map_or([0; 3], |input| input.1));
         let inputs: Vec<Slot> = inputs.iter().map(|&(slot, _)| slot).collect();
         let algorithms: Vec<Algorithm> = packed.iter().map(|packed| packed.algorithm).collect();
         let layouts = layouts(program, steps, &sizes, &algorithms);
         if layouts.iter().flatten().any(|layout| layout.checked_length().is_none()) {
-            return Err(too_large());
+            return Err(refuse());
         }
         let Memory { places, lengths, clear } = place(steps, &layouts, &inputs, outputs);
         let find = |slot: Slot, name: &str| -> Result<(Channels, usize), Error> {
@@ -105,7 +105,7 @@ impl Plan {
         let ends = |slots: &[Slot], name| {
             slots.iter().map(|&slot| find(slot, name)).collect::<Result<_, _>>()
         };
-        let memory = |length| Buffer::try_zeroed(length).ok_or_else(too_large);
+        let memory = |length| Buffer::try_zeroed(length).ok_or_else(refuse);
         Ok(Self {
             inputs: ends(&inputs, "input")?,
             outputs: ends(outputs, "output")?,

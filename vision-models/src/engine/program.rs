@@ -3,9 +3,9 @@
 mod fit;
 mod parameters;
 
-use crate::TensorSource;
 use crate::kernels::Window;
 use crate::layout::Extent;
+use crate::weights::TensorSource;
 
 use super::graph::Frames;
 use super::head::Pooling;

@@ -2,7 +2,9 @@
 
 use ndarray::ArrayView2;
 
-use crate::{ClassNames, Error, softmax, top_k};
+use crate::error::Error;
+use crate::labels::ClassNames;
+use crate::metrics::{softmax, top_k};
 
 /// What a network says about each input of a batch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +31,7 @@ impl Scores<'_> {
     /// class comes first.
     ///
     /// # Errors
-    /// [`Error::ClassCount`] if there is not a name for every class, [`Error::BatchIndex`] for an input that
+    /// [`Error::Size`] if there is not a name for every class, [`Error::Value`] for an input that
     /// the batch does not have.
     ///
     /// ```
@@ -51,10 +53,16 @@ impl Scores<'_> {
     ) -> Result<Vec<RankedClass<'n>>, Error> {
         let (inputs, classes) = self.logits.dim();
         if names.names().len() != classes {
-            return Err(Error::ClassCount { names: names.names().len(), classes });
+            let wanted = format!("{classes}, one for each class");
+            return Err(Error::size(
+                "the list of class names",
+                &[names.names().len()],
+                "names",
+                &wanted,
+            ));
         }
         if input >= inputs {
-            return Err(Error::BatchIndex { input, inputs });
+            return Err(Error::value("the input", input, &format!("an index below {inputs}")));
         }
         let probabilities = softmax(&self.logits.row(input).to_vec());
         let ranked = top_k(&probabilities, k).into_iter().filter_map(|class| {

@@ -2,7 +2,7 @@
 
 use ndarray::{ArrayView3, ArrayView4, Axis};
 
-use crate::Error;
+use crate::error::Error;
 use crate::kernels::{Direct, Epilogue, Finish, InstructionSet, Pool, Window};
 use crate::layout::{Channels, Extent, Layout, offset, position};
 
@@ -130,7 +130,8 @@ pub(crate) fn copy_frame(
             let finite = line.fold(true, |finite, value| finite & value.is_finite());
             if !finite && let Some(column) = line.iter().position(|value| !value.is_finite()) {
                 let index = [clip, channel, source, row, column];
-                return Err(Error::NotFinite { value: line[column], index });
+                let pixel = format!("pixel {index:?} (clip, channel, frame, row, column)");
+                return Err(Error::value(&pixel, line[column], "finite values"));
             }
         }
         let start = to.origin() + offset([frame, row, 0], strides);

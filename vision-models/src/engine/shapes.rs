@@ -1,9 +1,10 @@
 //! The size of every activation, and how each convolution is computed.
 
-use crate::Error;
+use crate::error::Error;
 use crate::kernels::{Tiling, Window};
 use crate::layout::{Channels, Extent, Layout};
 
+use super::input::{too_large, too_small};
 use super::layer::Convolution;
 use super::program::{Layer, Program, Slot, Step};
 
@@ -47,7 +48,7 @@ impl Algorithm {
 /// The size of every activation that the steps read or write, for the sizes of their inputs.
 ///
 /// # Errors
-/// [`Error::InputTooSmall`] if a kernel does not fit, [`Error::InputTooLarge`] if an activation is beyond all
+/// [`Error::Size`] if a kernel does not fit, [`Error::Size`] if an activation is beyond all
 /// memory, [`Error::Layer`] for a step that reads what is not there, or whose output is not as large as what
 /// it joins.
 pub(crate) fn sizes(
@@ -69,7 +70,7 @@ pub(crate) fn sizes(
         let Some(size) = sizes[input] else {
             return refuse("nothing has written its input".into());
         };
-        let made = step.size(&program.layers, size).ok_or(Error::InputTooSmall { size: given })?;
+        let made = step.size(&program.layers, size).ok_or_else(|| too_small(given))?;
         check_size(made, given)?;
         match sizes[output] {
             Some(there) if there != made => {
@@ -83,10 +84,10 @@ pub(crate) fn sizes(
 
 fn check_size(size: Extent, given: Extent) -> Result<(), Error> {
     if size.contains(&0) {
-        return Err(Error::InputTooSmall { size: given });
+        return Err(too_small(given));
     }
     if size.into_iter().any(|axis| axis > MAX_AXIS) {
-        return Err(Error::InputTooLarge { size: given });
+        return Err(too_large(given));
     }
     Ok(())
 }

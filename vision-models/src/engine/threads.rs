@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use crate::Error;
+use crate::error::Error;
 use crate::kernels::{Pool, Waiting};
 
 /// How many threads there are, where they run, and how they wait.

@@ -1,6 +1,6 @@
 //! What a graph must be before anything is computed from it.
 
-use crate::Error;
+use crate::error::Error;
 use crate::kernels::Window;
 
 use super::graph::{Graph, Node, Value};

@@ -3,7 +3,7 @@
 use ndarray::{Array1, Array2, ArrayView2, Axis};
 
 use super::LinearHead;
-use crate::Error;
+use crate::error::Error;
 
 /// What features are trained on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! How a head is trained.
 
 use super::FeatureScaling;
-use crate::Error;
+use crate::error::Error;
 
 /// Settings of stochastic gradient descent.
 ///
@@ -53,7 +53,7 @@ impl HeadSettings {
     /// Checks every setting.
     ///
     /// # Errors
-    /// [`Error::Setting`].
+    /// [`Error::Value`].
     pub fn validate(&self) -> Result<(), Error> {
         let within = |value: f64, least: f64, below: f64| (least..below).contains(&value);
         let checks = [
@@ -75,7 +75,7 @@ impl HeadSettings {
             ("epochs", self.epochs as f64, self.epochs > 0, "at least one"),
         ];
         match checks.into_iter().find(|(_, _, right, _)| !right) {
-            Some((name, value, _, expected)) => Err(Error::Setting { name, value, expected }),
+            Some((name, value, _, expected)) => Err(Error::value(name, value, expected)),
             None => Ok(()),
         }
     }

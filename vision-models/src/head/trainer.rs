@@ -4,11 +4,9 @@ use ndarray::{Array1, Array2, ArrayView2, Axis};
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{HeadSettings, LinearHead};
-use crate::{
-    Error,
-    random::{shuffle, uniform},
-    samples::{check_finite, check_labels},
-};
+use crate::error::Error;
+use crate::random::{shuffle, uniform};
+use crate::samples::{check_finite, check_labels, misfit};
 
 /// What going once through all samples gave.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +55,7 @@ impl HeadTrainer {
     /// Begins with this head.
     ///
     /// # Errors
-    /// [`Error::Setting`].
+    /// [`Error::Value`].
     pub fn new(head: &LinearHead, settings: HeadSettings) -> Result<Self, Error> {
         settings.validate()?;
         let weights = head.weights().mapv(f64::from);
@@ -87,8 +85,8 @@ impl HeadTrainer {
     /// One step along the gradient of a batch, samples × features; the mean cross-entropy before it.
     ///
     /// # Errors
-    /// [`Error::Samples`] for an empty batch, another number of features or labels, a label that is
-    /// no class, and weights that the step makes infinite; [`Error::Feature`] for one that is not
+    /// [`Error::Malformed`] for an empty batch, another number of features or labels, a label that is
+    /// no class, and weights that the step makes infinite; [`Error::Value`] for one that is not
     /// finite. The head is then as before.
     pub fn step(&mut self, samples: ArrayView2<'_, f32>, labels: &[usize]) -> Result<f64, Error> {
         let (count, features) = samples.dim();
@@ -99,7 +97,7 @@ impl HeadTrainer {
                 labels.len(),
                 self.weights.ncols()
             );
-            return Err(Error::Samples { problem });
+            return Err(misfit(problem));
         }
         check_labels(labels, &self.classes)?;
         check_finite(&samples)?;
@@ -124,7 +122,7 @@ impl HeadTrainer {
                 "a step of learning rate {learning_rate} makes weights infinite: give a smaller one, \
                  or smaller features"
             );
-            return Err(Error::Samples { problem });
+            return Err(misfit(problem));
         }
         self.weights = weights;
         self.biases = biases;

@@ -440,7 +440,7 @@ fn parked_threads_on_one_core_run_every_task_once() {
 /// As many threads as are promised start, work and end.
 #[test]
 fn the_most_threads_run_every_task_once() {
-    let lanes = crate::Options::MAX_THREADS;
+    let lanes = crate::engine::Options::MAX_THREADS;
     let mut pool = Pool::new(lanes, &[], Waiting::Spinning).expect("so many threads");
     assert_eq!(pool.lanes(), lanes);
     assert!(runs(&mut pool, lanes, 5000).iter().all(|&count| count == 1));

@@ -6,7 +6,9 @@ use super::{
     settings::LiftingSettings,
     window::{self, Surface, Wanted},
 };
-use crate::{Body, Body25, Camera, DepthImage, Error, ImageBody, ImageKeypoint, Keypoint};
+use crate::body::{Body, Body25, ImageBody, ImageKeypoint, Keypoint};
+use crate::camera::{Camera, DepthImage};
+use crate::error::Error;
 
 /// Joints of which the trunk's place is the median.
 const TRUNK: [Body25; 6] = [
@@ -92,7 +94,7 @@ impl Lifter {
     /// A lifter for the images of a camera.
     ///
     /// # Errors
-    /// [`Error::Setting`] if a setting is outside its range.
+    /// [`Error::Value`] if a setting is outside its range.
     pub fn new(camera: Camera, settings: LiftingSettings) -> Result<Self, Error> {
         settings.validate()?;
         Ok(Self { camera, settings })
@@ -110,7 +112,7 @@ impl Lifter {
     /// shoulders and hips in this frame.
     ///
     /// # Errors
-    /// [`Error::ImageSize`] if the depth image has not the size of the camera's intrinsics.
+    /// [`Error::Size`] if the depth image has not the size of the camera's intrinsics.
     pub fn lift(
         &self,
         image: &ImageBody,
@@ -134,7 +136,12 @@ impl Lifter {
         let expected = self.camera.intrinsics().size();
         let found = depth.size();
         if found != expected {
-            return Err(Error::ImageSize { found, expected });
+            let [width, height] = expected;
+            let wanted = format!(
+                "{width} × {height}, which the camera's intrinsics are for: depth that is aligned to the \
+                 colour image, and the intrinsics of that size"
+            );
+            return Err(Error::size("the depth image", &found, "pixels", &wanted));
         }
         let seen = Body25::ALL.map(|joint| self.look(image.get(joint)?, depth));
         let before = self.body(&seen, None);

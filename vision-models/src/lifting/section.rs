@@ -1,6 +1,6 @@
 //! How deep a joint lies in a part of the body that is wider than deep.
 
-use crate::Error;
+use crate::error::Error;
 
 /// A horizontal section of the trunk or the head: an ellipse, as wide as the person seen from the front
 /// and as deep as seen from the side (m).
@@ -39,7 +39,7 @@ impl CrossSection {
     pub(super) fn validate(&self, name: &'static str) -> Result<(), Error> {
         for value in [self.half_width, self.half_depth] {
             if !(0.01..=0.5).contains(&value) {
-                return Err(Error::Setting { name, value, expected: "lengths in [0.01, 0.5] m" });
+                return Err(Error::value(name, value, "lengths in [0.01, 0.5] m"));
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! The parameters of the lifting.
 
 use super::skin::SkinDepths;
-use crate::Error;
+use crate::error::Error;
 
 /// The parameters of a [`Lifter`](crate::Lifter). The defaults are for a RealSense D435i, 1 to 5 m
 /// from the person, and a pose network with an error of 3 pixels.
@@ -62,13 +62,13 @@ impl LiftingSettings {
     /// Checks every field.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the first field that is NaN or outside its range.
+    /// [`Error::Value`] names the first field that is NaN or outside its range.
     pub fn validate(&self) -> Result<(), Error> {
         let within = |name, value: f64, low: f64, high: f64, expected| {
             if value >= low && value <= high {
                 Ok(())
             } else {
-                Err(Error::Setting { name, value, expected })
+                Err(Error::value(name, value, expected))
             }
         };
         let [nearest, farthest] = self.range;

@@ -1,7 +1,8 @@
 //! How far below the skin joints are.
 
 use super::section::CrossSection;
-use crate::{Body25, Error};
+use crate::body::Body25;
+use crate::error::Error;
 
 /// How far the centre of a joint lies behind the skin that depth sees (m).
 ///
@@ -120,7 +121,7 @@ impl SkinDepths {
             ("skin.feet", self.feet),
         ] {
             if !(0.0..=0.3).contains(&value) {
-                return Err(Error::Setting { name, value, expected: "a depth in [0, 0.3] m" });
+                return Err(Error::value(name, value, "a depth in [0, 0.3] m"));
             }
         }
         Ok(())

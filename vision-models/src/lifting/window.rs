@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use crate::DepthImage;
+use crate::camera::DepthImage;
 
 /// The window's half side (pixels).
 const SMALLEST: usize = 2;

@@ -3,7 +3,8 @@
 use std::fmt;
 
 use crate::engine::{Fitted, Graph, Misfit, Network, Options, Program, lower};
-use crate::{Error, TensorSource};
+use crate::error::Error;
+use crate::weights::TensorSource;
 
 use super::architecture::{
     OpenPoseForm, ResNetDepth, ResNetForm, SimpleBaselineForm, SlowFastForm, SlowOnlyForm,
@@ -107,8 +108,9 @@ impl NetworkKind {
         let program = self.program()?;
         let fit = program.fit(&*tensors).map_err(|misfit| {
             let Misfit { missing, surplus, misshapen } = misfit;
-            let found = Self::of(&*tensors);
-            Error::Weights { network: Some(self), found, missing, surplus, misshapen }
+            let [network, found] =
+                [Some(self), Self::of(&*tensors)].map(|kind| Some(kind?.to_string()));
+            Error::Weights { network, found, missing, surplus, misshapen }
         })?;
         Network::of_program(program, Box::new(Fitted::new(tensors, fit)), size, options)
     }

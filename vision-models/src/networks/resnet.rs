@@ -3,7 +3,8 @@
 use ndarray::ArrayView4;
 
 use crate::engine::{Network, Options, Scores, Threads};
-use crate::{Error, TensorSource};
+use crate::error::Error;
+use crate::weights::TensorSource;
 
 use super::architecture::ResNetForm;
 use super::clips::from_images;
@@ -25,9 +26,9 @@ impl ResNet {
     /// none: then there are features alone.
     ///
     /// # Errors
-    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Weight`]
-    /// for one that is not finite and for negative variances, [`Error::FoldedWeights`];
-    /// [`Error::InputTooSmall`] and [`Error::InputTooLarge`] if the images are; [`Error::Threads`] for a
+    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Value`]
+    /// for one that is not finite and for negative variances, [`Error::Overflow`];
+    /// [`Error::Size`] if the images are; [`Error::Threads`] for a
     /// number of threads that cannot be started.
     pub fn load(
         form: impl Into<ResNetForm>,
@@ -58,9 +59,9 @@ impl ResNet {
     /// The scores of normalised images, N × 3 × height × width.
     ///
     /// # Errors
-    /// [`Error::InputShape`] if there are not three channels or no images,
-    /// [`Error::InputTooSmall`] and [`Error::InputTooLarge`] for a size that does not fit,
-    /// [`Error::NotFinite`] if a value is NaN or infinite, [`Error::Overflow`] if activations are.
+    /// [`Error::Size`] if there are not three channels or no images,
+    /// [`Error::Size`] for a size that does not fit,
+    /// [`Error::Value`] if a value is NaN or infinite, [`Error::Overflow`] if activations are.
     pub fn infer(&mut self, images: ArrayView4<'_, f32>) -> Result<Scores<'_>, Error> {
         Ok(self.0.infer(from_images(images))?.scores())
     }

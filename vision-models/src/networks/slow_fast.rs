@@ -3,7 +3,8 @@
 use ndarray::ArrayView5;
 
 use crate::engine::{Network, Options, Scores, Threads};
-use crate::{Error, TensorSource};
+use crate::error::Error;
+use crate::weights::TensorSource;
 
 use super::architecture::SlowFastForm;
 use super::kind::NetworkKind;
@@ -26,10 +27,9 @@ impl SlowFast {
     /// sizes run too, less fast). PyTorchVideo's have 32 frames, mmaction2's a multiple of four or eight.
     ///
     /// # Errors
-    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Weight`]
-    /// for one that is not finite and for negative variances, [`Error::FoldedWeights`];
-    /// [`Error::FrameCount`] for frames that the two paths cannot share; [`Error::InputTooSmall`] and
-    /// [`Error::InputTooLarge`] for clips that do not fit, [`Error::PoolTooSmall`] if the head's windows do
+    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Value`]
+    /// for one that is not finite and for negative variances, [`Error::Overflow`];
+    /// [`Error::Size`] for frames that the two paths cannot share; [`Error::Size`] for clips that do not fit, [`Error::Size`] if the head's windows do
     /// not; [`Error::Threads`] for a number of threads that cannot be started.
     pub fn load(
         form: SlowFastForm,
@@ -45,7 +45,7 @@ impl SlowFast {
     /// Plans for clips of another size and keeps the plan.
     ///
     /// # Errors
-    /// [`Error::FrameCount`], and as of [`Network::plan`].
+    /// [`Error::Size`], and as of [`Network::plan`].
     pub fn plan(&mut self, size: [usize; 3]) -> Result<(), Error> {
         self.form.check_frames(size[0])?;
         self.network.plan(size)
@@ -62,9 +62,9 @@ impl SlowFast {
     /// The scores of normalised clips, N × 3 × frames × height × width.
     ///
     /// # Errors
-    /// [`Error::InputShape`] if there are not three channels or no clips; [`Error::FrameCount`] for frames
-    /// that the two paths cannot share; [`Error::InputTooSmall`] and [`Error::InputTooLarge`] for a size that
-    /// does not fit, [`Error::PoolTooSmall`] if the head's windows do not; [`Error::NotFinite`] if a value is
+    /// [`Error::Size`] if there are not three channels or no clips; [`Error::Size`] for frames
+    /// that the two paths cannot share; [`Error::Size`] for a size that
+    /// does not fit, [`Error::Size`] if the head's windows do not; [`Error::Value`] if a value is
     /// NaN or infinite, [`Error::Overflow`] if activations are.
     pub fn infer(&mut self, clips: ArrayView5<'_, f32>) -> Result<Scores<'_>, Error> {
         self.form.check_frames(clips.dim().2)?;

@@ -3,7 +3,8 @@
 use ndarray::ArrayView5;
 
 use crate::engine::{Network, Options, Scores, Threads};
-use crate::{Error, TensorSource};
+use crate::error::Error;
+use crate::weights::TensorSource;
 
 use super::architecture::SlowOnlyForm;
 use super::kind::NetworkKind;
@@ -24,10 +25,10 @@ impl SlowOnly {
     /// gives features alone.
     ///
     /// # Errors
-    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Weight`]
-    /// for one that is not finite and for negative variances, [`Error::FoldedWeights`];
-    /// [`Error::InputTooSmall`] and [`Error::InputTooLarge`] for clips that do not fit,
-    /// [`Error::PoolTooSmall`] if the head's windows do not; [`Error::Threads`] for a number of threads that
+    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Value`]
+    /// for one that is not finite and for negative variances, [`Error::Overflow`];
+    /// [`Error::Size`] for clips that do not fit,
+    /// [`Error::Size`] if the head's windows do not; [`Error::Threads`] for a number of threads that
     /// cannot be started.
     pub fn load(
         form: SlowOnlyForm,
@@ -57,9 +58,9 @@ impl SlowOnly {
     /// The scores of normalised clips, N × 3 × frames × height × width.
     ///
     /// # Errors
-    /// [`Error::InputShape`] if there are not three channels or no clips;
-    /// [`Error::InputTooSmall`] and [`Error::InputTooLarge`] for a size that does not fit,
-    /// [`Error::PoolTooSmall`] if the head's windows do not; [`Error::NotFinite`] if a value is NaN or
+    /// [`Error::Size`] if there are not three channels or no clips;
+    /// [`Error::Size`] for a size that does not fit,
+    /// [`Error::Size`] if the head's windows do not; [`Error::Value`] if a value is NaN or
     /// infinite, [`Error::Overflow`] if activations are.
     pub fn infer(&mut self, clips: ArrayView5<'_, f32>) -> Result<Scores<'_>, Error> {
         Ok(self.0.infer(clips)?.scores())

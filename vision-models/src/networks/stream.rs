@@ -2,8 +2,10 @@
 
 use ndarray::{ArrayView2, ArrayView3};
 
-use crate::Error;
-use crate::engine::{Network, Plan, Scores, Session, check_finite, copy_frame};
+use crate::engine::{
+    Network, Plan, Scores, Session, check_finite, copy_frame, too_small, wrong_input,
+};
+use crate::error::Error;
 use crate::layout::{Channels, offset};
 
 use super::slow_only::SlowOnly;
@@ -31,12 +33,12 @@ impl SlowOnlyStream {
     /// A stream of frames of `height` × `width`, and a window of so many of them.
     ///
     /// # Errors
-    /// [`Error::InputTooSmall`] if a kernel does not fit, [`Error::PoolTooSmall`] if the head's
+    /// [`Error::Size`] if a kernel does not fit, [`Error::Size`] if the head's
     /// windows do not.
     pub fn new(SlowOnly(network): SlowOnly, size: [usize; 3]) -> Result<Self, Error> {
         let [frames, height, width] = size;
         let program = &network.program;
-        let cut = program.first_temporal_step().ok_or(Error::InputTooSmall { size })?;
+        let cut = program.first_temporal_step().ok_or_else(|| too_small(size))?;
         let (cut, step) = cut;
         let (before, after) = program.steps.split_at(step);
         let frame = Plan::new(
@@ -59,7 +61,7 @@ impl SlowOnlyStream {
     /// Takes the next normalised frame, 3 × height × width, and scores the window, once it is full.
     ///
     /// # Errors
-    /// [`Error::FrameShape`] if the frame has not the stream's size, [`Error::NotFinite`] if a
+    /// [`Error::Size`] if the frame has not the stream's size, [`Error::Value`] if a
     /// value is NaN or infinite; the window stays as it was. [`Error::Overflow`] as long as a frame is in
     /// the window whose activations overflow.
     pub fn push(&mut self, frame: ArrayView3<'_, f32>) -> Result<Option<Scores<'_>>, Error> {
@@ -68,7 +70,7 @@ impl SlowOnlyStream {
         let expected = [3, rows, columns];
         if frame.shape() != expected {
             let expected = format!("3 x {rows} x {columns}");
-            return Err(Error::FrameShape { shape: frame.shape().to_vec(), expected });
+            return Err(Error::size("a frame", frame.shape(), "values", &expected));
         }
         copy_frame(&frame, [0, 0], 0, (to, memory))?;
         let Network { threads, weights, .. } = &self.network;
@@ -86,7 +88,7 @@ impl SlowOnlyStream {
         check_finite(0, &self.features, &self.logits)?;
         let view = |data| {
             ArrayView2::from_shape((1, <[f32]>::len(data)), data)
-                .map_err(|_| Error::InputShape { shape: expected.to_vec() })
+                .map_err(|_| wrong_input(&expected))
         };
         Ok(Some(Scores { logits: view(&self.logits)?, features: view(&self.features)? }))
     }

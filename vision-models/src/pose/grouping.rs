@@ -9,7 +9,8 @@ mod peaks;
 
 use ndarray::ArrayView3;
 
-use crate::{Error, ImageKeypoint};
+use crate::body::ImageKeypoint;
+use crate::error::Error;
 
 /// The eighteen joints of OpenPose's COCO model, each where it was seen.
 pub type Coco18 = [Option<ImageKeypoint>; 18];
@@ -47,10 +48,10 @@ impl GroupingSettings {
     /// Checks every setting.
     ///
     /// # Errors
-    /// [`Error::Setting`].
+    /// [`Error::Value`].
     pub fn validate(&self) -> Result<(), Error> {
         let Self { peak, field, along, least_joints, score } = *self;
-        let refuse = |name, value, expected| Err(Error::Setting { name, value, expected });
+        let refuse = |name, value, expected| Err(Error::value(name, value, expected));
         for (name, value) in [("peak", peak), ("field", field), ("along", along)] {
             if !(0.0..=1.0).contains(&value) {
                 return refuse(name, value, "a number from 0 to 1");
@@ -73,8 +74,8 @@ impl GroupingSettings {
 /// centre of the first at 0, 0, best people first. Of each joint the 64 highest maxima are looked at.
 ///
 /// # Errors
-/// [`Error::PartMaps`] for maps of other shapes, [`Error::PartMapsNotFinite`] for a value that is NaN or infinite,
-/// [`Error::Setting`] for a setting out of range.
+/// [`Error::Size`] for maps of other shapes, [`Error::Value`] for a value that is NaN or infinite,
+/// [`Error::Value`] for a setting out of range.
 ///
 /// ```
 /// use ndarray::Array3;
@@ -94,14 +95,16 @@ pub fn group_parts(
     let ((joint_maps, rows, columns), (limb_maps, ..)) = (joints.dim(), limbs.dim());
     let is_one_size = joints.shape()[1..] == limbs.shape()[1..] && rows > 0 && columns > 0;
     if !(18..=19).contains(&joint_maps) || limb_maps != 38 || !is_one_size {
-        let (joints, limbs) = (joints.shape().to_vec(), limbs.shape().to_vec());
-        return Err(Error::PartMaps { joints, limbs });
+        let maps = format!("the array of joints, beside one of {:?} for limbs,", limbs.shape());
+        let wanted = "19 (or 18) maps of joints and 38 of limbs, of one size";
+        return Err(Error::size(&maps, joints.shape(), "values", wanted));
     }
     for maps in [&joints, &limbs] {
         if let Some(((map, row, column), &value)) =
             maps.indexed_iter().find(|(_, value)| !value.is_finite())
         {
-            return Err(Error::PartMapsNotFinite { value, index: [map, row, column] });
+            let place = format!("map {map}, row {row}, column {column}");
+            return Err(Error::value(&place, value, "finite numbers"));
         }
     }
     let peaks = peaks::find(&joints, settings.peak);

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use nalgebra::{Point2, Point3};
 
 use super::person_box::PersonBox;
-use crate::{Camera, DepthImage};
+use crate::camera::{Camera, DepthImage};
 
 /// Around the middle of somebody who stands, arms included (m).
 const RADIUS: f64 = 0.45;

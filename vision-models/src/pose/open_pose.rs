@@ -3,9 +3,11 @@
 use nalgebra::Point2;
 use ndarray::{Array4, ArrayView3, ArrayView4, Axis, s};
 
-use crate::engine::{Network, Options, Threads};
+use crate::body::{ImageBody, ImageKeypoint};
+use crate::engine::{Network, Options, Threads, too_large, wrong_input};
+use crate::error::Error;
 use crate::networks::{NetworkKind, OpenPoseForm};
-use crate::{Error, ImageBody, ImageKeypoint, TensorSource};
+use crate::weights::TensorSource;
 
 use super::grouping::{GroupingSettings, group_parts};
 use super::sampling::{Scaling, check_image};
@@ -49,8 +51,8 @@ impl OpenPose {
     /// pixels, rounded up to multiples of eight: OpenPose's own are 368 high.
     ///
     /// # Errors
-    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Weight`] for one
-    /// that is not finite, [`Error::InputTooSmall`] and [`Error::InputTooLarge`]; [`Error::Threads`] for a number
+    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Value`] for one
+    /// that is not finite, [`Error::Size`]; [`Error::Threads`] for a number
     /// of threads that cannot be started.
     pub fn load(
         tensors: impl TensorSource,
@@ -61,7 +63,7 @@ impl OpenPose {
         let whole = |side: usize| side.checked_next_multiple_of(CELL);
         let size = [1, height, width];
         let (Some(rows), Some(columns)) = (whole(height), whole(width)) else {
-            return Err(Error::InputTooLarge { size });
+            return Err(too_large(size));
         };
         let kind = NetworkKind::OpenPose(form);
         let network = kind.load(Box::new(tensors), [1, rows, columns], options)?;
@@ -94,7 +96,7 @@ impl OpenPose {
     /// The joints of everyone in the image, which is height × width × 3: red, green, blue.
     ///
     /// # Errors
-    /// [`Error::FrameShape`] for an image without pixels or of other channels, [`Error::Setting`] for a setting
+    /// [`Error::Size`] for an image without pixels or of other channels, [`Error::Value`] for a setting
     /// out of range, [`Error::Overflow`] if activations overflow.
     pub fn estimate(
         &mut self,
@@ -133,7 +135,7 @@ fn maps<'a>(
     let shape = images.shape().to_vec();
     let inference = network.infer(images.insert_axis(Axis(2)))?;
     let map = |index| -> Result<ArrayView4<'a, f32>, Error> {
-        let map = inference.map(index).ok_or(Error::InputShape { shape: shape.clone() })?;
+        let map = inference.map(index).ok_or_else(|| wrong_input(&shape))?;
         Ok(map.index_axis_move(Axis(2), 0))
     };
     Ok([map(0)?, map(1)?])

@@ -1,6 +1,6 @@
 //! Where a person is in an image.
 
-use crate::Error;
+use crate::error::Error;
 
 /// The rectangle around a person, in pixels; the centre of the pixel at the top left is at 0, 0.
 ///
@@ -30,7 +30,7 @@ impl PersonBox {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// [`Error::PersonBox`] for numbers that are not finite or above a million, and for boxes without an area.
+    /// [`Error::Value`] for numbers that are not finite or above a million, and for boxes without an area.
     pub fn validate(&self) -> Result<(), Error> {
         let Self { left, top, width, height } = *self;
         let near =
@@ -38,8 +38,13 @@ impl PersonBox {
         if near && width > 0.0 && height > 0.0 {
             return Ok(());
         }
-        let expected = "finite numbers of at most a million pixels, width and height above zero";
-        Err(Error::PersonBox { left, top, width, height, expected })
+        Err(self.refused("finite numbers of at most a million pixels, width and height above zero"))
+    }
+
+    pub(super) fn refused(&self, expected: &str) -> Error {
+        let Self { left, top, width, height } = *self;
+        let got = format!("at {left}, {top} of {width} × {height} pixels");
+        Error::value("a person's box", got, expected)
     }
 
     /// Whether a part of it lies in an image of so many rows and columns.

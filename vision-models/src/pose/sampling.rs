@@ -2,7 +2,7 @@
 
 use ndarray::{ArrayView3, ArrayViewMut3};
 
-use crate::Error;
+use crate::error::Error;
 
 /// A scaled and moved copy of an image: the source of the pixel at column u and row v is at
 /// x = `left` + `step` u, y = `top` + `step` v.
@@ -59,12 +59,12 @@ fn bilinear(image: &ArrayView3<'_, u8>, channel: usize, [x, y]: [f64; 2], outsid
 /// An image must have three colours and at least one pixel.
 ///
 /// # Errors
-/// [`Error::FrameShape`].
+/// [`Error::Size`].
 pub(super) fn check_image(image: &ArrayView3<'_, u8>) -> Result<[usize; 2], Error> {
     let (rows, columns, colours) = image.dim();
     if rows > 0 && columns > 0 && colours == 3 {
         return Ok([rows, columns]);
     }
-    let expected = "height x width x 3, red, green and blue, with at least one pixel".to_owned();
-    Err(Error::FrameShape { shape: image.shape().to_vec(), expected })
+    let expected = "height x width x 3, red, green and blue, with at least one pixel";
+    Err(Error::size("a frame", image.shape(), "values", expected))
 }

@@ -3,9 +3,12 @@
 use nalgebra::Point2;
 use ndarray::{Array4, ArrayView3, ArrayView4, Axis, s};
 
-use crate::engine::{Network, Options, Threads};
+use crate::body::{ImageBody, ImageKeypoint};
+use crate::confidence::Confidence;
+use crate::engine::{Network, Options, Threads, wrong_input};
+use crate::error::Error;
 use crate::networks::{NetworkKind, SimpleBaselineForm};
-use crate::{Confidence, Error, ImageBody, ImageKeypoint, TensorSource};
+use crate::weights::TensorSource;
 
 use super::person_box::PersonBox;
 use super::sampling::{Scaling, check_image};
@@ -66,8 +69,8 @@ impl SimpleBaseline {
     /// Takes the weights of a checkpoint of Microsoft's or mmpose's, whichever its names say.
     ///
     /// # Errors
-    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Weight`] for one
-    /// that is not finite and for negative variances, [`Error::FoldedWeights`]; [`Error::Threads`] for a number
+    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Value`] for one
+    /// that is not finite and for negative variances, [`Error::Overflow`]; [`Error::Threads`] for a number
     /// of threads that cannot be started.
     pub fn load(
         tensors: impl TensorSource,
@@ -107,7 +110,7 @@ impl SimpleBaseline {
     /// The joints of the person in the box. The image is height × width × 3: red, green, blue.
     ///
     /// # Errors
-    /// [`Error::FrameShape`] for an image without pixels or of other channels, [`Error::PersonBox`] for a box
+    /// [`Error::Size`] for an image without pixels or of other channels, [`Error::Value`] for a box
     /// that is none or outside the image, [`Error::Overflow`] if activations overflow.
     pub fn estimate(
         &mut self,
@@ -117,9 +120,7 @@ impl SimpleBaseline {
         let size = check_image(&image)?;
         person.validate()?;
         if !person.overlaps(size) {
-            let PersonBox { left, top, width, height } = *person;
-            let expected = "a box that lies in the image, at least in part";
-            return Err(Error::PersonBox { left, top, width, height, expected });
+            return Err(person.refused("a box that lies in the image, at least in part"));
         }
         let scaling = scaling(person);
         let is_bgr = self.form == SimpleBaselineForm::Microsoft;
@@ -160,7 +161,7 @@ fn maps<'a>(
 ) -> Result<ArrayView4<'a, f32>, Error> {
     let shape = images.shape().to_vec();
     let inference = network.infer(images.insert_axis(Axis(2)))?;
-    let maps = inference.map(0).ok_or(Error::InputShape { shape })?;
+    let maps = inference.map(0).ok_or_else(|| wrong_input(&shape))?;
     Ok(maps.index_axis_move(Axis(2), 0))
 }
 

@@ -6,10 +6,8 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, Imag
 use ndarray::Array3;
 
 use super::jpeg;
-use crate::{
-    Error,
-    file::{in_file, read_bytes},
-};
+use crate::error::Error;
+use crate::file::{in_file, read_bytes};
 
 /// The longest side of an image that is read (pixels).
 const MAX_SIDE: u32 = 16_384;

@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::Error;
+use crate::error::Error;
 
 /// The images that are read, by the ends of their names.
 const EXTENSIONS: [&str; 3] = ["jpg", "jpeg", "png"];

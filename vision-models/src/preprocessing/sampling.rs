@@ -1,6 +1,6 @@
 //! Which frames of a video a network sees.
 
-use crate::Error;
+use crate::error::Error;
 
 /// More frames of a clip, or clips of a video, than any network asks for.
 const MOST: usize = 1024;
@@ -47,7 +47,7 @@ impl ClipSampling {
     /// The frames of each clip of a video of `frames` frames, counted from zero.
     ///
     /// # Errors
-    /// [`Error::NoFrames`] for a video without frames, [`Error::Setting`] for a length, an interval
+    /// [`Error::NoFrames`] for a video without frames, [`Error::Value`] for a length, an interval
     /// or a number of clips that is not from 1 to 1,024.
     pub fn indices(self, frames: usize) -> Result<Vec<Vec<usize>>, Error> {
         if frames == 0 {
@@ -80,7 +80,7 @@ fn check(length: usize, interval: usize, clips: usize) -> Result<(), Error> {
     for (name, value) in [("length", length), ("interval", interval), ("clips", clips)] {
         if value == 0 || value > MOST {
             let expected = "from 1 to 1,024";
-            return Err(Error::Setting { name, value: value as f64, expected });
+            return Err(Error::value(name, value, expected));
         }
     }
     Ok(())

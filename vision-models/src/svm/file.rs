@@ -18,11 +18,9 @@ use std::{fmt, path::Path, str::FromStr};
 use ndarray::{Array1, Array2};
 
 use super::LinearSvm;
-use crate::{
-    Error,
-    file::{in_file, read_text, without_byte_order_mark},
-    labels::MAX_CLASSES,
-};
+use crate::error::Error;
+use crate::file::{in_file, read_text, without_byte_order_mark};
+use crate::labels::MAX_CLASSES;
 
 const FIRST_LINE: &str = "linear-svm 1";
 /// More features than any network has.
@@ -66,13 +64,8 @@ impl FromStr for LinearSvm {
     fn from_str(text: &str) -> Result<Self, Error> {
         let text = without_byte_order_mark(text);
         let mut lines = text.lines().zip(1..);
-        let mut next = |expected: &str| {
-            lines.next().ok_or_else(|| Error::SvmFile {
-                line: text.lines().count() + 1,
-                expected: expected.into(),
-            })
-        };
-        let refuse = |line, expected: &str| Error::SvmFile { line, expected: expected.into() };
+        let mut next =
+            |expected: &str| lines.next().ok_or_else(|| refuse(text.lines().count() + 1, expected));
 
         let (first, line) = next(FIRST_LINE)?;
         if first != FIRST_LINE {
@@ -125,4 +118,9 @@ impl FromStr for LinearSvm {
             .map_err(|_| refuse(0, "weights for every plane"))?;
         Self::new(classes, weights, Array1::from_vec(biases))
     }
+}
+
+/// An error of a line, counted from one.
+fn refuse(line: usize, expected: &str) -> Error {
+    Error::malformed(&format!("linear SVM file, line {line}"), format!("expected {expected}"))
 }

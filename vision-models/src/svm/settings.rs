@@ -1,6 +1,7 @@
 //! What is minimised, and how far.
 
-use crate::Error;
+use crate::error::Error;
+use crate::samples::misfit;
 
 /// The penalty of a sample that is ξ = max(0, 1 − y f(x)) short of its margin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,7 +80,7 @@ impl SvmSettings {
     /// Checks every setting.
     ///
     /// # Errors
-    /// [`Error::Setting`] for a cost, a tolerance, a scaling or a weight that is not positive and finite.
+    /// [`Error::Value`] for a cost, a tolerance, a scaling or a weight that is not positive and finite.
     pub fn validate(&self) -> Result<(), Error> {
         let scaling = match self.bias {
             Bias::Free => 1.0,
@@ -93,7 +94,7 @@ impl SvmSettings {
         let weights = weights.iter().map(|&weight| ("class_weights", weight));
         for (name, value) in named.into_iter().chain(weights) {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::Setting { name, value, expected: "a positive finite number" });
+                return Err(Error::value(name, value, "a positive finite number"));
             }
         }
         Ok(())
@@ -116,7 +117,7 @@ impl SvmSettings {
             ClassWeights::Given(weights) => {
                 let problem =
                     format!("{} class weights for {classes} classes: give one each", weights.len());
-                return Err(Error::Samples { problem });
+                return Err(misfit(problem));
             }
         };
         Ok(weights.into_iter().map(|weight| weight * self.cost).collect())

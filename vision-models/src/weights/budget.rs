@@ -1,7 +1,7 @@
 //! The memory that a checkpoint file may take.
 
-use super::{CheckpointError, Tensor, shape::elements};
-use crate::Error;
+use super::{Tensor, error::beyond, shape::elements};
+use crate::error::Error;
 
 /// What remains of the memory that opening and reading a file may take: four times its size and
 /// [`Budget::BESIDE`]. Whatever is kept because of something in the file is taken off before it is
@@ -27,14 +27,13 @@ impl Budget {
     /// Takes `bytes` off.
     ///
     /// # Errors
-    /// [`CheckpointError::Limit`].
+    /// [`Error::Checkpoint`].
     pub(super) fn take(&mut self, bytes: usize) -> Result<(), Error> {
         self.taken = self.taken.saturating_add(bytes as u64);
         if self.taken <= self.limit {
             return Ok(());
         }
-        let (value, limit) = (self.taken, self.limit);
-        Err(CheckpointError::Limit { what: "bytes of memory for the file", value, limit }.into())
+        Err(beyond("bytes of memory for the file", self.taken, self.limit))
     }
 
     /// Takes an entry of a `BTreeMap` off: its nodes may be half empty.

@@ -7,10 +7,11 @@ use std::{
 };
 
 use super::{
-    CheckpointError, Format, TensorInfo, TensorSource, budget::Budget, contents::Contents,
-    input::reading, safetensors, torch,
+    Format, TensorInfo, TensorSource, budget::Budget, contents::Contents, error::refused,
+    input::reading, safetensors, source::no_tensor, torch,
 };
-use crate::{Error, Tensor, Tensors};
+use crate::error::Error;
+use crate::weights::{Tensor, Tensors};
 
 /// A checkpoint whose tensors are read from the file as they are asked for.
 ///
@@ -76,7 +77,13 @@ impl<R: Read + Seek> Checkpoint<R> {
         } else if safetensors::is_safetensors(&start) {
             safetensors::read(&mut source, length, &mut budget)?
         } else {
-            return Err(CheckpointError::UnknownFormat { start }.into());
+            return Err(refused(
+                "not a checkpoint",
+                format_args!(
+                    "it starts with {start:02x?}; give a .pth of torch.save (the zip format of \
+                     PyTorch 1.6 or later, or the older stream) or a .safetensors"
+                ),
+            ));
         };
         contents.unwrap_names(&mut budget)?;
         // Views of one storage may overlap, and an axis without a stride repeats its elements.
@@ -85,7 +92,13 @@ impl<R: Read + Seek> Checkpoint<R> {
             .values()
             .fold(0_u64, |sum, info| sum.saturating_add(info.elements() as u64));
         if elements > length {
-            return Err(CheckpointError::Inflated { elements, bytes: length }.into());
+            return Err(refused(
+                "tensors",
+                format_args!(
+                    "they have {elements} elements together, more than the file has bytes ({length}): \
+                     overlapping views are read only up to that size"
+                ),
+            ));
         }
         // What [`Self::read`] would take.
         for (name, info) in &contents.tensors {
@@ -126,7 +139,7 @@ impl<R: Read + Seek> Checkpoint<R> {
     /// Reads a tensor, its elements as f32.
     ///
     /// # Errors
-    /// [`Error::NoTensor`]; [`Error::File`]; [`CheckpointError::Checksum`].
+    /// [`Error::Name`]; [`Error::File`]; [`Error::Checkpoint`] for another checksum.
     pub fn tensor(&mut self, name: &str) -> Result<Tensor, Error> {
         let info = self.info(name)?;
         let mut values = Vec::with_capacity(info.elements());
@@ -155,7 +168,7 @@ impl<R: Read + Seek> Checkpoint<R> {
     /// Writes the tensors as safetensors, each with its element type.
     ///
     /// # Errors
-    /// [`Error::File`] of either side; [`CheckpointError::Checksum`].
+    /// [`Error::File`] of either side; [`Error::Checkpoint`] for another checksum.
     pub fn write_safetensors(&mut self, mut writer: impl Write) -> Result<(), Error> {
         let entries = self.tensors().map(|(name, info)| (name, info.element(), info.shape()));
         safetensors::write_header(&mut writer, entries)?;
@@ -174,7 +187,7 @@ impl<R: Read + Seek> Checkpoint<R> {
 
     fn info(&self, name: &str) -> Result<TensorInfo, Error> {
         let info = self.contents.tensors.get(name).cloned();
-        info.ok_or_else(|| Error::NoTensor { name: name.into() })
+        info.ok_or_else(|| no_tensor(name))
     }
 }
 

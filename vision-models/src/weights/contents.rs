@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, fmt};
 
 use super::{TensorInfo, budget::Budget};
-use crate::Error;
+use crate::error::Error;
 
 /// The format of a checkpoint file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 
-use super::CheckpointError;
-use crate::Error;
+use super::error::{beyond, truncated};
+use crate::error::Error;
 
 /// More bytes than the name of any module or class has.
 const LONGEST_LINE: usize = 4096;
@@ -26,9 +26,7 @@ impl<'a, R: Read + Seek> Input<BufReader<&'a mut R>> {
         let available = length.saturating_sub(position);
         if size > available {
             let what = "part of the file";
-            return Err(
-                CheckpointError::Truncated { what, position, needed: size, available }.into()
-            );
+            return Err(truncated(what, position, size, available));
         }
         source.seek(SeekFrom::Start(position)).map_err(|error| reading(&error))?;
         Ok(Self::new(BufReader::new(source), position, size))
@@ -93,7 +91,7 @@ impl<R: BufRead> Input<R> {
                 _ => {
                     let limit = LONGEST_LINE as u64;
                     let what = "bytes of a name in the pickle";
-                    return Err(CheckpointError::Limit { what, value: limit + 1, limit }.into());
+                    return Err(beyond(what, limit + 1, limit));
                 }
             }
         }
@@ -105,9 +103,7 @@ impl<R: BufRead> Input<R> {
             (usize::try_from(length), self.remaining.checked_sub(length))
         else {
             let (position, available) = (self.position, self.remaining);
-            return Err(
-                CheckpointError::Truncated { what, position, needed: length, available }.into()
-            );
+            return Err(truncated(what, position, length, available));
         };
         self.position += length;
         self.remaining = remaining;

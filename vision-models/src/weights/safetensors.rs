@@ -14,13 +14,16 @@ use serde::{
 };
 
 use super::{
-    CheckpointError, ElementType, Format, TensorInfo,
+    ElementType, Format, TensorInfo,
     budget::Budget,
     contents::Contents,
+    error::{beyond, refused},
     input::{Input, reading},
     shape::{MAX_AXES, elements},
 };
-use crate::{Error, Tensors, error::Excerpt};
+use crate::error::Error;
+use crate::excerpt::Excerpt;
+use crate::weights::Tensors;
 
 /// The largest header that is accepted (bytes); the format allows 100 MB.
 const MAX_HEADER: u64 = 16 << 20;
@@ -52,8 +55,7 @@ pub(super) fn read<R: Read + Seek>(
 ) -> Result<Contents, Error> {
     let size = u64::from_le_bytes(Input::open(source, 0, length.min(8), length)?.array("header")?);
     if size > MAX_HEADER {
-        let what = "bytes of the safetensors header";
-        return Err(CheckpointError::Limit { what, value: size, limit: MAX_HEADER }.into());
+        return Err(beyond(HEADER_BYTES, size, MAX_HEADER));
     }
     let mut input = Input::open(source, 8, size, length)?;
     // The header, and the text that is being read in it.
@@ -170,8 +172,7 @@ pub(super) fn write_header<'a>(
     // The format asks for spaces up to a multiple of eight.
     header.resize(header.len().next_multiple_of(8), b' ');
     if header.len() as u64 > MAX_HEADER {
-        let (what, value) = ("bytes of the safetensors header", header.len() as u64);
-        return Err(CheckpointError::Limit { what, value, limit: MAX_HEADER }.into());
+        return Err(beyond(HEADER_BYTES, header.len() as u64, MAX_HEADER));
     }
     let mut budget = Budget::of_file(8 + header.len() as u64 + next);
     budget.take(2 * header.len())?;
@@ -186,8 +187,10 @@ pub(super) fn write_header<'a>(
         .map_err(|error| reading(&error))
 }
 
+const HEADER_BYTES: &str = "bytes of the safetensors header";
+
 fn problem(problem: String) -> Error {
-    CheckpointError::Header { problem }.into()
+    refused("safetensors header", problem)
 }
 
 struct HeaderToWrite<'a>(Vec<(&'a str, Record)>);

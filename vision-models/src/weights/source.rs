@@ -1,6 +1,7 @@
 //! Where a network takes its weights from.
 
-use crate::{Error, Tensor, Tensors};
+use crate::error::Error;
+use crate::weights::{Tensor, Tensors};
 
 /// Named tensors that are given out one at a time: all in memory ([`Tensors`]), or read from their
 /// file as they are asked for ([`Checkpoint`](crate::Checkpoint)), so that a network that packs its
@@ -21,9 +22,14 @@ pub trait TensorSource {
     /// Gives the tensor of this name; it may be asked for only once.
     ///
     /// # Errors
-    /// [`Error::NoTensor`] if there is none of this name (left); whatever can be wrong in reading
+    /// [`Error::Name`] if there is none of this name (left); whatever can be wrong in reading
     /// it.
     fn take(&mut self, name: &str) -> Result<Tensor, Error>;
+}
+
+/// The error of a name that no tensor has.
+pub(super) fn no_tensor(name: &str) -> Error {
+    Error::unknown("tensor", name, "the name of a tensor that is among the weights")
 }
 
 impl TensorSource for Tensors {
@@ -36,6 +42,6 @@ impl TensorSource for Tensors {
     }
 
     fn take(&mut self, name: &str) -> Result<Tensor, Error> {
-        self.remove(name).ok_or_else(|| Error::NoTensor { name: name.into() })
+        self.remove(name).ok_or_else(|| no_tensor(name))
     }
 }

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use super::{
-    CheckpointError,
     budget::Budget,
+    error::{of_tensor, refused},
     pickle::{Pickle, Value, View},
 };
-use crate::Error;
+use crate::error::Error;
+use crate::excerpt::Excerpt;
 
 /// The keys under which training programs save a state dict.
 const WRAPPERS: &[&str] = &["state_dict", "model_state", "model_state_dict", "model"];
@@ -47,11 +48,15 @@ impl StateDict {
         found.unread = found.others.get(outside..).unwrap_or_default().to_vec();
         found.collect(pickle, dict, budget)?;
         if found.tensors.is_empty() {
-            return Err(CheckpointError::NoStateDict {
-                found: describe(dict, &found.others),
-                wrappers: WRAPPERS,
-            }
-            .into());
+            let held = describe(dict, &found.others);
+            return Err(refused(
+                "no state dict",
+                format_args!(
+                    "the file holds {}; save it with torch.save(model.state_dict(), path), bare or \
+                     under one of the keys {WRAPPERS:?}",
+                    Excerpt(&held)
+                ),
+            ));
         }
         Ok(found)
     }
@@ -64,7 +69,7 @@ impl StateDict {
                 continue;
             };
             if self.tensors.contains_key(&**name) {
-                return Err(CheckpointError::DuplicateName { name: name.to_string() }.into());
+                return Err(of_tensor(name, "two tensors have this name"));
             }
             let heap = 2 * name.len() + size_of_val(&*view.shape) + size_of_val(&*view.strides);
             budget.take_entry::<String, View>(heap)?;

@@ -2,8 +2,8 @@
 
 use std::io::{Read, Seek, SeekFrom};
 
-use super::{CheckpointError, ElementType, input::reading, shape::elements};
-use crate::Error;
+use super::{ElementType, error::of_tensor, input::reading, shape::elements};
+use crate::error::Error;
 
 /// Bytes that are read at a time: they stay in the cache until they are decoded.
 const CHUNK: usize = 128 << 10;
@@ -95,7 +95,7 @@ impl TensorInfo {
     /// Hands the elements' bytes out in C order, piece by piece, each a whole number of elements.
     ///
     /// # Errors
-    /// [`Error::File`]; [`CheckpointError::Checksum`]; what `sink` gives.
+    /// [`Error::File`]; [`Error::Checkpoint`] for another checksum; what `sink` gives.
     pub(super) fn read<R: Read + Seek>(
         &self,
         name: &str,
@@ -123,7 +123,7 @@ impl TensorInfo {
         if checksum.is_none_or(|(hasher, expected)| hasher.finalize() == expected) {
             Ok(())
         } else {
-            Err(CheckpointError::Checksum { name: name.into() }.into())
+            Err(of_tensor(name, "its bytes have another checksum than the archive says"))
         }
     }
 

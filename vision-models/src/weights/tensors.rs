@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::shape::elements;
-use crate::Error;
+use crate::error::Error;
+use crate::excerpt::Excerpt;
 
 /// An f32 tensor in row-major (C) order. A scalar has the empty shape.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,13 +17,13 @@ impl Tensor {
     /// Takes the elements of a tensor of this shape, the last axis running fastest.
     ///
     /// # Errors
-    /// [`Error::TensorSize`] if `data` has not as many elements as the shape says, or an axis of an
+    /// [`Error::Size`] if `data` has not as many elements as the shape says, or an axis of an
     /// empty tensor is longer than memory can be.
     pub fn new(shape: Vec<usize>, data: Vec<f32>) -> Result<Self, Error> {
         if elements(&shape) == Some(data.len()) {
             Ok(Self { shape, data })
         } else {
-            Err(Error::TensorSize { shape, elements: data.len() })
+            Err(unfilled(&shape, data.len()))
         }
     }
 
@@ -66,11 +67,12 @@ impl Tensors {
     /// Adds a tensor.
     ///
     /// # Errors
-    /// [`Error::DuplicateTensor`] if there is one of this name already.
+    /// [`Error::Value`] if there is one of this name already.
     pub fn insert(&mut self, name: impl Into<String>, tensor: Tensor) -> Result<(), Error> {
         let name = name.into();
         if self.tensors.contains_key(&name) {
-            return Err(Error::DuplicateTensor { name });
+            let tensor = format!("tensor \"{}\"", Excerpt(&name));
+            return Err(Error::value(&tensor, "given twice", "each name of a checkpoint once"));
         }
         self.tensors.insert(name, tensor);
         Ok(())
@@ -100,4 +102,10 @@ impl Tensors {
     pub fn is_empty(&self) -> bool {
         self.tensors.is_empty()
     }
+}
+
+/// The error of elements that do not fill their shape.
+pub(crate) fn unfilled(shape: &[usize], elements: usize) -> Error {
+    let tensor = format!("a tensor of shape {shape:?}");
+    Error::size(&tensor, &[elements], "elements", "one for each place")
 }

@@ -6,16 +6,17 @@ use std::{
 };
 
 use super::{
-    CheckpointError, Format, TensorInfo,
+    Format, TensorInfo,
     budget::Budget,
     contents::Contents,
+    error::{self, big_endian, in_pickle, of_tensor, truncated},
     input::{Input, reading},
     pickle::{self, Pickle, Storage, Value, View},
     state_dict::StateDict,
     tensor_info::Region,
-    zip::Archive,
+    zip::{self, Archive},
 };
-use crate::Error;
+use crate::error::Error;
 
 /// More bytes of pickle than any checkpoint has: the weights are not in it.
 const MAX_PICKLE: u64 = 64 << 20;
@@ -40,14 +41,13 @@ pub(super) fn read_archive<R: Read + Seek>(
         .names()
         .find_map(|name| name.strip_suffix("data.pkl").filter(|root| is_folder(root)))
         .map(str::to_owned)
-        .ok_or_else(|| CheckpointError::Archive {
-            entry: "data.pkl".into(),
-            problem: "it is missing: the archive was not written by torch.save",
+        .ok_or_else(|| {
+            zip::problem("data.pkl", "it is missing: the archive was not written by torch.save")
         })?;
     if let Some(mut input) = archive.open(&format!("{root}byteorder"), 64, source)? {
         let order = input.bytes(input.remaining(), "byte order")?;
         if order.trim_ascii() != b"little" {
-            return Err(CheckpointError::BigEndian.into());
+            return Err(big_endian());
         }
     }
     let state_dict = match archive.open(&format!("{root}data.pkl"), MAX_PICKLE, source)? {
@@ -90,7 +90,7 @@ pub(super) fn read_stream<R: Read + Seek>(
     let machine = pickle::run(&mut input, budget)?;
     match machine.entry(machine.root(), "little_endian") {
         Some(Value::Bool(true)) => {}
-        Some(Value::Bool(false)) => return Err(CheckpointError::BigEndian.into()),
+        Some(Value::Bool(false)) => return Err(big_endian()),
         _ => return Err(malformed("a dict that has \"little_endian\"", &input)),
     }
     let object = pickle::run(&mut input, budget)?;
@@ -109,10 +109,8 @@ pub(super) fn read_stream<R: Read + Seek>(
     let mut regions = BTreeMap::new();
     for key in keys {
         budget.take_entry::<&str, Region>(3 * size_of::<&str>())?;
-        let storage = storages.get(key).ok_or_else(|| CheckpointError::Storage {
-            key: key.into(),
-            problem: "no tensor of a known element type has it, so that its size is unknown".into(),
-        })?;
+        let unknown = "no tensor of a known element type has it, so that its size is unknown";
+        let storage = storages.get(key).ok_or_else(|| error::of_storage(key, unknown))?;
         let mut header = Input::open(source, position, 8, length)?;
         let elements = u64::from_le_bytes(header.array("storage")?);
         if usize::try_from(elements) != Ok(storage.elements) {
@@ -122,8 +120,7 @@ pub(super) fn read_stream<R: Read + Seek>(
         position += 8;
         let (needed, available) = (size(storage)?, length.saturating_sub(position));
         if needed > available {
-            let what = "storage";
-            return Err(CheckpointError::Truncated { what, position, needed, available }.into());
+            return Err(truncated("storage", position, needed, available));
         }
         regions.insert(key, Region { position, elements: storage.elements, checksum: None });
         position += needed;
@@ -151,10 +148,12 @@ fn contents(
         let View { storage, offset, shape, strides } = view;
         let info = TensorInfo::new(storage.element, shape.clone(), strides.clone(), offset, place);
         let Some(info) = info else {
-            let storage = place.elements;
-            return Err(
-                CheckpointError::OutsideStorage { name, shape, strides, offset, storage }.into()
+            let place = format!(
+                "of shape {shape:?}, strides {strides:?} and offset {offset}, it does not lie within \
+                 its storage of {} elements",
+                place.elements
             );
+            return Err(of_tensor(&name, place));
         };
         tensors.insert(name, info);
     }
@@ -181,10 +180,9 @@ fn texts(pickle: &Pickle) -> Option<Vec<&str>> {
 }
 
 fn of_storage(storage: &Storage, problem: String) -> Error {
-    CheckpointError::Storage { key: storage.key.to_string(), problem }.into()
+    error::of_storage(&storage.key, problem)
 }
 
 fn malformed<R: BufRead>(expected: &'static str, input: &Input<R>) -> Error {
-    let problem = super::PickleProblem::Expected(expected);
-    CheckpointError::Pickle { position: input.position(), problem }.into()
+    in_pickle(input.position(), format_args!("expected {expected}"))
 }

@@ -11,11 +11,12 @@ use std::{
 use rawzip::{CompressionMethod, ErrorKind, MAX_CENTRAL_DIRECTORY_RECORD_SIZE, ZipArchive};
 
 use super::{
-    CheckpointError,
     budget::Budget,
+    error::{beyond, refused, truncated},
     input::{Input, reading},
 };
-use crate::Error;
+use crate::error::Error;
+use crate::excerpt::Excerpt;
 
 /// An entry's bytes within the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,8 +92,7 @@ impl Archive {
     ) -> Result<Option<Input<BufReader<&'a mut R>>>, Error> {
         let Some(entry) = self.get(name) else { return Ok(None) };
         if entry.length > limit {
-            let what = "bytes of a zip entry";
-            return Err(CheckpointError::Limit { what, value: entry.length, limit }.into());
+            return Err(beyond("bytes of a zip entry", entry.length, limit));
         }
         let position = self.position(name, entry, source)?;
         Input::open(source, position, entry.length, self.length).map(Some)
@@ -116,10 +116,7 @@ impl Archive {
         let position = input.position() + skip;
         match self.length.checked_sub(position) {
             Some(available) if available >= entry.length => Ok(position),
-            rest => {
-                let (what, needed, available) = ("zip entry", entry.length, rest.unwrap_or(0));
-                Err(CheckpointError::Truncated { what, position, needed, available }.into())
-            }
+            rest => Err(truncated("zip entry", position, entry.length, rest.unwrap_or(0))),
         }
     }
 }
@@ -137,6 +134,6 @@ fn of_zip(error: &rawzip::Error) -> Error {
     }
 }
 
-fn problem(entry: &str, problem: &'static str) -> Error {
-    CheckpointError::Archive { entry: entry.into(), problem }.into()
+pub(super) fn problem(entry: &str, problem: &'static str) -> Error {
+    refused(format_args!("zip archive, entry \"{}\"", Excerpt(entry)), problem)
 }

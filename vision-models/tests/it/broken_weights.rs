@@ -45,9 +45,9 @@ fn weights_that_are_not_finite_are_named() {
     ] {
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             let error = load(with(tensor, &[(place, bad)]), isa).unwrap_err();
-            let Error::Weight { name, index: at, value, .. } = &error else { panic!("{error}") };
-            assert_eq!((name.as_str(), at.as_slice()), (tensor, index));
-            assert_eq!(value.to_bits(), bad.to_bits());
+            let Error::Value { what, got, .. } = &error else { panic!("{error}") };
+            assert_eq!(*what, format!("tensor \"{tensor}\": element {index:?}"));
+            assert_eq!(*got, bad.to_string());
         }
     }
 }
@@ -72,7 +72,15 @@ fn weights_that_overflow_with_their_batch_norm_are_refused() {
     data[3] = f32::MAX;
     tensors.insert("layer1.0.bn2.weight", Tensor::new(vec![64], data).unwrap()).unwrap();
     let error = load(tensors, InstructionSet::detect()).unwrap_err();
-    assert_eq!(error, Error::FoldedWeights { layer: "layer1.0.conv2".into() });
+    assert!(
+        matches!(&error, Error::Overflow { what, .. } if what.contains("layer1.0.conv2")),
+        "{error}"
+    );
+}
+
+/// Whether the error is of the activations of this input.
+fn overflows(error: &Error, input: usize) -> bool {
+    matches!(error, Error::Overflow { what, .. } if what.starts_with(&format!("input {input}: ")))
 }
 
 /// Finite weights, and activations that are not: wherever they overflow, upwards or downwards,
@@ -94,7 +102,7 @@ fn activations_that_overflow_are_an_error() {
                 }
                 let mut network = load(tensors, isa).unwrap();
                 let error = network.infer(image.view()).unwrap_err();
-                assert_eq!(error, Error::Overflow { input: 0 }, "{layer} {} {sign}", isa.name());
+                assert!(overflows(&error, 0), "{layer} {} {sign}: {error}", isa.name());
             }
         }
     }
@@ -108,7 +116,7 @@ fn the_input_that_overflows_is_named_and_spoils_no_other() {
         let first = images.slice(s![..1, .., .., ..]).to_owned();
         let expected = network.infer(first.view()).unwrap().logits.to_owned();
         images.slice_mut(s![1, .., .., ..]).fill(f32::MAX);
-        assert_eq!(network.infer(images.view()), Err(Error::Overflow { input: 1 }));
+        assert!(overflows(&network.infer(images.view()).unwrap_err(), 1));
         assert_eq!(network.infer(first.view()).unwrap().logits, expected);
     }
 }
@@ -125,8 +133,8 @@ fn a_stream_reports_an_overflow_until_the_frame_is_gone() {
         stream.push(video.slice(s![0, .., frame, .., ..])).map(|scores| scores.is_some())
     };
     assert_eq!(push(0), Ok(false));
-    assert_eq!(push(1), Err(Error::Overflow { input: 0 }));
-    assert_eq!(push(2), Err(Error::Overflow { input: 0 }));
+    assert!(overflows(&push(1).unwrap_err(), 0));
+    assert!(overflows(&push(2).unwrap_err(), 0));
     assert_eq!(push(3), Ok(true));
 }
 
@@ -146,5 +154,6 @@ fn a_source_that_breaks_its_word_is_refused() {
         }
     }
     let error = load(Liar(sound()), InstructionSet::detect()).unwrap_err();
-    assert_eq!(error, Error::TensorSize { shape: vec![64, 3, 7, 7], elements: 1 });
+    let message = "a tensor of shape [64, 3, 7, 7] has 1 elements: give one for each place";
+    assert_eq!(error.to_string(), message);
 }

@@ -4,8 +4,7 @@ use std::{collections::BTreeMap, fs, io::Cursor};
 
 use serde_json::Value;
 use vision_models::{
-    Checkpoint, CheckpointError, ElementType, Error, Format, Tensor, TensorInfo, TensorSource,
-    Tensors,
+    Checkpoint, ElementType, Error, Format, Tensor, TensorInfo, TensorSource, Tensors,
 };
 
 fn path(name: &str) -> String {
@@ -20,9 +19,9 @@ fn open(bytes: impl AsRef<[u8]>) -> Result<Checkpoint<Cursor<Vec<u8>>>, Error> {
     Checkpoint::from_reader(Cursor::new(bytes.as_ref().to_vec()))
 }
 
-fn refusal(bytes: impl AsRef<[u8]>) -> CheckpointError {
+fn refusal(bytes: impl AsRef<[u8]>) -> String {
     match open(bytes).and_then(Checkpoint::read) {
-        Err(Error::Checkpoint(error)) => error,
+        Err(error @ Error::Checkpoint { .. }) => error.to_string(),
         other => panic!("expected a refusal, got {other:?}"),
     }
 }
@@ -124,7 +123,8 @@ fn take_gives_a_tensor_once() {
     let mut tensors = Tensors::read(path("wrapped.pth")).unwrap();
     let name = "cls_head.fc_cls.bias";
     assert_eq!(TensorSource::take(&mut tensors, name).unwrap().shape(), [2]);
-    assert_eq!(TensorSource::take(&mut tensors, name), Err(Error::NoTensor { name: name.into() }));
+    let again = TensorSource::take(&mut tensors, name);
+    assert!(matches!(again, Err(Error::Name { what: "tensor", got, .. }) if got == name));
 }
 
 #[test]
@@ -139,7 +139,7 @@ fn missing_file() {
 #[test]
 fn other_files() {
     for start in [&b""[..], b"P", b"# text", b"\x89PNG\r\n\x1a\n", b"PK\x05\x06", &[0; 40]] {
-        assert!(matches!(refusal(start), CheckpointError::UnknownFormat { .. }), "{start:?}");
+        assert!(refusal(start).starts_with("not a checkpoint: "), "{start:?}");
     }
 }
 
@@ -149,7 +149,10 @@ fn every_truncation_is_refused() {
         let whole = bytes(name);
         for length in 0..whole.len() {
             let result = open(&whole[..length]).and_then(Checkpoint::read);
-            assert!(matches!(result, Err(Error::Checkpoint(_))), "{name} cut to {length} bytes");
+            assert!(
+                matches!(result, Err(Error::Checkpoint { .. })),
+                "{name} cut to {length} bytes"
+            );
         }
     }
 }
@@ -162,32 +165,22 @@ fn a_changed_weight_fails_its_checksum() {
     file[place] ^= 1;
     // The whole storage is read: noticed. One of its views alone is not checked.
     let mut checkpoint = open(&file).unwrap();
-    assert_eq!(
-        checkpoint.tensor("whole"),
-        Err(CheckpointError::Checksum { name: "whole".into() }.into())
-    );
+    let error = checkpoint.tensor("whole").unwrap_err().to_string();
+    assert!(error.starts_with("tensor \"whole\": ") && error.contains("checksum"), "{error}");
     assert!(checkpoint.tensor("offset").is_ok());
 }
 
 #[test]
 fn archives_that_torch_does_not_write() {
-    assert_eq!(refusal(bytes("big_endian.pth")), CheckpointError::BigEndian);
-    assert!(matches!(
-        refusal(bytes("compressed.pth")),
-        CheckpointError::Archive { problem, .. } if problem.contains("compressed")
-    ));
+    assert!(refusal(bytes("big_endian.pth")).contains("big-endian"));
+    let compressed = refusal(bytes("compressed.pth"));
+    assert!(compressed.starts_with("zip archive") && compressed.contains("compressed"));
     let traversal = replace(&bytes("plain.pth"), b"plain/version", b"../../version");
-    assert!(matches!(
-        refusal(traversal),
-        CheckpointError::Archive { entry, .. } if entry == "../../version"
-    ));
+    assert!(refusal(traversal).starts_with("zip archive, entry \"../../version\": "));
     let twice = replace(&bytes("plain.pth"), b"plain/data/10", b"plain/data/11");
-    assert!(matches!(
-        refusal(twice),
-        CheckpointError::Archive { entry, .. } if entry == "plain/data/11"
-    ));
+    assert!(refusal(twice).starts_with("zip archive, entry \"plain/data/11\": "));
     let lost = replace(&bytes("plain.pth"), b"plain/data/10", b"plain/data/xx");
-    assert!(matches!(refusal(lost), CheckpointError::Storage { key, .. } if key == "10"));
+    assert!(refusal(lost).starts_with("storage \"10\": "));
 }
 
 /// Replaces every occurrence.

@@ -194,7 +194,7 @@ fn a_saved_head_is_read_again() {
     assert_eq!(LinearHead::read(&mut checkpoint, "fc", names(2)).unwrap(), head);
     let mut checkpoint = vision_models::Checkpoint::open(file.path()).unwrap();
     let other = LinearHead::read(&mut checkpoint, "head", names(2));
-    assert!(matches!(other, Err(Error::NoTensor { name }) if name == "head.weight"));
+    assert!(matches!(other, Err(Error::Name { what: "tensor", got, .. }) if got == "head.weight"));
     let mut checkpoint = vision_models::Checkpoint::open(file.path()).unwrap();
     let more = LinearHead::read(&mut checkpoint, "fc", names(3));
     assert!(more.unwrap_err().to_string().contains("3 classes have 2 rows of 6 weights"));
@@ -237,7 +237,7 @@ fn samples_that_cannot_be_trained_with_are_refused() {
         HeadSettings { batch: 0, ..HeadSettings::default() },
         HeadSettings { epochs: 0, ..HeadSettings::default() },
     ] {
-        assert!(matches!(settings.validate(), Err(Error::Setting { .. })), "{settings:?}");
+        assert!(matches!(settings.validate(), Err(Error::Value { .. })), "{settings:?}");
     }
 }
 

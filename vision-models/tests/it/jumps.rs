@@ -220,8 +220,8 @@ fn who_engages_is_selected_and_kept() {
     // Nobody is left.
     people.update(20.0, &[]).unwrap();
     assert!(people.engaged().is_none() && people.tracks().is_empty());
-    assert!(matches!(people.update(20.0, &[]), Err(Error::TimeOrder { .. })));
-    assert!(matches!(people.update(f64::NAN, &[]), Err(Error::Time { .. })));
+    assert!(matches!(people.update(20.0, &[]), Err(Error::Value { .. })));
+    assert!(matches!(people.update(f64::NAN, &[]), Err(Error::Value { .. })));
 }
 
 #[test]

@@ -185,11 +185,11 @@ fn at_an_edge_the_depth_is_less_certain() {
 fn images_of_another_size_are_refused() {
     let other = DepthImage::from_metres([80, 60], vec![1.0; 4800]).unwrap();
     let error = lifter(camera()).lift(&ImageBody::default(), &other, None).unwrap_err();
-    assert_eq!(error, Error::ImageSize { found: [80, 60], expected: SIZE });
+    assert!(matches!(&error, Error::Size { got, .. } if *got == [80, 60]), "{error}");
     assert!(error.to_string().contains("aligned"), "{error}");
     assert!(matches!(
         DepthImage::from_units([3, 2], &[0; 5], 0.001),
-        Err(Error::DepthSize { size: [3, 2], found: 5 })
+        Err(Error::Size { got, .. }) if got == [5]
     ));
     assert!(DepthImage::from_metres([usize::MAX, 2], vec![1.0]).is_err());
     assert!(DepthImage::from_metres([0, 0], Vec::new()).is_err());
@@ -202,7 +202,7 @@ fn a_camera_upside_down_is_refused() {
     let about_axis = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI);
     let rolled = Isometry3::from_parts(upright.translation, upright.rotation * about_axis);
     let error = Camera::new(intrinsics(), rolled, DepthNoise::D435I).unwrap_err();
-    assert!(matches!(error, Error::UpsideDown { angle } if angle > 2.0), "{error}");
+    assert!(error.to_string().contains("upside down"), "{error}");
     // Straight down is no reason to refuse.
     let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
     let above = Isometry3::from_parts(upright.translation, down);
@@ -212,7 +212,7 @@ fn a_camera_upside_down_is_refused() {
     let gravity = camera.world_from_camera().rotation.inverse() * -Vector3::z();
     assert!(camera.check_gravity(&gravity).is_ok());
     for wrong in [-gravity, Vector3::zeros(), Vector3::repeat(f64::NAN), Vector3::x()] {
-        assert!(matches!(camera.check_gravity(&wrong), Err(Error::Gravity { .. })), "{wrong}");
+        assert!(matches!(camera.check_gravity(&wrong), Err(Error::Value { .. })), "{wrong}");
     }
 }
 
@@ -226,12 +226,13 @@ fn wrong_cameras_and_settings_are_named() {
         ([4, 4], [1.0, 1.0], [0.0, f64::NAN], "cy"),
     ] {
         match Intrinsics::new(size, focal, centre) {
-            Err(Error::Setting { name, .. }) => assert_eq!(name, expected),
+            Err(Error::Value { what, .. }) => assert_eq!(what, expected),
             other => panic!("{expected}: {other:?}"),
         }
     }
     let nowhere = Isometry3::translation(f64::NAN, 0.0, 0.0);
-    assert_eq!(Camera::new(intrinsics(), nowhere, DepthNoise::D435I), Err(Error::CameraPose));
+    let error = Camera::new(intrinsics(), nowhere, DepthNoise::D435I).unwrap_err();
+    assert!(error.to_string().contains("pose is not finite"), "{error}");
     let base = LiftingSettings::default;
     for (expected, settings) in [
         ("window", LiftingSettings { window: 0.0, ..base() }),
@@ -243,7 +244,7 @@ fn wrong_cameras_and_settings_are_named() {
         ),
     ] {
         match Lifter::new(camera(), settings) {
-            Err(Error::Setting { name, .. }) => assert_eq!(name, expected),
+            Err(Error::Value { what, .. }) => assert_eq!(what, expected),
             other => panic!("{expected}: {other:?}"),
         }
     }

@@ -4,25 +4,33 @@
 use std::{fs, io::Cursor};
 
 use proptest::prelude::*;
-use vision_models::{Checkpoint, CheckpointError, Error, PickleProblem, Tensor, Tensors};
+use vision_models::{Checkpoint, Error, Tensor, Tensors};
 
 fn read(file: Vec<u8>) -> Result<Tensors, Error> {
     Checkpoint::from_reader(Cursor::new(file)).and_then(Checkpoint::read)
 }
 
-fn refusal(file: Vec<u8>) -> CheckpointError {
+/// What is said of a file that is refused.
+fn refusal(file: Vec<u8>) -> String {
     match read(file) {
-        Err(Error::Checkpoint(error)) => error,
+        Err(error @ Error::Checkpoint { .. }) => error.to_string(),
         other => panic!("expected a refusal, got {other:?}"),
     }
 }
 
-fn pickle_problem(pickle: Vec<u8>) -> PickleProblem {
-    match refusal(stream(&pickle)) {
-        CheckpointError::Pickle { problem, .. } => problem,
-        other => panic!("expected a problem of the pickle, got {other:?}"),
+/// What is said of a pickle, behind its place.
+fn pickle_problem(pickle: Vec<u8>) -> String {
+    let error = refusal(stream(&pickle));
+    match error.strip_prefix("pickle, byte ").and_then(|error| error.split_once(": ")) {
+        Some((place, problem)) if place.parse::<u64>().is_ok() => problem.to_owned(),
+        _ => panic!("expected a problem of the pickle, got {error}"),
     }
 }
+
+/// What is said of a part of the file beyond what is read.
+const LIMIT: &str = "that are accepted";
+
+const NO_STATE_DICT: &str = "no state dict: the file holds";
 
 /// A file around a pickle, with the storage `s` of the f32 0, 1, 2, 3.
 fn stream(pickle: &[u8]) -> Vec<u8> {
@@ -101,10 +109,9 @@ fn views_beyond_their_storage() {
         (0, &[1 << 62, 8, 0], &[1, 1, 1]),
     ] {
         let error = refusal(stream(&dict(&[("t", view(offset, shape, strides))])));
-        let CheckpointError::OutsideStorage { name, storage, .. } = error else {
-            panic!("{error} for {offset} {shape:?} {strides:?}");
-        };
-        assert_eq!((name.as_str(), storage), ("t", 4));
+        let whole = error.starts_with("tensor \"t\": of shape")
+            && error.ends_with("does not lie within its storage of 4 elements");
+        assert!(whole, "{error} for {offset} {shape:?} {strides:?}");
     }
 }
 
@@ -129,22 +136,22 @@ fn views_with_gaps() {
 fn sizes_that_are_none() {
     for view in [view(-1, &[1], &[1]), view(0, &[-4], &[1]), view(0, &[4], &[-1])] {
         let problem = pickle_problem(dict(&[("t", view)]));
-        assert_eq!(problem, PickleProblem::Expected("a size, zero or more"));
+        assert_eq!(problem, "expected a size, zero or more");
     }
     let problem = pickle_problem(dict(&[("t", view(0, &[2, 2], &[1]))]));
-    assert_eq!(problem, PickleProblem::Expected("as many strides as axes"));
+    assert_eq!(problem, "expected as many strides as axes");
     let problem = pickle_problem(dict(&[("t", view(0, &[1; 9], &[1; 9]))]));
-    assert_eq!(problem, PickleProblem::Expected("a tuple of at most eight sizes"));
+    assert_eq!(problem, "expected a tuple of at most eight sizes");
 }
 
 #[test]
 fn an_axis_without_stride_cannot_inflate_the_file() {
     let error = refusal(stream(&dict(&[("t", view(0, &[1_000_000_000_000], &[0]))])));
-    assert!(matches!(error, CheckpointError::Inflated { elements: 1_000_000_000_000, .. }));
+    assert!(error.contains("they have 1000000000000 elements together"), "{error}");
     // Neither can many small ones.
     let names: Vec<_> = (0..1000).map(|index| index.to_string()).collect();
     let many: Vec<_> = names.iter().map(|name| (name.as_str(), view(0, &[1000], &[0]))).collect();
-    assert!(matches!(refusal(stream(&dict(&many))), CheckpointError::Inflated { .. }));
+    assert!(refusal(stream(&dict(&many))).contains("elements together"));
 }
 
 #[test]
@@ -155,7 +162,7 @@ fn storages_that_lie_about_their_size() {
     };
     assert!(read(tensor(4)).is_ok());
     for elements in [0, 1, 5, i64::MAX] {
-        assert!(matches!(refusal(tensor(elements)), CheckpointError::Storage { .. }));
+        assert!(refusal(tensor(elements)).starts_with("storage \"s\": "));
     }
 }
 
@@ -163,7 +170,7 @@ fn storages_that_lie_about_their_size() {
 fn two_tensors_of_one_name() {
     let tensor = || view(0, &[1], &[1]);
     let error = refusal(stream(&dict(&[("t", tensor()), ("t", tensor())])));
-    assert_eq!(error, CheckpointError::DuplicateName { name: "t".into() });
+    assert_eq!(error, "tensor \"t\": two tensors have this name");
 }
 
 #[test]
@@ -177,7 +184,7 @@ fn no_state_dict() {
         view(0, &[1], &[1]),
         call("os.system", tuple(&[text("echo this must never be printed")])),
     ] {
-        assert!(matches!(refusal(stream(&pickle)), CheckpointError::NoStateDict { .. }));
+        assert!(refusal(stream(&pickle)).starts_with(NO_STATE_DICT));
     }
 }
 
@@ -185,24 +192,24 @@ fn no_state_dict() {
 fn a_wrapper_within_itself_ends() {
     // d = {}; d["state_dict"] = d
     let pickle = [b"}q\x00".to_vec(), text("state_dict"), b"h\x00s".to_vec()].concat();
-    assert!(matches!(refusal(stream(&pickle)), CheckpointError::NoStateDict { .. }));
+    assert!(refusal(stream(&pickle)).starts_with(NO_STATE_DICT));
 }
 
 #[test]
 fn machines_that_break() {
     for (pickle, problem) in [
-        (&b"0"[..], PickleProblem::EmptyStack),
-        (b"N(0", PickleProblem::EmptyStack),
-        (b"R", PickleProblem::EmptyStack),
-        (b"t", PickleProblem::NoMark),
-        (b"h\x07", PickleProblem::EmptyMemo(7)),
-        (b"\xff", PickleProblem::Opcode(0xff)),
-        (b"I1\n", PickleProblem::Opcode(b'I')),
-        (b"\x80\x09", PickleProblem::Protocol(9)),
-        (b"X\x01\x00\x00\x00\xff", PickleProblem::Text),
-        (b"K\x01K\x02a", PickleProblem::Expected("a list to append to")),
-        (b"}(Nu", PickleProblem::Expected("a dict, keys and values")),
-        (b"K\x01Q", PickleProblem::Expected("(\"storage\", class, key, device, elements)")),
+        (&b"0"[..], "the stack is empty"),
+        (b"N(0", "the stack is empty"),
+        (b"R", "the stack is empty"),
+        (b"t", "there is no mark on the stack"),
+        (b"h\x07", "memo 7 is empty"),
+        (b"\xff", "0xff is no opcode of pickle protocols 1 to 5"),
+        (b"I1\n", "0x49 is no opcode of pickle protocols 1 to 5"),
+        (b"\x80\x09", "pickle protocol 9: only 0 to 5 exist"),
+        (b"X\x01\x00\x00\x00\xff", "text that is not UTF-8"),
+        (b"K\x01K\x02a", "expected a list to append to"),
+        (b"}(Nu", "expected a dict, keys and values"),
+        (b"K\x01Q", "expected (\"storage\", class, key, device, elements)"),
     ] {
         assert_eq!(pickle_problem(pickle.to_vec()), problem, "{pickle:?}");
     }
@@ -216,29 +223,29 @@ fn a_billion_laughs_stay_one() {
         let before = [b'h', level - 1].repeat(10);
         pickle.extend([b"](", &before[..], b"eq", &[level]].concat());
     }
-    assert!(matches!(refusal(stream(&pickle)), CheckpointError::NoStateDict { .. }));
+    assert!(refusal(stream(&pickle)).starts_with(NO_STATE_DICT));
 }
 
 #[test]
 fn deep_nesting_ends() {
     let pickle = b"(".repeat(1 << 20);
     let lists = |depth: usize| [b"]".repeat(depth), b"a".repeat(depth - 1)].concat();
-    assert_eq!(pickle_problem(pickle), PickleProblem::EmptyStack);
-    assert!(matches!(refusal(stream(&lists(1 << 16))), CheckpointError::NoStateDict { .. }));
-    assert!(matches!(refusal(stream(&lists(1 << 20))), CheckpointError::Limit { .. }));
+    assert_eq!(pickle_problem(pickle), "the stack is empty");
+    assert!(refusal(stream(&lists(1 << 16))).starts_with(NO_STATE_DICT));
+    assert!(refusal(stream(&lists(1 << 20))).contains(LIMIT));
 }
 
 #[test]
 fn more_values_than_any_checkpoint_has() {
     for opcode in [&b"N"[..], b"}", b"("] {
         let error = refusal(stream(&opcode.repeat(3 << 20)));
-        assert!(matches!(error, CheckpointError::Limit { .. }), "{error}");
+        assert!(error.contains(LIMIT), "{error}");
     }
     // A list of 1000 pairs, made a dict again and again.
     let pairs = ["](".to_owned().into_bytes(), b"](NNe".repeat(1000), b"eq\x00".to_vec()].concat();
     let again = b"ccollections\nOrderedDict\nh\x00\x85R".repeat(4000);
     let error = refusal(stream(&[pairs, again].concat()));
-    assert!(matches!(error, CheckpointError::Limit { .. }), "{error}");
+    assert!(error.contains(LIMIT), "{error}");
 }
 
 #[test]
@@ -256,7 +263,7 @@ fn lengths_beyond_the_file() {
         let file = stream(pickle);
         let cut = file.windows(pickle.len()).position(|window| window == pickle).unwrap();
         let error = refusal(file[..cut + pickle.len()].to_vec());
-        assert!(matches!(error, CheckpointError::Truncated { .. }), "{error} for {pickle:?}");
+        assert!(error.ends_with("the file is cut off or corrupted"), "{error} for {pickle:?}");
     }
 }
 
@@ -293,11 +300,11 @@ fn safetensors_headers() {
         format!("{{\"__metadata__\":{}1{}}}", "[".repeat(10_000), "]".repeat(10_000)),
     ] {
         let error = refusal(safetensors(&header));
-        assert!(matches!(error, CheckpointError::Header { .. }), "{error} for {header}");
+        assert!(error.starts_with("safetensors header: "), "{error} for {header}");
     }
     let mut long = safetensors("{}");
     long[..8].copy_from_slice(&u64::MAX.to_le_bytes());
-    assert!(matches!(refusal(long), CheckpointError::Limit { .. }));
+    assert!(refusal(long).contains(LIMIT));
 }
 
 /// What is written is what this crate reads; what it would refuse is refused before the first byte.
@@ -335,7 +342,7 @@ fn a_changed_end_of_an_archive_is_a_typed_error() {
             let mut changed = file.clone();
             changed[place] = byte;
             if let Err(error) = read(changed) {
-                assert!(matches!(error, Error::Checkpoint(_)), "{place}: {error}");
+                assert!(matches!(error, Error::Checkpoint { .. }), "{place}: {error}");
                 refused += 1;
             }
         }
@@ -377,7 +384,7 @@ proptest! {
             bytes.truncate(cut.index(bytes.len()));
         }
         if let Err(error) = read(bytes) {
-            prop_assert!(matches!(error, Error::Checkpoint(_)), "{error}");
+            prop_assert!(matches!(error, Error::Checkpoint { .. }), "{error}");
         }
     }
 
@@ -390,7 +397,7 @@ proptest! {
         ),
     ) {
         if let Err(error) = read(stream(&pickle)) {
-            prop_assert!(matches!(error, Error::Checkpoint(_)), "{error}");
+            prop_assert!(matches!(error, Error::Checkpoint { .. }), "{error}");
         }
     }
 }

@@ -143,7 +143,7 @@ fn slow_fast_agrees_with_pytorchvideo_and_mmaction2() {
             SlowFast::load(form, tensors, [frames, height, width], options(2)).unwrap();
         golden.check(network.infer(clips.view()).unwrap());
         let short = network.infer(Array5::zeros((1, 3, 31, height, width)).view()).unwrap_err();
-        assert_eq!(short, Error::FrameCount { frames: 31, expected: 32 });
+        assert_eq!(short.to_string(), "a clip has 31 frames: give 32");
     }
 }
 
@@ -259,7 +259,7 @@ fn everything_wrong_with_a_checkpoint_is_listed() {
     let Error::Weights { network, found, missing, surplus, misshapen } = error else {
         panic!("{message}")
     };
-    assert_eq!((network, found), (Some(NetworkKind::ResNet(ResNetDepth::Eighteen.into())), None));
+    assert_eq!((network.as_deref(), found), (Some("ResNet-18"), None));
     assert_eq!(missing, ["conv1.weight [64, 3, 7, 7]", "layer4.1.bn2.running_var [512]"]);
     assert_eq!(surplus, ["head.weight"]);
     assert_eq!(misshapen, ["fc.bias [4] instead of [5]"]);
@@ -284,7 +284,7 @@ impl TensorSource for Shapes {
     }
 
     fn take(&mut self, name: &str) -> Result<Tensor, Error> {
-        Err(Error::NoTensor { name: name.into() })
+        Err(Error::Name { what: "tensor", got: name.into(), wanted: "another" })
     }
 }
 
@@ -305,7 +305,7 @@ fn a_checkpoint_of_another_network_is_recognised() {
         let fifty = ResNetDepth::Fifty;
         let error = ResNet::load(fifty, shapes(kind, 7), [224, 224], options(1)).unwrap_err();
         assert_eq!(error.to_string(), format!("the checkpoint is a {kind}, not a ResNet-50"));
-        assert!(matches!(error, Error::Weights { found, .. } if found == Some(kind)));
+        assert!(matches!(error, Error::Weights { found, .. } if found == Some(kind.to_string())));
     }
     let names: std::collections::BTreeSet<_> =
         NetworkKind::all().iter().map(ToString::to_string).collect();
@@ -367,17 +367,17 @@ fn bad_inputs_are_refused_and_the_network_goes_on() {
         bad[[0, 1, 5, 9]] = value;
         let error = network.infer(bad.view()).unwrap_err();
         assert!(
-            matches!(error, Error::NotFinite { index: [0, 1, 0, 5, 9], .. }),
+            matches!(&error, Error::Value { what, .. } if what.contains("[0, 1, 0, 5, 9]")),
             "{value} gave {error}"
         );
     }
     for shape in [(0, 3, 64, 64), (1, 1, 64, 64), (1, 4, 64, 64), (1, 0, 64, 64)] {
         let error = network.infer(Array4::zeros(shape).view()).unwrap_err();
-        assert!(matches!(error, Error::InputShape { .. }), "{shape:?} gave {error}");
+        assert!(matches!(error, Error::Size { .. }), "{shape:?} gave {error}");
     }
     for shape in [(1, 3, 0, 64), (1, 3, 64, 0), (1, 3, 0, 0)] {
         let error = network.infer(Array4::zeros(shape).view()).unwrap_err();
-        assert!(matches!(error, Error::InputTooSmall { .. }), "{shape:?} gave {error}");
+        assert!(error.to_string().contains("too small"), "{shape:?} gave {error}");
     }
     assert_eq!(bits(network.infer(image.view()).unwrap().logits), expected);
     // The smallest image there is.
@@ -390,11 +390,14 @@ fn clips_that_do_not_fit_the_head_are_refused() {
     let tensors = || weights(SlowOnly::parameters(form, 3));
     let mut network = SlowOnly::load(form, tensors(), [8, 224, 224], options(1)).unwrap();
     let short = network.infer(Array5::zeros((1, 3, 7, 200, 200)).view()).unwrap_err();
-    assert_eq!(short, Error::PoolTooSmall { axis: 0, length: 7, window: 8 });
+    let says = |error: &Error, part: &str| assert!(error.to_string().contains(part), "{error}");
+    says(&short, "has 7 frames: give more");
+    says(&short, "takes 8");
     let narrow = network.infer(Array5::zeros((1, 3, 8, 200, 192)).view()).unwrap_err();
-    assert_eq!(narrow, Error::PoolTooSmall { axis: 2, length: 6, window: 7 });
+    says(&narrow, "has 6 columns: give more");
+    says(&narrow, "takes 7");
     let none = network.infer(Array5::zeros((1, 3, 0, 200, 200)).view()).unwrap_err();
-    assert!(matches!(none, Error::InputTooSmall { .. }));
+    says(&none, "too small");
 }
 
 #[test]
@@ -407,9 +410,9 @@ fn a_stream_refuses_other_frames() {
     let frame = frame.index_axis(Axis(0), 0);
     assert!(stream.push(frame).unwrap().is_none());
     let doubled = concatenate(Axis(1), &[frame, frame]).unwrap();
-    assert!(matches!(stream.push(doubled.view()), Err(Error::FrameShape { .. })));
+    assert!(matches!(stream.push(doubled.view()), Err(Error::Size { .. })));
     let mut bad = frame.to_owned();
     bad[[2, 3, 4]] = f32::NAN;
-    assert!(matches!(stream.push(bad.view()), Err(Error::NotFinite { .. })));
+    assert!(matches!(stream.push(bad.view()), Err(Error::Value { .. })));
     assert!(stream.push(frame).unwrap().is_some());
 }

@@ -20,7 +20,7 @@ fn counted(joints: usize) -> Vec<[f64; 3]> {
 
 fn problem(text: &str) -> String {
     match ImageBody::from_openpose(text.as_bytes()) {
-        Err(error @ Error::OpenPose { .. }) => error.to_string(),
+        Err(error @ Error::Malformed { .. }) => error.to_string(),
         other => panic!("{other:?}"),
     }
 }

@@ -149,16 +149,13 @@ fn a_clip_is_its_frames() {
 fn frames_that_are_refused() {
     for shape in [(0, 5, 3), (5, 0, 3), (5, 5, 1), (5, 5, 4), (16_385, 1, 3)] {
         let frame = Array3::<u8>::zeros(shape);
-        assert!(matches!(
-            Preprocessing::TORCHVISION.image(frame.view()),
-            Err(Error::FrameShape { .. })
-        ));
+        assert!(matches!(Preprocessing::TORCHVISION.image(frame.view()), Err(Error::Size { .. })));
         assert!(resize_pillow(frame.view(), 4, 4).is_err());
         assert!(resize_opencv(frame.view(), 4, 4).is_err());
     }
     // One side would become 25,500 pixels long.
     let thin = Array3::<u8>::zeros((1, 100, 3));
-    assert!(matches!(Preprocessing::TORCHVISION.image(thin.view()), Err(Error::FrameShape { .. })));
+    assert!(matches!(Preprocessing::TORCHVISION.image(thin.view()), Err(Error::Size { .. })));
     let frame = frame(5, 5);
     assert!(resize_pillow(frame.view(), 0, 4).is_err());
     for preprocessing in [
@@ -166,17 +163,16 @@ fn frames_that_are_refused() {
         Preprocessing { resize: Resize::Square(0), ..Preprocessing::TORCHVISION },
         Preprocessing { resize: Resize::ShortSide(usize::MAX), ..Preprocessing::TORCHVISION },
     ] {
-        assert!(matches!(preprocessing.image(frame.view()), Err(Error::Setting { .. })));
+        assert!(matches!(preprocessing.image(frame.view()), Err(Error::Value { .. })));
     }
-    assert_eq!(
-        Preprocessing { crop: 256, ..Preprocessing::TORCHVISION }.image(frame.view()),
-        Err(Error::CropTooLarge { crop: 256, height: 255, width: 255 })
-    );
+    let large = Preprocessing { crop: 256, ..Preprocessing::TORCHVISION }.image(frame.view());
+    let message = "the resized frame has 255 × 255 pixels: give at least 256 × 256 for the crop";
+    assert_eq!(large.unwrap_err().to_string(), message);
     assert_eq!(Preprocessing::MMACTION2.clip(&[]), Err(Error::NoFrames));
     let other = self::frame(5, 6);
     assert!(matches!(
         Preprocessing::MMACTION2.clip(&[frame.view(), other.view()]),
-        Err(Error::FrameShape { .. })
+        Err(Error::Size { .. })
     ));
     for sampling in [
         ClipSampling::Mmaction2 { length: 0, interval: 4, clips: 1 },
@@ -184,7 +180,7 @@ fn frames_that_are_refused() {
         ClipSampling::Mmaction2 { length: 8, interval: 4, clips: usize::MAX },
         ClipSampling::PyTorchVideo { length: 0 },
     ] {
-        assert!(matches!(sampling.indices(30), Err(Error::Setting { .. })));
+        assert!(matches!(sampling.indices(30), Err(Error::Value { .. })));
         assert!(sampling.indices(0).is_err());
     }
 }

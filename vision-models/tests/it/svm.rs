@@ -159,7 +159,7 @@ fn what_is_refused() {
     let train = |points: &Array2<f32>, labels: &[usize], classes| {
         LinearSvm::train(points.view(), labels, classes, &SvmSettings::default()).map(|_| ())
     };
-    let is_samples = |result| matches!(result, Err(Error::Samples { .. }));
+    let is_samples = |result| matches!(result, Err(Error::Malformed { .. }));
     assert!(is_samples(train(&points, &[0], names(2))));
     assert!(is_samples(train(&points, &[0, 2], names(2))));
     assert!(is_samples(train(&points, &[0, 0], names(2))));
@@ -168,7 +168,7 @@ fn what_is_refused() {
     assert!(is_samples(train(&Array2::zeros((0, 2)), &[], names(2))));
     assert!(is_samples(train(&Array2::zeros((2, 0)), &[0, 1], names(2))));
     let nan = train(&array![[1.0, 0.0], [3.0, f32::NAN]], &[0, 1], names(2));
-    assert!(matches!(nan, Err(Error::Feature { row: 1, column: 1, .. })));
+    assert!(matches!(nan, Err(Error::Value { what, .. }) if what == "row 1, column 1"));
     for settings in [
         SvmSettings { cost: 0.0, ..SvmSettings::default() },
         SvmSettings { tolerance: f64::NAN, ..SvmSettings::default() },
@@ -179,7 +179,7 @@ fn what_is_refused() {
         },
     ] {
         let result = LinearSvm::train(points.view(), &[0, 1], names(2), &settings);
-        assert!(matches!(result, Err(Error::Setting { .. })));
+        assert!(matches!(result, Err(Error::Value { .. })));
     }
     let class_weights = ClassWeights::Given(vec![1.0]);
     let one = SvmSettings { class_weights, ..SvmSettings::default() };
@@ -216,15 +216,18 @@ fn files_that_are_refused() {
         let changed = text.replacen(from, to, 1);
         assert_ne!(changed, text);
         match changed.parse::<LinearSvm>() {
-            Err(Error::SvmFile { line: at, .. }) => assert_eq!(at, line, "{to:?}"),
+            Err(Error::Malformed { what, .. }) => {
+                assert_eq!(what, format!("linear SVM file, line {line}"), "{to:?}");
+            }
             other => panic!("{other:?} for {to:?}"),
         }
     }
-    assert!(matches!(text.replace("1e0", "NaN").parse::<LinearSvm>(), Err(Error::Feature { .. })));
+    assert!(matches!(text.replace("1e0", "NaN").parse::<LinearSvm>(), Err(Error::Value { .. })));
     // No part of a file is a whole one, not even one that is cut within the last number.
     for end in 0..text.len() {
         let cut = &text[..end];
-        assert!(matches!(cut.parse::<LinearSvm>(), Err(Error::SvmFile { .. })), "{cut:?}");
+        let error = cut.parse::<LinearSvm>().unwrap_err().to_string();
+        assert!(error.starts_with("linear SVM file, line"), "{cut:?}: {error}");
     }
     assert_eq!(text.parse::<LinearSvm>().unwrap(), svm);
 }
@@ -279,7 +282,7 @@ fn classes_without_a_name_of_their_own_are_refused() {
             LinearSvm::train(samples.view(), &[0, 1], names(), &SvmSettings::default())
                 .map(|(svm, _)| svm),
         ] {
-            let Err(Error::Samples { problem }) = refused else { panic!("{refused:?}") };
+            let Err(Error::Malformed { problem, .. }) = refused else { panic!("{refused:?}") };
             assert!(problem.starts_with(said), "{problem}");
         }
     }
@@ -365,11 +368,12 @@ proptest! {
                 };
                 prop_assert_eq!(words(&again), words(&text));
             }
-            Err(Error::SvmFile { line, .. }) => {
+            Err(Error::Malformed { what, .. }) if what.starts_with("linear SVM file, line ") => {
+                let line: usize = what["linear SVM file, line ".len()..].parse().unwrap();
                 prop_assert!((1..=text.lines().count() + 1).contains(&line));
             }
             Err(error) => prop_assert!(
-                matches!(error, Error::Samples { .. } | Error::Feature { .. }), "{error}"
+                matches!(error, Error::Malformed { .. } | Error::Value { .. }), "{error}"
             ),
         }
         if changes.is_empty() {

@@ -24,8 +24,8 @@ impl Problem {
                     self.place(*source_of_row)
                 )
             }
-            Error::TooLarge { source_of_row, value, .. } => format!(
-                "{}: {value:e} is beyond 1e100, where double precision overflows; change units, or \
+            Error::Datum { source_of_row, got, .. } if got.is_finite() => format!(
+                "{}: {got:e} is beyond 1e100, where double precision overflows; change units, or \
                  write 1e30 where there is no bound",
                 self.place(*source_of_row)
             ),

@@ -54,7 +54,7 @@ fn random_level(equality_share: f64, random: &mut Random) -> Result<Rows, Error>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Objective;
+    use crate::problem::level::Objective;
 
     /// All levels of `count` hierarchies.
     fn levels(seed: u64, equality_share: f64, count: usize) -> Vec<Rows> {

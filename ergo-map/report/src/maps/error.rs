@@ -48,8 +48,8 @@ impl From<ergo_map::Error> for MapError {
     fn from(error: ergo_map::Error) -> Self {
         match error {
             ergo_map::Error::OutOfDomain { x, y, z } => Self::OutsideMap { x, y, z },
-            ergo_map::Error::TooFewSamples { what, needed, found } => {
-                Self::TooFewPostures { what, needed, found }
+            ergo_map::Error::TooFewSamples { what, got, wanted } => {
+                Self::TooFewPostures { what, needed: wanted, found: got }
             }
             other => Self::Map(other),
         }

@@ -69,7 +69,7 @@ impl MapStudy {
         let (quadratic, fit) = fit(&map)?;
         let inside: Vec<MapNode> =
             map.nodes().filter(|node| fit.domain.contains(&node.position)).collect();
-        let none = ergo_map::Error::TooFewSamples { what: "the work zone", needed: 1, found: 0 };
+        let none = ergo_map::Error::TooFewSamples { what: "the work zone", got: 0, wanted: 1 };
         let best = inside.iter().min_by(|a, b| a.score.total_cmp(&b.score));
         let best = *best.ok_or(none.clone())?;
         let chosen = if map.contains(&fit.optimum) {

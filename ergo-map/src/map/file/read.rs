@@ -6,7 +6,7 @@ use super::super::ErgonomicsMap;
 use super::super::grid::{Grid, MAX_NODES};
 use super::super::nodes::Nodes;
 use super::{HEADER, MARK, NODE, PERSON, VERSION};
-use crate::error::{Error, MapFileProblem, Result};
+use crate::error::{Error, Result};
 use crate::joints::{DOF, JointAngles, JointRanges};
 use crate::person::{Person, Proportions};
 use crate::reba::Mode;
@@ -37,7 +37,9 @@ impl ErgonomicsMap {
         let stored = Reader { rest: sum, all: bytes.len() }.u32()?;
         let found = crc32fast::hash(contents);
         if stored != found {
-            return Err(Error::MapFile(MapFileProblem::Checksum { expected: stored, found }));
+            return Err(unusable(format!(
+                "its checksum is {found:#010x} where {stored:#010x} is stored: it was damaged"
+            )));
         }
         let reachable = header.reachable;
         let (side, mode) = (header.side()?, header.mode()?);
@@ -70,7 +72,7 @@ struct Header {
 impl Header {
     fn read(reader: &mut Reader) -> Result<Self> {
         if reader.take::<8>().ok() != Some(MARK) {
-            return Err(Error::MapFile(MapFileProblem::Foreign));
+            return Err(unusable("it does not start with the mark of a map file".into()));
         }
         let found = reader.u32()?;
         let numbers = match found.checked_sub(1).and_then(|version| usize::try_from(version).ok()) {
@@ -78,8 +80,9 @@ impl Header {
             None => None,
         };
         let Some(numbers) = numbers else {
-            let problem = MapFileProblem::Version { found, supported: VERSION };
-            return Err(Error::MapFile(problem));
+            return Err(unusable(format!(
+                "its format has version {found}; this program reads version {VERSION}"
+            )));
         };
         let (flags, half_width) = (reader.take()?, reader.f64()?);
         let person = (0..numbers).map(|_| reader.f64()).collect::<Result<Vec<_>>>()?;
@@ -194,10 +197,13 @@ impl Reader<'_> {
 }
 
 fn field(field: &'static str) -> Error {
-    Error::MapFile(MapFileProblem::Field { field })
+    unusable(format!("its {field} makes no sense"))
 }
 
 fn length(expected: usize, found: usize) -> Error {
-    let (expected, found) = (expected as u64, found as u64);
-    Error::MapFile(MapFileProblem::Length { expected, found })
+    unusable(format!("it has {found} bytes where {expected} are announced: it was cut or extended"))
+}
+
+fn unusable(problem: String) -> Error {
+    Error::MapFile { problem }
 }

@@ -119,7 +119,11 @@ impl CameraFile {
         let quaternion = Quaternion::from_vector(self.quaternion.into());
         // Numbers written by hand are of length one to some digits.
         if (quaternion.norm() - 1.0).abs() > 1e-3 {
-            return Err(Error::CameraPose);
+            return Err(Error::Value {
+                what: "the length of the camera's quaternion".into(),
+                got: quaternion.norm().to_string(),
+                wanted: "one of length one".into(),
+            });
         }
         let rotation = UnitQuaternion::from_quaternion(quaternion);
         let pose =

@@ -15,7 +15,8 @@ use super::{
     },
     PeopleSettings,
 };
-use crate::{Error, Percept};
+use crate::error::Error;
+use crate::percept::Percept;
 
 /// The number of a person who is followed. Nobody gets the number of somebody before.
 ///

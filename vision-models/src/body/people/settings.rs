@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use crate::Error;
+use crate::error::Error;
 
 /// The parameters of [`People`](crate::People).
 ///
@@ -54,13 +54,13 @@ impl PeopleSettings {
     /// Checks every field.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the first field that is NaN or outside its range.
+    /// [`Error::Value`] names the first field that is NaN or outside its range.
     pub fn validate(&self) -> Result<(), Error> {
         let within = |name, value: f64, low: f64, high: f64, expected| {
             if value >= low && value <= high {
                 Ok(())
             } else {
-                Err(Error::Setting { name, value, expected })
+                Err(Error::value(name, value, expected))
             }
         };
         for coordinate in self.place.iter() {

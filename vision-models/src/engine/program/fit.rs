@@ -1,6 +1,7 @@
 //! Where in a checkpoint a network's tensors are.
 
-use crate::{Error, Tensor, TensorSource};
+use crate::error::Error;
+use crate::weights::{Tensor, TensorSource};
 
 /// Where in a checkpoint a network's tensors are.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::{Error, TensorSource};
+use crate::error::Error;
+use crate::excerpt::Excerpt;
+use crate::weights::{TensorSource, unfilled};
 
 use super::{Layer, fit::Behind, slopes};
 
@@ -115,13 +117,14 @@ pub(in crate::engine) fn take_where(
     let promised = tensors.shape(name).map(<[usize]>::to_vec).unwrap_or_default();
     let tensor = tensors.take(name)?;
     if tensor.shape() != promised {
-        return Err(Error::TensorSize { shape: promised, elements: tensor.data().len() });
+        return Err(unfilled(&promised, tensor.data().len()));
     }
     // Nearly always all are right, and a fold over all is faster than a search.
     let all = tensor.data().iter().fold(true, |all, &value| all & is_right(value));
     if !all && let Some(at) = tensor.data().iter().position(|&value| !is_right(value)) {
-        let (name, value) = (name.to_owned(), tensor.data()[at]);
-        return Err(Error::Weight { name, index: index_of(at, &promised), value, expected });
+        let index = index_of(at, &promised);
+        let place = format!("tensor \"{}\": element {index:?}", Excerpt(name));
+        return Err(Error::value(&place, tensor.data()[at], expected));
     }
     Ok(tensor.into_data())
 }

@@ -1,7 +1,7 @@
 //! Residual networks of torchvision.
 
-use crate::Error;
 use crate::engine::{Graph, Pooling};
+use crate::error::Error;
 
 use super::backbone::{Backbone, ResNetDepth};
 use super::naming::Naming;
@@ -41,12 +41,11 @@ impl ResNetForm {
     /// torchvision's `groups` and `width_per_group`. 1 and 64 are the plain network.
     ///
     /// # Errors
-    /// [`Error::Setting`] for groups or widths that are zero or above 4096, and for basic blocks, which have
+    /// [`Error::Value`] for groups or widths that are zero or above 4096, and for basic blocks, which have
     /// neither.
     pub fn new(depth: ResNetDepth, groups: usize, group_width: usize) -> Result<Self, Error> {
         const MOST: u16 = 4096;
-        let refuse =
-            |name, value: usize, expected| Error::Setting { name, value: value as f64, expected };
+        let refuse = |name, value: usize, expected| Error::value(name, value, expected);
         let narrow = |name, value: usize| {
             let narrow = u16::try_from(value).ok().filter(|value| (1..=MOST).contains(value));
             narrow.ok_or_else(|| refuse(name, value, "a number from 1 to 4096"))

@@ -1,7 +1,7 @@
 //! SlowFast: a slow path that sees few frames, and a thin fast one that sees them all.
 
-use crate::Error;
 use crate::engine::{Activation, Convolution, Frames, Graph, Pooling};
+use crate::error::Error;
 
 use super::backbone::{Backbone, ResNetDepth};
 use super::naming::{Names, Naming};
@@ -44,14 +44,18 @@ impl SlowFastForm {
     /// Checks the frames of a clip.
     ///
     /// # Errors
-    /// [`Error::FrameCount`] for frames that the two paths cannot share.
+    /// [`Error::Size`] for frames that the two paths cannot share.
     pub(in crate::networks) fn check_frames(self, frames: usize) -> Result<(), Error> {
         let slowness = self.slowness();
         let expected = match self {
             Self::PyTorchVideo => FRAMES,
             _ => frames.next_multiple_of(slowness).max(slowness),
         };
-        if frames == expected { Ok(()) } else { Err(Error::FrameCount { frames, expected }) }
+        if frames == expected {
+            Ok(())
+        } else {
+            Err(Error::size("a clip", &[frames], "frames", &expected.to_string()))
+        }
     }
 
     /// Names of the slow and the fast path.

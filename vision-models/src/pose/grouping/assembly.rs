@@ -2,7 +2,8 @@
 
 use nalgebra::Point2;
 
-use crate::{Confidence, ImageKeypoint};
+use crate::body::ImageKeypoint;
+use crate::confidence::Confidence;
 
 use super::limbs::Connection;
 use super::peaks::Peak;

@@ -2,13 +2,14 @@
 
 mod stack;
 
+use std::fmt::Display;
 use std::{collections::HashMap, io::BufRead};
 
 use super::{Global, Id, Pickle, Value};
-use crate::{
-    Error,
-    weights::{CheckpointError, PickleProblem, budget::Budget, input::Input},
-};
+use crate::error::Error;
+use crate::weights::budget::Budget;
+use crate::weights::error::{beyond, in_pickle};
+use crate::weights::input::Input;
 
 /// More values than any checkpoint has: enough for 100,000 tensors.
 const MAX_VALUES: usize = 1 << 21;
@@ -17,7 +18,7 @@ const MAX_VALUES: usize = 1 << 21;
 /// import, call or build beyond those becomes [`Value::Inert`].
 ///
 /// # Errors
-/// [`CheckpointError::Pickle`], [`CheckpointError::Truncated`] or [`CheckpointError::Limit`].
+/// [`Error::Checkpoint`].
 pub(in crate::weights) fn run<R: BufRead>(
     input: &mut Input<R>,
     budget: &mut Budget,
@@ -149,7 +150,11 @@ impl<R: BufRead> Machine<'_, R> {
             0x82 => self.inert(1)?,
             0x83 => self.inert(2)?,
             0x84 => self.inert(4)?,
-            _ => return Err(self.problem(PickleProblem::Opcode(opcode))),
+            _ => {
+                return Err(self.problem(format_args!(
+                    "0x{opcode:02x} is no opcode of pickle protocols 1 to 5"
+                )));
+            }
         }
         Ok(None)
     }
@@ -157,7 +162,9 @@ impl<R: BufRead> Machine<'_, R> {
     fn protocol(&mut self) -> Result<(), Error> {
         match self.input.byte("pickle protocol")? {
             0..=5 => Ok(()),
-            protocol => Err(self.problem(PickleProblem::Protocol(protocol))),
+            protocol => {
+                Err(self.problem(format_args!("pickle protocol {protocol}: only 0 to 5 exist")))
+            }
         }
     }
 
@@ -191,7 +198,7 @@ impl<R: BufRead> Machine<'_, R> {
         let length = self.unsigned::<SIZE>()?;
         self.take_bytes(length)?;
         let text = String::from_utf8(self.input.bytes(length, "text")?)
-            .map_err(|_| self.problem(PickleProblem::Text))?;
+            .map_err(|_| self.problem("text that is not UTF-8"))?;
         self.push(Value::Text(text.into()))
     }
 
@@ -238,7 +245,7 @@ impl<R: BufRead> Machine<'_, R> {
         match self.values.get_mut(top.0) {
             Some(Value::List(list)) => list.extend(items),
             Some(Value::Inert) => {}
-            _ => return Err(self.problem(PickleProblem::Expected("a list to append to"))),
+            _ => return Err(self.expected("a list to append to")),
         }
         Ok(())
     }
@@ -253,7 +260,7 @@ impl<R: BufRead> Machine<'_, R> {
                 dict.extend(pairs.iter().map(|&[key, value]| (key, value)));
             }
             Some(Value::Inert) => {}
-            _ => return Err(self.problem(PickleProblem::Expected("a dict, keys and values"))),
+            _ => return Err(self.expected("a dict, keys and values")),
         }
         Ok(())
     }
@@ -262,7 +269,7 @@ impl<R: BufRead> Machine<'_, R> {
         let index = self.unsigned::<SIZE>()?;
         match self.memo.get(&index) {
             Some(&id) => self.push_id(id),
-            None => Err(self.problem(PickleProblem::EmptyMemo(index))),
+            None => Err(self.problem(format_args!("memo {index} is empty"))),
         }
     }
 
@@ -291,7 +298,7 @@ impl<R: BufRead> Machine<'_, R> {
         let module = self.pop()?;
         let (Value::Text(module), Value::Text(name)) = (self.value(module), self.value(name))
         else {
-            return Err(self.problem(PickleProblem::Expected("a module's and a class's name")));
+            return Err(self.expected("a module's and a class's name"));
         };
         let (module, name) = (module.clone(), name.clone());
         self.global(&module, &name)
@@ -353,12 +360,14 @@ impl<R: BufRead> Machine<'_, R> {
         if count < MAX_VALUES {
             return Ok(());
         }
-        let (value, limit) = (count as u64 + 1, MAX_VALUES as u64);
-        Err(CheckpointError::Limit { what: "values in the pickle", value, limit }.into())
+        Err(beyond("values in the pickle", count as u64 + 1, MAX_VALUES as u64))
     }
 
-    pub(super) fn problem(&self, problem: PickleProblem) -> Error {
-        let position = self.input.position() - self.start;
-        CheckpointError::Pickle { position, problem }.into()
+    pub(super) fn problem(&self, problem: impl Display) -> Error {
+        in_pickle(self.input.position() - self.start, problem)
+    }
+
+    pub(super) fn expected(&self, what: &str) -> Error {
+        self.problem(format_args!("expected {what}"))
     }
 }

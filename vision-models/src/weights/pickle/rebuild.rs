@@ -3,10 +3,8 @@
 use std::{io::BufRead, rc::Rc};
 
 use super::{Global, Id, Storage, Value, View, machine::Machine};
-use crate::{
-    Error,
-    weights::{PickleProblem, shape::MAX_AXES},
-};
+use crate::error::Error;
+use crate::weights::shape::MAX_AXES;
 
 /// More bytes than the key of any storage has.
 const MAX_KEY: usize = 64;
@@ -15,22 +13,20 @@ impl<R: BufRead> Machine<'_, R> {
     /// A storage from what a checkpoint calls it: `("storage", class, key, device, elements)`, in
     /// files of before PyTorch 0.4 with a sixth item for a storage that is a part of another.
     pub(super) fn storage(&mut self, id: Id) -> Result<Value, Error> {
-        const FORM: PickleProblem =
-            PickleProblem::Expected("(\"storage\", class, key, device, elements)");
+        const FORM: &str = "(\"storage\", class, key, device, elements)";
         self.charge_bytes(2 * size_of::<Storage>() + 2 * MAX_KEY)?;
         let Value::Tuple(items) = self.value(id) else {
-            return Err(self.problem(FORM));
+            return Err(self.expected(FORM));
         };
         let &[tag, class, key, _, elements, ref rest @ ..] = items.as_slice() else {
-            return Err(self.problem(FORM));
+            return Err(self.expected(FORM));
         };
         if !matches!(self.value(tag), Value::Text(tag) if &**tag == "storage") {
-            return Err(self.problem(FORM));
+            return Err(self.expected(FORM));
         }
         // `None` is inert, too.
         if !rest.iter().all(|&part| matches!(self.value(part), Value::Inert)) {
-            let whole = PickleProblem::Expected("a storage that is no part of another");
-            return Err(self.problem(whole));
+            return Err(self.expected("a storage that is no part of another"));
         }
         let &Value::Global(Global::Storage(element)) = self.value(class) else {
             return Ok(Value::Inert);
@@ -38,7 +34,7 @@ impl<R: BufRead> Machine<'_, R> {
         let key = match self.value(key) {
             Value::Text(key) if key.len() <= MAX_KEY => Rc::clone(key),
             Value::Int(key) => key.to_string().into(),
-            _ => return Err(self.problem(FORM)),
+            _ => return Err(self.expected(FORM)),
         };
         let elements = self.size(elements)?;
         Ok(Value::Storage(Rc::new(Storage { key, element, elements })))
@@ -47,7 +43,7 @@ impl<R: BufRead> Machine<'_, R> {
     /// What the callable named by `global` would make of its arguments.
     pub(super) fn rebuild(&mut self, global: Global, arguments: Id) -> Result<Id, Error> {
         let Value::Tuple(arguments) = self.value(arguments) else {
-            return Err(self.problem(PickleProblem::Expected("a tuple of arguments")));
+            return Err(self.expected("a tuple of arguments"));
         };
         match (global, arguments.as_slice()) {
             (Global::OrderedDict, []) => self.add(Value::Dict(Vec::new())),
@@ -61,20 +57,20 @@ impl<R: BufRead> Machine<'_, R> {
                 match *self.value(callable) {
                     Value::Global(Global::RebuildFromType) | Value::Inert => self.add(Value::Inert),
                     Value::Global(global) => self.rebuild(global, arguments),
-                    _ => Err(self.problem(PickleProblem::Expected("a callable"))),
+                    _ => Err(self.expected("a callable")),
                 }
             }
             (Global::Storage(_), _) => self.add(Value::Inert),
-            _ => Err(self.problem(PickleProblem::Expected("more arguments"))),
+            _ => Err(self.expected("more arguments")),
         }
     }
 
     /// An ordered dict of Python 2: a list of lists of a key and a value.
     fn dict(&mut self, pairs: Id) -> Result<Id, Error> {
-        const FORM: PickleProblem = PickleProblem::Expected("a list of keys and values");
+        const FORM: &str = "a list of keys and values";
         let length = match self.value(pairs) {
             Value::List(pairs) => pairs.len(),
-            _ => return Err(self.problem(FORM)),
+            _ => return Err(self.expected(FORM)),
         };
         self.charge(length)?;
         let items = match self.value(pairs) {
@@ -86,9 +82,9 @@ impl<R: BufRead> Machine<'_, R> {
             .map(|&pair| match self.value(pair) {
                 Value::List(pair) | Value::Tuple(pair) => match *pair.as_slice() {
                     [key, value] => Ok((key, value)),
-                    _ => Err(self.problem(FORM)),
+                    _ => Err(self.expected(FORM)),
                 },
-                _ => Err(self.problem(FORM)),
+                _ => Err(self.expected(FORM)),
             })
             .collect::<Result<_, _>>()?;
         self.add(Value::Dict(entries))
@@ -99,12 +95,12 @@ impl<R: BufRead> Machine<'_, R> {
         let storage = match self.value(storage) {
             Value::Storage(storage) => Rc::clone(storage),
             Value::Inert => return Ok(Value::Inert),
-            _ => return Err(self.problem(PickleProblem::Expected("a storage"))),
+            _ => return Err(self.expected("a storage")),
         };
         let offset = self.size(offset)?;
         let (shape, strides) = (self.sizes(shape)?, self.sizes(strides)?);
         if shape.len() != strides.len() {
-            return Err(self.problem(PickleProblem::Expected("as many strides as axes")));
+            return Err(self.expected("as many strides as axes"));
         }
         Ok(Value::Tensor(Box::new(View { storage, offset, shape, strides })))
     }
@@ -114,7 +110,7 @@ impl<R: BufRead> Machine<'_, R> {
             Value::Tuple(items) | Value::List(items) if items.len() <= MAX_AXES => {
                 items.iter().map(|&item| self.size(item)).collect()
             }
-            _ => Err(self.problem(PickleProblem::Expected("a tuple of at most eight sizes"))),
+            _ => Err(self.expected("a tuple of at most eight sizes")),
         }
     }
 
@@ -123,6 +119,6 @@ impl<R: BufRead> Machine<'_, R> {
             Value::Int(value) => usize::try_from(value).ok(),
             _ => None,
         }
-        .ok_or_else(|| self.problem(PickleProblem::Expected("a size, zero or more")))
+        .ok_or_else(|| self.expected("a size, zero or more"))
     }
 }

@@ -3,13 +3,8 @@
 use std::io::BufRead;
 
 use super::Machine;
-use crate::{
-    Error,
-    weights::{
-        PickleProblem,
-        pickle::{Id, Value},
-    },
-};
+use crate::error::Error;
+use crate::weights::pickle::{Id, Value};
 
 impl<R: BufRead> Machine<'_, R> {
     pub(super) fn mark(&mut self) -> Result<(), Error> {
@@ -18,7 +13,7 @@ impl<R: BufRead> Machine<'_, R> {
     }
 
     pub(super) fn pop_to_mark(&mut self) -> Result<Vec<Id>, Error> {
-        let mark = self.marks.pop().ok_or_else(|| self.problem(PickleProblem::NoMark))?;
+        let mark = self.marks.pop().ok_or_else(|| self.problem("there is no mark on the stack"))?;
         self.cut_off(mark)
     }
 
@@ -30,7 +25,7 @@ impl<R: BufRead> Machine<'_, R> {
     }
 
     pub(super) fn discard_to_mark(&mut self) -> Result<(), Error> {
-        let mark = self.marks.pop().ok_or_else(|| self.problem(PickleProblem::NoMark))?;
+        let mark = self.marks.pop().ok_or_else(|| self.problem("there is no mark on the stack"))?;
         self.stack.truncate(mark);
         Ok(())
     }
@@ -49,7 +44,7 @@ impl<R: BufRead> Machine<'_, R> {
 
     pub(super) fn top(&self) -> Result<Id, Error> {
         let index = self.floor_for(1)?;
-        self.stack.get(index).copied().ok_or_else(|| self.problem(PickleProblem::EmptyStack))
+        self.stack.get(index).copied().ok_or_else(|| self.problem("the stack is empty"))
     }
 
     /// Where the topmost `count` values start, which must not reach below the last mark.
@@ -59,7 +54,7 @@ impl<R: BufRead> Machine<'_, R> {
             .len()
             .checked_sub(count)
             .filter(|&start| start >= mark)
-            .ok_or_else(|| self.problem(PickleProblem::EmptyStack))
+            .ok_or_else(|| self.problem("the stack is empty"))
     }
 
     pub(super) fn push(&mut self, value: Value) -> Result<(), Error> {
