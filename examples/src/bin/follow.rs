@@ -25,9 +25,9 @@ use examples::shipped;
 use moca_model::{Goal, MOCA_URDF};
 #[cfg(feature = "mcap")]
 use moca_replay::mcap::RobotLog;
-use moca_replay::page::{ResultRow, Results, page};
+use moca_replay::page::page;
 use moca_replay::picture::{animation, still};
-use moca_replay::recorded::{Recorder, Replay};
+use moca_replay::recorded::Replay;
 use moca_replay::report::{MOCA_COLUMNS, RunLog, TickRow, TickTable, figure};
 use moca_simulation::run::{Comparison, Run, Scenario, Summary, TrueMotion};
 use percept_recording::{self, Completeness, Header, IfPartial, Recording, RecordingError};
@@ -184,7 +184,7 @@ impl Program for Options {
         {
             for (name, text) in [
                 ("follow.svg", figure(&logs)?),
-                ("follow.html", page(TITLE, &replays, &results(&comparison)?)?),
+                ("follow.html", page(TITLE, &replays, &comparison.results("")?)?),
                 ("scene.svg", still(&replays)?),
                 ("scene-moving.svg", animation(&replays)?),
             ] {
@@ -331,17 +331,6 @@ impl Options {
     }
 }
 
-/// What the page says that the runs came to.
-fn results(comparison: &Comparison) -> Result<Results> {
-    let rows = comparison.rows().map(|(name, digits, values)| ResultRow {
-        name: name.to_owned(),
-        digits,
-        values,
-    });
-    let summary = serde_json::to_value(comparison)?;
-    Ok(Results { rows: rows.collect(), summary, text: String::new() })
-}
-
 /// Keeps a file as partial unless all that it is of is complete.
 fn keep(file: OutputFile, of: [Ending; 2]) -> Result<()> {
     if of.contains(&Ending::Partial) {
@@ -371,9 +360,7 @@ fn play(
         let summary = play_until(run, interrupt, &progress, watch)?;
         return Ok(Played { summary, seen: None });
     };
-    let mut recorder =
-        Recorder::new(title, &scenario.model, MOCA_URDF, &scenario.settings, &scenario.map)?;
-    recorder.holding(&scenario.object)?;
+    let mut recorder = scenario.recorder(title, MOCA_URDF)?;
     let run = run.recorded_by(&mut recorder);
     let file = OutputFile::create(path)?;
     let (summary, log) = thread::scope(|scope| -> Result<_> {

@@ -1,20 +1,13 @@
 //! Experiments with recordings in place of simulated people, and their page.
 
 use std::fs;
-use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
 
-use moca_simulation::experiment::following::{Following, WalkingTrial};
-use moca_simulation::experiment::reorientation::Reorientation;
-use moca_simulation::experiment::{Conditions, Experiment, Job, Needs, Player, Recorded, Sight};
 use moca_simulation::people::{Walker, WalkerSettings};
-use moca_simulation::plant::Drive;
-use moca_simulation::run::Summary;
-use percept_recording::{Header, IfPartial, Recording, Writer};
-use vision_models::{Percept, Surface, Tool};
+use percept_recording::{Header, Writer};
+use vision_models::Percept;
 
-use crate::support::{Runs, average_map};
+use crate::support::Runs;
 
 /// Somebody who uses the tool from the seventh second on.
 fn walker() -> Walker {
@@ -31,70 +24,6 @@ fn write(path: &Path, header: &Header, percepts: impl Iterator<Item = Percept>) 
 /// The walker's recording, changed.
 fn changed(path: &Path, change: impl Fn(Percept) -> Percept) {
     write(path, &walker().header(), walker().map(change));
-}
-
-fn job(recordings: &[Arc<Recorded>]) -> Job {
-    Job {
-        seed: 1,
-        cases: 100,
-        duration: 30.0,
-        conditions: Conditions { drive: Drive::Kinematic, sight: Sight::Modelled },
-        recordings: vec!["digest".to_owned(); recordings.len()],
-    }
-}
-
-fn read(path: PathBuf, needs: Needs) -> Vec<Arc<Recorded>> {
-    let reader = percept_recording::open(path).unwrap();
-    let recording = Recording::read(reader, IfPartial::Refuse).unwrap();
-    vec![Arc::new(Recorded::new(recording, needs).unwrap())]
-}
-
-#[test]
-fn a_recording_says_who_works_with_what_on_which_side() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("walk.jsonl");
-    changed(&path, |percept| percept);
-    let recordings = read(path, Needs::Surfaces);
-    let [recording] = &recordings[..] else { panic!("{recordings:?}") };
-    assert_eq!((recording.stature, recording.tool), (1.75, Tool::Drill));
-    // The side that is to be drilled faces the camera, and so not the person.
-    assert_eq!(recording.facing_camera, Some(Surface::Drilled));
-    let cases = Reorientation::cases(&job(&recordings), &recordings);
-    assert_eq!(cases.len(), 1);
-    assert_eq!(cases[0].front, Surface::Smooth);
-    // The person as tracked is where the person was.
-    let (mut truth, mut walk) = (recording.walk.truth.iter(), walker());
-    while let Some((person, _)) = walk.next_frame() {
-        let Some(known) = truth.as_slice().first().filter(|known| known.time == person.time) else {
-            continue;
-        };
-        truth.next();
-        if person.time > 3.0 {
-            assert!((known.floor - person.floor).norm() < 0.06, "{known:?} {person:?}");
-        }
-    }
-}
-
-#[test]
-fn the_same_recording_twice_gives_the_same_bits() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("walk.jsonl");
-    changed(&path, |percept| percept);
-    let recordings = read(path, Needs::Tools);
-    let job = job(&recordings);
-    let cases = Following::cases(&job, &recordings);
-    assert_eq!(cases.len(), 1);
-    let play = || {
-        let mut player = Player::new(&|| ControlFlow::Continue(()));
-        let trial = Following::play(&cases[0], average_map(), job.conditions, &mut player).unwrap();
-        let WalkingTrial::Path(runs) = trial else { panic!("{trial:?}") };
-        // Times of the machine aside.
-        runs.map(|run| Summary { tick_us: [0.0; 3], wall: 0.0, ..run })
-    };
-    let first = play();
-    assert!(first.iter().all(|run| run.together > 1.0), "{first:?}");
-    let text = |runs| serde_json::to_string(runs).unwrap();
-    assert_eq!(text(&first), text(&play()));
 }
 
 /// The page's numbers are those of the line that the program prints, and its table is the program's.

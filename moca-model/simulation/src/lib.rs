@@ -11,3 +11,5 @@ pub mod run;
 pub mod soak;
 
 pub use error::Error;
+// What the public types speak.
+pub use {ergo_map, hrsw, moca_model, vision_models};

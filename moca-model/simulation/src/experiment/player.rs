@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 use moca_model::{Goal, MOCA_URDF};
-use moca_replay::recorded::{Recorder, Replay};
+use moca_replay::recorded::Replay;
 use moca_replay::report::TickRow;
 
 use crate::Error;
@@ -58,9 +58,7 @@ impl<'a> Player<'a> {
         each: impl FnMut(&TickRow, &Plant),
     ) -> Result<Summary, Error> {
         let Some(shown) = &mut self.shown else { return self.play_unseen(scenario, goal, each) };
-        let Scenario { model, settings, map, .. } = scenario;
-        let mut recorder = Recorder::new(title, model, MOCA_URDF, settings, map)?;
-        recorder.holding(&scenario.object)?;
+        let mut recorder = scenario.recorder(title, MOCA_URDF)?;
         let run = Run::new(scenario, goal)?.recorded_by(&mut recorder);
         let summary = run.play(watched(self.go_on, each))?;
         shown.push(ShownRun {

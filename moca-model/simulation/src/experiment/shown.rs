@@ -1,6 +1,6 @@
 //! The page of one case.
 
-use moca_replay::page::{ResultRow, Results, page};
+use moca_replay::page::{Results, page};
 use moca_replay::recorded::ReplayError;
 use serde::Serialize;
 
@@ -36,15 +36,9 @@ impl Shown {
     /// # Errors
     /// A run without a tick.
     pub fn page(&self, experiment: &str, table: &str) -> Result<String, Error> {
-        let rows = self.comparison.rows().map(|(name, digits, values)| ResultRow {
-            name: name.to_owned(),
-            digits,
-            values,
-        });
         let results = Results {
-            rows: rows.collect(),
             summary: serde_json::to_value(self).map_err(ReplayError::Json)?,
-            text: table.trim_end().to_owned(),
+            ..self.comparison.results(table.trim_end())?
         };
         let replays: Vec<_> = self.runs.iter().map(|run| &run.replay).collect();
         Ok(page(&format!("{experiment}: case {}", self.case), &replays, &results)?)

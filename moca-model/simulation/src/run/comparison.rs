@@ -2,9 +2,12 @@
 
 use std::fmt;
 
+use moca_replay::page::{ResultRow, Results};
+use moca_replay::recorded::ReplayError;
 use serde::{Serialize, Serializer};
 
 use super::summary::Summary;
+use crate::Error;
 
 /// Ergonomics on and off, side by side.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,6 +83,20 @@ impl Comparison {
             let known = rounded.map(|value| (!value.is_nan()).then_some(value));
             (*name, *digits, known.collect())
         })
+    }
+
+    /// What a page says that the runs came to, with the table of more runs than it shows; that may be empty.
+    ///
+    /// # Errors
+    /// None for numbers that JSON holds.
+    pub fn results(&self, text: &str) -> Result<Results, Error> {
+        let rows = self.rows().map(|(name, digits, values)| ResultRow {
+            name: name.to_owned(),
+            digits,
+            values,
+        });
+        let summary = serde_json::to_value(self).map_err(ReplayError::Json)?;
+        Ok(Results { rows: rows.collect(), summary, text: text.to_owned() })
     }
 
     fn runs(&self) -> impl Iterator<Item = &Summary> {

@@ -7,6 +7,7 @@ use moca_model::{
     CameraFrame, ControllerSettings, HeldObject, MOCA_HOME, SafetySettings, SpaceSettings,
     TorqueLoopSettings, moca,
 };
+use moca_replay::recorded::Recorder;
 use percept_recording::{Timing, arrivals};
 use vision_models::{Body, Percept};
 
@@ -100,6 +101,14 @@ impl Scenario {
         })
     }
 
+    /// The same with another robot, at rest at `start`, n \[m, rad\]. Its settings name its tool and its bodies; the
+    /// shared workspace stays that of the person.
+    #[must_use]
+    pub fn with_robot(self, model: Model, start: &[f64], settings: ControllerSettings) -> Self {
+        let settings = ControllerSettings { space: self.settings.space, ..settings };
+        Self { model, start: start.to_vec(), settings, ..self }
+    }
+
     /// The same, with percepts that come as late as their recording says.
     #[must_use]
     pub fn arriving(mut self, timings: &[Timing]) -> Self {
@@ -133,6 +142,16 @@ impl Scenario {
     pub fn without_separation(mut self) -> Self {
         self.settings.safety = SafetySettings::off();
         self
+    }
+
+    /// A recorder for the page of a run of this scenario; the text of the robot's URDF says what it looks like.
+    ///
+    /// # Errors
+    /// [`Error::Replay`] for a text that is not the robot's URDF.
+    pub fn recorder(&self, title: impl Into<String>, urdf: &str) -> Result<Recorder, Error> {
+        let mut recorder = Recorder::new(title, &self.model, urdf, &self.settings, &self.map)?;
+        recorder.holding(&self.object)?;
+        Ok(recorder)
     }
 
     /// Returns true if people are kept at a distance.

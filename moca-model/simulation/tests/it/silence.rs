@@ -1,14 +1,12 @@
 //! Measurements that stop or freeze in the middle of `follow`, judged by the true joints of the simulated robot.
 
 use ergo_map::Person;
-use examples::shipped;
 use moca_model::{Controller, MOCA_BASE_JOINTS};
 use moca_simulation::plant::{Heard, Plant};
 use moca_simulation::run::Scenario;
 use nalgebra::Vector3;
-use vision_models::Percept;
 
-use crate::support::average_map;
+use crate::support::{average_map, recorded};
 
 /// Moments of the run at which measurements stop.
 const MOMENTS: usize = 50;
@@ -62,8 +60,7 @@ fn branch(plant: &Plant, begin: f64, heard: Heard, ticks: u32) -> Outcome {
 /// 50 moments of the loop of `follow`, in which nobody pushes what the robot holds: under a push that lasts an arm that
 /// is not measured moves, whoever controls it.
 fn moments() -> Vec<(f64, Plant)> {
-    let percepts: Vec<Percept> = shipped::recording().unwrap().map(Result::unwrap).collect();
-    let scenario = Scenario::new(percepts, &Person::average(), average_map().clone()).unwrap();
+    let scenario = Scenario::new(recorded(), &Person::average(), average_map().clone()).unwrap();
     let Scenario { model, comfort, settings, start, torques, .. } = &scenario;
     let controller = Controller::new(model.clone(), *comfort, settings.clone(), start).unwrap();
     let mut plant = Plant::with_torques(scenario.drive, controller, torques.clone(), 1).unwrap();

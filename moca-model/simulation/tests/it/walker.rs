@@ -2,13 +2,13 @@
 
 use std::{collections::HashSet, f64::consts::TAU};
 
-use examples::shipped;
 use moca_simulation::Error;
 use moca_simulation::people::{CameraSettings, Truth, Walker, WalkerSettings, WalkingPath};
-use percept_recording::Writer;
 use vision_models::{
     Action, BodyTracker, Percept, Tool, TrackStatus, TrackerSettings, WalkingDirection,
 };
+
+use crate::support::recorded;
 
 fn frames(settings: WalkerSettings) -> Vec<(Truth, Option<Percept>)> {
     let mut walker = Walker::new(settings).unwrap();
@@ -19,29 +19,10 @@ fn on(path: WalkingPath) -> WalkerSettings {
     WalkerSettings { path, camera: CameraSettings::PERFECT, ..WalkerSettings::default() }
 }
 
-/// The one test that says what the shipped file is: the output of `record` without options.
-#[test]
-fn the_shipped_recording_is_what_record_makes() {
-    let shipped = include_bytes!("../../recordings/follow.jsonl");
-    let walker = Walker::new(WalkerSettings::default()).unwrap();
-    let mut writer = Writer::new(Vec::new(), &walker.header()).unwrap();
-    for percept in walker {
-        writer.write(&percept).unwrap();
-    }
-    let made = writer.finish().unwrap();
-    assert!(
-        made == shipped,
-        "make it anew: cargo run --release -p examples --bin record -- \
-         --output examples/recordings/follow.jsonl"
-    );
-    assert!(shipped.len() < 1_500_000);
-}
-
 #[test]
 fn the_shipped_recording_tells_the_story() {
-    let reader = shipped::recording().unwrap();
-    assert_eq!(reader.header().stature, Some(1.75));
-    let percepts: Vec<Percept> = reader.collect::<Result<_, _>>().unwrap();
+    assert_eq!(Walker::new(WalkerSettings::default()).unwrap().header().stature, Some(1.75));
+    let percepts = recorded();
     let last = percepts.last().unwrap().time;
     assert!((40.0..=60.0).contains(&last), "{last} s");
     // What is recognised with confidence, one entry a change.

@@ -1,0 +1,18 @@
+//! The integration tests, one module a topic.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    missing_docs
+)]
+
+mod experiment;
+mod experiment_recordings;
+mod limits;
+mod run;
+mod silence;
+mod soak;
+mod support;
+mod walker;
+mod wanderer;
