@@ -1,16 +1,15 @@
 //! Networks over files: images, folders of images, and clips.
 
 mod array;
-mod checkpoint;
+pub(crate) mod checkpoint;
 pub mod classifier;
 mod clip_classifier;
 pub mod clip_stream;
 pub mod clips;
-mod decider;
+pub(crate) mod decider;
 pub mod folders;
 mod input;
 pub mod names;
-pub mod tensor_name;
 pub mod top_k;
 
 pub use array::ArrayNetwork;

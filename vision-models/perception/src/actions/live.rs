@@ -5,7 +5,9 @@ use std::{path::Path, time::Instant};
 use vision_models::Crops;
 
 use super::{model::ActionModel, window::Window};
-use crate::{Error, Watch, learning::backbone::Weights, networks::clip_stream::ClipStream};
+use crate::{
+    error::Error, learning::backbone::Weights, networks::clip_stream::ClipStream, watch::Watch,
+};
 
 /// A network over the last frames: every `interval`-th frame goes into its window, and gives a decision once the
 /// window is full.

@@ -7,8 +7,8 @@ use vision_models::{
     NetworkKind, Options, Passes, ResNet, Scores, SimpleBaseline, SlowFast, SlowOnly,
 };
 
-use super::open_weights;
-use crate::{Error, Watch, npy::read_array};
+use super::checkpoint::open_weights;
+use crate::{error::Error, npy::read_array, watch::Watch};
 
 /// A loaded network with its input: N × 3 × H × W for images, N × 3 × T × H × W for clips.
 #[derive(Debug)]

@@ -5,8 +5,8 @@ use std::path::Path;
 use ndarray::Array4;
 use vision_models::{Options, Orientation, Preprocessing, ResNet, ResNetForm, read_image_oriented};
 
-use super::{Decider, open_weights};
-use crate::{Error, Watch};
+use super::{checkpoint::open_weights, decider::Decider};
+use crate::{error::Error, watch::Watch};
 
 /// Loads a ResNet for square images of this side.
 ///

@@ -6,7 +6,10 @@ use ndarray::ArrayView1;
 use vision_models::{LinearHead, Preprocessing, Scores, SlowOnly, softmax};
 
 use super::clips::read_clip;
-use crate::{Error, Event, Watch};
+use crate::{
+    error::Error,
+    watch::{Event, Watch},
+};
 
 /// SlowOnly over clips, with what prepares frames for it.
 #[derive(Debug)]

@@ -8,7 +8,7 @@ use vision_models::{
 };
 
 use super::clip_classifier::probabilities;
-use crate::Error;
+use crate::error::Error;
 
 /// How the library that a SlowOnly comes from prepares frames.
 pub fn preprocessing_of(form: SlowOnlyForm) -> Preprocessing {

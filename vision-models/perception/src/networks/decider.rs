@@ -3,7 +3,7 @@
 use ndarray::ArrayView1;
 use vision_models::{LinearHead, LinearSvm};
 
-use crate::Error;
+use crate::error::Error;
 
 /// One of the paper's ways to decide.
 #[derive(Clone, Debug)]

@@ -8,9 +8,9 @@ use std::{
 use serde::{Deserialize, Serialize};
 use vision_models::{LinearHead, LinearSvm, ResNetDepth, Tensors};
 
-use super::features::{FeatureSource, Features, PREPROCESSING, name_of};
+use super::features::{FeatureSource, Features, PREPROCESSING, name_of, path_within};
 use crate::{
-    Error, Watch,
+    error::Error,
     file::{make_folder, write_whole},
     learning::{
         backbone::{ImageBackbone, WeightsIdentity},
@@ -18,7 +18,13 @@ use crate::{
         evaluation::Evaluation,
         split::Part,
     },
-    networks::{Decider, classifier::Classifier, names::depth_of},
+    networks::{
+        classifier::Classifier,
+        decider::Decider,
+        folders::{LabelledImage, list_classes, list_images},
+        names::depth_of,
+    },
+    watch::Watch,
 };
 
 /// The name of the file that describes the model.
@@ -147,6 +153,36 @@ impl SurfaceModel {
             })
             .collect::<Result<_, Error>>()?;
         Ok(Self { classes, parts, networks })
+    }
+
+    /// The images of a folder with a folder for each of the model's classes; of those in a part of the training's
+    /// split, if one is asked for.
+    ///
+    /// # Errors
+    /// With the folder or the class that does not fit; no image in the part.
+    pub fn images_of(
+        &self,
+        folder: &Path,
+        part: Option<Part>,
+        watch: &mut Watch<'_>,
+    ) -> Result<Vec<LabelledImage>, Error> {
+        let refuse = |found: String| Error::unfit(folder.display(), found, "");
+        let (classes, own) = (list_classes(folder, watch)?, self.classes.join(", "));
+        if let Some(class) = classes.iter().find(|class| !self.classes.contains(class)) {
+            let found =
+                format!("the folder \"{class}\" is no class of the model, whose classes are {own}");
+            return Err(refuse(found));
+        }
+        if let Some(class) = self.classes.iter().find(|class| !classes.contains(class)) {
+            return Err(refuse(format!(
+                "there is no folder for the class \"{class}\" of the model"
+            )));
+        }
+        let mut images = list_images(folder, &self.classes, watch)?;
+        if let Some(part) = part {
+            images.retain(|image| self.parts.get(&path_within(folder, &image.path)) == Some(&part));
+        }
+        Ok(images)
     }
 
     /// The networks for the features, with the weights that the model was trained with: `weights` has the checkpoint
