@@ -33,22 +33,22 @@ impl ClockSettings {
     /// Checks the ranges, for a control `period` \[s\].
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is out of its range.
+    /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self, period: f64) -> Result<(), Error> {
         positive("the control period", period)?;
         if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
             let (name, value) = ("clock.tolerance", self.tolerance);
-            return Err(Error::Parameter { name, value, expected: "above 0 and below 1" });
+            return Err(Error::Value { what: name, got: value, wanted: "above 0 and below 1" });
         }
         if self.gap.is_nan() || self.gap < (1.0 + self.tolerance) * period {
             let (name, value) = ("clock.gap", self.gap);
             let expected = "at least the longest time between ticks that the tolerance admits";
-            return Err(Error::Parameter { name, value, expected });
+            return Err(Error::Value { what: name, got: value, wanted: expected });
         }
         not_negative("clock.ahead", self.ahead)?;
         if self.epoch.is_nan() || self.epoch <= self.ahead {
             let (name, value) = ("clock.epoch", self.epoch);
-            return Err(Error::Parameter { name, value, expected: "above clock.ahead" });
+            return Err(Error::Value { what: name, got: value, wanted: "above clock.ahead" });
         }
         Ok(())
     }
@@ -121,7 +121,7 @@ impl LoopClock {
     /// Before the first tick, for a control `period` \[s\].
     ///
     /// # Errors
-    /// [`Error::Parameter`] for settings out of range.
+    /// [`Error::Value`] for settings out of range.
     pub fn new(period: f64, settings: ClockSettings) -> Result<Self, Error> {
         settings.validate(period)?;
         Ok(Self {

@@ -220,7 +220,7 @@ fn bad_settings_are_named() {
         (ClockSettings { epoch: 0.0, ..standard }, "clock.epoch"),
     ] {
         let error = LoopClock::new(PERIOD, settings).unwrap_err();
-        assert!(matches!(error, Error::Parameter { .. }));
+        assert!(matches!(error, Error::Value { .. }));
         assert!(error.to_string().contains(name), "{error}");
     }
     assert!(LoopClock::new(0.0, standard).is_err());
