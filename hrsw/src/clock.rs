@@ -16,16 +16,17 @@ pub struct ClockSettings {
     /// set, or the loop stood \[s\]. Default 0.1.
     pub gap: f64,
     /// How far a frame's stamp may lie ahead of the ticks, for clocks that agree only nearly \[s\].
-    /// Default 0.005.
+    /// Below a day. Default 0.005.
     pub ahead: f64,
-    /// Difference between stamp and tick beyond which they count from different origins \[s\].
-    /// Default 86,400, a day.
-    pub epoch: f64,
 }
+
+/// Stamp and tick that differ by more count from different origins \[s\]: a day. No frame is so old, and
+/// seconds since 1970 and since the start of a machine differ by decades.
+const EPOCH: f64 = 86_400.0;
 
 impl Default for ClockSettings {
     fn default() -> Self {
-        Self { tolerance: 0.5, gap: 0.1, ahead: 0.005, epoch: 86_400.0 }
+        Self { tolerance: 0.5, gap: 0.1, ahead: 0.005 }
     }
 }
 
@@ -46,9 +47,9 @@ impl ClockSettings {
             return Err(Error::Value { what: name, got: value, wanted: expected });
         }
         not_negative("clock.ahead", self.ahead)?;
-        if self.epoch.is_nan() || self.epoch <= self.ahead {
-            let (name, value) = ("clock.epoch", self.epoch);
-            return Err(Error::Value { what: name, got: value, wanted: "above clock.ahead" });
+        if self.ahead >= EPOCH {
+            let (what, wanted) = ("clock.ahead", "below a day, 86,400 s");
+            return Err(Error::Value { what, got: self.ahead, wanted });
         }
         Ok(())
     }
@@ -216,9 +217,9 @@ impl LoopClock {
 
     /// What is wrong with a stamp against a tick at `now`; a frame may be taken until the next tick.
     fn misplaced(&self, stamp: f64, now: f64) -> Option<FrameFault> {
-        let ClockSettings { tolerance, ahead, epoch, .. } = self.settings;
+        let ClockSettings { tolerance, ahead, .. } = self.settings;
         let latest = now + (1.0 + tolerance) * self.period + ahead;
-        if (stamp - now).abs() > epoch {
+        if (stamp - now).abs() > EPOCH {
             Some(FrameFault::ForeignEpoch)
         } else if stamp > latest {
             Some(FrameFault::Future)
