@@ -49,10 +49,11 @@ pub struct BrokenFrame(anyhow::Error);
 
 /// An error of a file as [`BrokenFrame`], any other as it is.
 fn of_file(error: anyhow::Error) -> anyhow::Error {
-    use vision_models::Error::{File, Image, OpenPose};
-    let is_of_file = error.chain().any(|cause| {
-        matches!(cause.downcast_ref(), Some(File { .. } | Image { .. } | OpenPose { .. }))
-            || cause.is::<std::io::Error>()
+    use vision_models::Error::{File, Image, Malformed};
+    let is_of_file = error.chain().any(|cause| match cause.downcast_ref() {
+        Some(File { .. } | Image { .. }) => true,
+        Some(Malformed { what, .. }) => what == "no OpenPose JSON",
+        _ => cause.is::<std::io::Error>(),
     });
     let is_interrupt = error.chain().any(<dyn std::error::Error + 'static>::is::<ProgramError>);
     if is_of_file && !is_interrupt { BrokenFrame(error).into() } else { error }
