@@ -94,7 +94,7 @@ pub enum Error {
 
     /// A Hessian is not symmetric, or has a negative eigenvalue.
     #[error(
-        "the Hessian of {} is not {wanted} (row {row}, column {column}: {got:e})",
+        "the Hessian of {} is not {wanted} (entry ({row}, {column}): {got:e})",
         .names.label_of_level(*.level)
     )]
     Hessian {

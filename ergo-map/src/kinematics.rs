@@ -265,3 +265,14 @@ impl Pose {
         self.moved_moment[i] - self.origin[i] * self.moved_mass[i]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::mass::{ARM, FOOT, HEAD, PELVIS, SHANK, THIGH, THORAX};
+
+    #[test]
+    fn segment_masses_add_up_to_the_body() {
+        let sum = 2.0 * (ARM + FOOT + SHANK + THIGH) + HEAD + THORAX + PELVIS;
+        assert!((sum - 1.0).abs() < 1e-12, "{sum}");
+    }
+}

@@ -42,7 +42,6 @@
 //! # Ok::<(), ergo_map::Error>(())
 //! ```
 
-mod body_segment;
 mod error;
 mod joints;
 mod kinematics;
@@ -61,7 +60,6 @@ mod skeleton;
 mod steps;
 mod upper_arm;
 
-pub use body_segment::BodySegment;
 pub use error::Error;
 pub use joints::{JointAngles, JointRanges};
 pub use map::{

@@ -32,16 +32,6 @@ impl PersonFrame {
         Ok(Self { position, heading: within("person heading", heading, [-1e6, 1e6], "rad")? })
     }
 
-    /// The frame of a person from the tracked pelvis \[m, world\], heading \[rad\] and the floor's
-    /// height \[m\]. Upright, the pelvis is above the origin of the person's frame; bent, it moves
-    /// back by some centimetres, which this does not correct.
-    ///
-    /// # Errors
-    /// As [`PersonFrame::new`].
-    pub fn from_pelvis(pelvis: &Vector3<f64>, heading: f64, floor: f64) -> Result<Self> {
-        Self::new(Vector3::new(pelvis.x, pelvis.y, floor), heading)
-    }
-
     /// Origin of the person's frame in the world \[m\].
     pub fn position(&self) -> &Vector3<f64> {
         &self.position

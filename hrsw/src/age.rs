@@ -22,7 +22,7 @@ impl Age {
     /// An age in seconds.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for one that is negative, infinite or NaN.
+    /// [`Error::Value`] for one that is negative, infinite or NaN.
     pub fn new(seconds: f64) -> Result<Self, Error> {
         Ok(Self(not_negative("an age", seconds)?))
     }

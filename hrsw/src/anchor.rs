@@ -62,7 +62,7 @@ impl Anchor {
     /// A frame that was never seen.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for times that are not positive and finite.
+    /// [`Error::Value`] for times that are not positive and finite.
     pub fn new(settings: AnchorSettings) -> Result<Self, Error> {
         positive("the extrapolation time", settings.extrapolation)?;
         positive("the braking time of an anchor", settings.braking)?;
@@ -73,7 +73,7 @@ impl Anchor {
     /// origin, then angular, in world axes.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotUnit`], [`Error::Parameter`] for a negative age,
+    /// [`Error::Value`], [`Error::Value`] for a negative age,
     /// [`Error::OutOfOrder`] for a measurement older than the newest one; the frame then goes on as
     /// before.
     pub fn observe(

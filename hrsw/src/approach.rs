@@ -118,7 +118,7 @@ impl ApproachRows {
     /// For the layout of χ, with room for `capacity` pairs.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for settings out of range.
+    /// [`Error::Value`] for settings out of range.
     pub fn new(
         state: AugmentedState,
         settings: SeparationSettings,
@@ -171,7 +171,7 @@ impl ApproachRows {
     /// and returns, of the pairs that may not touch, the one with the least room. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Size`] for a block, Jacobian or velocities that do not fit; [`Error::NotFinite`].
+    /// [`Error::Size`] for a block, Jacobian or velocities that do not fit; [`Error::Value`].
     /// The block then bounds what it did before.
     pub fn write(
         &mut self,

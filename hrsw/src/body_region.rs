@@ -159,7 +159,7 @@ impl ContactLimits {
     /// them is ever planned.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a force that is negative, a pressure, stiffness or mass that is not
+    /// [`Error::Value`] for a force that is negative, a pressure, stiffness or mass that is not
     /// positive, and what is not finite.
     pub fn with(mut self, region: BodyRegion, limits: RegionLimits) -> Result<Self, Error> {
         not_negative("the largest force on a region", limits.force)?;
@@ -175,7 +175,7 @@ impl ContactLimits {
     /// The same for a robot that touches with at least this area \[m²\]. Default 2 cm², rounded covers.
     ///
     /// # Errors
-    /// [`Error::Parameter`] unless it is positive and finite.
+    /// [`Error::Value`] unless it is positive and finite.
     pub fn with_area(self, area: f64) -> Result<Self, Error> {
         Ok(Self { area: positive("the area of a contact", area)?, ..self })
     }

@@ -16,16 +16,17 @@ pub struct ClockSettings {
     /// set, or the loop stood \[s\]. Default 0.1.
     pub gap: f64,
     /// How far a frame's stamp may lie ahead of the ticks, for clocks that agree only nearly \[s\].
-    /// Default 0.005.
+    /// Below a day. Default 0.005.
     pub ahead: f64,
-    /// Difference between stamp and tick beyond which they count from different origins \[s\].
-    /// Default 86,400, a day.
-    pub epoch: f64,
 }
+
+/// Stamp and tick that differ by more count from different origins \[s\]: a day. No frame is so old, and
+/// seconds since 1970 and since the start of a machine differ by decades.
+const EPOCH: f64 = 86_400.0;
 
 impl Default for ClockSettings {
     fn default() -> Self {
-        Self { tolerance: 0.5, gap: 0.1, ahead: 0.005, epoch: 86_400.0 }
+        Self { tolerance: 0.5, gap: 0.1, ahead: 0.005 }
     }
 }
 
@@ -33,22 +34,22 @@ impl ClockSettings {
     /// Checks the ranges, for a control `period` \[s\].
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is out of its range.
+    /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self, period: f64) -> Result<(), Error> {
         positive("the control period", period)?;
         if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
             let (name, value) = ("clock.tolerance", self.tolerance);
-            return Err(Error::Parameter { name, value, expected: "above 0 and below 1" });
+            return Err(Error::Value { what: name, got: value, wanted: "above 0 and below 1" });
         }
         if self.gap.is_nan() || self.gap < (1.0 + self.tolerance) * period {
             let (name, value) = ("clock.gap", self.gap);
             let expected = "at least the longest time between ticks that the tolerance admits";
-            return Err(Error::Parameter { name, value, expected });
+            return Err(Error::Value { what: name, got: value, wanted: expected });
         }
         not_negative("clock.ahead", self.ahead)?;
-        if self.epoch.is_nan() || self.epoch <= self.ahead {
-            let (name, value) = ("clock.epoch", self.epoch);
-            return Err(Error::Parameter { name, value, expected: "above clock.ahead" });
+        if self.ahead >= EPOCH {
+            let (what, wanted) = ("clock.ahead", "below a day, 86,400 s");
+            return Err(Error::Value { what, got: self.ahead, wanted });
         }
         Ok(())
     }
@@ -121,7 +122,7 @@ impl LoopClock {
     /// Before the first tick, for a control `period` \[s\].
     ///
     /// # Errors
-    /// [`Error::Parameter`] for settings out of range.
+    /// [`Error::Value`] for settings out of range.
     pub fn new(period: f64, settings: ClockSettings) -> Result<Self, Error> {
         settings.validate(period)?;
         Ok(Self {
@@ -216,9 +217,9 @@ impl LoopClock {
 
     /// What is wrong with a stamp against a tick at `now`; a frame may be taken until the next tick.
     fn misplaced(&self, stamp: f64, now: f64) -> Option<FrameFault> {
-        let ClockSettings { tolerance, ahead, epoch, .. } = self.settings;
+        let ClockSettings { tolerance, ahead, .. } = self.settings;
         let latest = now + (1.0 + tolerance) * self.period + ahead;
-        if (stamp - now).abs() > epoch {
+        if (stamp - now).abs() > EPOCH {
             Some(FrameFault::ForeignEpoch)
         } else if stamp > latest {
             Some(FrameFault::Future)

@@ -16,7 +16,7 @@ use crate::measured_velocity::MeasuredVelocity;
 ///
 /// let chest = ContactLimit { force: 140.0, stiffness: 25e3, mass: 40.0 };
 /// let speed = chest.speed(12.0);
-/// assert!((chest.force_at(speed, 12.0) - 140.0).abs() < 1e-9);
+/// assert!((speed - 0.291).abs() < 1e-3);
 /// // The heavier the robot, the slower.
 /// assert!(chest.speed(180.0) < speed);
 /// ```
@@ -37,11 +37,6 @@ impl ContactLimit {
         self.force / self.impedance(robot_mass)
     }
 
-    /// The largest force of a contact at a relative `speed` \[m/s\] with `robot_mass` \[kg\].
-    pub fn force_at(&self, speed: f64, robot_mass: f64) -> f64 {
-        speed.max(0.0) * self.impedance(robot_mass)
-    }
-
     /// √(k μ) \[N s/m\].
     fn impedance(&self, robot_mass: f64) -> f64 {
         (self.stiffness / (1.0 / self.mass + 1.0 / robot_mass)).sqrt()
@@ -50,7 +45,7 @@ impl ContactLimit {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is out of its range.
+    /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         positive("the largest force of a contact", self.force)?;
         positive("the stiffness of a part of the body", self.stiffness)?;

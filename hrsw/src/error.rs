@@ -6,27 +6,42 @@ use nalgebra::Isometry3;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A number is NaN or infinite.
-    #[error("{what} holds {value}, which is not finite; check where it comes from")]
-    NotFinite {
-        /// The offending item.
+    /// A number is not finite or out of its range, or a quaternion is no rotation.
+    #[error("{what} is {got}; it must be {wanted}")]
+    Value {
+        /// The parameter or the item that holds the number.
         what: &'static str,
-        /// The value.
-        value: f64,
+        /// The number.
+        got: f64,
+        /// The range it must lie in.
+        wanted: &'static str,
     },
 
-    /// A quaternion is no rotation.
-    #[error("{what} has a quaternion of norm {norm}; normalise it")]
-    NotUnit {
+    /// A matrix, vector, buffer or part of the augmented state does not fit.
+    #[error("{what} has size {got}, but {wanted} was expected")]
+    Size {
         /// The offending item.
         what: &'static str,
-        /// The norm of its quaternion.
-        norm: f64,
+        /// Its size.
+        got: usize,
+        /// The size that fits.
+        wanted: usize,
+    },
+
+    /// More parts than there is room for.
+    #[error("{what}: {got} are needed, there is room for {most}; simplify, or make more room")]
+    TooMany {
+        /// What there are too many of.
+        what: &'static str,
+        /// How many.
+        got: usize,
+        /// How many there may be.
+        most: usize,
     },
 
     /// A lower bound lies above its upper bound.
     #[error("{what}, axis {axis}: the minimum {min} lies above the maximum {max}; swap them")]
-    Empty {
+    EmptyRange {
         /// The bounds.
         what: &'static str,
         /// The axis, 0 to 2.
@@ -51,39 +66,6 @@ pub enum Error {
         limit: f64,
     },
 
-    /// More parts than there is room for.
-    #[error("{what}: {found} are needed, there is room for {limit}; simplify, or make more room")]
-    TooMany {
-        /// What there are too many of.
-        what: &'static str,
-        /// How many.
-        found: usize,
-        /// How many there may be.
-        limit: usize,
-    },
-
-    /// Orientation bounds reach rotations by half a turn, where rotation vectors jump.
-    #[error(
-        "the orientation bounds reach an angle of {angle:.3} rad; keep their corners within {limit:.3} rad and turn the reference frame instead"
-    )]
-    AngleTooLarge {
-        /// The angle of the farthest corner \[rad\].
-        angle: f64,
-        /// The largest angle allowed \[rad\].
-        limit: f64,
-    },
-
-    /// A parameter is out of its range.
-    #[error("{name} is {value}; it must be {expected}")]
-    Parameter {
-        /// The parameter.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The range it must lie in.
-        expected: &'static str,
-    },
-
     /// A measurement is older than the newest one.
     #[error(
         "a measurement that is {age} s old comes after one that is {newest} s old; give them in \
@@ -96,51 +78,29 @@ pub enum Error {
         newest: f64,
     },
 
-    /// The augmented state has no room for the slack, or no 6-dimensional task.
-    #[error("the augmented state has {found} {what}; the softened workspace needs {expected}")]
-    State {
-        /// The part of the state.
-        what: &'static str,
-        /// How many it has.
-        found: usize,
-        /// How many are needed.
-        expected: usize,
-    },
-
-    /// A matrix, vector or buffer does not fit.
-    #[error("{what} has size {found}, but {expected} was expected")]
-    Size {
-        /// The offending item.
-        what: &'static str,
-        /// Its size.
-        found: usize,
-        /// The size that fits.
-        expected: usize,
-    },
-
     /// The solver's crate refused the rows.
     #[error(transparent)]
     Hierarchy(#[from] ahqp_core::Error),
 }
 
-pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, Error> {
-    if value > 0.0 && value.is_finite() {
-        Ok(value)
+pub(crate) fn positive(what: &'static str, got: f64) -> Result<f64, Error> {
+    if got > 0.0 && got.is_finite() {
+        Ok(got)
     } else {
-        Err(Error::Parameter { name, value, expected: "positive and finite" })
+        Err(Error::Value { what, got, wanted: "positive and finite" })
     }
 }
 
-pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<f64, Error> {
-    if value >= 0.0 && value.is_finite() {
-        Ok(value)
+pub(crate) fn not_negative(what: &'static str, got: f64) -> Result<f64, Error> {
+    if got >= 0.0 && got.is_finite() {
+        Ok(got)
     } else {
-        Err(Error::Parameter { name, value, expected: "finite and not negative" })
+        Err(Error::Value { what, got, wanted: "finite and not negative" })
     }
 }
 
-pub(crate) fn check_size(what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
-    if found == expected { Ok(()) } else { Err(Error::Size { what, found, expected }) }
+pub(crate) fn check_size(what: &'static str, got: usize, wanted: usize) -> Result<(), Error> {
+    if got == wanted { Ok(()) } else { Err(Error::Size { what, got, wanted }) }
 }
 
 pub(crate) fn check_all<'a>(
@@ -148,7 +108,7 @@ pub(crate) fn check_all<'a>(
     mut values: impl Iterator<Item = &'a f64>,
 ) -> Result<(), Error> {
     match values.find(|value| !value.is_finite()) {
-        Some(&value) => Err(Error::NotFinite { what, value }),
+        Some(&got) => Err(Error::Value { what, got, wanted: "finite" }),
         None => Ok(()),
     }
 }
@@ -169,6 +129,7 @@ pub(crate) fn check_rotation(
     rotation: &nalgebra::UnitQuaternion<f64>,
 ) -> Result<(), Error> {
     check_all(what, rotation.coords.iter())?;
-    let norm = rotation.coords.norm();
-    if (norm - 1.0).abs() < 1e-6 { Ok(()) } else { Err(Error::NotUnit { what, norm }) }
+    let got = rotation.coords.norm();
+    let wanted = "1, the norm of a unit quaternion; normalise it";
+    if (got - 1.0).abs() < 1e-6 { Ok(()) } else { Err(Error::Value { what, got, wanted }) }
 }

@@ -36,7 +36,7 @@ impl Headway {
     /// `clearance` is how far the robot, where it works, is from the nearest part that it may not touch \[m\].
     ///
     /// # Errors
-    /// [`Error::Parameter`] for terms out of range.
+    /// [`Error::Value`] for terms out of range.
     pub fn new(separation: SeparationSettings, clearance: f64) -> Result<Self, Error> {
         separation.validate()?;
         not_negative("the clearance of a headway", clearance)?;
@@ -51,7 +51,7 @@ impl Headway {
     /// counts as standing. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], or [`Error::Parameter`] for a period that is not positive; the headway then stays.
+    /// [`Error::Value`], or [`Error::Value`] for a period that is not positive; the headway then stays.
     pub fn advance(&mut self, speed: f64, period: f64) -> Result<(), Error> {
         check_all("the speed of a person", [&speed].into_iter())?;
         positive("the period", period)?;

@@ -38,7 +38,7 @@ impl FollowerSettings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is not positive and finite.
+    /// [`Error::Value`] names the first that is not positive and finite.
     pub fn validate(&self) -> Result<(), Error> {
         positive("the follower's speed", self.speed)?;
         positive("the follower's acceleration", self.acceleration)?;
@@ -79,7 +79,7 @@ impl FrameFollower {
     /// A frame at rest at `pose`.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for the pose, [`Error::Parameter`] for the settings.
+    /// [`Error::Value`] for the pose, [`Error::Value`] for the settings.
     pub fn new(pose: Isometry3<f64>, settings: FollowerSettings) -> Result<Self, Error> {
         check_pose(&pose)?;
         settings.validate()?;
@@ -109,7 +109,7 @@ impl FrameFollower {
     /// axes), along which it is taken to go on.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; the target then stays as it was.
+    /// [`Error::Value`]; the target then stays as it was.
     pub fn retarget(&mut self, pose: Isometry3<f64>, twist: Vector6<f64>) -> Result<(), Error> {
         check_pose(&pose)?;
         check_all("the twist of the target", twist.iter())?;
@@ -139,7 +139,7 @@ impl FrameFollower {
     /// Jumps to `pose`, at rest: for the first sight of a target, not for one that moves.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; the frame then stays as it was.
+    /// [`Error::Value`]; the frame then stays as it was.
     pub fn reset(&mut self, pose: Isometry3<f64>) -> Result<(), Error> {
         *self = Self::new(pose, self.settings)?;
         Ok(())

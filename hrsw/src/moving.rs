@@ -72,7 +72,7 @@ impl MovingWorkspace {
     /// The workspace as it is, at rest in the world.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for settings out of range.
+    /// [`Error::Value`] for settings out of range.
     pub fn new(workspace: Workspace, settings: MovingSettings) -> Result<Self, Error> {
         let pose = *workspace.world_from_workspace();
         Ok(Self {
@@ -104,7 +104,7 @@ impl MovingWorkspace {
     /// Lets something else carry the workspace; it goes there at its limited rates.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotUnit`]; the attachment then stays as it was.
+    /// [`Error::Value`]; the attachment then stays as it was.
     pub fn attach(&mut self, attachment: Attachment) -> Result<(), Error> {
         match &attachment {
             Attachment::World(pose) | Attachment::Person(pose) => check_pose(pose)?,
@@ -139,7 +139,7 @@ impl MovingWorkspace {
     /// Shifts the workspace by `lead` in the axes of what carries it \[m\], at its limited rates.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; the lead then stays as it was.
+    /// [`Error::Value`]; the lead then stays as it was.
     pub fn set_lead(&mut self, lead: Vector3<f64>) -> Result<(), Error> {
         check_all("the lead of a workspace", lead.iter())?;
         self.lead = lead;
@@ -151,7 +151,7 @@ impl MovingWorkspace {
     /// are as short, it turns the positive way about `axis`, in the axes of the reference.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotUnit`]; the goal then stays as it was.
+    /// [`Error::Value`]; the goal then stays as it was.
     pub fn reorient(
         &mut self,
         goal: UnitQuaternion<f64>,
@@ -199,7 +199,7 @@ impl MovingWorkspace {
     /// One period of `period` \[s\]. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a period that is not positive and finite; the workspace then
+    /// [`Error::Value`] for a period that is not positive and finite; the workspace then
     /// stays as it was.
     pub fn advance(&mut self, period: f64) -> Result<(), Error> {
         positive("the period", period)?;

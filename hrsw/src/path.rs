@@ -39,14 +39,14 @@ impl Path {
     /// takes its time where it only turns.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotUnit`] for a waypoint; [`Error::Parameter`] for the
+    /// [`Error::Value`] for a waypoint; [`Error::Value`] for the
     /// speed, or without a waypoint.
     pub fn new(waypoints: &[Isometry3<f64>], speed: f64) -> Result<Self, Error> {
         positive("the speed along a path", speed)?;
         waypoints.iter().try_for_each(check_pose)?;
         let Some(&end) = waypoints.last() else {
             let (name, expected) = ("the number of waypoints", "at least one");
-            return Err(Error::Parameter { name, value: 0.0, expected });
+            return Err(Error::Value { what: name, got: 0.0, wanted: expected });
         };
         let mut legs = Vec::new();
         let mut begins = 0.0;

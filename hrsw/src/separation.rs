@@ -86,7 +86,7 @@ impl SeparationSettings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is out of its range.
+    /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         not_negative("the human speed", self.human_speed)?;
         not_negative("the speed of an arm", self.arm_speed)?;

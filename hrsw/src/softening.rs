@@ -68,7 +68,7 @@ impl SoftWorkspace {
     /// With the layout of χ and the horizon τ \[s\], softened as in the paper, for boxes.
     ///
     /// # Errors
-    /// [`Error::State`] unless the task has 6 dimensions and 6 slacks; [`Error::Parameter`] for
+    /// [`Error::Size`] unless the task has 6 dimensions and 6 slacks; [`Error::Value`] for
     /// a horizon that is not positive.
     pub fn new(state: AugmentedState, horizon: f64) -> Result<Self, Error> {
         Self::with_softening(state, horizon, Softening::default())
@@ -77,17 +77,14 @@ impl SoftWorkspace {
     /// With the layout of χ, the horizon τ \[s\], and how the workspace gives way.
     ///
     /// # Errors
-    /// As [`new`](Self::new); [`Error::Parameter`] for weights that are not positive.
+    /// As [`new`](Self::new); [`Error::Value`] for weights that are not positive.
     pub fn with_softening(
         state: AugmentedState,
         horizon: f64,
         softening: Softening,
     ) -> Result<Self, Error> {
-        for (what, found) in [("task dimensions", state.task), ("slack variables", state.slack)] {
-            if found != 6 {
-                return Err(Error::State { what, found, expected: 6 });
-            }
-        }
+        check_size("the task of the augmented state", state.task, 6)?;
+        check_size("the slack of the augmented state", state.slack, 6)?;
         for &weight in &softening.weights {
             positive("a weight of the slack", weight)?;
         }
@@ -121,7 +118,7 @@ impl SoftWorkspace {
     /// Sec. III-C.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] or [`Error::NotUnit`] for the desired pose; [`Error::TooMany`] when
+    /// [`Error::Value`] for the desired pose; [`Error::TooMany`] when
     /// the workspace has more rows than there is room for; [`Error::Size`] or [`Error::Hierarchy`]
     /// for another level.
     pub fn write(
@@ -160,12 +157,12 @@ impl SoftWorkspace {
     fn check_room(&self, workspace: &Workspace) -> Result<(), Error> {
         let (positions, orientations) = workspace.row_counts();
         let softening = &self.softening;
-        for (what, found, limit) in [
+        for (what, got, most) in [
             ("rows of the position", positions, softening.position_rows),
             ("rows of the orientation", orientations, softening.orientation_rows),
         ] {
-            if found > limit {
-                return Err(Error::TooMany { what, found, limit });
+            if got > most {
+                return Err(Error::TooMany { what, got, most });
             }
         }
         Ok(())

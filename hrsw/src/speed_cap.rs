@@ -64,7 +64,7 @@ impl SpeedCap {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is out of its range.
+    /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         positive("the reduced speed", self.reduced)?;
         positive("the full speed", self.full)?;
@@ -72,11 +72,11 @@ impl SpeedCap {
         positive("the distance of full speed", self.far)?;
         if self.full < self.reduced {
             let (name, expected) = ("the full speed", "at least the reduced speed");
-            return Err(Error::Parameter { name, value: self.full, expected });
+            return Err(Error::Value { what: name, got: self.full, wanted: expected });
         }
         if self.far <= self.near {
             let (name, expected) = ("the distance of full speed", "above that of reduced speed");
-            return Err(Error::Parameter { name, value: self.far, expected });
+            return Err(Error::Value { what: name, got: self.far, wanted: expected });
         }
         Ok(())
     }
@@ -103,8 +103,8 @@ impl SpeedCap {
     /// An infinite speed bounds nothing. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Size`] for what does not fit; [`Error::Parameter`] for a negative speed or NaN;
-    /// [`Error::NotFinite`].
+    /// [`Error::Size`] for what does not fit; [`Error::Value`] for a negative speed or NaN;
+    /// [`Error::Value`].
     pub fn write(
         motion: &JointMotion<'_>,
         person: &Vector3<f64>,
@@ -118,7 +118,7 @@ impl SpeedCap {
         check_slice("the velocity of the person", person.as_slice())?;
         if speed.is_nan() || speed < 0.0 {
             let (name, expected) = ("the cap of the speed", "not negative");
-            return Err(Error::Parameter { name, value: speed, expected });
+            return Err(Error::Value { what: name, got: speed, wanted: expected });
         }
         for (index, direction) in DIRECTIONS.iter().enumerate() {
             let direction = Vector3::from(*direction);

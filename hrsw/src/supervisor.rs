@@ -99,7 +99,7 @@ impl SupervisorSettings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is out of its range.
+    /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         not_negative("supervisor.tolerance", self.tolerance)?;
         not_negative("supervisor.hysteresis", self.hysteresis)?;
@@ -109,14 +109,14 @@ impl SupervisorSettings {
         positive("supervisor.contact_force", self.contact_force)?;
         if self.stop_age.is_nan() || self.stop_age < self.reduced_age {
             let (name, expected) = ("supervisor.stop_age", "at least supervisor.reduced_age");
-            return Err(Error::Parameter { name, value: self.stop_age, expected });
+            return Err(Error::Value { what: name, got: self.stop_age, wanted: expected });
         }
         for (name, value) in [
             ("supervisor.reduced_scale", self.reduced_scale),
             ("supervisor.retreat_scale", self.retreat_scale),
         ] {
             if !(0.0..=1.0).contains(&value) {
-                return Err(Error::Parameter { name, value, expected: "between 0 and 1" });
+                return Err(Error::Value { what: name, got: value, wanted: "between 0 and 1" });
             }
         }
         Ok(())
@@ -182,7 +182,7 @@ impl Supervisor {
     /// In the normal state, at full speed.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for settings out of range.
+    /// [`Error::Value`] for settings out of range.
     pub fn new(settings: SupervisorSettings) -> Result<Self, Error> {
         settings.validate()?;
         let state = SafetyState::Normal;

@@ -41,7 +41,7 @@ impl Workspace {
     /// A workspace at rest.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] and [`Error::NotUnit`] for the frame, [`Error::AngleTooLarge`] for
+    /// [`Error::Value`] for the frame, [`Error::Value`] for
     /// orientation bounds that come near half a turn.
     pub fn new(
         world_from_workspace: Isometry3<f64>,
@@ -108,7 +108,7 @@ impl Workspace {
     /// axes \[m/s, rad/s\].
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotUnit`]; the workspace then stays as it was.
+    /// [`Error::Value`]; the workspace then stays as it was.
     pub fn place(
         &mut self,
         world_from_workspace: Isometry3<f64>,
@@ -124,7 +124,7 @@ impl Workspace {
     /// Turns the reference; `rate` is its angular velocity in the axes of the frame \[rad/s\].
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotUnit`]; the workspace then stays as it was.
+    /// [`Error::Value`]; the workspace then stays as it was.
     pub fn set_reference(
         &mut self,
         reference: UnitQuaternion<f64>,
@@ -142,20 +142,6 @@ impl Workspace {
         self.position = Change::still(position.into());
     }
 
-    /// Replaces the shape of orientations, at once.
-    ///
-    /// # Errors
-    /// [`Error::AngleTooLarge`]; the workspace then stays as it was.
-    pub fn set_orientation(
-        &mut self,
-        orientation: impl Into<OrientationShape>,
-    ) -> Result<(), Error> {
-        let orientation = orientation.into();
-        orientation.validate()?;
-        self.orientation = Change::still(orientation);
-        Ok(())
-    }
-
     /// Begins to change the shape of positions, continuously over `duration` \[s\]: the blend
     /// (1 − λ)A ⊕ λB of the old and the new, bounded along the normals of both. Rows that come
     /// with the new or go with the old fade in and out, so that the slack is continuous too.
@@ -164,7 +150,7 @@ impl Workspace {
     /// present change has ended.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for the duration; the workspace then stays as it was.
+    /// [`Error::Value`] for the duration; the workspace then stays as it was.
     pub fn reshape_position(
         &mut self,
         position: impl Into<PositionShape>,
@@ -177,7 +163,7 @@ impl Workspace {
     /// box and a cone the first opens to half a turn, then the second closes.
     ///
     /// # Errors
-    /// [`Error::AngleTooLarge`], [`Error::Parameter`]; the workspace then stays as it was.
+    /// [`Error::Value`]; the workspace then stays as it was.
     pub fn reshape_orientation(
         &mut self,
         orientation: impl Into<OrientationShape>,

@@ -104,10 +104,8 @@ impl Safety {
         let count = settings.bodies.len();
         for &(first, second) in &settings.own_pairs {
             if first.max(second) >= count {
-                let found = first.max(second);
-                return Err(
-                    hrsw::Error::Size { what: "a body's index", found, expected: count }.into()
-                );
+                let got = first.max(second);
+                return Err(hrsw::Error::Size { what: "a body's index", got, wanted: count }.into());
             }
         }
         let person = PersonBodies::new(settings.person, &settings.contact);

@@ -300,6 +300,6 @@ impl SharedSpace {
     }
 }
 
-fn check_room(what: &'static str, found: usize, limit: usize) -> Result<(), Error> {
-    if found > limit { Err(hrsw::Error::TooMany { what, found, limit }.into()) } else { Ok(()) }
+fn check_room(what: &'static str, got: usize, most: usize) -> Result<(), Error> {
+    if got > most { Err(hrsw::Error::TooMany { what, got, most }.into()) } else { Ok(()) }
 }

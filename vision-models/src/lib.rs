@@ -100,7 +100,7 @@ pub use kernels::InstructionSet;
 pub use labels::ClassNames;
 pub use lifting::{CrossSection, Lifter, LiftingSettings, SkinDepths};
 #[cfg(feature = "inference")]
-pub use metrics::{ConfusionMatrix, softmax, top_k, top_k_accuracy};
+pub use metrics::{ConfusionMatrix, softmax, top_k};
 pub use nalgebra;
 #[cfg(feature = "inference")]
 pub use ndarray;

@@ -81,20 +81,6 @@ pub fn top_k(scores: &[f32], k: usize) -> Vec<usize> {
     classes
 }
 
-/// Top-k accuracy: the share of samples whose class is among the k largest of its scores; `None`
-/// without samples.
-pub fn top_k_accuracy<'a>(
-    samples: impl IntoIterator<Item = (&'a [f32], usize)>,
-    k: usize,
-) -> Option<f64> {
-    let (mut right, mut all) = (0, 0);
-    for (scores, truth) in samples {
-        right += u64::from(top_k(scores, k).contains(&truth));
-        all += 1;
-    }
-    ratio(right, all)
-}
-
 /// Probabilities from scores: exp(s_i) / Σ exp(s_j).
 pub fn softmax(scores: &[f32]) -> Vec<f32> {
     let largest = scores.iter().copied().fold(f32::NEG_INFINITY, f32::max);

@@ -178,12 +178,11 @@ impl Builder {
     fn expect_room<R>(&mut self, tokens: &Tokens<R>) -> Result<(), HqpError> {
         self.coefficients += self.hierarchy.variables();
         if self.coefficients > MOST_COEFFICIENTS {
-            return Err(HqpError::OutOfRange {
+            return Err(HqpError::Value {
                 line: tokens.line(),
                 what: "the number of coefficients of a problem",
-                found: self.coefficients.to_string(),
-                least: 0,
-                most: MOST_COEFFICIENTS,
+                got: self.coefficients.to_string(),
+                wanted: format!("at most {MOST_COEFFICIENTS}"),
             });
         }
         Ok(())

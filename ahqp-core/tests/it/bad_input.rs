@@ -43,7 +43,7 @@ const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 fn no_variables() {
     let error = Hierarchy::new(0).unwrap_err();
     assert!(matches!(error, Error::Value { what: "the number of variables", .. }), "{error}");
-    expect_words(&error, &["no variables", "at least one"]);
+    expect_words(&error, &["number of variables", "at least 1"]);
 }
 
 #[test]
@@ -382,7 +382,7 @@ fn a_level_that_is_not_there() {
     expect_words(&expected, &["no level 2", "push"]);
     let error = Rows::zeros(2, 3).row_mut(2).unwrap_err();
     assert!(matches!(error, Error::Size { got: 2, wanted: 3, .. }), "{error}");
-    expect_words(&error, &["no row 2", "has 2"]);
+    expect_words(&error, &["the block with the row", "size 2", "3 was expected"]);
     assert_eq!(Rows::zeros(2, 0).row(2), None);
 }
 

@@ -1,7 +1,7 @@
 //! Person, joints and skeleton.
 
 use ergo_map::{
-    BodySegment, Error, JointAngles, JointRanges, Landmarks, Person, PersonFrame, Segments, Side,
+    Error, JointAngles, JointRanges, Landmarks, Person, PersonFrame, Segments, Side,
     Skeleton,
 };
 use nalgebra::{Rotation3, Vector3};
@@ -87,17 +87,6 @@ fn joints_turn_the_way_their_names_say() {
         ..zero
     };
     assert!(at(flat).hand_orientation.angle_to(&Rotation3::identity()) < 1e-9);
-}
-
-#[test]
-fn segment_masses_add_up_to_the_body() {
-    let person = Person::new(1.7).unwrap().with_mass(70.0).unwrap();
-    let sum: f64 =
-        BodySegment::ALL.iter().map(|s| f64::from(s.count()) * person.segment_mass(*s)).sum();
-    assert!((sum - 70.0).abs() < 1e-9, "{sum}");
-    for segment in BodySegment::ALL {
-        assert!((0.0..=1.0).contains(&segment.centre_of_mass()));
-    }
 }
 
 #[test]

@@ -130,7 +130,7 @@ fn bounds_that_would_not_fit_as_rows_are_refused() {
     // Each short line would become a row of 4096 coefficients.
     let bounds = "0 0 1\n".repeat(20_000);
     let text = format!("hqpset x 1\nproblem 0 p {MOST_VARIABLES} 1\nlevel B 0 20000\n{bounds}");
-    assert!(matches!(read(&text), Err(HqpError::OutOfRange { .. })));
+    assert!(matches!(read(&text), Err(HqpError::Value { .. })));
 }
 
 #[test]

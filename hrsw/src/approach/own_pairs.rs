@@ -29,8 +29,8 @@ impl ApproachRows {
         let farthest = self.reach(any.fastest, any.change).sight(0.0) + watched;
         for &(i, j) in pairs {
             let (Some(first), Some(second)) = (robot.get(i), robot.get(j)) else {
-                let (found, expected) = (i.max(j), robot.len());
-                return Err(Error::Size { what: "an index of a body", found, expected });
+                let (got, wanted) = (i.max(j), robot.len());
+                return Err(Error::Size { what: "an index of a body", got, wanted });
             };
             let bound = self.bounds.get(i, j);
             if bound > farthest {

@@ -23,13 +23,13 @@ pub struct Bounds {
 
 impl Bounds {
     /// # Errors
-    /// [`Error::NotFinite`] for NaN or infinite bounds, [`Error::Empty`] where the minimum lies
+    /// [`Error::Value`] for NaN or infinite bounds, [`Error::EmptyRange`] where the minimum lies
     /// above the maximum.
     pub fn new(min: Vector3<f64>, max: Vector3<f64>) -> Result<Self, Error> {
         check_all("a bound", min.iter().chain(max.iter()))?;
         if let Some(axis) = (0..3).find(|&axis| min[axis] > max[axis]) {
             let (min, max) = (min[axis], max[axis]);
-            return Err(Error::Empty { what: "the bounds", axis, min, max });
+            return Err(Error::EmptyRange { what: "the bounds", axis, min, max });
         }
         Ok(Self { min, max })
     }
@@ -82,12 +82,6 @@ impl Bounds {
     /// Bounds that are in order but for rounding.
     pub(crate) fn ordered(a: Vector3<f64>, b: Vector3<f64>) -> Self {
         Self { min: a.inf(&b), max: a.sup(&b) }
-    }
-
-    /// The smallest bounds around both.
-    #[must_use]
-    pub fn union(&self, other: &Self) -> Self {
-        Self { min: self.min.inf(&other.min), max: self.max.sup(&other.max) }
     }
 
     /// (1 − share) · self + share · other, for a share in [0, 1].

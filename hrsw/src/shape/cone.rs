@@ -5,7 +5,17 @@ use nalgebra::{Unit, UnitQuaternion, Vector3};
 use crate::error::{Error, check_all};
 
 /// Rotation vectors are continuous below half a turn; bounds keep this distance from it \[rad\].
-pub(crate) const ANGLE_MARGIN: f64 = 0.1;
+const LARGEST_ANGLE: f64 = std::f64::consts::PI - 0.1;
+
+/// Checks the angle of the farthest rotation that bounds reach (rad).
+pub(super) fn check_angle(angle: f64) -> Result<(), Error> {
+    if angle <= LARGEST_ANGLE {
+        return Ok(());
+    }
+    let what = "the angle that the orientation bounds reach";
+    let wanted = "at most 3.04 rad; turn the reference frame instead";
+    Err(Error::Value { what, got: angle, wanted })
+}
 
 /// The orientations that turn `axis` of the tool to within `half_angle` of `direction`; the
 /// roll about the axis is free.
@@ -34,8 +44,8 @@ impl Cone {
     /// half angle \[rad\]; lengths do not matter.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; [`Error::Parameter`] for vectors of length zero or a negative
-    /// angle; [`Error::AngleTooLarge`] near half a turn.
+    /// [`Error::Value`]; [`Error::Value`] for vectors of length zero or a negative
+    /// angle; [`Error::Value`] near half a turn.
     pub fn new(
         axis: Vector3<f64>,
         direction: Vector3<f64>,
@@ -44,7 +54,7 @@ impl Cone {
         check_all("a cone of orientations", axis.iter().chain(&direction).chain([&half_angle]))?;
         let unit = |name, v: Vector3<f64>| {
             let (value, expected) = (v.norm(), "above zero");
-            Unit::try_new(v, 1e-12).ok_or(Error::Parameter { name, value, expected })
+            Unit::try_new(v, 1e-12).ok_or(Error::Value { what: name, got: value, wanted: expected })
         };
         let (axis, direction) = (
             unit("the length of a cone's axis", axis)?,
@@ -52,12 +62,9 @@ impl Cone {
         );
         if half_angle < 0.0 {
             let (name, expected) = ("the half angle of a cone", "not negative");
-            return Err(Error::Parameter { name, value: half_angle, expected });
+            return Err(Error::Value { what: name, got: half_angle, wanted: expected });
         }
-        let limit = std::f64::consts::PI - ANGLE_MARGIN;
-        if half_angle > limit {
-            return Err(Error::AngleTooLarge { angle: half_angle, limit });
-        }
+        check_angle(half_angle)?;
         Ok(Self { axis, direction, half_angle })
     }
 

@@ -15,13 +15,13 @@ impl HalfSpace {
     /// The points z with normal · z ≤ offset, for a normal of any length but zero.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; [`Error::Parameter`] for a normal of length zero.
+    /// [`Error::Value`]; [`Error::Value`] for a normal of length zero.
     pub fn new(normal: Vector3<f64>, offset: f64) -> Result<Self, Error> {
         check_all("a half-space", normal.iter().chain([&offset]))?;
         let length = normal.norm();
         if length < 1e-12 {
             let name = "the length of a half-space's normal";
-            return Err(Error::Parameter { name, value: length, expected: "above zero" });
+            return Err(Error::Value { what: name, got: length, wanted: "above zero" });
         }
         Ok(Self { normal: normal / length, offset: offset / length })
     }

@@ -4,7 +4,7 @@ use ahqp_core::{left_jacobian_inverse, rotation_log};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::bounds::Bounds;
-use super::cone::{ANGLE_MARGIN, Cone};
+use super::cone::{Cone, check_angle};
 use super::mesh::Mesh;
 use crate::error::Error;
 
@@ -43,12 +43,11 @@ pub(crate) struct OrientationRow {
 
 impl OrientationShape {
     /// # Errors
-    /// [`Error::AngleTooLarge`] for bounds whose corners come near half a turn.
+    /// [`Error::Value`] for bounds whose corners come near half a turn.
     pub fn validate(&self) -> Result<(), Error> {
         let Self::Box(bounds) = self else { return Ok(()) };
         let angle = bounds.min().abs().sup(&bounds.max().abs()).norm();
-        let limit = std::f64::consts::PI - ANGLE_MARGIN;
-        if angle > limit { Err(Error::AngleTooLarge { angle, limit }) } else { Ok(()) }
+        check_angle(angle)
     }
 
     /// How many rows bound it.

@@ -27,7 +27,7 @@ impl OrientedBox {
     /// The box `bounds` in the axes of `pose`, itself in the axes of the workspace.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] or [`Error::NotUnit`] for the pose.
+    /// [`Error::Value`] for the pose.
     pub fn new(pose: Isometry3<f64>, bounds: Bounds) -> Result<Self, Error> {
         check_pose(&pose)?;
         Ok(Self { pose, bounds })

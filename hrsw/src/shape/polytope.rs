@@ -84,7 +84,7 @@ impl Polytope {
     /// The smallest convex set around `points`.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; [`Error::NoVolume`] for points in a plane, or fewer than four;
+    /// [`Error::Value`]; [`Error::NoVolume`] for points in a plane, or fewer than four;
     /// [`Error::TooMany`] for a hull with more than 64 faces.
     pub fn hull(points: &[Vector3<f64>]) -> Result<Self, Error> {
         check_all("a point of the hull", points.iter().flat_map(|point| point.iter()))?;
@@ -160,9 +160,9 @@ impl Polytope {
 }
 
 fn check_count(found: usize) -> Result<(), Error> {
-    let limit = MAX_FACES;
-    if found > limit {
-        return Err(Error::TooMany { what: "the faces of a polytope", found, limit });
+    if found > MAX_FACES {
+        let what = "the faces of a polytope";
+        return Err(Error::TooMany { what, got: found, most: MAX_FACES });
     }
     Ok(())
 }

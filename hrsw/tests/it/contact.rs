@@ -34,7 +34,6 @@ proptest! {
         let limit = ContactLimit { force, stiffness, mass };
         let reached = simulated_force(&limit, robot, limit.speed(robot));
         prop_assert!((reached / force - 1.0).abs() < 1e-3, "{reached} N of {force} N");
-        prop_assert!((limit.force_at(limit.speed(robot), robot) / force - 1.0).abs() < 1e-12);
         prop_assert!(limit.speed(f64::INFINITY) < limit.speed(robot));
     }
 }
@@ -83,7 +82,7 @@ fn limits_that_are_none_are_named() {
         RegionLimits { mass: 0.0, ..sound },
     ] {
         let limits = ContactLimits::default().with(BodyRegion::Hand, wrong);
-        assert!(matches!(limits, Err(Error::Parameter { .. })), "{wrong:?}");
+        assert!(matches!(limits, Err(Error::Value { .. })), "{wrong:?}");
     }
     for area in [0.0, -1.0, f64::NAN] {
         assert!(ContactLimits::default().with_area(area).is_err());

@@ -151,22 +151,22 @@ proptest! {
 #[test]
 fn bad_input_is_named() {
     let nan = Vector3::new(0.0, f64::NAN, 0.0);
-    assert!(matches!(Bounds::new(nan, Vector3::zeros()), Err(Error::NotFinite { .. })));
+    assert!(matches!(Bounds::new(nan, Vector3::zeros()), Err(Error::Value { .. })));
     assert!(matches!(
         Bounds::new(Vector3::new(0.0, 1.0, 0.0), Vector3::zeros()),
-        Err(Error::Empty { axis: 1, .. })
+        Err(Error::EmptyRange { axis: 1, .. })
     ));
     let unit = Bounds::symmetric(Vector3::repeat(1.0)).unwrap();
     let wide = Bounds::symmetric(Vector3::repeat(3.0)).unwrap();
     let at = Isometry3::identity();
-    assert!(matches!(Workspace::new(at, unit, wide), Err(Error::AngleTooLarge { .. })));
+    assert!(matches!(Workspace::new(at, unit, wide), Err(Error::Value { .. })));
     let nowhere = Isometry3::translation(f64::INFINITY, 0.0, 0.0);
-    assert!(matches!(Workspace::new(nowhere, unit, unit), Err(Error::NotFinite { .. })));
+    assert!(matches!(Workspace::new(nowhere, unit, unit), Err(Error::Value { .. })));
     let state = AugmentedState { joints: 10, task: 6, slack: 0 };
     let error = SoftWorkspace::new(state, 0.1).unwrap_err();
     assert!(error.to_string().contains("slack"), "{error}");
     let state = AugmentedState { joints: 10, task: 6, slack: 6 };
-    assert!(matches!(SoftWorkspace::new(state, 0.0), Err(Error::Parameter { .. })));
+    assert!(matches!(SoftWorkspace::new(state, 0.0), Err(Error::Value { .. })));
     let settings = FollowerSettings { speed: -1.0, ..FollowerSettings::default() };
     let error = FrameFollower::new(at, settings).unwrap_err();
     assert!(error.to_string().contains("speed"), "{error}");

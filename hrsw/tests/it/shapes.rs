@@ -229,8 +229,8 @@ proptest! {
 fn bad_shapes_are_named() {
     let face = |x: f64, y: f64, z: f64, d: f64| HalfSpace::new(Vector3::new(x, y, z), d).unwrap();
     let nan = Vector3::new(f64::NAN, 0.0, 0.0);
-    assert!(matches!(HalfSpace::new(nan, 0.0), Err(Error::NotFinite { .. })));
-    assert!(matches!(HalfSpace::new(Vector3::zeros(), 0.0), Err(Error::Parameter { .. })));
+    assert!(matches!(HalfSpace::new(nan, 0.0), Err(Error::Value { .. })));
+    assert!(matches!(HalfSpace::new(Vector3::zeros(), 0.0), Err(Error::Value { .. })));
     assert!(matches!(Polytope::new(&[]), Err(Error::Unbounded { .. })));
     assert!(matches!(Polytope::new(&[face(1.0, 0.0, 0.0, 1.0)]), Err(Error::Unbounded { .. })));
     let empty = [face(1.0, 0.0, 0.0, -1.0), face(-1.0, 0.0, 0.0, -1.0)];
@@ -245,32 +245,31 @@ fn bad_shapes_are_named() {
     walls.extend(flat);
     assert!(matches!(Polytope::new(&walls), Err(Error::NoVolume { faces: 6 })));
     let many = vec![face(1.0, 0.0, 0.0, 1.0); 65];
-    assert!(matches!(Polytope::new(&many), Err(Error::TooMany { found: 65, .. })));
+    assert!(matches!(Polytope::new(&many), Err(Error::TooMany { got: 65, .. })));
     assert!(matches!(Polytope::hull(&[]), Err(Error::NoVolume { .. })));
     assert!(matches!(Polytope::hull(&[Vector3::x(); 9]), Err(Error::NoVolume { .. })));
     let plane: Vec<_> =
         (0..9).map(|i| Vector3::new(f64::from(i % 3), f64::from(i / 3), 0.0)).collect();
     assert!(matches!(Polytope::hull(&plane), Err(Error::NoVolume { .. })));
-    assert!(matches!(Polytope::hull(&[nan; 4]), Err(Error::NotFinite { .. })));
+    assert!(matches!(Polytope::hull(&[nan; 4]), Err(Error::Value { .. })));
 
     let zero = Vector3::zeros();
-    assert!(matches!(Capsule::sphere(zero, -0.1), Err(Error::Parameter { .. })));
-    assert!(matches!(Capsule::new(zero, nan, 0.1), Err(Error::NotFinite { .. })));
+    assert!(matches!(Capsule::sphere(zero, -0.1), Err(Error::Value { .. })));
+    assert!(matches!(Capsule::new(zero, nan, 0.1), Err(Error::Value { .. })));
     let z = Vector3::z();
-    assert!(matches!(Cone::new(zero, z, 0.1), Err(Error::Parameter { .. })));
-    assert!(matches!(Cone::new(z, z, -0.1), Err(Error::Parameter { .. })));
-    assert!(matches!(Cone::new(z, z, std::f64::consts::PI), Err(Error::AngleTooLarge { .. })));
-    assert!(matches!(Cone::new(z, z, f64::NAN), Err(Error::NotFinite { .. })));
+    assert!(matches!(Cone::new(zero, z, 0.1), Err(Error::Value { .. })));
+    assert!(matches!(Cone::new(z, z, -0.1), Err(Error::Value { .. })));
+    assert!(matches!(Cone::new(z, z, std::f64::consts::PI), Err(Error::Value { .. })));
+    assert!(matches!(Cone::new(z, z, f64::NAN), Err(Error::Value { .. })));
 
     let unit = Bounds::symmetric(Vector3::repeat(1.0)).unwrap();
     let doubled = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(2.0, 0.0, 0.0, 0.0));
     let stretched = Isometry3::from_parts(Vector3::zeros().into(), doubled);
-    assert!(matches!(Workspace::new(stretched, unit, unit), Err(Error::NotUnit { .. })));
-    assert!(matches!(OrientedBox::new(stretched, unit), Err(Error::NotUnit { .. })));
+    assert!(matches!(Workspace::new(stretched, unit, unit), Err(Error::Value { .. })));
+    assert!(matches!(OrientedBox::new(stretched, unit), Err(Error::Value { .. })));
     let mut workspace = Workspace::new(Isometry3::identity(), unit, unit).unwrap();
     let before = workspace.clone();
     let wide = Bounds::symmetric(Vector3::repeat(2.0)).unwrap();
-    assert!(workspace.set_orientation(wide).is_err());
     assert!(workspace.reshape_orientation(wide, 1.0).is_err());
     assert!(workspace.reshape_position(unit, f64::NAN).is_err());
     assert!(workspace.set_reference(doubled, zero).is_err());

@@ -116,15 +116,15 @@ fn what_does_not_fit_is_named() {
     soft.write(&workspace, &here, &mut level).unwrap();
     workspace.reshape_position(unit, 1.0).unwrap();
     let crowded = soft.write(&workspace, &here, &mut level).unwrap_err();
-    assert!(matches!(crowded, Error::TooMany { found: 10, limit: 6, .. }), "{crowded}");
+    assert!(matches!(crowded, Error::TooMany { got: 10, most: 6, .. }), "{crowded}");
     let boxed = Workspace::new(here, unit, unit).unwrap();
     let mut other = Level::constraints_only(Rows::zeros(3, SLACK.len()));
     assert!(matches!(soft.write(&boxed, &here, &mut other), Err(Error::Size { .. })));
     let without_slack = AugmentedState { slack: 0, ..SLACK };
     let error = SoftWorkspace::new(without_slack, HORIZON).unwrap_err();
-    assert!(matches!(error, Error::State { found: 0, expected: 6, .. }), "{error}");
+    assert!(matches!(error, Error::Size { got: 0, wanted: 6, .. }), "{error}");
     let weights = Vector6::new(1.0, 1.0, 0.0, 1.0, 1.0, 1.0);
     let softening = Softening { weights, ..Softening::default() };
     let error = SoftWorkspace::with_softening(SLACK, HORIZON, softening).unwrap_err();
-    assert!(matches!(error, Error::Parameter { .. }));
+    assert!(matches!(error, Error::Value { .. }));
 }

@@ -10,8 +10,7 @@ use crate::confidence::Confidence;
 /// use vision_models::Body25;
 ///
 /// assert_eq!(Body25::MidHip.index(), 8);
-/// assert_eq!(Body25::from_index(7), Some(Body25::LeftWrist));
-/// assert_eq!(Body25::from_index(25), None);
+/// assert_eq!(Body25::ALL[7], Body25::LeftWrist);
 /// assert_eq!(Body25::LeftWrist.name(), "left wrist");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -80,11 +79,6 @@ impl Body25 {
     /// The index in `OpenPose`'s output, 0 to 24.
     pub fn index(self) -> usize {
         self as usize
-    }
-
-    /// The joint of this index.
-    pub fn from_index(index: usize) -> Option<Self> {
-        Self::ALL.get(index).copied()
     }
 
     /// The joint's name in words, such as `"left wrist"`.

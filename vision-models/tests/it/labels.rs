@@ -1,7 +1,7 @@
 //! Label files and figures of merit.
 
 use proptest::prelude::*;
-use vision_models::{Action, ClassNames, ConfusionMatrix, Error, softmax, top_k, top_k_accuracy};
+use vision_models::{Action, ClassNames, ConfusionMatrix, Error, softmax, top_k};
 
 #[test]
 fn hri30_in_its_forms() {
@@ -217,11 +217,6 @@ fn top_five() {
     let scores = [0.1, 0.9, 0.5, 0.5, -1.0];
     assert_eq!(top_k(&scores, 3), [1, 2, 3]);
     assert_eq!(top_k(&scores, 9), [1, 2, 3, 0, 4]);
-    let samples = [(&scores[..], 2), (&scores[..], 4), (&scores[..], 1), (&scores[..], 3)];
-    assert_eq!(top_k_accuracy(samples, 1), Some(0.25));
-    assert_eq!(top_k_accuracy(samples, 3), Some(0.75));
-    assert_eq!(top_k_accuracy(samples, 5), Some(1.0));
-    assert_eq!(top_k_accuracy([], 5), None);
 }
 
 proptest! {

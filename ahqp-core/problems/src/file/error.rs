@@ -15,50 +15,34 @@ pub enum HqpError {
         source: io::Error,
     },
     /// The text ends too early.
-    #[error("line {line}: the file ends where {expected} should stand; are its counts right?")]
+    #[error("line {line}: the file ends where {wanted} should stand; are its counts right?")]
     Ended {
         /// The last line.
         line: usize,
         /// What should come next.
-        expected: String,
+        wanted: String,
     },
     /// Another word than the format asks for.
-    #[error(
-        "line {line}: `{found}` stands where {expected} should; are the counts before it right?"
-    )]
+    #[error("line {line}: `{got}` stands where {wanted} should; are the counts before it right?")]
     Unexpected {
         /// The line.
         line: usize,
-        /// What should stand there.
-        expected: String,
         /// What does.
-        found: String,
+        got: String,
+        /// What should stand there.
+        wanted: String,
     },
-    /// A number that is none, or none that makes sense there.
-    #[error("line {line}: {what} is `{found}`; it must be {expected}")]
-    Number {
+    /// A number that is none, or a count or an index outside its range.
+    #[error("line {line}: {what} is `{got}`; it must be {wanted}")]
+    Value {
         /// The line.
         line: usize,
         /// The quantity.
         what: &'static str,
         /// What stands there.
-        found: String,
+        got: String,
         /// What would be right.
-        expected: &'static str,
-    },
-    /// A count or an index outside its range.
-    #[error("line {line}: {what} is {found}; it must lie between {least} and {most}")]
-    OutOfRange {
-        /// The line.
-        line: usize,
-        /// The quantity.
-        what: &'static str,
-        /// What stands there.
-        found: String,
-        /// The least that is right.
-        least: usize,
-        /// The most that is right.
-        most: usize,
+        wanted: String,
     },
     /// A word that is far too long.
     #[error("line {line}: a word is longer than {limit} bytes; is this a text file?")]

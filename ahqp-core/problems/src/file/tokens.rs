@@ -43,7 +43,7 @@ impl<R: BufRead> Tokens<R> {
             return Ok(());
         }
         let (expected, found) = (format!("`{keyword}`"), found.to_owned());
-        Err(HqpError::Unexpected { line: self.line, expected, found })
+        Err(HqpError::Unexpected { line: self.line, got: found, wanted: expected })
     }
 
     pub(super) fn word(&mut self, what: &'static str) -> Result<String, HqpError> {
@@ -65,16 +65,16 @@ impl<R: BufRead> Tokens<R> {
         }
         let expected = format!("{what}, {} or {},", one.0, other.0);
         let found = found.to_owned();
-        Err(HqpError::Unexpected { line: self.line, expected, found })
+        Err(HqpError::Unexpected { line: self.line, got: found, wanted: expected })
     }
 
     pub(super) fn count(&mut self, what: &'static str) -> Result<usize, HqpError> {
         let found = self.next(|| what.to_owned())?;
-        found.parse().map_err(|_| found.to_owned()).map_err(|found| HqpError::Number {
+        found.parse().map_err(|_| found.to_owned()).map_err(|got| HqpError::Value {
             line: self.line,
             what,
-            found,
-            expected: "a whole number, not negative",
+            got,
+            wanted: "a whole number, not negative".to_owned(),
         })
     }
 
@@ -88,7 +88,8 @@ impl<R: BufRead> Tokens<R> {
         if (least..=most).contains(&found) {
             return Ok(found);
         }
-        Err(HqpError::OutOfRange { line: self.line, what, found: found.to_string(), least, most })
+        let (got, wanted) = (found.to_string(), format!("between {least} and {most}"));
+        Err(HqpError::Value { line: self.line, what, got, wanted })
     }
 
     pub(super) fn number(&mut self, what: &'static str, kind: Number) -> Result<f64, HqpError> {
@@ -103,8 +104,8 @@ impl<R: BufRead> Tokens<R> {
                     Number::Finite => "a finite number",
                     Number::Bound => "a number (±1e30 where there is no bound)",
                 };
-                let found = found.to_owned();
-                Err(HqpError::Number { line: self.line, what, found, expected })
+                let (got, wanted) = (found.to_owned(), expected.to_owned());
+                Err(HqpError::Value { line: self.line, what, got, wanted })
             }
         }
     }
@@ -116,20 +117,20 @@ impl<R: BufRead> Tokens<R> {
         }
         Err(HqpError::Unexpected {
             line: self.line,
-            expected: format!("the end of the file, after {what},"),
-            found: String::from_utf8_lossy(&self.word).into_owned(),
+            wanted: format!("the end of the file, after {what},"),
+            got: String::from_utf8_lossy(&self.word).into_owned(),
         })
     }
 
     fn next(&mut self, expected: impl FnOnce() -> String) -> Result<&str, HqpError> {
         if !self.advance()? {
-            return Err(HqpError::Ended { line: self.line, expected: expected() });
+            return Err(HqpError::Ended { line: self.line, wanted: expected() });
         }
         let line = self.line;
         str::from_utf8(&self.word).map_err(|_| HqpError::Unexpected {
             line,
-            expected: expected(),
-            found: String::from_utf8_lossy(&self.word).into_owned(),
+            wanted: expected(),
+            got: String::from_utf8_lossy(&self.word).into_owned(),
         })
     }
 

@@ -10,7 +10,7 @@ fn bad_safety_input_is_named() {
         SeparationSettings { intrusion: -0.1, ..SeparationSettings::default() },
     ];
     for settings in bad {
-        assert!(matches!(ApproachRows::new(state(), settings, 3), Err(Error::Parameter { .. })));
+        assert!(matches!(ApproachRows::new(state(), settings, 3), Err(Error::Value { .. })));
     }
     let settings = SeparationSettings::default();
     let mut separation = ApproachRows::new(state(), settings, 3).unwrap();
@@ -22,7 +22,7 @@ fn bad_safety_input_is_named() {
     let short = JointMotion { braking: Some(&rest[1..]), ..motion };
     assert!(matches!(separation.write(&short, &[], &[], &mut rows), Err(Error::Size { .. })));
     let nan = JointMotion { velocity: &[f64::NAN; JOINTS], ..motion };
-    assert!(matches!(separation.write(&nan, &[], &[], &mut rows), Err(Error::NotFinite { .. })));
+    assert!(matches!(separation.write(&nan, &[], &[], &mut rows), Err(Error::Value { .. })));
     let wrong = separation.write(&motion, &[], &[], &mut Rows::zeros(2, state().len()));
     assert!(matches!(wrong, Err(Error::Size { .. })));
     assert!(separation.write_own(&motion, &[], &[(0, 1)], &mut rows).is_err());
