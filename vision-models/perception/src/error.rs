@@ -113,8 +113,12 @@ impl Error {
     /// An error of loading a network from this checkpoint.
     pub fn weights(path: &Path) -> impl Fn(vision_models::Error) -> Self {
         move |source| match source {
-            vision_models::Error::Weights { found: Some(found), .. } => {
-                Self::OtherNetwork { path: path.to_owned(), found }
+            vision_models::Error::Weights { found: Some(ref name), .. } => {
+                let mut kinds = NetworkKind::all().into_iter();
+                match kinds.find(|kind| kind.to_string() == *name) {
+                    Some(found) => Self::OtherNetwork { path: path.to_owned(), found },
+                    None => Self::content(path)(source),
+                }
             }
             source @ vision_models::Error::Threads { .. } => Self::Vision(source),
             source => Self::content(path)(source),
@@ -123,11 +127,11 @@ impl Error {
 
     /// The same as [`Error::Frame`], if it is about a file of images or joints.
     pub(crate) fn of_frame(self) -> Self {
-        use vision_models::Error::{File, Image, OpenPose};
+        use vision_models::Error::{File, Image, Malformed};
         let is_of_file = match &self {
             Self::Read { .. } => true,
             Self::Vision(source) | Self::Content { source, .. } => {
-                matches!(source, File { .. } | Image { .. } | OpenPose { .. })
+                matches!(source, File { .. } | Image { .. } | Malformed { .. })
             }
             _ => false,
         };

@@ -52,8 +52,8 @@ impl PostureSettings {
         if (0.0..=LONGEST_UPRIGHT).contains(&value) {
             return Ok(self);
         }
-        let (name, min, max) = ("upright", 0.0, LONGEST_UPRIGHT);
-        Err(Error::OutOfRange { name, value, min, max, unit: "s" })
+        let wanted = format!("lie in [0, {LONGEST_UPRIGHT}] s");
+        Err(Error::Value { what: "upright", got: value, unit: "s", wanted })
     }
 
     fn conditions(&self, measured: &MeasuredPosture) -> Conditions {
