@@ -87,7 +87,7 @@ fn another_network_is_named_with_the_option_that_takes_it() {
     let image = Runs::new("infer").with(&["a.png", "--weights", slow_only]).run();
     image.failed(1, "a.png: a SlowOnly-R18 of mmaction2 takes a folder of JPEG or PNG files");
     let clip = Runs::new("infer").with(&[&folder, "--weights", resnet18()]).run();
-    clip.failed(1, "a ResNet-18 takes images: give JPEG or PNG files");
+    clip.failed(1, "a ResNet-18 takes JPEG or PNG files");
     let both = Runs::new("infer").with(&["a.png", &folder, "--weights", slow_only]).run();
     both.failed(1, "give images, or one folder of frames, or one array");
 }

@@ -86,6 +86,11 @@ impl Error {
         Self::Unfit { place, found, wanted }
     }
 
+    /// The same where what would be right is plain.
+    pub(crate) fn at(place: impl Display, found: impl Display) -> Self {
+        Self::unfit(place, found, "")
+    }
+
     /// An error of reading this file.
     pub(crate) fn read(path: impl AsRef<Path>) -> impl FnOnce(io::Error) -> Self {
         move |source| Self::Read { path: path.as_ref().to_owned(), source }

@@ -40,7 +40,7 @@ impl TrueFilm {
                 Some(percept) => frames.push((entry, percept)),
                 None => {
                     let found = format!("nothing of frame {} at {} s", entry.frame, entry.time);
-                    return Err(Error::unfit(file.display(), found, ""));
+                    return Err(Error::at(file.display(), found));
                 }
             }
         }
@@ -60,7 +60,7 @@ impl TrueFilm {
             let twice = films.iter().take(place).any(|other| other.name == film.name);
             if twice {
                 let place = format!("two folders are called \"{}\"", film.name);
-                return Err(Error::unfit(place, "give each another name", ""));
+                return Err(Error::at(place, "give each another name"));
             }
         }
         Ok(films)

@@ -57,7 +57,7 @@ pub fn cut(
     let all = samples.len() as u64;
     if all == 0 {
         let place = format!("{} folders of frames", films.len());
-        return Err(Error::unfit(place, format!("no {what}"), ""));
+        return Err(Error::at(place, format!("no {what}")));
     }
     let mut made = CutOut { output: output.to_owned(), samples: 0, classes: BTreeMap::new() };
     for Sample { class, files } in samples {

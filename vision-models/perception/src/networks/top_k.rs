@@ -56,5 +56,5 @@ pub fn check_names(file: &Path, names: &ClassNames, classes: usize) -> Result<()
         return Ok(());
     }
     let found = format!("it has {count} names, but the network has {classes} classes");
-    Err(Error::unfit(file.display(), found, ""))
+    Err(Error::at(file.display(), found))
 }
