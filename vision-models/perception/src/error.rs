@@ -116,7 +116,7 @@ impl Error {
     }
 
     /// An error of loading a network from this checkpoint.
-    pub fn weights(path: &Path) -> impl Fn(vision_models::Error) -> Self {
+    pub(crate) fn weights(path: &Path) -> impl Fn(vision_models::Error) -> Self {
         move |source| match source {
             vision_models::Error::Weights { found: Some(found), .. } => {
                 Self::OtherNetwork { path: path.to_owned(), found }

@@ -45,8 +45,10 @@ pub fn list_classes(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<String>,
         }
     }
     if classes.len() < 2 {
-        let found = format!("{} folders with images", classes.len());
-        return Err(Error::unfit(shown, found, "give one for each of at least two classes"));
+        let count = classes.len();
+        let found =
+            format!("{count} folders with images, give one for each of at least two classes");
+        return Err(Error::at(shown, found));
     }
     if !found.images.is_empty() {
         let count = found.images.len();
