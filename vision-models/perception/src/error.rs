@@ -55,7 +55,7 @@ pub enum Error {
         /// The file or the folder.
         path: PathBuf,
         /// What is wrong with it.
-        source: vision_models::Error,
+        source: Box<vision_models::Error>,
     },
     /// A file of one frame that cannot be used: the next frame may be better.
     #[error(transparent)]
@@ -69,7 +69,7 @@ pub enum Error {
         /// The recording.
         path: PathBuf,
         /// What is wrong with it.
-        source: RecordingError,
+        source: Box<RecordingError>,
     },
     /// Angles that no posture has.
     #[error(transparent)]
@@ -111,7 +111,7 @@ impl Error {
             vision_models::Error::NoFrames => {
                 Self::unfit(path.display(), "no JPEG or PNG files", "")
             }
-            source => Self::Content { path: path.to_owned(), source },
+            source => Self::Content { path: path.to_owned(), source: Box::new(source) },
         }
     }
 
@@ -131,9 +131,8 @@ impl Error {
         use vision_models::Error::{File, Image, OpenPose};
         let is_of_file = match &self {
             Self::Read { .. } => true,
-            Self::Vision(source) | Self::Content { source, .. } => {
-                matches!(source, File { .. } | Image { .. } | OpenPose { .. })
-            }
+            Self::Vision(source) => matches!(source, File { .. } | Image { .. }),
+            Self::Content { source, .. } => matches!(**source, OpenPose { .. }),
             _ => false,
         };
         if is_of_file { Self::Frame(Box::new(self)) } else { self }
