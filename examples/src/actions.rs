@@ -3,5 +3,4 @@
 pub mod cut;
 pub mod evaluate;
 pub mod options;
-pub mod recognise;
 pub mod train;

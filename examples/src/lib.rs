@@ -5,6 +5,7 @@ pub mod ergonomics;
 mod excerpt;
 pub mod experiment;
 pub mod ik;
+pub mod infer;
 pub mod learning;
 pub mod posture;
 pub mod program;

@@ -4,5 +4,4 @@ pub mod cut;
 pub mod evaluate;
 pub mod generate;
 pub mod options;
-pub mod predict;
 pub mod train;

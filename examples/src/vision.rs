@@ -1,4 +1,3 @@
 //! What the programs that run networks share on the command line.
 
 pub mod choices;
-pub mod results;

@@ -1,14 +1,12 @@
 //! Clips by class, of frames whose truth is known.
 
-use std::path::PathBuf;
-
 use anyhow::Result;
 use clap::Args;
 
-use human_perception::frames::truth::TrueFilm;
+use human_perception::actions::cut::ClipCut;
 
 use crate::{
-    learning::cutting::{CutOptions, Sample},
+    learning::cut_options::CutOptions,
     program::{Ending, Quiet, Session},
 };
 
@@ -45,32 +43,7 @@ impl Cut {
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         let length = usize::from(self.length);
         let settled = self.settled.map_or(length, usize::from).min(length);
-        let every = usize::from(self.every);
-        self.options.run(session, "clips", |film| Ok(clips_of(film, length, every, settled)))
+        let cut = ClipCut { length, every: self.every.into(), settled };
+        self.options.run(session, "clips", |film| cut.clips_of(film))
     }
-}
-
-fn clips_of(film: &TrueFilm, length: usize, every: usize, settled: usize) -> Vec<Sample> {
-    let mut clips = Vec::new();
-    for frames in film.frames.windows(length).step_by(every) {
-        let (Some((first, _)), Some((last, truth))) = (frames.first(), frames.last()) else {
-            continue;
-        };
-        let action = truth.action.map(|seen| seen.action);
-        let whole = last.frame - first.frame == length as u64 - 1;
-        let mut at_end = frames.iter().rev().take(settled);
-        let same = at_end.all(|(_, truth)| truth.action.map(|seen| seen.action) == action);
-        if let Some(action) = action.filter(|_| whole && same) {
-            let clip = PathBuf::from(format!("{}-{:06}", film.name, first.frame));
-            let file = |(place, (entry, _)): (usize, &(_, _))| {
-                let from = film.reader().colour(entry);
-                let extension = from.extension().unwrap_or_default().to_string_lossy();
-                let to = clip.join(format!("{place:05}.{extension}"));
-                (from, to)
-            };
-            let files = frames.iter().enumerate().map(file).collect();
-            clips.push(Sample { class: action.name().to_owned(), files });
-        }
-    }
-    clips
 }

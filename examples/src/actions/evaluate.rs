@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use vision_models::Crops;
 
@@ -166,30 +166,16 @@ impl Evaluate {
 
     /// The clips of the list, or of the part that is asked for, with the model's classes.
     fn clips(&self, model: &ActionModel, watch: &mut Watch<'_>) -> Result<Vec<LabelledClip>> {
-        let ClipSet { classes, mut clips } = match &self.list {
-            Some(list) => ClipSet::of_list(&self.folder, list, &class_names(self.names.as_ref())?)?,
-            None => ClipSet::of_folders(&self.folder, watch)?,
-        };
-        let own = model.head.classes();
-        for clip in &mut clips {
-            let name = classes.get(clip.label).map_or("", String::as_str);
-            let Some(label) = own.iter().position(|class| class == name) else {
-                bail!(
-                    "{}: \"{name}\" is no class of {}, whose classes are {}",
-                    clip.folder.display(),
-                    self.model.display(),
-                    own.join(", ")
-                );
-            };
-            clip.label = label;
+        if let Some(list) = &self.list {
+            let set = ClipSet::of_list(&self.folder, list, &class_names(self.names.as_ref())?)?;
+            return Ok(model.clips_of(set, None)?);
         }
         let part = match self.part {
-            _ if self.list.is_some() => return Ok(clips),
-            PartOption::All => return Ok(clips),
-            PartOption::Test => split::Part::Test,
-            PartOption::Training => split::Part::Training,
+            PartOption::All => None,
+            PartOption::Test => Some(split::Part::Test),
+            PartOption::Training => Some(split::Part::Training),
         };
-        clips.retain(|clip| model.parts.get(&clip.name) == Some(&part));
+        let clips = model.clips_of(ClipSet::of_folders(&self.folder, watch)?, part)?;
         ensure!(
             !clips.is_empty(),
             "{}: no clip is of this part of the training's split; --part all takes every clip",

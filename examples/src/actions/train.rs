@@ -1,36 +1,22 @@
 //! Trains a recogniser.
 
-use std::{collections::BTreeMap, io::Write, path::PathBuf};
+use std::{io::Write, path::PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result};
 use clap::Args;
-use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
-use serde::Serialize;
-use vision_models::{Action, ClassNames, LinearHead};
-
 use human_perception::{
     Watch,
-    actions::{
-        clips::{ClipSet, LabelledClip},
-        features::ClipFeatures,
-        model::ActionModel,
-        window::Views,
-    },
-    learning::{
-        evaluation::Evaluation,
-        split::{Part, Shares, split},
-    },
+    actions::{features::ClipFeatures, training::ClipParts},
+    learning::split::Part,
 };
+use serde::Serialize;
+use vision_models::ClassNames;
 
 use super::options::NetworkOptions;
 use crate::{
     learning::head_options::HeadOptions,
-    program::{Ending, Json, ProgramError, Quiet, Seed, Session, Threads, check_folder},
+    program::{Ending, Json, Quiet, Seed, Session, Threads, check_folder},
 };
-
-/// Clips of a class in HRI30, and how many of them each split tests with.
-const OF_CLASS: f64 = 98.0;
-const TESTED: [f64; 3] = [28.0, 21.0, 35.0];
 
 /// Trains a new last layer of a SlowOnly on clips, each a folder of frames.
 #[derive(Args, Debug)]
@@ -102,41 +88,28 @@ impl Train {
         let watch = &mut session.watch();
         let settings = self.head.settings(self.seed.seed)?;
         let (weights, window) = self.network.chosen()?;
-        let (ClipSet { classes, clips }, parts) = self.clips(watch)?;
+        let parts = self.parts(watch)?;
         let identity = weights.identity(watch)?;
         let threads = self.threads.count();
         let source = (weights, &identity);
-        let mut source = ClipFeatures::new(window.clone(), source, self.cache.as_ref(), threads)?;
-        let features = source.of_clips(&clips, Views::MIDDLE, !self.no_flips, watch)?;
-        let test_clips = parts.values().filter(|part| **part == Part::Test).count();
-        let mut report =
-            Trained { classes, training_clips: clips.len(), test_clips, ..Trained::default() };
-        if features.len() < clips.len() {
+        let mut source = ClipFeatures::new(window, source, self.cache.as_ref(), threads)?;
+        let mut report = Trained {
+            classes: parts.classes.clone(),
+            training_clips: parts.training.len(),
+            test_clips: parts.of_names.values().filter(|part| **part == Part::Test).count(),
+            ..Trained::default()
+        };
+        let how = (!self.no_flips, &settings);
+        let Some(trained) = parts.train(&mut source, identity.clone(), how, watch)? else {
             session.warn("interrupted before the end: there is no model");
             return session.conclude(self.json, &report, Ending::Partial);
-        }
-        let (rows, labels) = self.samples(&report.classes, &clips, &features)?;
-        let progress = session.progress("last layer", settings.epochs as u64);
-        let classes = report.classes.clone();
-        let head = LinearHead::train(rows.view(), &labels, classes, &settings, |epoch| {
-            report.loss = Some(epoch.loss);
-            progress.set(epoch.number as u64);
-            !session.interrupt().requested()
-        })?;
-        progress.finish();
-        ensure!(!session.interrupt().requested(), ProgramError::Interrupted);
-        let model = ActionModel { head, window, weights: identity, parts };
-        let plain: Vec<Array2<f32>> =
-            features.iter().map(|views| self.plain(views).to_owned()).collect();
-        let scores = model.of_clips(&plain)?;
-        let scored = scores.iter().map(Vec::as_slice);
-        let samples = clips.iter().map(|clip| clip.label).zip(scored);
-        report.training_accuracy = Evaluation::of(report.classes.len(), samples)?.accuracy;
-        model.write(&self.output)?;
+        };
+        trained.model.write(&self.output)?;
+        (report.training_accuracy, report.loss) = (trained.accuracy, trained.loss);
         writeln!(
             session.output(),
             "trained with {} clips of {} classes: {:.2} % of them right, cross-entropy {:.4}\nmodel: {}",
-            clips.len(),
+            report.training_clips,
             report.classes.len(),
             100.0 * report.training_accuracy.unwrap_or(f64::NAN),
             report.loss.unwrap_or(f64::NAN),
@@ -145,61 +118,13 @@ impl Train {
         session.conclude(self.json, &report, Ending::Complete)
     }
 
-    /// The rows of all views with their classes. A mirrored view is of the class that a mirror shows, and left out where
-    /// that is none of the classes.
-    fn samples(
-        &self,
-        classes: &[String],
-        clips: &[LabelledClip],
-        features: &[Array2<f32>],
-    ) -> Result<(Array2<f32>, Vec<usize>)> {
-        let mirrored = |label: usize| {
-            let name = classes.get(label)?;
-            let name = Action::from_label(name).map_or(name.as_str(), |own| own.mirrored().name());
-            classes.iter().position(|class| class == name)
-        };
-        let (mut rows, mut labels) = (Vec::new(), Vec::new());
-        for (clip, views) in clips.iter().zip(features) {
-            let plain = self.plain(views);
-            let of_mirror = views.slice(s![plain.nrows().., ..]);
-            labels.extend(vec![clip.label; plain.nrows()]);
-            rows.push(plain);
-            if let Some(label) = mirrored(clip.label) {
-                labels.extend(vec![label; of_mirror.nrows()]);
-                rows.push(of_mirror);
-            }
-        }
-        Ok((concatenate(Axis(0), &rows)?, labels))
-    }
-
-    /// The views that are not mirrored.
-    fn plain<'a>(&self, views: &'a Array2<f32>) -> ArrayView2<'a, f32> {
-        let count = if self.no_flips { views.nrows() } else { views.nrows() / 2 };
-        views.slice(s![..count, ..])
-    }
-
     /// The clips to train with, and what each clip of the folder is for.
-    fn clips(&self, watch: &mut Watch<'_>) -> Result<(ClipSet, BTreeMap<String, Part>)> {
-        let names = || class_names(self.names.as_ref());
-        if let Some(list) = &self.list {
-            let ClipSet { classes, clips } = ClipSet::of_list(&self.folder, list, &names()?)?;
-            for (label, class) in classes.iter().enumerate() {
-                if !clips.iter().any(|clip| clip.label == label) {
-                    bail!("{}: no clip of the class \"{class}\"", list.display());
-                }
+    fn parts(&self, watch: &mut Watch<'_>) -> Result<ClipParts> {
+        Ok(match &self.list {
+            Some(list) => {
+                ClipParts::of_list(&self.folder, list, &class_names(self.names.as_ref())?)?
             }
-            let parts = clips.iter().map(|clip| (clip.name.clone(), Part::Training)).collect();
-            return Ok((ClipSet { classes, clips }, parts));
-        }
-        let ClipSet { classes, mut clips } = ClipSet::of_folders(&self.folder, watch)?;
-        let labels: Vec<usize> = clips.iter().map(|clip| clip.label).collect();
-        let tested = TESTED.get(usize::from(self.split - 1)).copied().unwrap_or_default();
-        let shares = Shares { validation: 0.0, test: tested / OF_CLASS };
-        let parts = split(&labels, &classes, shares, self.seed.seed)
-            .with_context(|| self.folder.display().to_string())?;
-        let parts: BTreeMap<String, Part> =
-            clips.iter().map(|clip| clip.name.clone()).zip(parts).collect();
-        clips.retain(|clip| parts.get(&clip.name) == Some(&Part::Training));
-        Ok((ClipSet { classes, clips }, parts))
+            None => ClipParts::of_folders(&self.folder, self.split, self.seed.seed, watch)?,
+        })
     }
 }

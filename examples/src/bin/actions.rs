@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use examples::{
-    actions::{cut::Cut, evaluate::Evaluate, recognise::Recognise, train::Train},
+    actions::{cut::Cut, evaluate::Evaluate, train::Train},
     program::{self, Ending, Program, Quiet, Session},
 };
 
@@ -24,7 +24,6 @@ enum Command {
     Cut(Cut),
     Train(Train),
     Evaluate(Evaluate),
-    Recognise(Recognise),
 }
 
 impl Program for Arguments {
@@ -33,7 +32,6 @@ impl Program for Arguments {
             Command::Cut(command) => command.quiet(),
             Command::Train(command) => command.quiet(),
             Command::Evaluate(command) => command.quiet(),
-            Command::Recognise(command) => command.quiet(),
         }
     }
 
@@ -42,7 +40,6 @@ impl Program for Arguments {
             Command::Cut(command) => command.run(session),
             Command::Train(command) => command.run(session),
             Command::Evaluate(command) => command.run(session),
-            Command::Recognise(command) => command.run(session),
         }
     }
 }

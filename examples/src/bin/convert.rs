@@ -9,7 +9,7 @@ use std::{
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use examples::program::{self, Ending, Interrupt, Json, OutputFile, Program, Quiet, Session};
-use human_perception::networks::{open_checkpoint, tensor_name::printable};
+use human_perception::{networks::open_checkpoint, printable};
 use serde::Serialize;
 use vision_models::{Checkpoint, NetworkKind};
 

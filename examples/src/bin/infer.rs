@@ -1,100 +1,51 @@
-//! Runs a network on arrays, and says how long it takes.
+//! Runs a network on images, folders of frames and arrays.
 
-use std::{io::Write, path::PathBuf, process::ExitCode, time::Instant};
+use std::{path::PathBuf, process::ExitCode};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail, ensure};
 use clap::Parser;
-use examples::program::{
-    self, Ending, Json, OutputFile, Program, ProgramError, Quiet, Session, Threads,
+use examples::infer::{
+    Results,
+    arrays::ArrayOptions,
+    clips::ClipOptions,
+    images::ImageOptions,
+    network::{Chosen, NetworkOptions},
 };
-use examples::vision::choices::{self, with_option};
-use human_perception::{Error as PerceptionError, Watch, networks::open_weights, npy::read_array};
-use ndarray::{Array, Array4, Array5, ArrayD, ArrayViewD, Dimension};
-use ndarray_npy::WriteNpyExt;
-use serde::Serialize;
-use vision_models::{
-    Error, NetworkKind, Options, Passes, ResNet, Scores, SimpleBaseline, SlowFast, SlowOnly,
-};
+use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session};
+use examples::vision::choices::with_option;
+use human_perception::networks::Input;
+use vision_models::NetworkKind;
 
-/// Runs a network on an array of normalised images or clips.
+/// Runs a network on images, on a folder of frames, or on an array.
 ///
-/// Writes its scores, and prints the median and the minimum time of an inference (of the whole
-/// batch) and the rate that the median means, counting the multiplications and additions of the
-/// plain convolutions. Ctrl-C ends the repetitions early; the scores are written if there are any.
+/// Of each image it prints the five most probable classes, or what a trained model says; of a folder of frames the five
+/// most probable actions, the mean over all clips and crops. Of an array it writes the scores with --output, and prints
+/// the median and the minimum time of an inference (of the whole batch) and the rate that the median means, counting the
+/// multiplications and additions of the plain convolutions.
+///
+/// An image that cannot be read is named on standard error and left out; the exit status is then 1. Ctrl-C ends early:
+/// what there is until then is printed and kept.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {
-    /// The network.
-    #[arg(long, value_parser = choices::network())]
-    model: NetworkKind,
-    /// The checkpoint: safetensors, or PyTorch's .pth, .pt, .pyth. It says how many classes.
-    #[arg(long, value_name = "FILE")]
-    weights: PathBuf,
-    /// An f32 array, N×3×H×W for images or N×3×T×H×W for clips, as .npy.
-    #[arg(long, value_name = "FILE")]
-    input: PathBuf,
-    /// Write the features of the average pool instead of the logits.
-    #[arg(long)]
-    features: bool,
-    /// How often to run; the first run is not counted if there are more.
-    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
-    repeat: u32,
-    /// Where the scores go, N × classes (or features, or joints × rows × columns), f32, as .npy.
-    #[arg(long, short, value_name = "FILE")]
-    output: PathBuf,
+    /// JPEG or PNG files; or one folder of them, one a frame, in the order of their names; or one f32 array of normalised
+    /// images, N×3×H×W, or clips, N×3×T×H×W, as .npy.
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
     #[command(flatten)]
-    threads: Threads,
+    network: NetworkOptions,
+    #[command(flatten)]
+    result: ResultFile,
     #[command(flatten)]
     json: Json,
     #[command(flatten)]
     quiet: Quiet,
-}
-
-/// A loaded network with its input.
-enum Inference {
-    Images(ResNet, Array4<f32>),
-    Clips(SlowOnly, Array5<f32>),
-    TwoSpeeds(SlowFast, Array5<f32>),
-    Joints(Box<SimpleBaseline>, Array4<f32>),
-}
-
-impl Inference {
-    /// Logits, features or maps.
-    fn run(&mut self, features: bool) -> Result<ArrayViewD<'_, f32>, Error> {
-        let Scores { logits, features: pooled } = match self {
-            Self::Images(network, images) => network.infer(images.view())?,
-            Self::Clips(network, clips) => network.infer(clips.view())?,
-            Self::TwoSpeeds(network, clips) => network.infer(clips.view())?,
-            Self::Joints(network, images) => {
-                return Ok(network.heatmaps(images.view())?.into_dyn());
-            }
-        };
-        Ok(if features { pooled } else { logits }.into_dyn())
-    }
-
-    /// Multiplications and additions for the whole batch.
-    fn operations(&self) -> f64 {
-        let (batch, operations) = match self {
-            Self::Images(network, images) => (images.dim().0, network.operations()),
-            Self::Clips(network, clips) => (clips.dim().0, network.operations()),
-            Self::TwoSpeeds(network, clips) => (clips.dim().0, network.operations()),
-            Self::Joints(network, images) => (images.dim().0, network.operations()),
-        };
-        batch as f64 * operations as f64
-    }
-}
-
-/// The line of `--json`.
-#[derive(Serialize)]
-struct Timed {
-    network: String,
-    output: PathBuf,
-    /// Inputs, and classes or features; of a pose network joints, rows and columns.
-    shape: Vec<usize>,
-    load_s: f64,
-    #[serde(flatten)]
-    times: Times,
-    gflop_per_s: f64,
+    #[command(flatten)]
+    images: ImageOptions,
+    #[command(flatten)]
+    clips: ClipOptions,
+    #[command(flatten)]
+    arrays: ArrayOptions,
 }
 
 impl Program for Arguments {
@@ -103,116 +54,42 @@ impl Program for Arguments {
     }
 
     fn run(self, session: &mut Session) -> Result<Ending> {
-        let mut file = OutputFile::create(&self.output)?;
-        let start = Instant::now();
-        let mut inference = self.load(&mut session.watch())?;
-        let load_s = start.elapsed().as_secs_f64();
-        writeln!(session.output(), "loaded in {load_s:.3} s")?;
-        let operations = inference.operations();
-
-        let progress = session.progress("runs", u64::from(self.repeat));
-        let repeat = self.repeat as usize;
-        let mut times = Vec::new();
-        let mut result = ArrayD::default(vec![0]);
-        while times.len() < repeat {
-            if session.interrupt().requested() {
-                break;
-            }
-            let start = Instant::now();
-            let scores = inference.run(self.features)?;
-            times.push(start.elapsed().as_secs_f64());
-            result = scores.as_standard_layout().into_owned();
-            progress.set(times.len() as u64);
-        }
-        progress.finish();
-        if times.is_empty() {
-            return Err(ProgramError::Interrupted.into());
-        }
-        // The scores of each run are the same: they are whole after the first.
-        result
-            .write_npy(&mut file)
-            .with_context(|| format!("cannot write {}", self.output.display()))?;
-        file.keep()?;
-        let ending = if times.len() < repeat { Ending::Partial } else { Ending::Complete };
-        if ending == Ending::Partial {
-            session.warn(format_args!("interrupted after {} of {repeat} runs", times.len()));
-        }
-        let times = Times::of(&mut times);
-        let Times { median_s, minimum_s, .. } = times;
-        let gflop_per_s = 1e-9 * operations / median_s;
-        writeln!(
-            session.output(),
-            "median {:.3} ms, minimum {:.3} ms, {gflop_per_s:.1} GFLOP/s",
-            1e3 * median_s,
-            1e3 * minimum_s
-        )?;
-        let shape = result.shape().to_vec();
-        let network = self.model.to_string();
-        let timed = Timed { network, output: self.output, shape, load_s, times, gflop_per_s };
-        session.conclude(self.json, &timed, ending)
-    }
-}
-
-/// The times of the runs, without the first if there are more.
-#[derive(Clone, Copy, Serialize)]
-struct Times {
-    /// Runs that were counted.
-    runs: usize,
-    median_s: f64,
-    minimum_s: f64,
-}
-
-impl Times {
-    fn of(times: &mut [f64]) -> Self {
-        let counted = if times.len() > 1 { &mut times[1..] } else { times };
-        counted.sort_by(f64::total_cmp);
-        let runs = counted.len();
-        let median_s = 0.5 * (counted[(runs - 1) / 2] + counted[runs / 2]);
-        Self { runs, median_s, minimum_s: counted[0] }
-    }
-}
-
-impl Arguments {
-    fn load(&self, watch: &mut Watch<'_>) -> Result<Inference> {
-        let options = Options { threads: self.threads.count(), ..Options::default() };
-        let input = read_array(&self.input)?;
-        let weights = open_weights(&self.weights, watch)?;
-        let of_weights = |error| with_option(PerceptionError::weights(&self.weights)(error), "");
-        if let NetworkKind::ResNet(form) = self.model {
-            let images: Array4<f32> = self.of_dimension(input, "images are N × 3 × H × W")?;
-            let (_, _, height, width) = images.dim();
-            let network = ResNet::load(form, weights, [height, width], options);
-            return Ok(Inference::Images(network.map_err(of_weights)?, images));
-        }
-        if let NetworkKind::SimpleBaseline(_) = self.model {
-            let images: Array4<f32> = self.of_dimension(input, "images are N × 3 × H × W")?;
-            let network =
-                SimpleBaseline::load(weights, Passes::One, options).map_err(of_weights)?;
-            return Ok(Inference::Joints(Box::new(network), images));
-        }
-        let clips: Array5<f32> = self.of_dimension(input, "clips are N × 3 × T × H × W")?;
-        let (_, _, frames, height, width) = clips.dim();
-        if let NetworkKind::SlowOnly(form) = self.model {
-            let network = SlowOnly::load(form, weights, [frames, height, width], options);
-            return Ok(Inference::Clips(network.map_err(of_weights)?, clips));
-        }
-        let NetworkKind::SlowFast(form) = self.model else {
-            bail!("{} does not run on one array", self.model)
+        let Self { inputs, network, images, clips, arrays, .. } = self;
+        let results = Results::begin(&self.result, self.json)?;
+        let names = network.names()?;
+        let kinds: Vec<Input> =
+            inputs.iter().map(|path| Input::of(path)).collect::<Result<_, _>>()?;
+        let (Some(&kind), Some(first)) = (kinds.first(), inputs.first()) else {
+            bail!("give images, a folder of frames or an array");
         };
-        let network = SlowFast::load(form, weights, [frames, height, width], options);
-        Ok(Inference::TwoSpeeds(network.map_err(of_weights)?, clips))
-    }
-
-    /// The input with the number of axes that the network takes.
-    fn of_dimension<D: Dimension>(
-        &self,
-        input: ArrayD<f32>,
-        expected: &str,
-    ) -> Result<Array<f32, D>> {
-        let shape = input.shape().to_vec();
-        input.into_dimensionality().ok().with_context(|| {
-            format!("{}: an array of shape {shape:?}, but {expected}", self.input.display())
-        })
+        ensure!(
+            kinds.len() == 1 || kinds.iter().all(|kind| *kind == Input::Image),
+            "give images, or one folder of frames, or one array"
+        );
+        let threads = network.threads.count();
+        let watch = &mut session.watch();
+        match (network.chosen()?, kind) {
+            (Chosen::Network(kind, weights), Input::Array) => {
+                arrays.run((kind, &weights), first, threads, session, results)
+            }
+            (Chosen::Network(NetworkKind::ResNet(form), weights), Input::Image) => {
+                let network = images.own(form, &weights, names, (threads, watch))?;
+                images.run(network, inputs, session, results)
+            }
+            (Chosen::Surfaces(model, weights), Input::Image) => {
+                let network = images.model(model, &weights, (threads, watch))?;
+                images.run(network, inputs, session, results)
+            }
+            (Chosen::Network(NetworkKind::SlowOnly(form), weights), Input::Clip) => {
+                clips.run(clips.own(form, weights, names), first, threads, session, results)
+            }
+            (Chosen::Actions(model, weights), Input::Clip) => {
+                let weights = model.weights.weights(weights, watch);
+                let weights = weights.map_err(|error| with_option(error, "--weights FILE"))?;
+                clips.run(clips.model(*model, weights)?, first, threads, session, results)
+            }
+            (chosen, _) => bail!("{}: {}", first.display(), chosen.wanted()),
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use examples::{
     program::{self, Ending, Program, Quiet, Session},
-    surface::{cut::Cut, evaluate::Evaluate, generate::Generate, predict::Predict, train::Train},
+    surface::{cut::Cut, evaluate::Evaluate, generate::Generate, train::Train},
 };
 
 /// Learns to tell surfaces apart by images, as the paper's Experiment 1: over the features of ResNet-50 and
@@ -24,7 +24,6 @@ enum Command {
     Cut(Cut),
     Train(Train),
     Evaluate(Evaluate),
-    Predict(Predict),
 }
 
 impl Program for Arguments {
@@ -34,7 +33,6 @@ impl Program for Arguments {
             Command::Cut(command) => command.quiet(),
             Command::Train(command) => command.quiet(),
             Command::Evaluate(command) => command.quiet(),
-            Command::Predict(command) => command.quiet(),
         }
     }
 
@@ -44,7 +42,6 @@ impl Program for Arguments {
             Command::Cut(command) => command.run(session),
             Command::Train(command) => command.run(session),
             Command::Evaluate(command) => command.run(session),
-            Command::Predict(command) => command.run(session),
         }
     }
 }

@@ -3,10 +3,10 @@
 use anyhow::Result;
 use clap::Args;
 
-use human_perception::frames::truth::TrueFilm;
+use human_perception::surface::cut::images_of;
 
 use crate::{
-    learning::cutting::{CutOptions, Sample},
+    learning::cut_options::CutOptions,
     program::{Ending, Quiet, Session},
 };
 
@@ -36,17 +36,6 @@ impl Cut {
     /// As of [`CutOptions::run`].
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         let every = usize::from(self.every);
-        self.options.run(session, "images", |film| Ok(images_of(film, every)))
+        self.options.run(session, "images", |film| images_of(film, every))
     }
-}
-
-fn images_of(film: &TrueFilm, every: usize) -> Vec<Sample> {
-    let image = |(entry, truth): &(_, vision_models::Percept)| {
-        let class = truth.surface?.surface.name().to_owned();
-        let from = film.reader().surface(entry);
-        let name = from.file_name()?.to_string_lossy();
-        let to = format!("{}-{name}", film.name).into();
-        Some(Sample { class, files: vec![(from, to)] })
-    };
-    film.frames.iter().step_by(every).filter_map(image).collect()
 }

@@ -2,10 +2,8 @@
 
 use std::{collections::BTreeMap, io::Write, path::PathBuf};
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
-use serde::Serialize;
-
 use human_perception::{
     Watch,
     learning::{
@@ -13,11 +11,15 @@ use human_perception::{
         evaluation::{Evaluation, score_table},
         split::Part,
     },
-    networks::folders::{LabelledImage, Unreadable, list_classes, list_images},
-    surface::{features::Flips, model::SurfaceModel},
+    networks::folders::{LabelledImage, Unreadable},
+    surface::{
+        features::{Flips, path_within},
+        model::SurfaceModel,
+    },
 };
+use serde::Serialize;
 
-use super::{options::ModelWeights, train::path_within};
+use super::options::ModelWeights;
 use crate::{
     program::{Ending, Json, OutputFile, Quiet, Session, Threads, check_folder},
     vision::choices::with_option,
@@ -106,7 +108,7 @@ impl Evaluate {
                 return session.conclude(self.json, &report, Ending::Partial);
             };
             for (name, decider) in network.deciders() {
-                let scores = features.scores(decider)?;
+                let scores = features.scores(&decider)?;
                 let evaluation = features.evaluate(model.classes.len(), &scores)?;
                 writeln!(session.output(), "\n{name}")?;
                 evaluation.write_confusion(session.output(), &model.classes)?;
@@ -141,33 +143,17 @@ impl Evaluate {
 
     /// The images of the part that is asked for.
     fn images(&self, model: &SurfaceModel, watch: &mut Watch<'_>) -> Result<Vec<LabelledImage>> {
-        let shown = self.folder.display();
-        let classes = list_classes(&self.folder, watch)?;
-        for class in &classes {
-            ensure!(
-                model.classes.contains(class),
-                "{shown}: the folder \"{class}\" is no class of {}, whose classes are {}",
-                self.model.display(),
-                model.classes.join(", ")
-            );
-        }
-        let missing = model.classes.iter().find(|class| !classes.contains(class));
-        if let Some(class) = missing {
-            bail!("{shown}: there is no folder for the class \"{class}\" of the model");
-        }
         let part = match self.part {
-            PartOption::All => return Ok(list_images(&self.folder, &model.classes, watch)?),
-            PartOption::Test => Part::Test,
-            PartOption::Validation => Part::Validation,
-            PartOption::Training => Part::Training,
+            PartOption::All => None,
+            PartOption::Test => Some(Part::Test),
+            PartOption::Validation => Some(Part::Validation),
+            PartOption::Training => Some(Part::Training),
         };
-        let mut images = list_images(&self.folder, &model.classes, watch)?;
-        images.retain(|image| {
-            model.parts.get(&path_within(&self.folder, &image.path)) == Some(&part)
-        });
+        let images = model.images_of(&self.folder, part, watch)?;
         ensure!(
             !images.is_empty(),
-            "{shown}: no image is of this part of the training's split; --part all takes every image"
+            "{}: no image is of this part of the training's split; --part all takes every image",
+            self.folder.display()
         );
         Ok(images)
     }

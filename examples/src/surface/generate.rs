@@ -8,12 +8,10 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
-use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde::Serialize;
 use vision_models::Surface;
 
-use human_perception::surface::picture::Scene;
-use moca_simulation::random::generator;
+use human_perception::surface::picture::picture;
 
 use crate::program::{Ending, Json, OutputFile, Quiet, Seed, Session, check_folder};
 
@@ -91,11 +89,7 @@ impl Generate {
     }
 
     fn draw(&self, path: &Path, surface: Surface, stream: u64) -> Result<()> {
-        let mut random = generator(self.seed.seed, stream);
-        let pixels = Scene::random(surface, &mut random).draw(self.size.into(), &mut random);
-        let mut png = Vec::new();
-        let side = self.size.into();
-        PngEncoder::new(&mut png).write_image(&pixels, side, side, ExtendedColorType::Rgb8)?;
+        let png = picture(surface, self.size, self.seed.seed, stream)?;
         OutputFile::write_whole(path, &png)?;
         Ok(())
     }

@@ -1,36 +1,25 @@
 //! Trains the paper's models.
 
-use std::{
-    collections::BTreeMap,
-    io::Write,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeMap, io::Write, path::PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
-use serde::Serialize;
-use vision_models::{
-    ClassWeights, HeadSettings, LinearHead, LinearSvm, Loss, ResNetDepth, SvmSettings, Training,
-};
-
 use human_perception::{
-    Watch,
-    learning::{
-        backbone::WeightsIdentity,
-        split::{Part, Shares, split},
-        twins::{Twins, twins},
-    },
-    networks::folders::{LabelledImage, Unreadable, list_classes, list_images},
+    learning::{split::Part, twins::Twins},
+    networks::folders::Unreadable,
     surface::{
-        features::{FeatureSource, Features, Flips, name_of},
-        model::{OverNetwork, SurfaceModel},
+        features::{FeatureSource, Features, Flips},
+        model::SurfaceModel,
+        training::{ImageParts, TrainingSettings},
     },
 };
+use serde::Serialize;
+use vision_models::{ClassWeights, Loss, SvmSettings};
 
 use super::options::Backbones;
 use crate::{
     learning::head_options::HeadOptions,
-    program::{Ending, Json, ProgramError, Quiet, Seed, Session, Threads, check_folder},
+    program::{Ending, Json, Quiet, Seed, Session, Threads, check_folder},
     vision::choices::with_option,
 };
 
@@ -107,39 +96,6 @@ struct ModelReport {
     gap: Option<f64>,
 }
 
-/// The images of each part.
-struct Parts {
-    classes: Vec<String>,
-    training: Vec<LabelledImage>,
-    validation: Vec<LabelledImage>,
-    of_paths: BTreeMap<String, Part>,
-}
-
-impl Parts {
-    fn of_folder(folder: &Path, seed: u64, watch: &mut Watch<'_>) -> Result<Self> {
-        let classes = list_classes(folder, watch)?;
-        let images = list_images(folder, &classes, watch)?;
-        let labels: Vec<usize> = images.iter().map(|image| image.label).collect();
-        let parts = split(&labels, &classes, Shares::SURFACE, seed)
-            .with_context(|| folder.display().to_string())?;
-        let (mut training, mut validation, mut of_paths) = (vec![], vec![], BTreeMap::new());
-        for (image, part) in images.into_iter().zip(parts) {
-            of_paths.insert(path_within(folder, &image.path), part);
-            match part {
-                Part::Training => training.push(image),
-                Part::Validation => validation.push(image),
-                Part::Test => {}
-            }
-        }
-        Ok(Self { classes, training, validation, of_paths })
-    }
-}
-
-/// CLASS/FILE, by which a model knows an image.
-pub(super) fn path_within(folder: &Path, path: &Path) -> String {
-    path.strip_prefix(folder).unwrap_or(path).display().to_string()
-}
-
 impl Train {
     /// The option `--quiet`.
     pub fn quiet(&self) -> Quiet {
@@ -153,10 +109,10 @@ impl Train {
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         check_folder(&self.output)?;
         let watch = &mut session.watch();
-        let (head, svm) = self.settings()?;
+        let settings = self.settings()?;
         let networks = self.backbones.networks()?;
-        let parts = Parts::of_folder(&self.folder, self.seed.seed, watch)?;
-        let in_two_parts = self.tell_twins(&parts, session)?;
+        let parts = ImageParts::of_folder(&self.folder, self.seed.seed, watch)?;
+        let in_two_parts = tell_twins(&parts, session)?;
         let mut sources = Vec::new();
         for (depth, weights) in networks {
             let identity = weights.identity(watch)?;
@@ -183,16 +139,10 @@ impl Train {
             let validation =
                 source.of_images(&parts.validation, Flips::None, &mut unreadable, watch)?;
             let Some(validation) = validation else { return self.interrupted(session, &report) };
-            for (label, class) in parts.classes.iter().enumerate() {
-                let folder = self.folder.join(class);
-                let any = training.labels.contains(&label);
-                ensure!(any, "{}: no image to train with can be read", folder.display());
-            }
-            let (network, gap) =
-                over_network((depth, identity), &training, &parts.classes, (&head, &svm), session)?;
+            let (network, gap) = parts.train((depth, identity), &training, &settings, watch)?;
             for (name, decider) in network.deciders() {
                 let accuracy = |features: &Features| -> Result<Option<f64>> {
-                    let scores = features.scores(decider)?;
+                    let scores = features.scores(&decider)?;
                     Ok(features.evaluate(parts.classes.len(), &scores)?.accuracy)
                 };
                 let (of_training, of_validation) = (accuracy(&training)?, accuracy(&validation)?);
@@ -220,33 +170,12 @@ impl Train {
         session.conclude(self.json, &report, Ending::Complete)
     }
 
-    /// Names the first of the images whose content is also in another part; how many there are.
-    fn tell_twins(&self, parts: &Parts, session: &Session) -> Result<usize> {
-        const SHOWN: usize = 3;
-        let paths: Vec<_> =
-            parts.of_paths.iter().map(|(path, part)| (self.folder.join(path), *part)).collect();
-        let files: Vec<_> = paths.iter().map(|(path, part)| (path.as_path(), *part)).collect();
-        let twins = twins(&files, &mut session.watch())?;
-        for Twins { first, second } in twins.iter().take(SHOWN) {
-            let (first, second) = (first.display(), second.display());
-            session.warn(format_args!("{second} is the same picture as {first}, of another part"));
-        }
-        if !twins.is_empty() {
-            session.warn(format_args!(
-                "{} pictures are in more than one of the parts training, validation and test: accuracies are too high \
-                 by them",
-                twins.len()
-            ));
-        }
-        Ok(twins.len())
-    }
-
     fn interrupted(&self, session: &mut Session, report: &Trained) -> Result<Ending> {
         session.warn("interrupted before the end: there is no model");
         session.conclude(self.json, report, Ending::Partial)
     }
 
-    fn settings(&self) -> Result<(HeadSettings, SvmSettings)> {
+    fn settings(&self) -> Result<TrainingSettings> {
         let head = self.head.settings(self.seed.seed)?;
         let loss = match self.loss {
             LossOption::Hinge => Loss::Hinge,
@@ -256,39 +185,24 @@ impl Train {
             if self.balanced { ClassWeights::Balanced } else { ClassWeights::Equal };
         let svm = SvmSettings { loss, cost: self.cost, class_weights, ..SvmSettings::default() };
         svm.validate().map_err(|error| with_option(error.into(), ""))?;
-        Ok((head, svm))
+        Ok(TrainingSettings { head, svm })
     }
 }
 
-/// The head and the machine over one network, with the largest gap of the machine's planes.
-fn over_network(
-    (depth, weights): (ResNetDepth, WeightsIdentity),
-    training: &Features,
-    classes: &[String],
-    (head, svm): (&HeadSettings, &SvmSettings),
-    session: &Session,
-) -> Result<(OverNetwork, f64)> {
-    let name = name_of(depth);
-    let progress = session.progress(&format!("last layer of {name}"), head.epochs as u64);
-    let labels = &training.labels;
-    let head = LinearHead::train(training.rows.view(), labels, classes.to_vec(), head, |epoch| {
-        progress.set(epoch.number as u64);
-        !session.interrupt().requested()
-    })
-    .map_err(|error| anyhow::Error::new(error).context(format!("the last layer of {name}")))?;
-    progress.finish();
-    ensure!(!session.interrupt().requested(), ProgramError::Interrupted);
-    let (samples, labels) = (training.rows.clone(), labels.clone());
-    let (names, settings) = (classes.to_vec(), svm.clone());
-    let solved = session
-        .interrupt()
-        .wait_for(move || LinearSvm::train(samples.view(), &labels, names, &settings))?;
-    let (svm, trainings) = solved?;
-    let gap = trainings.iter().map(Training::gap).fold(0.0, f64::max);
-    ensure!(
-        trainings.iter().all(|training| training.converged),
-        "the support vector machine over {name} did not converge: the duality gap is {gap:.1e} of the objective; \
-         try a smaller --cost"
-    );
-    Ok((OverNetwork { depth, weights, head, svm }, gap))
+/// Names the first of the images whose content is also in another part; how many there are.
+fn tell_twins(parts: &ImageParts, session: &Session) -> Result<usize> {
+    const SHOWN: usize = 3;
+    let twins = parts.twins(&mut session.watch())?;
+    for Twins { first, second } in twins.iter().take(SHOWN) {
+        let (first, second) = (first.display(), second.display());
+        session.warn(format_args!("{second} is the same picture as {first}, of another part"));
+    }
+    if !twins.is_empty() {
+        session.warn(format_args!(
+            "{} pictures are in more than one of the parts training, validation and test: accuracies are too high by \
+             them",
+            twins.len()
+        ));
+    }
+    Ok(twins.len())
 }

@@ -21,11 +21,6 @@ pub fn slow_only_name() -> impl TypedValueParser<Value = String> {
     PossibleValuesParser::new(names::forms().map(value))
 }
 
-/// Reads the name of any network.
-pub fn network() -> impl TypedValueParser<Value = NetworkKind> {
-    parser(names::networks(), |kind| kind)
-}
-
 fn parser<T: Copy + Send + Sync + 'static>(
     choices: Vec<(&'static str, T)>,
     kind: fn(T) -> NetworkKind,

@@ -51,14 +51,7 @@ impl Clips {
 
     fn recognise(&self) -> Runs {
         let (clip, model) = (self.path("clips/DeliverObject/0"), self.path("model"));
-        Runs::new("actions").with(&[
-            "recognise",
-            &clip,
-            "--model",
-            &model,
-            "--weights",
-            slow_only_r18(),
-        ])
+        Runs::new("infer").with(&[&clip, "--model", &model, "--weights", slow_only_r18()])
     }
 }
 

@@ -54,8 +54,8 @@ fn names_from_outside_steer_no_terminal() {
     let name = "cat\u{1b}[2J\u{202e}gnp.png";
     let image = save_picture(&folder.path().join(name), 30, 1);
     let missing = folder.path().join("no\u{1b}]0;x\u{7}\u{2066}ne.png");
-    let classify = Runs::new("classify").with(&["--weights", resnet18(), "--depth=18", "--json"]);
-    let ran = classify.with(&[&image, missing.to_str().unwrap()]).run();
+    let infer = Runs::new("infer").with(&["--weights", resnet18(), "--json"]);
+    let ran = infer.with(&[&image, missing.to_str().unwrap()]).run();
     for text in [&ran.output, &ran.errors] {
         assert!(!text.contains(['\u{1b}', '\u{7}', '\u{202e}', '\u{2066}']), "{text:?}");
     }
@@ -69,17 +69,17 @@ fn names_from_outside_steer_no_terminal() {
 fn the_size_and_the_orientation_are_choices() {
     let folder = tempfile::tempdir().unwrap();
     let image = save_picture(&folder.path().join("a.png"), 30, 1);
-    let classify = |options: &[&str]| {
-        let ran = Runs::new("classify").with(&["--weights", resnet18(), "--depth=18", "--json"]);
+    let infer = |options: &[&str]| {
+        let ran = Runs::new("infer").with(&["--weights", resnet18(), "--json"]);
         ran.with(&[&image]).with(options).run().done().json()["images"][0]["classes"].clone()
     };
-    let of_paper = classify(&[]);
-    assert_eq!(classify(&["--resize=255", "--orientation=stored"]), of_paper);
-    assert_ne!(classify(&["--resize=232"]), of_paper);
-    assert_ne!(classify(&["--resize=256"]), of_paper);
+    let of_paper = infer(&[]);
+    assert_eq!(infer(&["--resize=255", "--orientation=stored"]), of_paper);
+    assert_ne!(infer(&["--resize=232"]), of_paper);
+    assert_ne!(infer(&["--resize=256"]), of_paper);
     // The file says nothing about how the camera was held.
-    assert_eq!(classify(&["--orientation=exif"]), of_paper);
-    Runs::new("classify")
+    assert_eq!(infer(&["--orientation=exif"]), of_paper);
+    Runs::new("infer")
         .with(&["--weights", resnet18(), &image, "--resize=100"])
         .run()
         .failed(2, "--resize");

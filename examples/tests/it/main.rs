@@ -9,7 +9,6 @@
 
 mod actions;
 mod chain;
-mod classify;
 mod convert;
 mod ergo_map;
 mod experiment;
@@ -18,7 +17,9 @@ mod files;
 mod follow;
 mod hqp;
 mod ik;
-mod infer;
+mod infer_arrays;
+mod infer_clips;
+mod infer_images;
 mod lockstep;
 #[cfg(feature = "mcap")]
 mod mcap_files;
@@ -28,7 +29,6 @@ mod perceive;
 mod perceive_networks;
 mod programs;
 mod reba;
-mod recognise;
 mod record;
 mod recording;
 mod recording_extras;

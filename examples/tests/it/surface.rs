@@ -112,8 +112,8 @@ fn trains_evaluates_and_predicts() {
     assert_eq!(fresh.json()["models"], json["models"]);
 
     let image = pictures.path("images/smooth/0.png");
-    let predict = ["predict", &image, "--model", &pictures.path("model"), "--json"];
-    let json = Runs::new("surface").with(&predict).run().done().json();
+    let infer = [&image, "--model", &pictures.path("model"), "--json"];
+    let json = Runs::new("infer").with(&infer).run().done().json();
     let own: Vec<_> = json["images"].as_array().unwrap().iter().collect();
     assert_eq!((own.len(), &own[1]["model"]), (2, &"resnet18+svm".into()));
     assert_eq!((&own[1]["class"], &own[1]["image"]), (&"smooth".into(), &image.as_str().into()));
@@ -167,19 +167,20 @@ fn classes_that_cannot_be_learnt_are_named() {
 fn models_that_are_none_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().to_str().unwrap();
-    for (program, file) in [("surface", "surface.json"), ("actions", "actions.json")] {
+    let image = save_picture(&folder.path().join("a.png"), 30, 1);
+    for file in ["surface.json", "actions.json"] {
         let path = folder.path().join(file);
         let refused = |says: &str| {
-            let verb = if program == "surface" { "predict" } else { "recognise" };
-            let ran = Runs::new(program).with(&[verb, "none", "--model", model]).run();
+            let ran = Runs::new("infer").with(&[&image, "--model", model]).run();
             assert!(ran.failed(1, says).errors.contains(file));
         };
-        refused("No such file");
+        refused("there is neither surface.json nor actions.json in it");
         std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
         refused("takes at most 64 MiB");
         fs::remove_file(&path).unwrap();
         fs::write(&path, "{}").unwrap();
         refused("missing field");
+        fs::remove_file(&path).unwrap();
     }
 }
 

@@ -6,7 +6,7 @@ use ndarray::Array4;
 
 use crate::support::{Runs, resnet18, save_picture, slow_only_r18};
 
-const PROGRAMS: [&str; 6] = ["classify", "infer", "recognise", "convert", "surface", "actions"];
+const PROGRAMS: [&str; 4] = ["infer", "convert", "surface", "actions"];
 
 /// Each program with options that let it print something soon.
 fn programs(folder: &Path) -> Vec<Runs> {
@@ -17,15 +17,14 @@ fn programs(folder: &Path) -> Vec<Runs> {
     let resnet = ["--weights", resnet18()];
     let slow_only = ["--weights", slow_only_r18(), "--model=slowonly_r18_mm", "--length=1"];
     vec![
-        Runs::new("classify").with(&resnet).with(&["--depth=18", &frame]),
+        Runs::new("infer").with(&resnet).with(&[&frame]),
         Runs::new("infer").with(&resnet).with(&[
             "--model=resnet18",
-            "--input",
             &path("in.npy"),
             "--output",
             &path("out.npy"),
         ]),
-        Runs::new("recognise").with(&slow_only).with(&[path("frames")]),
+        Runs::new("infer").with(&slow_only).with(&[path("frames")]),
         Runs::new("convert").with(&[resnet18()]),
         Runs::new("surface").with(&["generate", &path("surfaces"), "--count=1", "--size=16"]),
     ]
@@ -62,9 +61,7 @@ fn the_last_line_is_json_and_a_quiet_program_says_nothing_else() {
 #[test]
 fn help_says_what_each_does() {
     for (name, does) in [
-        ("classify", "Classifies images"),
-        ("infer", "Runs a network on an array"),
-        ("recognise", "Recognises the action in a folder of frames"),
+        ("infer", "Runs a network on images, on a folder of frames, or on an array"),
         ("convert", "Prints what a checkpoint holds"),
     ] {
         let help = Runs::new(name).with(&["--help"]).run().done().output;
@@ -81,10 +78,8 @@ fn help_says_what_each_command_does() {
         ("surface", "generate", "Draws pictures of plates"),
         ("surface", "train", "Trains a new last layer and a support vector machine"),
         ("surface", "evaluate", "Classifies images of known classes"),
-        ("surface", "predict", "Classifies images by each model"),
         ("actions", "train", "Trains a new last layer of a SlowOnly"),
         ("actions", "evaluate", "Recognises clips of known classes"),
-        ("actions", "recognise", "Recognises the action in a folder of frames"),
     ] {
         let help = Runs::new(name).with(&[command, "--help"]).run().done().output;
         assert!(help.starts_with(does), "{name} {command}: {help}");
@@ -99,6 +94,6 @@ fn a_directory_or_a_device_in_place_of_a_checkpoint_is_refused() {
     for place in ["/", "/dev/zero", "/dev/null", "/nope"] {
         let named = format!("error: {place}: ");
         Runs::new("convert").with(&[place]).run().failed(1, &named);
-        Runs::new("classify").with(&["a.png", "--weights", place]).run().failed(1, &named);
+        Runs::new("infer").with(&["a.png", "--weights", place]).run().failed(1, &named);
     }
 }

@@ -78,7 +78,7 @@ def our_median(infer, folder, name, threads, repeat):
     scores = folder / f"{name}_ours.npy"
     command = [
         infer, "--model", name, "--weights", folder / f"{name}.safetensors",
-        "--input", folder / f"{name}_input.npy", "--output", scores,
+        folder / f"{name}_input.npy", "--output", scores,
         "--threads", str(threads), "--repeat", str(repeat + 1),
     ]
     printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout

@@ -1,8 +1,10 @@
 //! The paper's recognition of actions (Experiment 2).
 
 pub mod clips;
+pub mod cut;
 pub mod evaluated;
 pub mod features;
 pub mod live;
 pub mod model;
+pub mod training;
 pub mod window;

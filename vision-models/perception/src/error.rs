@@ -5,8 +5,6 @@ use std::{fmt::Display, io, path::Path, path::PathBuf};
 use percept_recording::RecordingError;
 use vision_models::NetworkKind;
 
-use crate::learning::backbone::WeightsIdentity;
-
 /// Why frames, files or trained models cannot be used: where, what was found, and what would be right.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -49,7 +47,7 @@ pub enum Error {
     #[error("give the model's weights: the checkpoint with {identity}")]
     NoWeights {
         /// What tells the checkpoint from others.
-        identity: WeightsIdentity,
+        identity: String,
     },
     /// A file that `vision-models` refuses.
     #[error("{path}: {source}", path = path.display())]

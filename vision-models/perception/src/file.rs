@@ -2,7 +2,7 @@
 
 use std::{fs, io, io::Write, path::Path};
 
-use crate::Error;
+use crate::error::Error;
 
 /// Writes a file beside its place and moves it there when it is whole.
 ///

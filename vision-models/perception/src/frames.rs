@@ -1,8 +1,8 @@
 //! Folders of camera frames: colour and depth images with the camera's geometry. The book's page "Recordings"
 //! describes the layout.
 
-mod format;
-mod reader;
+pub(crate) mod format;
+pub(crate) mod reader;
 pub mod truth;
 mod writer;
 

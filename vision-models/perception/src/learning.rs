@@ -4,6 +4,7 @@
 pub mod backbone;
 pub mod cache;
 pub mod confusion_figure;
+pub mod cutting;
 pub mod description;
 pub mod digest;
 pub mod evaluation;

@@ -2,16 +2,17 @@
 
 pub mod actions;
 mod error;
-mod excerpt;
 mod file;
 pub mod frames;
 pub mod learning;
 pub mod networks;
 pub mod npy;
 pub mod percepts;
+mod printable;
 mod random;
 pub mod surface;
 mod watch;
 
 pub use error::Error;
+pub use printable::printable;
 pub use watch::{Event, Watch};

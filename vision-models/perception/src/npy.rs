@@ -9,7 +9,7 @@ use std::{
 use ndarray::ArrayD;
 use ndarray_npy::{ReadNpyExt, npy::header::Header};
 
-use crate::Error;
+use crate::error::Error;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// More than the header of any array without fields takes (bytes).

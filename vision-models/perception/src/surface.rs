@@ -1,5 +1,7 @@
 //! The paper's classification of surfaces (Experiment 1).
 
+pub mod cut;
 pub mod features;
 pub mod model;
 pub mod picture;
+pub mod training;

@@ -1,8 +1,15 @@
 //! What long work tells who waits for it.
 
-use std::{fmt, fmt::Display, ops::ControlFlow};
+use std::{
+    fmt,
+    fmt::Display,
+    ops::ControlFlow,
+    sync::mpsc::{RecvTimeoutError, channel},
+    thread,
+    time::Duration,
+};
 
-use crate::Error;
+use crate::error::Error;
 
 /// What long work tells who waits for it.
 #[derive(Clone, Copy)]
@@ -50,4 +57,34 @@ pub type Watch<'a> = dyn FnMut(Event<'_>) -> ControlFlow<()> + 'a;
 /// [`Error::Stopped`] if not.
 pub(crate) fn go_on(watch: &mut Watch<'_>) -> Result<(), Error> {
     if watch(Event::Working).is_break() { Err(Error::Stopped) } else { Ok(()) }
+}
+
+/// How soon work that is waited for is left where the call-back ends it.
+const PATIENCE: Duration = Duration::from_millis(20);
+
+/// Does work that cannot stop half way, and leaves it behind where the call-back ends it.
+///
+/// # Errors
+/// [`Error::Stopped`]; [`Error::Unfit`] if there is no thread to be had.
+pub(crate) fn wait_for<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
+    watch: &mut Watch<'_>,
+) -> Result<T, Error> {
+    let (sender, receiver) = channel();
+    let worker = thread::Builder::new()
+        .spawn(move || {
+            // Nobody listens once the work has been left behind.
+            let _ = sender.send(work());
+        })
+        .map_err(|error| Error::unfit("another thread", error, ""))?;
+    loop {
+        match receiver.recv_timeout(PATIENCE) {
+            Ok(result) => return Ok(result),
+            Err(RecvTimeoutError::Timeout) => go_on(watch)?,
+            Err(RecvTimeoutError::Disconnected) => match worker.join() {
+                Err(panic) => std::panic::resume_unwind(panic),
+                Ok(()) => return Err(Error::Stopped),
+            },
+        }
+    }
 }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use vision_models::{Action, ClassNames};
 
 use crate::{
-    Error, Watch,
+    error::Error,
     networks::folders::{folders_in, images_in, list_classes},
+    watch::Watch,
 };
 
 /// A folder of frames of a known class.

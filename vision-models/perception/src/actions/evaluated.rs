@@ -8,7 +8,7 @@ use vision_models::{Action, ActionGroup};
 
 use super::window::Window;
 use crate::{
-    Error,
+    error::Error,
     file::{make_folder, write_whole},
     learning::{
         backbone::WeightsIdentity,

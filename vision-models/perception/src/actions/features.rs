@@ -10,7 +10,7 @@ use super::{
     window::{Views, Window},
 };
 use crate::{
-    Error, Event, Watch,
+    error::Error,
     file::make_folder,
     learning::{
         backbone::{ClipBackbone, Weights, WeightsIdentity},
@@ -18,6 +18,7 @@ use crate::{
         digest::Digest,
     },
     networks::clips::read_clip,
+    watch::{Event, Watch},
 };
 
 /// A network's features of clips, from disk where they are known.
@@ -49,6 +50,11 @@ impl ClipFeatures {
         let cache = folder.map(open).transpose()?;
         let backbone = window.backbone(weights, threads)?;
         Ok(Self { window, backbone, cache })
+    }
+
+    /// What the network sees of a clip.
+    pub fn window(&self) -> &Window {
+        &self.window
     }
 
     /// The features of each clip, a row for each view. Less than all where the call-back ends it: the features so far

@@ -5,10 +5,12 @@ use std::{path::Path, time::Instant};
 use vision_models::Crops;
 
 use super::{model::ActionModel, window::Window};
-use crate::{Error, Watch, learning::backbone::Weights, networks::clip_stream::ClipStream};
+use crate::{
+    error::Error, learning::backbone::Weights, networks::clip_stream::ClipStream, watch::Watch,
+};
 
-/// A trained network over the last frames: every `interval`-th frame goes into its window, and gives a decision once
-/// the window is full.
+/// A network over the last frames: every `interval`-th frame goes into its window, and gives a decision once the
+/// window is full.
 #[derive(Debug)]
 pub struct LiveRecogniser {
     stream: ClipStream,
@@ -48,17 +50,8 @@ impl ActionModel {
 
 impl LiveRecogniser {
     /// With an empty window.
-    ///
-    /// # Errors
-    /// As of the network's loading.
-    pub fn new(
-        model: &ActionModel,
-        weights: Weights,
-        threads: usize,
-        watch: &mut Watch<'_>,
-    ) -> Result<Self, Error> {
-        let stream = model.stream(weights, threads, watch)?;
-        Ok(Self { stream, interval: model.window.interval, frames: 0 })
+    pub fn new(stream: ClipStream, interval: usize) -> Self {
+        Self { stream, interval, frames: 0 }
     }
 
     /// Takes the next frame; a decision if it is one of the window's and the window is full.

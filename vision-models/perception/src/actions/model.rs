@@ -6,9 +6,12 @@ use ndarray::{Array2, ArrayView2};
 use serde::{Deserialize, Serialize};
 use vision_models::{LinearHead, Tensors, softmax};
 
-use super::window::Window;
+use super::{
+    clips::{ClipSet, LabelledClip},
+    window::Window,
+};
 use crate::{
-    Error,
+    error::Error,
     file::{make_folder, write_whole},
     learning::{backbone::WeightsIdentity, description, split::Part},
 };
@@ -68,6 +71,11 @@ impl ActionModel {
         description::write(&folder.join(FILE), &described)
     }
 
+    /// Whether there is one in a folder.
+    pub fn is_in(folder: &Path) -> bool {
+        folder.join(FILE).exists()
+    }
+
     /// Reads one.
     ///
     /// # Errors
@@ -94,6 +102,30 @@ impl ActionModel {
         parts.extend(training.into_iter().map(|name| (name, Part::Training)));
         parts.extend(test.into_iter().map(|name| (name, Part::Test)));
         Ok(Self { head, window, weights, parts })
+    }
+
+    /// The clips of a set with the model's classes; of those in a part of the training's split, if one is asked for.
+    ///
+    /// # Errors
+    /// A clip of a class that the model does not have; no clip in the part.
+    pub fn clips_of(&self, set: ClipSet, part: Option<Part>) -> Result<Vec<LabelledClip>, Error> {
+        let ClipSet { classes, mut clips } = set;
+        let own = self.head.classes();
+        for clip in &mut clips {
+            let name = classes.get(clip.label).map_or("", String::as_str);
+            clip.label = own.iter().position(|class| class == name).ok_or_else(|| {
+                let found = format!("\"{name}\" is no class of the model");
+                Error::unfit(
+                    clip.folder.display(),
+                    found,
+                    format!("give one of {}", own.join(", ")),
+                )
+            })?;
+        }
+        if let Some(part) = part {
+            clips.retain(|clip| self.parts.get(&clip.name) == Some(&part));
+        }
+        Ok(clips)
     }
 
     /// The mean probability of each class over views, a row of features each.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use vision_models::{ClipSampling, Crops, Preprocessing, Resize, SlowOnlyForm};
 
 use crate::{
-    Error,
+    error::Error,
     learning::backbone::{ClipBackbone, Weights},
     networks::{clip_stream::preprocessing_of, names},
 };

@@ -10,11 +10,8 @@ use std::{
 
 use vision_models::{Camera, DepthImage, file::read_text, read_depth};
 
-use super::{
-    FrameEntry,
-    format::{CAMERA, CameraFile, EndLine, INDEX},
-};
-use crate::{Error, excerpt::excerpt, npy};
+use super::format::{CAMERA, CameraFile, EndLine, FrameEntry, INDEX};
+use crate::{error::Error, npy, printable::printable};
 
 /// How often a folder that grows is looked at.
 const LOOK: Duration = Duration::from_millis(5);
@@ -214,7 +211,7 @@ impl FramesReader {
             return Ok(None);
         }
         let entry: FrameEntry = serde_json::from_str(text)
-            .map_err(|error| self.problem(excerpt(&error.to_string())))?;
+            .map_err(|error| self.problem(printable(&error.to_string())))?;
         let FrameEntry { frame, time, arrived } = entry;
         if !time.is_finite() || arrived.is_some_and(|arrived| arrived.is_nan() || arrived < time) {
             return Err(self.problem(format!("taken at {time} s and arrived at {arrived:?} s")));

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use percept_recording::{IfPartial, Recording, RecordingError};
 use vision_models::Percept;
 
-use super::{FrameEntry, FramesReader};
-use crate::Error;
+use super::{format::FrameEntry, reader::FramesReader};
+use crate::error::Error;
 
 /// The name of the recording of what is true, in a folder of frames.
 pub const TRUTH: &str = "truth.jsonl";

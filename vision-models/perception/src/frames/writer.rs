@@ -13,11 +13,8 @@ use image::{
 use serde::Serialize;
 use vision_models::{Camera, DepthImage};
 
-use super::{
-    FrameEntry,
-    format::{CAMERA, CameraFile, End, EndLine, INDEX},
-};
-use crate::Error;
+use super::format::{CAMERA, CameraFile, End, EndLine, FrameEntry, INDEX};
+use crate::error::Error;
 
 /// The unit of written depths (m).
 const SCALE: f64 = 0.001;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use vision_models::{NetworkKind, Options, ResNet, ResNetDepth, SlowOnly, SlowOnlyForm};
 
 use super::{digest::Digest, random_network::random_network};
-use crate::{Error, Watch, networks::open_weights};
+use crate::{error::Error, networks::checkpoint::open_weights, watch::Watch};
 
 /// Where a network's weights come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ impl WeightsIdentity {
     pub fn weights(&self, file: Option<PathBuf>, watch: &mut Watch<'_>) -> Result<Weights, Error> {
         match (file, self) {
             (None, Self::RandomSeed(seed)) => Ok(Weights::Random(*seed)),
-            (None, Self::Sha256(_)) => Err(Error::NoWeights { identity: self.clone() }),
+            (None, Self::Sha256(_)) => Err(Error::NoWeights { identity: self.to_string() }),
             (Some(file), _) => {
                 let shown = file.display().to_string();
                 let weights = Weights::File(file);
@@ -74,6 +74,19 @@ impl fmt::Display for WeightsIdentity {
 }
 
 /// A network for images that is loaded when it is first asked.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use human_perception::{Event, learning::backbone::{ImageBackbone, Weights}};
+/// use ndarray::Array4;
+/// use vision_models::ResNetDepth;
+///
+/// let watch = &mut |_: Event<'_>| ControlFlow::Continue(());
+/// let mut network = ImageBackbone::new(Weights::Random(1), ResNetDepth::Eighteen, 32, 1);
+/// assert_eq!(network.features(&Array4::zeros((1, 3, 32, 32)), watch)?.len(), 512);
+/// # Ok::<(), human_perception::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct ImageBackbone {
     weights: Weights,

@@ -13,7 +13,10 @@ use std::{
 };
 
 use super::digest::Digest;
-use crate::{Error, Event, Watch};
+use crate::{
+    error::Error,
+    watch::{Event, Watch},
+};
 
 const FIRST_LINE: &str = "features 1";
 /// More features than any record has.
@@ -22,6 +25,17 @@ const MOST: usize = 1 << 24;
 const LONGEST_LINE: u64 = 4096;
 
 /// The features that are known, and the file that further ones go to.
+///
+/// ```
+/// use human_perception::learning::{cache::FeatureCache, digest::Digest};
+///
+/// let folder = tempfile::tempdir()?;
+/// let (path, image) = (folder.path().join("a.features"), Digest::of_bytes(b"an image"));
+/// FeatureCache::open(&path, "resnet50")?.insert(image, vec![0.5, 1.0])?;
+/// let again = FeatureCache::open(&path, "resnet50")?;
+/// assert_eq!(again.get(&image), Some([0.5, 1.0].as_slice()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct FeatureCache {
     path: PathBuf,

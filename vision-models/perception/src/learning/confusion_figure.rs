@@ -5,7 +5,7 @@ use std::fmt::Display;
 use plotters::{coord::Shift, prelude::*};
 
 use super::evaluation::percents;
-use crate::Error;
+use crate::error::Error;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 

@@ -6,7 +6,7 @@ use serde::{Serialize, de::DeserializeOwned};
 
 use vision_models::file::read_text;
 
-use crate::{Error, file::write_whole};
+use crate::{error::Error, file::write_whole};
 
 /// The most that one may take (bytes): the names of some hundred thousand images.
 const LARGEST: u64 = 64 << 20;

@@ -9,9 +9,18 @@ use std::{
 
 use sha2::{Digest as _, Sha256};
 
-use crate::{Error, Watch, watch::go_on};
+use crate::{
+    error::Error,
+    watch::{Watch, go_on},
+};
 
 /// The SHA-256 of what is read.
+///
+/// ```
+/// use human_perception::learning::digest::Digest;
+///
+/// assert!(Digest::of_bytes(b"abc").to_string().starts_with("ba7816bf"));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Digest(pub [u8; 32]);
 

@@ -8,9 +8,19 @@ use std::{
 use serde::Serialize;
 use vision_models::{ConfusionMatrix, top_k};
 
-use crate::Error;
+use crate::error::Error;
 
 /// How well a classifier does.
+///
+/// ```
+/// use human_perception::learning::evaluation::Evaluation;
+///
+/// let samples = [(0, [0.9, 0.1].as_slice()), (1, &[0.6, 0.4])];
+/// let evaluation = Evaluation::of(2, samples)?;
+/// assert_eq!(evaluation.accuracy, Some(0.5));
+/// assert_eq!(evaluation.confusion, [[1, 0], [1, 0]]);
+/// # Ok::<(), human_perception::Error>(())
+/// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct Evaluation {
     /// Samples that were classified.

@@ -3,7 +3,7 @@
 use rand::RngCore;
 use vision_models::{NetworkKind, Tensor, Tensors};
 
-use crate::{Error, random::generator};
+use crate::{error::Error, random::generator};
 
 /// Weight of the last norm of a residual block: activations then grow little over fifty blocks.
 const RESIDUAL: f32 = 0.3;

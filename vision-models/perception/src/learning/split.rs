@@ -2,7 +2,7 @@
 
 use rand::seq::SliceRandom;
 
-use crate::{Error, random::generator};
+use crate::{error::Error, random::generator};
 
 /// What a sample is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +31,15 @@ impl Shares {
 
 /// Puts the samples of each class into parts at random: the same seed and labels give the same parts. Each class
 /// has at least one sample in each part whose share is not zero.
+///
+/// ```
+/// use human_perception::learning::split::{Part, Shares, split};
+///
+/// let classes = ["drilled".to_owned(), "smooth".to_owned()];
+/// let parts = split(&[0, 0, 0, 1, 1, 1], &classes, Shares::SURFACE, 1)?;
+/// assert_eq!(parts.iter().filter(|part| **part == Part::Test).count(), 2);
+/// # Ok::<(), human_perception::Error>(())
+/// ```
 ///
 /// # Errors
 /// With the class that has too few samples for that.

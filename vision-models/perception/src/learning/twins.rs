@@ -7,7 +7,10 @@ use std::{
 };
 
 use super::{digest::Digest, split::Part};
-use crate::{Error, Watch, watch::go_on};
+use crate::{
+    error::Error,
+    watch::{Watch, go_on},
+};
 
 /// Two files of the same content in different parts, training and validation or either and test.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -4,8 +4,11 @@ use std::path::Path;
 
 use vision_models::{Checkpoint, NetworkKind};
 
-use super::tensor_name::printable;
-use crate::{Error, Event, Watch};
+use crate::{
+    error::Error,
+    printable::printable,
+    watch::{Event, Watch},
+};
 
 /// How many tensors are named that are left out.
 const SHOWN: usize = 8;

@@ -1,14 +1,12 @@
-//! From an image file to a ResNet's class scores.
+//! From an image file to scores of classes, by a ResNet.
 
 use std::path::Path;
 
 use ndarray::Array4;
-use vision_models::{
-    Options, Orientation, Preprocessing, ResNet, ResNetDepth, read_image_oriented,
-};
+use vision_models::{Options, Orientation, Preprocessing, ResNet, ResNetForm, read_image_oriented};
 
-use super::open_weights;
-use crate::{Error, Watch};
+use super::{checkpoint::open_weights, decider::Decider};
+use crate::{error::Error, watch::Watch};
 
 /// Loads a ResNet for square images of this side.
 ///
@@ -16,13 +14,13 @@ use crate::{Error, Watch};
 /// With the checkpoint's name; one that holds another network says which.
 pub fn load_resnet(
     weights: &Path,
-    depth: ResNetDepth,
+    form: impl Into<ResNetForm>,
     side: usize,
     threads: usize,
     watch: &mut Watch<'_>,
 ) -> Result<ResNet, Error> {
     let options = Options { threads, ..Options::default() };
-    ResNet::load(depth, open_weights(weights, watch)?, [side, side], options)
+    ResNet::load(form, open_weights(weights, watch)?, [side, side], options)
         .map_err(Error::weights(weights))
 }
 
@@ -31,25 +29,16 @@ pub fn load_resnet(
 pub struct Classifier {
     preprocessing: Preprocessing,
     network: ResNet,
+    deciders: Vec<Decider>,
 }
 
 impl Classifier {
-    /// Loads the network.
-    ///
-    /// # Errors
-    /// With the checkpoint's name; one that holds another network says which.
-    pub fn load(
-        weights: &Path,
-        depth: ResNetDepth,
-        preprocessing: Preprocessing,
-        threads: usize,
-        watch: &mut Watch<'_>,
-    ) -> Result<Self, Error> {
-        let network = load_resnet(weights, depth, preprocessing.crop, threads, watch)?;
-        Ok(Self { preprocessing, network })
+    /// A network for images that are prepared so. Without deciders its own last layer decides.
+    pub fn new(preprocessing: Preprocessing, network: ResNet, deciders: Vec<Decider>) -> Self {
+        Self { preprocessing, network, deciders }
     }
 
-    /// How many classes the network has.
+    /// How many classes the network's own last layer has.
     pub fn classes(&self) -> usize {
         self.network.classes()
     }
@@ -63,11 +52,16 @@ impl Classifier {
         Ok(self.preprocessing.image(image.view())?)
     }
 
-    /// The network's class scores of an image that [`Self::read`] gave, before any softmax.
+    /// The scores of the classes in an image that [`Self::read`] gave, by each decider, before any softmax.
     ///
     /// # Errors
-    /// As of [`ResNet::infer`].
-    pub fn infer(&mut self, image: &Array4<f32>) -> Result<Vec<f32>, Error> {
-        Ok(self.network.infer(image.view())?.logits.iter().copied().collect())
+    /// As of [`ResNet::infer`] and [`Decider::scores`].
+    pub fn scores(&mut self, image: &Array4<f32>) -> Result<Vec<Vec<f32>>, Error> {
+        let scores = self.network.infer(image.view())?;
+        if self.deciders.is_empty() {
+            return Ok(vec![scores.logits.row(0).to_vec()]);
+        }
+        let features = scores.features.row(0);
+        self.deciders.iter().map(|decider| decider.scores(features)).collect()
     }
 }

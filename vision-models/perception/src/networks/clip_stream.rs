@@ -4,10 +4,11 @@ use std::path::Path;
 
 use ndarray::Axis;
 use vision_models::{
-    LinearHead, Preprocessing, SlowOnly, SlowOnlyForm, SlowOnlyStream, read_image, softmax,
+    LinearHead, Preprocessing, SlowOnly, SlowOnlyForm, SlowOnlyStream, read_image,
 };
 
-use crate::Error;
+use super::clip_classifier::probabilities;
+use crate::error::Error;
 
 /// How the library that a SlowOnly comes from prepares frames.
 pub fn preprocessing_of(form: SlowOnlyForm) -> Preprocessing {
@@ -51,11 +52,7 @@ impl ClipStream {
         let image = read_image(path)?;
         let image = self.preprocessing.image(image.view()).map_err(Error::content(path))?;
         let Some(scores) = self.stream.push(image.index_axis(Axis(0), 0))? else { return Ok(None) };
-        let logits = match &self.head {
-            Some(head) => head.scores(scores.features.row(0))?.to_vec(),
-            None => scores.logits.row(0).to_vec(),
-        };
-        Ok(Some(softmax(&logits)))
+        probabilities(self.head.as_ref(), &scores, 0).map(Some)
     }
 
     /// Forgets all frames.

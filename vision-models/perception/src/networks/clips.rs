@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use ndarray::{Array5, Axis};
 use vision_models::{Preprocessing, read_image};
 
-use crate::{Error, Event, Watch};
+use crate::{
+    error::Error,
+    watch::{Event, Watch},
+};
 
 /// Reads the frames of a clip, given by their places among all of the video, and makes of them
 /// what a network sees: crops × 3 × frames × side × side. Only one frame is in memory as it is in

@@ -4,7 +4,10 @@ use std::path::{Path, PathBuf};
 
 use vision_models::ImageFolder;
 
-use crate::{Error, Event, Watch};
+use crate::{
+    error::Error,
+    watch::{Event, Watch},
+};
 
 /// An image of a known class.
 #[derive(Clone, Debug, PartialEq, Eq)]

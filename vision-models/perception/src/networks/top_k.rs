@@ -8,7 +8,7 @@ use std::{
 use serde::Serialize;
 use vision_models::{ClassNames, top_k};
 
-use crate::Error;
+use crate::error::Error;
 
 /// How many classes are shown.
 const K: usize = 5;

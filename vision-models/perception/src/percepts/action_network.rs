@@ -8,12 +8,13 @@ use vision_models::{
 };
 
 use crate::{
-    Error, Watch,
     actions::model::ActionModel,
+    error::Error,
     networks::{
         clip_stream::{ClipStream, preprocessing_of},
         open_weights,
     },
+    watch::Watch,
 };
 
 /// How a network with its own last layer recognises the action.

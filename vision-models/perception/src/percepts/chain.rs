@@ -7,7 +7,7 @@ use vision_models::{
     PersonBox, PersonTrack, TrackerSettings,
 };
 
-use crate::Error;
+use crate::error::Error;
 
 /// Of a person whose stature was not measured yet (m).
 const STATURE: f64 = 1.75;
@@ -29,6 +29,18 @@ pub struct PerceiverSettings {
 
 /// Lifts the joints of everybody in a frame into the world, follows everybody, and selects the one
 /// who engages with the robot.
+///
+/// ```
+/// use human_perception::percepts::{Perceiver, PerceiverSettings};
+/// use vision_models::{Camera, DepthNoise, Intrinsics, nalgebra::Point3};
+///
+/// let intrinsics = Intrinsics::new([32, 24], [30.0, 30.0], [15.5, 11.5])?;
+/// let (eye, target) = (Point3::new(0.0, 0.0, 1.0), Point3::new(2.0, 0.0, 1.0));
+/// let camera = Camera::looking_at(intrinsics, eye, target, DepthNoise::D435I)?;
+/// let perceiver = Perceiver::new(camera, PerceiverSettings::default())?;
+/// assert!(perceiver.body().is_none());
+/// # Ok::<(), human_perception::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Perceiver {
     lifter: Lifter,

@@ -17,8 +17,8 @@ use super::{
     surface_network::SurfaceNetwork,
 };
 use crate::{
-    Error,
-    frames::{FrameEntry, FramesReader},
+    error::Error,
+    frames::{format::FrameEntry, reader::FramesReader},
 };
 
 /// An action or a surface whose images are older is no longer said (s).

@@ -8,7 +8,7 @@ use vision_models::{
 };
 
 use super::pose_source::{Frame, PoseSource};
-use crate::{Error, Watch, networks::open_weights};
+use crate::{error::Error, networks::checkpoint::open_weights, watch::Watch};
 
 /// Rows of the images that OpenPose sees; columns follow.
 const ROWS: f64 = 368.0;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use vision_models::{Camera, DepthImage, ImageBody, PersonBox, file::read_bytes, is_hidden};
 
-use crate::{Error, frames::FrameEntry};
+use crate::{error::Error, frames::format::FrameEntry};
 
 /// The largest skeleton file that is read (bytes).
 const LARGEST: u64 = 16 << 20;

@@ -2,7 +2,7 @@
 
 use vision_models::{DepthImage, ImageBody, LiftingSettings};
 
-use crate::Error;
+use crate::error::Error;
 
 /// People and joints in the images so far, and the depths there.
 #[derive(Clone, Debug, Default)]

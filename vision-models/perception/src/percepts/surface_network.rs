@@ -8,10 +8,11 @@ use vision_models::{
 };
 
 use crate::{
-    Error, Watch,
+    error::Error,
     learning::backbone::ImageBackbone,
     networks::classifier::load_resnet,
     surface::{features::PREPROCESSING, model::SurfaceModel},
+    watch::Watch,
 };
 
 /// Which part of a trained model decides.

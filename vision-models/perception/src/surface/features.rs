@@ -8,7 +8,7 @@ use vision_models::{
 };
 
 use crate::{
-    Error, Event, Watch,
+    error::Error,
     file::make_folder,
     learning::{
         backbone::{ImageBackbone, Weights, WeightsIdentity},
@@ -16,6 +16,7 @@ use crate::{
         digest::Digest,
     },
     networks::folders::{LabelledImage, Unreadable},
+    watch::{Event, Watch},
 };
 
 /// What the paper does to the images: 255 × 255, the middle 224 × 224.
@@ -168,4 +169,9 @@ impl FeatureSource {
 fn read(path: &Path) -> Result<Vec<u8>, VisionError> {
     let refuse = |reason: String| VisionError::File { path: path.display().to_string(), reason };
     read_bytes(path, MOST).map_err(|error| refuse(error.to_string()))
+}
+
+/// CLASS/FILE, by which a model knows an image.
+pub fn path_within(folder: &Path, path: &Path) -> String {
+    path.strip_prefix(folder).unwrap_or(path).display().to_string()
 }

@@ -5,16 +5,26 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use ndarray::ArrayView1;
 use serde::{Deserialize, Serialize};
 use vision_models::{LinearHead, LinearSvm, ResNetDepth, Tensors};
 
-use super::features::{FeatureSource, Features, name_of};
+use super::features::{FeatureSource, Features, PREPROCESSING, name_of, path_within};
 use crate::{
-    Error, Watch,
+    error::Error,
     file::{make_folder, write_whole},
-    learning::{backbone::WeightsIdentity, description, evaluation::Evaluation, split::Part},
-    networks::names::depth_of,
+    learning::{
+        backbone::{ImageBackbone, WeightsIdentity},
+        description,
+        evaluation::Evaluation,
+        split::Part,
+    },
+    networks::{
+        classifier::Classifier,
+        decider::Decider,
+        folders::{LabelledImage, list_classes, list_images},
+        names::depth_of,
+    },
+    watch::Watch,
 };
 
 /// The name of the file that describes the model.
@@ -65,15 +75,6 @@ struct NetworkDescription {
     weights: WeightsIdentity,
 }
 
-/// One of the paper's ways to decide.
-#[derive(Clone, Copy, Debug)]
-pub enum Decider<'a> {
-    /// The network with a new last layer.
-    Head(&'a LinearHead),
-    /// A support vector machine over its features.
-    Svm(&'a LinearSvm),
-}
-
 impl SurfaceModel {
     /// Writes it into a folder, the description last.
     ///
@@ -106,6 +107,11 @@ impl SurfaceModel {
             training: of(Part::Training),
         };
         description::write(&folder.join(FILE), &described)
+    }
+
+    /// Whether there is one in a folder.
+    pub fn is_in(folder: &Path) -> bool {
+        folder.join(FILE).exists()
     }
 
     /// Reads one.
@@ -149,6 +155,36 @@ impl SurfaceModel {
         Ok(Self { classes, parts, networks })
     }
 
+    /// The images of a folder with a folder for each of the model's classes; of those in a part of the training's
+    /// split, if one is asked for.
+    ///
+    /// # Errors
+    /// With the folder or the class that does not fit; no image in the part.
+    pub fn images_of(
+        &self,
+        folder: &Path,
+        part: Option<Part>,
+        watch: &mut Watch<'_>,
+    ) -> Result<Vec<LabelledImage>, Error> {
+        let refuse = |found: String| Error::unfit(folder.display(), found, "");
+        let (classes, own) = (list_classes(folder, watch)?, self.classes.join(", "));
+        if let Some(class) = classes.iter().find(|class| !self.classes.contains(class)) {
+            let found =
+                format!("the folder \"{class}\" is no class of the model, whose classes are {own}");
+            return Err(refuse(found));
+        }
+        if let Some(class) = self.classes.iter().find(|class| !classes.contains(class)) {
+            return Err(refuse(format!(
+                "there is no folder for the class \"{class}\" of the model"
+            )));
+        }
+        let mut images = list_images(folder, &self.classes, watch)?;
+        if let Some(part) = part {
+            images.retain(|image| self.parts.get(&path_within(folder, &image.path)) == Some(&part));
+        }
+        Ok(images)
+    }
+
     /// The networks for the features, with the weights that the model was trained with: `weights` has the checkpoint
     /// of each depth.
     ///
@@ -173,10 +209,26 @@ impl SurfaceModel {
 
 impl OverNetwork {
     /// The paper's two ways to decide, by name.
-    pub fn deciders(&self) -> [(String, Decider<'_>); 2] {
+    pub fn deciders(&self) -> [(String, Decider); 2] {
         let name = name_of(self.depth);
         let svm = format!("{name}+svm");
-        [(name, Decider::Head(&self.head)), (svm, Decider::Svm(&self.svm))]
+        [(name, Decider::Head(self.head.clone())), (svm, Decider::Svm(self.svm.clone()))]
+    }
+
+    /// The network itself with both ways to decide, for image files.
+    ///
+    /// # Errors
+    /// If the checkpoint is missing, another one, or cannot be read.
+    pub fn classifier(
+        &self,
+        weights: Option<PathBuf>,
+        threads: usize,
+        watch: &mut Watch<'_>,
+    ) -> Result<Classifier, Error> {
+        let weights = self.weights.weights(weights, watch)?;
+        let network = ImageBackbone::new(weights, self.depth, PREPROCESSING.crop, threads);
+        let deciders = self.deciders().map(|(_, decider)| decider).into();
+        Ok(Classifier::new(PREPROCESSING, network.load(watch)?, deciders))
     }
 }
 
@@ -185,7 +237,7 @@ impl Features {
     ///
     /// # Errors
     /// As of [`Decider::scores`].
-    pub fn scores(&self, decider: Decider<'_>) -> Result<Vec<Vec<f32>>, Error> {
+    pub fn scores(&self, decider: &Decider) -> Result<Vec<Vec<f32>>, Error> {
         self.rows.outer_iter().map(|row| decider.scores(row)).collect()
     }
 
@@ -196,25 +248,5 @@ impl Features {
     pub fn evaluate(&self, classes: usize, scores: &[Vec<f32>]) -> Result<Evaluation, Error> {
         let scores = scores.iter().map(Vec::as_slice);
         Evaluation::of(classes, self.labels.iter().copied().zip(scores))
-    }
-}
-
-impl Decider<'_> {
-    /// One score a class; the highest decides.
-    ///
-    /// # Errors
-    /// For another number of features than in training.
-    #[allow(clippy::needless_pass_by_value)] // views go by value, as everywhere in ndarray
-    pub fn scores(self, features: ArrayView1<'_, f32>) -> Result<Vec<f32>, Error> {
-        match self {
-            Self::Head(head) => Ok(head.scores(features)?.to_vec()),
-            Self::Svm(svm) => {
-                #[expect(clippy::cast_possible_truncation, reason = "the scores of a network, too")]
-                let scores: Vec<f32> =
-                    svm.decide(features)?.iter().map(|score| *score as f32).collect();
-                // One plane between two classes; its positive side is the second's.
-                Ok(if let [score] = scores[..] { vec![-score, score] } else { scores })
-            }
-        }
     }
 }

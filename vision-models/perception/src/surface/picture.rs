@@ -1,14 +1,32 @@
 //! Pictures of plates with and without holes, for trying classifiers on.
 
+use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use rand::Rng;
 use vision_models::Surface;
+
+use crate::{error::Error, random::generator};
+
+/// A picture of a surface at random as a PNG file, square with this side (pixels); the same seed and stream give the
+/// same.
+///
+/// # Errors
+/// What the encoder says.
+pub fn picture(surface: Surface, side: u16, seed: u64, stream: u64) -> Result<Vec<u8>, Error> {
+    let mut random = generator(seed, stream);
+    let pixels = Scene::random(surface, &mut random).draw(side.into(), &mut random);
+    let (mut png, side) = (Vec::new(), u32::from(side));
+    PngEncoder::new(&mut png)
+        .write_image(&pixels, side, side, ExtendedColorType::Rgb8)
+        .map_err(|error| Error::unfit("a picture", error, ""))?;
+    Ok(png)
+}
 
 /// Samples a pixel along each axis, so that edges are smooth.
 const SAMPLES: usize = 2;
 
 /// A plate in front of something, from where a camera may see it.
 #[derive(Debug)]
-pub struct Scene {
+struct Scene {
     surface: Surface,
     /// Cosine and sine of the plate's turn in the image.
     turn: [f64; 2],
@@ -44,7 +62,7 @@ struct Background {
 
 impl Scene {
     /// A scene at random: light, pose, background and blur.
-    pub fn random(surface: Surface, random: &mut impl Rng) -> Self {
+    fn random(surface: Surface, random: &mut impl Rng) -> Self {
         let turn: f64 = random.random_range(0.0..std::f64::consts::TAU);
         let light: f64 = random.random_range(0.0..std::f64::consts::TAU);
         let fall_off: f64 = random.random_range(0.0..0.5);
@@ -74,7 +92,7 @@ impl Scene {
     }
 
     /// Draws it: red, green, blue, row after row, of a square image.
-    pub fn draw(&self, side: usize, random: &mut impl Rng) -> Vec<u8> {
+    fn draw(&self, side: usize, random: &mut impl Rng) -> Vec<u8> {
         let mut pixels = vec![[0.0; 3]; side * side];
         for (place, pixel) in pixels.iter_mut().enumerate() {
             let (row, column) = (place / side, place % side);

@@ -1,4 +1,4 @@
-//! The program that classifies images.
+//! Networks over images.
 
 use std::fs;
 
@@ -10,8 +10,8 @@ use crate::support::{Runs, png_that_claims, resnet18, save_picture};
 const NAMES: &str = "Cardigan\nbeach\ncardigan\ndrill\nhammer\nlamp\nsaw\n";
 
 /// The program with the small network.
-fn classify() -> Runs {
-    Runs::new("classify").with(&["--weights", resnet18(), "--depth=18"])
+fn infer() -> Runs {
+    Runs::new("infer").with(&["--weights", resnet18()])
 }
 
 #[test]
@@ -21,7 +21,7 @@ fn prints_the_most_probable_classes_as_the_network_scores_them() {
     let names = folder.path().join("names.txt");
     fs::write(&names, format!("\u{feff}{NAMES}")).unwrap();
 
-    let ran = classify().with(&[&image, "--json", "--names", names.to_str().unwrap()]).run().done();
+    let ran = infer().with(&[&image, "--json", "--names", names.to_str().unwrap()]).run().done();
     let json = ran.json();
     assert_eq!((&json["partial"], &json["unreadable"]), (&false.into(), &0.into()));
     let classes = json["images"][0]["classes"].as_array().unwrap();
@@ -57,7 +57,7 @@ fn an_unreadable_image_among_others_fails_the_run_but_not_the_others() {
     let path = |name: &str| folder.path().join(name);
     let (one, two) = (save_picture(&path("1.png"), 30, 1), save_picture(&path("2.png"), 60, 2));
     let none = path("none.png").to_str().unwrap().to_owned();
-    let ran = classify().with(&[&one, &none, &two, "--json"]).run();
+    let ran = infer().with(&[&one, &none, &two, "--json"]).run();
     assert_eq!(ran.code(), Some(1), "{ran:?}");
     assert!(ran.errors.contains(&format!("left out: {none}: No such file")), "{ran:?}");
     let images: Vec<Value> =
@@ -71,9 +71,8 @@ fn a_small_file_with_a_large_claim_is_refused_in_little_memory() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("huge.png");
     fs::write(&path, png_that_claims(16_384, 16_384)).unwrap();
-    let ran = Runs::within("classify", 512)
-        .with(&["--weights", resnet18(), "--depth=18", path.to_str().unwrap()])
-        .run();
+    let ran =
+        Runs::within("infer", 512).with(&["--weights", resnet18(), path.to_str().unwrap()]).run();
     let says =
         "huge.png: no JPEG or PNG image that can be read: 16384 × 16384 pixels take 1024 MiB";
     ran.failed(1, says);
@@ -81,10 +80,11 @@ fn a_small_file_with_a_large_claim_is_refused_in_little_memory() {
 
 #[test]
 fn a_wrong_depth_is_told_in_one_line() {
-    let wrong = Runs::new("classify").with(&["--weights", resnet18(), "none.png"]).run();
+    let wrong = ["--weights", resnet18(), "--model=resnet50", "none.png"];
+    let wrong = Runs::new("infer").with(&wrong).run();
     assert_eq!(
         wrong.errors,
-        format!("error: {}: this is a ResNet-18: try --depth 18\n", resnet18())
+        format!("error: {}: this is a ResNet-18: try --model resnet18\n", resnet18())
     );
     wrong.failed(1, "");
 }
@@ -99,14 +99,14 @@ fn threads_are_from_1_to_1024() {
         ("18446744073709551615", "'18446744073709551615' for '--threads"),
     ] {
         let threads = format!("--threads={threads}");
-        classify().with(&["none.png", &threads]).run().failed(2, says);
+        infer().with(&["none.png", &threads]).run().failed(2, says);
     }
 }
 
 /// The weights are not there, either: what is written is looked at before what is read.
 #[test]
 fn outputs_are_checked_before_the_work() {
-    let none = || Runs::new("classify").with(&["--weights=/nope/weights.pth"]);
+    let none = || Runs::new("infer").with(&["--weights=/nope/weights.pth"]);
     let says = "cannot write /nope/out.txt: there is no folder /nope";
     none().with(&["a.png", "--output=/nope/out.txt"]).run().failed(1, says);
 }
@@ -116,7 +116,7 @@ fn results_go_to_a_file_if_asked() {
     let folder = tempfile::tempdir().unwrap();
     let image = save_picture(&folder.path().join("a.png"), 90, 1);
     let out = folder.path().join("out.txt");
-    let ran = classify().with(&[&image, "--json", "-o", out.to_str().unwrap()]).run().done();
+    let ran = infer().with(&[&image, "--json", "-o", out.to_str().unwrap()]).run().done();
     let (whole, alone) = (ran.json(), ran.output.lines().count());
     assert_eq!((alone, whole["images"][0]["image"].as_str()), (1, Some(image.as_str())));
     let text = fs::read_to_string(out).unwrap();
@@ -129,7 +129,7 @@ fn an_interrupt_keeps_the_images_so_far() {
     let image = save_picture(&folder.path().join("a.png"), 90, 1);
     let out = folder.path().join("out.txt");
     let many = vec![image.as_str(); 20_000];
-    let ran = classify()
+    let ran = infer()
         .with(&many)
         .with(&["--json", "-o", out.to_str().unwrap()])
         .interrupt_at("images: ", "INT");
@@ -150,10 +150,10 @@ fn names_that_do_not_fit_are_refused() {
     fs::write(path("clash.txt"), "Walking\nrun\n\nwalk\nWalk_ing\n").unwrap();
     let clash = "clash.txt: label file, lines 1 and 5: \"Walking\" and \"Walk_ing\" are one name";
     let none = ["a.png", "--weights=/nope/weights.pth", "--names", &path("clash.txt")];
-    Runs::new("classify").with(&none).run().failed(1, clash);
+    Runs::new("infer").with(&none).run().failed(1, clash);
     fs::write(path("two.txt"), "a\nb\n").unwrap();
     let says = "two.txt has 2 names, but the network has 7 classes";
-    classify().with(&["a.png", "--names", &path("two.txt")]).run().failed(1, says);
+    infer().with(&["a.png", "--names", &path("two.txt")]).run().failed(1, says);
 }
 
 #[test]
@@ -161,6 +161,6 @@ fn a_strict_program_ends_at_the_first_unreadable_image() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     fs::write(path("broken.png"), "no image").unwrap();
-    let strict = classify().with(&[&path("broken.png"), "--strict"]).run();
+    let strict = infer().with(&[&path("broken.png"), "--strict"]).run();
     strict.failed(1, "broken.png: no JPEG or PNG image");
 }

@@ -1,4 +1,4 @@
-//! The program that recognises actions.
+//! Networks over folders of frames.
 
 use std::fs;
 
@@ -26,18 +26,18 @@ impl Video {
     }
 
     /// The program with the small network and clips of two frames.
-    fn recognise(&self) -> Runs {
+    fn infer(&self) -> Runs {
         let folder = self.path("");
         let options =
             [&folder, "--weights", slow_only_r18(), "--model=slowonly_r18_mm", "--length=2"];
-        Runs::new("recognise").with(&options)
+        Runs::new("infer").with(&options)
     }
 }
 
 #[test]
 fn averages_the_probabilities_of_all_clips() {
     let video = Video::new(12);
-    let ran = video.recognise().with(&["--clips=2", "--interval=2", "--json"]).run().done();
+    let ran = video.infer().with(&["--clips=2", "--interval=2", "--json"]).run().done();
     let json = ran.json();
     assert_eq!((&json["clips"], &json["views"]), (&2.into(), &2.into()));
 
@@ -77,21 +77,27 @@ fn another_network_is_named_with_the_option_that_takes_it() {
     let (folder, slow_only) = (video.path(""), slow_only_r18());
     for (weights, says) in [
         (slow_only, "this is a SlowOnly-R18 of mmaction2: try --model slowonly_r18_mm"),
-        (resnet18(), "this is a ResNet-18: try classify --depth 18"),
+        (resnet18(), "this is a ResNet-18: try --model resnet18"),
     ] {
-        let ran = Runs::new("recognise").with(&[&folder, "--weights", weights]).run();
-        let ran = ran.failed(1, says);
+        let options = [&folder, "--weights", weights, "--model=slowonly_mm"];
+        let ran = Runs::new("infer").with(&options).run().failed(1, says);
         assert_eq!(ran.errors, format!("error: {weights}: {says}\n"));
     }
-    let classify = Runs::new("classify").with(&["a.png", "--weights", slow_only]).run();
-    classify
-        .failed(1, "this is a SlowOnly-R18 of mmaction2: try recognise --model slowonly_r18_mm");
+    // Without a name the checkpoint says what it is; what it takes is told.
+    let image = Runs::new("infer").with(&["a.png", "--weights", slow_only]).run();
+    image.failed(1, "a.png: a SlowOnly-R18 of mmaction2 takes a folder of JPEG or PNG files");
+    let clip = Runs::new("infer").with(&[&folder, "--weights", resnet18()]).run();
+    clip.failed(1, "a ResNet-18 takes images: give JPEG or PNG files");
+    let both = Runs::new("infer").with(&["a.png", &folder, "--weights", slow_only]).run();
+    both.failed(1, "give images, or one folder of frames, or one array");
 }
 
 #[test]
 fn wrong_options_and_frames_are_told_in_the_program_s_words() {
     let video = Video::new(3);
-    let none = |folder: &str| Runs::new("recognise").with(&[folder, "--weights=/nope/w.pth"]);
+    let none = |folder: &str| {
+        Runs::new("infer").with(&[folder, "--model=slowonly_mm", "--weights=/nope/w.pth"])
+    };
     let folder = video.path("");
     none(&folder).with(&["--length=0"]).run().failed(1, "--length 0: give from 1 to 1,024");
     none(&folder).with(&["--clips=9999"]).run().failed(1, "--clips 9999: give from 1 to 1,024");
@@ -102,21 +108,21 @@ fn wrong_options_and_frames_are_told_in_the_program_s_words() {
     none("/nope").run().failed(1, "/nope: No such file");
 
     fs::write(video.path("names.txt"), "a\nb\n").unwrap();
-    let names = video.recognise().with(&["--names", &video.path("names.txt")]).run();
+    let names = video.infer().with(&["--names", &video.path("names.txt")]).run();
     names.failed(1, "names.txt has 2 names, but the network has 30 classes");
     fs::write(video.path("f1.png"), png_that_claims(16_384, 16_384)).unwrap();
-    video.recognise().with(&["--interval=1"]).run().failed(1, "f1.png: no JPEG or PNG image");
+    video.infer().with(&["--interval=1"]).run().failed(1, "f1.png: no JPEG or PNG image");
     image::RgbImage::new(9, 9).save(video.path("f1.png")).unwrap();
     let says = "f1.png: 9 × 9 pixels, but the clip's first frame has 30 × 40";
-    video.recognise().with(&["--interval=1"]).run().failed(1, says);
+    video.infer().with(&["--interval=1"]).run().failed(1, says);
 }
 
 #[test]
 fn an_interrupt_gives_the_mean_of_the_clips_so_far() {
     let video = Video::new(4);
     let out = video.path("out.txt");
-    let recognise = video.recognise().with(&["--clips=1000", "--json", "-o", &out]);
-    let ran = recognise.interrupt_at("clips: ", "INT");
+    let infer = video.infer().with(&["--clips=1000", "--json", "-o", &out]);
+    let ran = infer.interrupt_at("clips: ", "INT");
     assert_eq!(ran.code(), Some(130), "{ran:?}");
     let json = ran.json();
     let seen = json["clips"].as_u64().unwrap();

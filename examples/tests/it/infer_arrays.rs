@@ -1,4 +1,4 @@
-//! The program that runs a network on an array.
+//! Networks over arrays.
 
 use std::fs;
 
@@ -36,7 +36,7 @@ impl Arrays {
 
     fn on(&self, program: Runs, input: &str) -> Runs {
         let (input, output) = (self.path(input), self.path("out.npy"));
-        let files = ["--weights", resnet18(), "--input", &input, "--output", &output];
+        let files = ["--weights", resnet18(), &input, "--output", &output];
         program.with(&["--model=resnet18"]).with(&files)
     }
 }
@@ -130,7 +130,7 @@ fn arrays_of_the_other_byte_order_and_of_pipes_are_read() {
     assert_eq!(read_npy::<_, ArrayD<f32>>(arrays.path("out.npy")).unwrap(), expected);
 
     let script = format!(
-        "cat {} | {} --model=resnet18 --weights {} --input /dev/stdin --output {}",
+        "cat {} | {} --model=resnet18 --weights {} /dev/stdin --output {}",
         arrays.path("big.npy"),
         env!("CARGO_BIN_EXE_infer"),
         resnet18(),
@@ -144,7 +144,7 @@ fn arrays_of_the_other_byte_order_and_of_pipes_are_read() {
 #[test]
 fn outputs_are_checked_before_the_work() {
     let infer = Runs::new("infer").with(&["--model=resnet18", "--weights=/nope/w.pth"]);
-    let infer = infer.with(&["--input=/nope/in.npy", "--output=/nope/out.npy"]);
+    let infer = infer.with(&["/nope/in.npy", "--output=/nope/out.npy"]);
     infer.run().failed(1, "cannot write /nope/out.npy: there is no folder /nope");
 }
 
@@ -174,7 +174,7 @@ fn a_wrong_network_or_array_is_told_in_one_line() {
     ] {
         let model = format!("--model={model}");
         let infer = Runs::new("infer").with(&[&model, "--weights", weights]);
-        let ran = infer.with(&["--input", input, "--output", &output]).run().failed(1, says);
+        let ran = infer.with(&[input, "--output", &output]).run().failed(1, says);
         assert_eq!(ran.errors.lines().count(), 1, "{ran:?}");
     }
     assert!(!fs::exists(output).unwrap());
@@ -188,7 +188,7 @@ fn threads_and_repetitions_are_checked() {
         ("--repeat=0", "--repeat"),
         ("--model=resnet19", "resnet18"),
     ] {
-        let infer = Runs::new("infer").with(&["--weights=w", "--input=i", "--output=o", option]);
+        let infer = Runs::new("infer").with(&["--weights=w", "i", "--output=o", option]);
         let infer =
             if option.starts_with("--model") { infer } else { infer.with(&["--model=resnet18"]) };
         infer.run().failed(2, says);

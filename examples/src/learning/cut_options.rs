@@ -1,0 +1,60 @@
+//! Options of cutting data sets out of films.
+
+use std::{io::Write, path::PathBuf};
+
+use anyhow::Result;
+use clap::Args;
+use human_perception::{
+    frames::truth::TrueFilm,
+    learning::cutting::{Sample, cut},
+};
+
+use crate::program::{Ending, Json, Quiet, Session, check_folder};
+
+/// From which frames, and where to.
+#[derive(Args, Clone, Debug)]
+pub struct CutOptions {
+    /// Folders of frames with their truth, as `record --frames` writes them.
+    #[arg(required = true)]
+    frames: Vec<PathBuf>,
+    /// The folder for the data set, which gets a folder for each class. Its files are links to those of the frames,
+    /// or copies where the system has no links.
+    #[arg(long, short, value_name = "FOLDER")]
+    output: PathBuf,
+    #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
+    quiet: Quiet,
+}
+
+impl CutOptions {
+    /// The option `--quiet`.
+    pub fn quiet(&self) -> Quiet {
+        self.quiet
+    }
+
+    /// Makes the data set of the samples, `what`, of each film.
+    ///
+    /// # Errors
+    /// With the folder that is not empty, the frame or the truth that is wrong; no samples.
+    pub fn run(
+        self,
+        session: &mut Session,
+        what: &str,
+        samples_of: impl Fn(&TrueFilm) -> Vec<Sample>,
+    ) -> Result<Ending> {
+        check_folder(&self.output)?;
+        let (made, all) = cut(&self.frames, &self.output, what, samples_of, &mut session.watch())?;
+        let (samples, classes) = (made.samples, made.classes.len());
+        let ending = if samples < all { Ending::Partial } else { Ending::Complete };
+        if ending == Ending::Partial {
+            session.warn(format_args!("interrupted after {samples} of {all} {what}"));
+        }
+        for (class, count) in &made.classes {
+            writeln!(session.output(), "{count:7}  {class}")?;
+        }
+        let shown = made.output.display();
+        writeln!(session.output(), "{samples} {what} of {classes} classes in {shown}")?;
+        session.conclude(self.json, &made, ending)
+    }
+}

@@ -1,0 +1,46 @@
+//! Clips by class, of frames whose truth is known.
+
+use std::path::PathBuf;
+
+use crate::{frames::truth::TrueFilm, learning::cutting::Sample};
+
+/// Which clips are cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ClipCut {
+    /// Frames of a clip.
+    pub length: usize,
+    /// Frames from the beginning of a clip to that of the next.
+    pub every: usize,
+    /// For how many frames at its end the person has been doing what a clip is of.
+    pub settled: usize,
+}
+
+impl ClipCut {
+    /// The clips of a film. A clip is of the action of its last frame, as a recogniser that looks back from the newest
+    /// frame is to say it. No clip goes over frames that the camera lost.
+    pub fn clips_of(self, film: &TrueFilm) -> Vec<Sample> {
+        let Self { length, every, settled } = self;
+        let mut clips = Vec::new();
+        for frames in film.frames.windows(length.max(1)).step_by(every.max(1)) {
+            let (Some((first, _)), Some((last, truth))) = (frames.first(), frames.last()) else {
+                continue;
+            };
+            let action = truth.action.map(|seen| seen.action);
+            let whole = last.frame - first.frame + 1 == frames.len() as u64;
+            let mut at_end = frames.iter().rev().take(settled);
+            let same = at_end.all(|(_, truth)| truth.action.map(|seen| seen.action) == action);
+            if let Some(action) = action.filter(|_| whole && same) {
+                let clip = PathBuf::from(format!("{}-{:06}", film.name, first.frame));
+                let file = |(place, (entry, _)): (usize, &(_, _))| {
+                    let from = film.reader().colour(entry);
+                    let extension = from.extension().unwrap_or_default().to_string_lossy();
+                    let to = clip.join(format!("{place:05}.{extension}"));
+                    (from, to)
+                };
+                let files = frames.iter().enumerate().map(file).collect();
+                clips.push(Sample { class: action.name().to_owned(), files });
+            }
+        }
+        clips
+    }
+}

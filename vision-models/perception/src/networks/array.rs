@@ -1,0 +1,110 @@
+//! Networks over arrays of normalised images or clips.
+
+use std::path::Path;
+
+use ndarray::{Array, Array4, Array5, ArrayD, ArrayViewD, Dimension};
+use vision_models::{
+    NetworkKind, Options, Passes, ResNet, Scores, SimpleBaseline, SlowFast, SlowOnly,
+};
+
+use super::checkpoint::open_weights;
+use crate::{error::Error, npy::read_array, watch::Watch};
+
+/// A loaded network with its input: N × 3 × H × W for images, N × 3 × T × H × W for clips.
+#[derive(Debug)]
+pub enum ArrayNetwork {
+    /// Classes of images.
+    Images(ResNet, Array4<f32>),
+    /// Classes of clips.
+    Clips(SlowOnly, Array5<f32>),
+    /// Classes of clips, at two speeds.
+    TwoSpeeds(SlowFast, Array5<f32>),
+    /// Maps of joints in images.
+    Joints(Box<SimpleBaseline>, Array4<f32>),
+}
+
+impl ArrayNetwork {
+    /// Reads the array from a `.npy` file, and loads the network for its size.
+    ///
+    /// # Errors
+    /// With the file that cannot be used; an array of another number of axes than the network takes.
+    pub fn load(
+        kind: NetworkKind,
+        weights: &Path,
+        input: &Path,
+        threads: usize,
+        watch: &mut Watch<'_>,
+    ) -> Result<Self, Error> {
+        let options = Options { threads, ..Options::default() };
+        let array = read_array(input)?;
+        let tensors = open_weights(weights, watch)?;
+        let refuse = Error::weights(weights);
+        let images = |array| of_dimension(array, input, "images are N × 3 × H × W");
+        if let NetworkKind::ResNet(form) = kind {
+            let images: Array4<f32> = images(array)?;
+            let (_, _, height, width) = images.dim();
+            let network = ResNet::load(form, tensors, [height, width], options);
+            return Ok(Self::Images(network.map_err(refuse)?, images));
+        }
+        if let NetworkKind::SimpleBaseline(_) = kind {
+            let images: Array4<f32> = images(array)?;
+            let network = SimpleBaseline::load(tensors, Passes::One, options);
+            return Ok(Self::Joints(Box::new(network.map_err(refuse)?), images));
+        }
+        let clips: Array5<f32> = of_dimension(array, input, "clips are N × 3 × T × H × W")?;
+        let (_, _, frames, height, width) = clips.dim();
+        let size = [frames, height, width];
+        match kind {
+            NetworkKind::SlowOnly(form) => {
+                let network = SlowOnly::load(form, tensors, size, options);
+                Ok(Self::Clips(network.map_err(refuse)?, clips))
+            }
+            NetworkKind::SlowFast(form) => {
+                let network = SlowFast::load(form, tensors, size, options);
+                Ok(Self::TwoSpeeds(network.map_err(refuse)?, clips))
+            }
+            _ => Err(Error::unfit(
+                weights.display(),
+                format!("{kind} does not run on one array"),
+                "",
+            )),
+        }
+    }
+
+    /// Runs it: logits, features of the average pool, or maps.
+    ///
+    /// # Errors
+    /// [`Error::Vision`], as of the network.
+    pub fn run(&mut self, features: bool) -> Result<ArrayViewD<'_, f32>, Error> {
+        let Scores { logits, features: pooled } = match self {
+            Self::Images(network, images) => network.infer(images.view())?,
+            Self::Clips(network, clips) => network.infer(clips.view())?,
+            Self::TwoSpeeds(network, clips) => network.infer(clips.view())?,
+            Self::Joints(network, images) => {
+                return Ok(network.heatmaps(images.view())?.into_dyn());
+            }
+        };
+        Ok(if features { pooled } else { logits }.into_dyn())
+    }
+
+    /// Multiplications and additions for the whole batch.
+    pub fn operations(&self) -> f64 {
+        let (batch, operations) = match self {
+            Self::Images(network, images) => (images.dim().0, network.operations()),
+            Self::Clips(network, clips) => (clips.dim().0, network.operations()),
+            Self::TwoSpeeds(network, clips) => (clips.dim().0, network.operations()),
+            Self::Joints(network, images) => (images.dim().0, network.operations()),
+        };
+        batch as f64 * operations as f64
+    }
+}
+
+/// The input with the number of axes that the network takes.
+fn of_dimension<D: Dimension>(
+    array: ArrayD<f32>,
+    input: &Path,
+    expected: &str,
+) -> Result<Array<f32, D>, Error> {
+    let found = format!("an array of shape {:?}, but {expected}", array.shape());
+    array.into_dimensionality().map_err(|_| Error::unfit(input.display(), found, ""))
+}
