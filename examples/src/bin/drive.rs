@@ -33,6 +33,7 @@ use moca_model::whole_body::{
     RobotSide, Scheduling, StopCause,
 };
 use moca_model::{AnswerDelay, CameraFrame, Controller, LoopController, TorqueController};
+use moca_simulation::plant::RobotNoise;
 use moca_simulation::run::Scenario;
 use percept_recording::{self, IfPartial, Recording};
 use serde::Serialize;
@@ -186,7 +187,7 @@ impl Program for Options {
         let period = scenario.settings.period;
         if let Some(address) = &self.serve {
             let address = address.as_ref().context("--serve: give an address, HOST:PORT")?;
-            let robot = SimulatedSide::new(&scenario.start, period, SEED)?;
+            let robot = SimulatedSide::new(&scenario.start, period, RobotNoise::new(SEED))?;
             let mut server = UdpServer::bind(address, robot, &scenario.start, key.as_ref())
                 .with_context(|| format!("--serve {address}"))?;
             writeln!(session.output(), "a robot at {}; Ctrl-C ends it", server.address()?)?;
@@ -214,7 +215,7 @@ impl Program for Options {
             return session.conclude(self.json, &report, ended(session, cause));
         }
         let recorded = recorded(session, &scenario, clock);
-        let mut robot = SimulatedSide::new(&scenario.start, period, SEED)?;
+        let mut robot = SimulatedSide::new(&scenario.start, period, RobotNoise::new(SEED))?;
         let report = self.drive(session, &scenario, &mut robot, clock, recorded)?;
         writeln!(session.output(), "{report}")?;
         session.conclude(self.json, &report, ended(session, report.cause))
@@ -303,7 +304,7 @@ impl Options {
         if let Some(address) = &self.serve {
             ensure!(address.is_none(), "--ros2 --serve: give no address");
             let period = scenario.settings.period;
-            let robot = SimulatedSide::new(&scenario.start, period, SEED)?;
+            let robot = SimulatedSide::new(&scenario.start, period, RobotNoise::new(SEED))?;
             let mut server =
                 Ros2Server::join(RosDomain::of_environment()?, robot, &scenario.start)?;
             writeln!(session.output(), "a robot on ROS 2; Ctrl-C ends it")?;

@@ -7,6 +7,7 @@ use std::time::Duration;
 use moca_drivers::{Packet, PacketHead, PacketKind, SimulatedSide};
 use moca_model::MOCA_HOME;
 use moca_model::whole_body::{JointCommand, JointMeasurement, RobotSide};
+use moca_simulation::plant::RobotNoise;
 
 use crate::support::{Runs, coarse_map_file};
 
@@ -17,7 +18,7 @@ fn robot(silent: fn(u32) -> bool) -> (SocketAddr, JoinHandle<Vec<Vec<u8>>>) {
     socket.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
     let address = socket.local_addr().unwrap();
     let answering = thread::spawn(move || {
-        let mut robot = SimulatedSide::new(&MOCA_HOME, 1e-3, 1).unwrap();
+        let mut robot = SimulatedSide::new(&MOCA_HOME, 1e-3, RobotNoise::new(1)).unwrap();
         let mut measured = JointMeasurement::resting(MOCA_HOME.to_vec(), 10);
         let mut command = JointCommand::at_rest(&measured);
         let (mut packet, mut bytes, mut commands) = (Packet::new(10, None), [0; 1000], Vec::new());

@@ -14,6 +14,7 @@ use moca_model::whole_body::{
     ControlLaw, ControlLoop, JointCommand, JointMeasurement, LoopSettings, ManualClock,
     MonotonicClock, Received, RobotMode, RobotSide, StopCause,
 };
+use moca_simulation::plant::RobotNoise;
 
 use crate::support::{Runs, coarse_map_file};
 
@@ -155,7 +156,7 @@ fn errors_of_the_socket_are_lost_packets() {
 
 /// A robot at a port of its own, a thread that serves it, and what its controller sends by hand.
 fn with_server<T>(key: Option<&SharedKey>, use_it: impl FnOnce(SocketAddr) -> T) -> (T, UdpServer) {
-    let robot = SimulatedSide::new(&MOCA_HOME, 1e-3, 1).unwrap();
+    let robot = SimulatedSide::new(&MOCA_HOME, 1e-3, RobotNoise::new(1)).unwrap();
     let mut server = UdpServer::bind("127.0.0.1:0", robot, &MOCA_HOME, key).unwrap();
     let address = server.address().unwrap();
     let over = AtomicBool::new(false);
@@ -244,7 +245,7 @@ fn a_robots_side_refuses_what_its_limits_exclude() {
         (9, 0.0, -1e300),
     ];
     for (joint, velocity, torque) in beyond {
-        let mut robot = SimulatedSide::new(&MOCA_HOME, 1e-3, 1).unwrap();
+        let mut robot = SimulatedSide::new(&MOCA_HOME, 1e-3, RobotNoise::new(1)).unwrap();
         let mut measured = at_rest(10);
         robot.receive(&mut measured).unwrap();
         let mut told = command(&measured);

@@ -1,10 +1,13 @@
 //! The simulated robot in the process of the loop.
 
-use moca_model::whole_body::{JointCommand, JointMeasurement, Received, RobotSide, RobotStatus};
+use std::fmt;
+
+use moca_model::whole_body::{
+    JointCommand, JointMeasurement, RandomSource, Received, RobotSide, RobotStatus,
+};
 use moca_model::{DynamicRobot, DynamicRobotSettings, Error, MOCA_BASE_JOINTS, moca};
 
 use super::command_limits::{CommandLimits, CommandRefusal};
-use moca_simulation::plant::RobotNoise;
 
 /// A robot with all joints slower than this is at rest \[m/s or rad/s\].
 const REST: f64 = 0.01;
@@ -17,20 +20,43 @@ const REST: f64 = 0.01;
 pub struct SimulatedSide {
     robot: DynamicRobot,
     limits: CommandLimits,
-    noise: RobotNoise,
+    noise: Noise,
     period: f64,
     refused: u64,
 }
 
+/// Noise of the caller's choice.
+struct Noise(Box<dyn RandomSource + Send>);
+
+impl fmt::Debug for Noise {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Noise")
+    }
+}
+
+impl RandomSource for Noise {
+    fn normal(&mut self) -> f64 {
+        self.0.normal()
+    }
+
+    fn uniform(&mut self) -> f64 {
+        self.0.uniform()
+    }
+}
+
 impl SimulatedSide {
-    /// At rest at `start` \[m, rad\], with a control `period` \[s\] and noise of this seed.
+    /// At rest at `start` \[m, rad\], with a control `period` \[s\] and this noise.
     ///
     /// # Errors
     /// A start that is no configuration.
-    pub fn new(start: &[f64], period: f64, seed: u64) -> Result<Self, Error> {
+    pub fn new(
+        start: &[f64],
+        period: f64,
+        noise: impl RandomSource + Send + 'static,
+    ) -> Result<Self, Error> {
         let model = moca()?;
         let robot = DynamicRobot::new(&model, &DynamicRobotSettings::default(), start)?;
-        let (limits, noise) = (CommandLimits::new(&model), RobotNoise::new(seed));
+        let (limits, noise) = (CommandLimits::new(&model), Noise(Box::new(noise)));
         Ok(Self { robot, limits, noise, period, refused: 0 })
     }
 

@@ -11,6 +11,7 @@ use moca_model::whole_body::{
     ControlLaw, ControlLoop, JointCommand, JointMeasurement, LoopSettings, MonotonicClock,
     StopCause,
 };
+use moca_simulation::plant::RobotNoise;
 
 use crate::robot_side::at_rest;
 use crate::support::{Runs, coarse_map_file};
@@ -50,7 +51,7 @@ impl ControlLaw for Turn<'_> {
 fn a_loop_moves_a_robot_on_ros2() {
     // No other test is there.
     let domain = RosDomain::parse("77").unwrap();
-    let robot = SimulatedSide::new(&MOCA_HOME, 1e-3, 1).unwrap();
+    let robot = SimulatedSide::new(&MOCA_HOME, 1e-3, RobotNoise::new(1)).unwrap();
     let mut server = Ros2Server::join(domain, robot, &MOCA_HOME).unwrap();
     let over = AtomicBool::new(false);
     thread::scope(|scope| {

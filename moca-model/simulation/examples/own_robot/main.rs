@@ -6,11 +6,9 @@ use moca_replay::page::page;
 use moca_simulation::ergo_map::{ErgonomicsMap, MapOptions, Person};
 use moca_simulation::hrsw::Capsule;
 use moca_simulation::moca_model::nalgebra::Vector3;
-use moca_simulation::moca_model::whole_body::{
-    Description, LimitOverride, MissingAcceleration, Model,
-};
+use moca_simulation::moca_model::whole_body::{Description, LimitOverride, Model};
 use moca_simulation::moca_model::{
-    ControllerSettings, Goal, LinkCapsule, MecanumBase, PostureSettings, SafetySettings,
+    ControllerSettings, Goal, LinkCapsule, PostureSettings, SafetySettings,
 };
 use moca_simulation::people::{Walker, WalkerSettings};
 use moca_simulation::run::{Comparison, Run, Scenario};
@@ -30,9 +28,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (linear, angular) = (LimitOverride::of_speed(1.5, 0.6), LimitOverride::of_speed(2.0, 1.5));
     let description = Description::on_planar_base(linear, angular);
     let robot = Model::from_urdf(URDF, &description)?;
+    let body = |link: &str, capsule| LinkCapsule { link: link.to_owned(), capsule };
     let settings = ControllerSettings {
         tool: "tool".to_owned(),
-        base: Some(MecanumBase::default()),
         posture: PostureSettings {
             configuration: START.to_vec(),
             gain: vec![0.0; 7],
@@ -40,14 +38,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         },
         safety: SafetySettings {
             bodies: vec![
-                LinkCapsule {
-                    link: "base".to_owned(),
-                    capsule: Capsule::new(Vector3::zeros(), Vector3::z() * 0.1, 0.4)?,
-                },
-                LinkCapsule {
-                    link: "carriage".to_owned(),
-                    capsule: Capsule::new(Vector3::zeros(), Vector3::x() * 0.4, 0.06)?,
-                },
+                body("base", Capsule::new(Vector3::zeros(), Vector3::z() * 0.1, 0.4)?),
+                body("carriage", Capsule::new(Vector3::zeros(), Vector3::x() * 0.4, 0.06)?),
             ],
             own_pairs: Vec::new(),
             ..SafetySettings::default()
