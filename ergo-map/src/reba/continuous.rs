@@ -69,8 +69,7 @@ impl ContinuousReba {
     /// grow with the angle as well.
     ///
     /// # Errors
-    /// [`crate::Error::Value`] for an angle, [`crate::Error::Value`] for the load or the
-    /// mode's half width.
+    /// [`crate::Error::Value`] for an angle, the load or the mode's half width.
     pub fn of_posture(posture: &Posture, conditions: &Conditions, mode: Mode) -> Result<Self> {
         posture.validate()?;
         conditions.validate()?;
