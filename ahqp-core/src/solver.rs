@@ -121,8 +121,8 @@ impl Solver {
     /// Checks the data of a hierarchy without solving it.
     ///
     /// # Errors
-    /// The errors of [`Solver::solve`] for data that make no problem: [`Error::Datum`], [`Error::Datum`], [`Error::EmptyRange`],
-    /// [`Error::Hessian`].
+    /// The errors of [`Solver::solve`] for data that make no problem: [`Error::Datum`],
+    /// [`Error::EmptyRange`], [`Error::Hessian`].
     pub fn validate(hierarchy: &Hierarchy) -> Result<(), Error> {
         ProblemData::new(hierarchy).load(hierarchy).map_err(|error| hierarchy.named(error))
     }
@@ -147,8 +147,7 @@ impl Solver {
     /// Solves `hierarchy`, of the shape given at construction.
     ///
     /// # Errors
-    /// Data that make no problem ([`Error::Datum`], [`Error::Datum`],
-    /// [`Error::EmptyRange`], [`Error::Hessian`],
+    /// Data that make no problem ([`Error::Datum`], [`Error::EmptyRange`], [`Error::Hessian`],
     /// [`Error::ShapeChanged`]), or a problem that has no solution ([`Error::Infeasible`],
     /// [`Error::Unbounded`]), or one beyond double precision ([`Error::Overflow`]).
     pub fn solve(&mut self, hierarchy: &Hierarchy) -> Result<&Solution, Error> {

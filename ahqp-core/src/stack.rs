@@ -262,7 +262,7 @@ impl ContinuousStack {
     /// # Errors
     /// [`Error::Size`] when its rows do not cover the variables, [`Error::NoSuchLevel`] for a
     /// place next to a level that is gone, [`Error::Value`] for a duration that is negative
-    /// or not finite, [`Error::Value`]. Nothing has changed then.
+    /// or not finite, or too many changes under way. Nothing has changed then.
     pub fn insert(&mut self, level: Level, place: Place, duration: f64) -> Result<LevelId, Error> {
         let share = Ramp::new(0.0, 1.0, duration)?;
         self.settle();
@@ -283,7 +283,7 @@ impl ContinuousStack {
     ///
     /// # Errors
     /// [`Error::NoSuchLevel`] when it is gone already, [`Error::Value`] for a duration that
-    /// is negative or not finite, [`Error::Value`]. Nothing has changed then.
+    /// is negative or not finite, or too many changes under way. Nothing has changed then.
     pub fn remove(&mut self, id: LevelId, duration: f64) -> Result<(), Error> {
         self.move_activation(id, 0.0, duration, End::Removes)
     }
@@ -297,8 +297,8 @@ impl ContinuousStack {
     ///
     /// # Errors
     /// [`Error::NoSuchLevel`] when the level is gone, [`Error::Value`] for an activation
-    /// outside \[0, 1\] or a duration that is negative or not finite,
-    /// [`Error::Value`]. Nothing has changed then.
+    /// outside \[0, 1\], a duration that is negative or not finite, or too many changes under way. Nothing has
+    /// changed then.
     pub fn activate(&mut self, id: LevelId, activation: f64, duration: f64) -> Result<(), Error> {
         if !(0.0..=1.0).contains(&activation) {
             let expected = "from 0 to 1";
@@ -313,7 +313,7 @@ impl ContinuousStack {
     ///
     /// # Errors
     /// [`Error::NoSuchLevel`] when one is gone, [`Error::Value`] for a duration that is
-    /// negative or not finite, [`Error::Value`]. Nothing has changed then.
+    /// negative or not finite, or too many changes under way. Nothing has changed then.
     pub fn swap(&mut self, a: LevelId, b: LevelId, duration: f64) -> Result<(), Error> {
         let share = Ramp::new(0.0, 1.0, duration)?;
         self.settle();

@@ -173,7 +173,7 @@ impl Person {
     ///
     /// # Errors
     /// [`Error::Value`] for a length that no body of this stature has, and
-    /// [`Error::Value`] where ankle, knee, hip, shoulder and eye do not follow one another.
+    /// where ankle, knee, hip, shoulder and eye do not follow one another.
     pub fn with_segments(self, segments: &Segments) -> Result<Self> {
         let stature = self.stature;
         let ratio = |name, length: Option<f64>, average: f64| match length {

@@ -53,9 +53,9 @@ impl ErgonomicsQuadratic {
     /// The quadratic with these coefficients.
     ///
     /// # Errors
-    /// [`Error::Value`] for a coefficient, [`Error::Value`]
-    /// for the Hessian. Entry (i, j) is judged against √(Hᵢᵢ Hⱼⱼ), the largest that it can be in a convex
-    /// quadratic, so that the units of the axes do not matter: 1e-9 of it counts as rounding.
+    /// [`Error::Value`] for a coefficient that is not finite, and for a Hessian that is not symmetric or not
+    /// convex. Entry (i, j) is judged against √(Hᵢᵢ Hⱼⱼ), the largest that it can be in a convex quadratic, so
+    /// that the units of the axes do not matter: 1e-9 of it counts as rounding.
     pub fn new(hessian: Matrix3<f64>, gradient: Vector3<f64>, constant: f64) -> Result<Self> {
         // Far beyond any score, and squares stay finite.
         let most = [-1e100, 1e100];

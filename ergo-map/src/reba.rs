@@ -3,6 +3,7 @@
 mod conditions;
 mod continuous;
 mod curve;
+mod mode;
 mod score;
 mod smooth;
 mod table;
@@ -10,8 +11,7 @@ mod tables;
 mod worksheet;
 
 pub use conditions::{Conditions, Coupling, LegSupport};
-pub use continuous::{
-    ContinuousReba, Contributions, Mode, ergonomics_score, ergonomics_score_gradient,
-};
+pub use continuous::{ContinuousReba, Contributions, ergonomics_score, ergonomics_score_gradient};
+pub use mode::Mode;
 pub use score::{ActionLevel, Reba, RebaSubScores};
 pub use worksheet::Worksheet;

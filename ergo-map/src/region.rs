@@ -14,7 +14,7 @@ impl Region {
     /// The box between two corners.
     ///
     /// # Errors
-    /// [`Error::Value`] for a corner, [`Error::Value`] with the axis that is empty.
+    /// [`Error::Value`] for a corner that is not finite, or with the axis that is empty.
     pub fn new(min: Vector3<f64>, max: Vector3<f64>) -> Result<Self> {
         for (axis, (min, max)) in ['x', 'y', 'z'].into_iter().zip(min.iter().zip(max.iter())) {
             let (min, max) = (finite("region min", *min)?, finite("region max", *max)?);

@@ -73,7 +73,7 @@ impl Anchor {
     /// origin, then angular, in world axes.
     ///
     /// # Errors
-    /// [`Error::Value`], [`Error::Value`] for a negative age,
+    /// [`Error::Value`] for a pose that is none or a negative age,
     /// [`Error::OutOfOrder`] for a measurement older than the newest one; the frame then goes on as
     /// before.
     pub fn observe(

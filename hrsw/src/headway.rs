@@ -51,7 +51,7 @@ impl Headway {
     /// counts as standing. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Value`], or [`Error::Value`] for a period that is not positive; the headway then stays.
+    /// [`Error::Value`] for a speed that is not finite or a period that is not positive; the headway then stays.
     pub fn advance(&mut self, speed: f64, period: f64) -> Result<(), Error> {
         check_all("the speed of a person", [&speed].into_iter())?;
         positive("the period", period)?;

@@ -79,7 +79,7 @@ impl FrameFollower {
     /// A frame at rest at `pose`.
     ///
     /// # Errors
-    /// [`Error::Value`] for the pose, [`Error::Value`] for the settings.
+    /// [`Error::Value`] for the pose and the settings.
     pub fn new(pose: Isometry3<f64>, settings: FollowerSettings) -> Result<Self, Error> {
         check_pose(&pose)?;
         settings.validate()?;

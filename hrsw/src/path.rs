@@ -39,8 +39,7 @@ impl Path {
     /// takes its time where it only turns.
     ///
     /// # Errors
-    /// [`Error::Value`] for a waypoint; [`Error::Value`] for the
-    /// speed, or without a waypoint.
+    /// [`Error::Value`] for a waypoint, the speed, or without a waypoint.
     pub fn new(waypoints: &[Isometry3<f64>], speed: f64) -> Result<Self, Error> {
         positive("the speed along a path", speed)?;
         waypoints.iter().try_for_each(check_pose)?;

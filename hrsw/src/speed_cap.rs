@@ -103,8 +103,8 @@ impl SpeedCap {
     /// An infinite speed bounds nothing. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Size`] for what does not fit; [`Error::Value`] for a negative speed or NaN;
-    /// [`Error::Value`].
+    /// [`Error::Size`] for what does not fit; [`Error::Value`] for a negative speed
+    /// and for what is not finite.
     pub fn write(
         motion: &JointMotion<'_>,
         person: &Vector3<f64>,

@@ -41,8 +41,7 @@ impl Workspace {
     /// A workspace at rest.
     ///
     /// # Errors
-    /// [`Error::Value`] for the frame, [`Error::Value`] for
-    /// orientation bounds that come near half a turn.
+    /// [`Error::Value`] for the frame, and for orientation bounds that come near half a turn.
     pub fn new(
         world_from_workspace: Isometry3<f64>,
         position: impl Into<PositionShape>,

@@ -56,7 +56,7 @@ impl LinearHead {
     /// # Errors
     /// [`Error::Malformed`] if there are none or too many, labels are missing or out of range, a class
     /// has no sample, no name or another's, there are fewer than two classes, or the steps go to
-    /// infinity; [`Error::Value`] for one that is not finite; [`Error::Value`].
+    /// infinity; [`Error::Value`] for a feature that is not finite, and for a setting out of range.
     pub fn train(
         samples: ArrayView2<'_, f32>,
         labels: &[usize],

@@ -94,7 +94,7 @@ impl Preprocessing {
     ///
     /// # Errors
     /// [`Error::Size`] for a frame without pixels, with other than three channels or with a
-    /// side above 16,384, before or after the resize; [`Error::Size`]; [`Error::Value`]
+    /// side above 16,384, before or after the resize, or smaller than the crop; [`Error::Value`]
     /// for a size that is not from 1 to 16,384.
     pub fn image(&self, frame: ArrayView3<'_, u8>) -> Result<Array4<f32>, Error> {
         Ok(self.clip(&[frame])?.index_axis_move(Axis(2), 0))

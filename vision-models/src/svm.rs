@@ -57,8 +57,8 @@ impl LinearSvm {
     /// # Errors
     /// [`Error::Malformed`] if there are none or too many, labels are missing or out of range, a
     /// class has no sample, no name or another's, there are fewer than two classes, or not as many class
-    /// weights; [`Error::Value`] for one that
-    /// is not finite; [`Error::Value`].
+    /// weights; [`Error::Value`] for a feature that is not finite, and for a
+    /// setting out of range.
     pub fn train(
         samples: ArrayView2<'_, f32>,
         labels: &[usize],

@@ -81,8 +81,8 @@ impl Damping {
     /// throughout.
     ///
     /// # Errors
-    /// [`Error::Size`] for more rows than sized for; [`Error::Value`] for a row whose bounds
-    /// differ; [`Error::Value`] for rows that are not finite.
+    /// [`Error::Size`] for more rows than sized for; [`Error::Value`] for a row whose bounds differ or
+    /// that is not finite.
     pub fn apply(&mut self, rows: &mut Rows) -> Result<f64, Error> {
         let m = rows.len();
         if m > self.rows {

@@ -47,6 +47,9 @@ pub struct Hierarchy {
     variable_names: Vec<Arc<str>>,
 }
 
+/// Begins the message about a hierarchy without variables.
+const NO_VARIABLES: &str = "the hierarchy has no variables: their number";
+
 impl Hierarchy {
     /// An empty hierarchy over `variables` unbounded variables.
     ///
@@ -54,7 +57,7 @@ impl Hierarchy {
     /// [`Error::Value`] for zero.
     pub fn new(variables: usize) -> Result<Self, Error> {
         if variables == 0 {
-            return Err(Error::value("the number of variables", 0.0, "at least 1"));
+            return Err(Error::value(NO_VARIABLES, 0.0, "at least 1"));
         }
         Ok(Self {
             lower: vec![f64::NEG_INFINITY; variables],

@@ -210,7 +210,7 @@ impl Rows {
     /// Copies coefficients and bounds of row `index`.
     ///
     /// # Errors
-    /// [`Error::Size`] past the last, [`Error::Size`] unless there is a coefficient a variable.
+    /// [`Error::Size`] past the last row, and unless there is a coefficient a variable.
     pub fn set_row<'a>(
         &mut self,
         index: usize,

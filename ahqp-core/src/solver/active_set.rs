@@ -6,6 +6,7 @@
 
 mod broken_rows;
 mod fix;
+mod goal;
 mod level_search;
 mod ratio_test;
 mod repair;
@@ -26,7 +27,8 @@ use crate::problem::source::ConstraintSource;
 use ratio_test::Candidate;
 use signs::Signs;
 
-pub(crate) use level_search::{End, Goal};
+pub(crate) use goal::Goal;
+pub(crate) use level_search::End;
 
 #[derive(Debug, Clone)]
 pub(crate) struct ActiveSet {

@@ -64,7 +64,7 @@ impl ErgonomicsMap {
     /// around it, or samples on one side only, is outside the domain.
     ///
     /// # Errors
-    /// [`Error::Value`] for stature and options, [`Error::Value`] for a sample,
+    /// [`Error::Value`] for stature, options and samples,
     /// [`Error::TooFewSamples`] where no node has enough samples.
     pub fn from_samples(
         stature: f64,

@@ -4,7 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::direction::{between, towards, turned};
 use super::support::Gait;
-use super::{JointPositions, MeasuredPosture, NeutralPosture};
+use super::{JointPositions, MeasuredPosture};
+use crate::measured_posture::neutral::NeutralPosture;
 use crate::posture::Posture;
 use crate::reba::LegSupport;
 use crate::side::Side;

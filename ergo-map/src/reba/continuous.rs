@@ -1,42 +1,12 @@
 use super::conditions::{Conditions, LegSupport};
 use super::curve::{self, Part};
+use super::mode::Mode;
 use super::smooth::{Dual, Smooth};
 use super::table::{interpolate_a, interpolate_b, interpolate_c};
 use super::worksheet::Worksheet;
-use crate::error::{Result, within};
+use crate::error::Result;
 use crate::posture::Posture;
 use crate::upper_arm::UpperArm;
-
-/// How the printed classes become continuous.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Mode {
-    /// Piecewise linear, half-way between two classes at the threshold between them: rounding
-    /// gives the class back, and there is no plateau away from the neutral posture. Use it to
-    /// compare similar postures and to build maps.
-    #[default]
-    Graded,
-    /// A smooth step around each threshold and the printed class elsewhere: close to the integer
-    /// score, plateaus included. The steps are steep in their middle, so that rounding gives the
-    /// integer score on more than 99 % of postures at ±2°.
-    Faithful {
-        /// Half the width of each step \[rad\], positive.
-        half_width: f64,
-    },
-}
-
-impl Mode {
-    /// [`Mode::Faithful`] with steps over ±2°.
-    pub const FAITHFUL: Self = Self::Faithful { half_width: 2.0 * core::f64::consts::PI / 180.0 };
-
-    fn validate(self) -> Result<()> {
-        match self {
-            Self::Graded => Ok(()),
-            Self::Faithful { half_width } => {
-                within("half_width", half_width, [1e-6, 0.5], "rad").map(drop)
-            }
-        }
-    }
-}
 
 /// What each part of the body contributes to `e_s`, 0 being the best.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,8 +69,7 @@ impl ContinuousReba {
     /// grow with the angle as well.
     ///
     /// # Errors
-    /// [`crate::Error::Value`] for an angle, [`crate::Error::Value`] for the load or the
-    /// mode's half width.
+    /// [`crate::Error::Value`] for an angle, the load or the mode's half width.
     pub fn of_posture(posture: &Posture, conditions: &Conditions, mode: Mode) -> Result<Self> {
         posture.validate()?;
         conditions.validate()?;

@@ -7,7 +7,7 @@
 //! neck's second and the upper arm's last, late in the one before. With straight lines throughout,
 //! the rank correlation with the integer score on independent uniform angles is .85; here it is .91.
 
-use super::Mode;
+use crate::reba::mode::Mode;
 use crate::steps::Steps;
 use crate::upper_arm::LARGEST_EXTENSION;
 

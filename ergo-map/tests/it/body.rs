@@ -1,8 +1,7 @@
 //! Person, joints and skeleton.
 
 use ergo_map::{
-    Error, JointAngles, JointRanges, Landmarks, Person, PersonFrame, Segments, Side,
-    Skeleton,
+    Error, JointAngles, JointRanges, Landmarks, Person, PersonFrame, Segments, Side, Skeleton,
 };
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;

@@ -3,7 +3,8 @@
 use nalgebra::{Vector3, Vector6};
 
 use super::joint_changes::JointChanges;
-use super::{JointMotion, RobotBody};
+use crate::approach::bodies::RobotBody;
+use crate::approach::joint_motion::JointMotion;
 
 /// How a body moves at the last commanded velocity: the twist of the point o as if fixed to it.
 #[derive(Debug, Clone, Copy)]

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::JointMotion;
+use crate::approach::joint_motion::JointMotion;
 
 /// Which point a candidate is: the indices of both bodies, and the end of the first one's capsule, none for the
 /// nearest point.

@@ -1,6 +1,7 @@
 //! By how much points of the robot may get faster within a tick, quickly.
 
-use super::{JointMotion, RobotBody};
+use crate::approach::bodies::RobotBody;
+use crate::approach::joint_motion::JointMotion;
 
 /// Of the joints up to each, the sums of what their velocities may change within a tick, times how fast each
 /// moves o, and times how fast it turns.

@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::{JointMotion, RobotBody};
+use crate::approach::bodies::RobotBody;
+use crate::approach::joint_motion::JointMotion;
 
 /// How fast two bodies of one robot come nearer to each other at most \[m/s\].
 ///

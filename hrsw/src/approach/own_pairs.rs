@@ -4,7 +4,10 @@ use ahqp_core::Rows;
 
 use super::candidate::{Candidate, PointId};
 use super::own_motion::OwnMotion;
-use super::{ApproachRows, JointMotion, Nearest, RobotBody, capsules};
+use super::{ApproachRows, capsules};
+use crate::approach::bodies::RobotBody;
+use crate::approach::joint_motion::JointMotion;
+use crate::approach::nearest::Nearest;
 use crate::distance::proximity;
 use crate::error::Error;
 

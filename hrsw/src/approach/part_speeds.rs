@@ -1,8 +1,8 @@
 //! How far a part of a person matters, whichever way it moves.
 
-use super::PersonBody;
 use super::body_motion::BodyMotion;
 use super::reach::Reach;
+use crate::approach::bodies::PersonBody;
 
 /// What of a pair does not depend on where the robot is.
 #[derive(Debug, Clone, Copy)]

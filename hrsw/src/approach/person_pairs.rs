@@ -2,9 +2,12 @@
 
 use nalgebra::Vector6;
 
+use super::ApproachRows;
 use super::body_motion::BodyMotion;
 use super::candidate::{Candidate, PointId};
-use super::{ApproachRows, JointMotion, Nearest, PersonBody, RobotBody};
+use crate::approach::bodies::{PersonBody, RobotBody};
+use crate::approach::joint_motion::JointMotion;
+use crate::approach::nearest::Nearest;
 use crate::distance::{Proximity, proximity};
 use crate::separation::SeparationSettings;
 use crate::shape::Capsule;

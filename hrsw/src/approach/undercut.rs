@@ -2,7 +2,8 @@
 
 use nalgebra::{Vector3, Vector6};
 
-use super::{JointMotion, PersonBody, RobotBody};
+use crate::approach::bodies::{PersonBody, RobotBody};
+use crate::approach::joint_motion::JointMotion;
 use crate::distance::{Proximity, proximity};
 use crate::separation::SeparationSettings;
 use crate::shape::Capsule;

@@ -35,7 +35,7 @@ impl Capsule {
     /// Around the segment from `start` to `end` \[m\].
     ///
     /// # Errors
-    /// [`Error::Value`]; [`Error::Value`] for a negative radius.
+    /// [`Error::Value`] for what is not finite, and for a negative radius.
     pub fn new(start: Vector3<f64>, end: Vector3<f64>, radius: f64) -> Result<Self, Error> {
         check_all("the segment of a capsule", start.iter().chain(end.iter()))?;
         let radius = not_negative("the radius of a capsule", radius)?;

@@ -44,8 +44,8 @@ impl Cone {
     /// half angle \[rad\]; lengths do not matter.
     ///
     /// # Errors
-    /// [`Error::Value`]; [`Error::Value`] for vectors of length zero or a negative
-    /// angle; [`Error::Value`] near half a turn.
+    /// [`Error::Value`] for vectors that are not finite or of length zero, and for an angle that is negative
+    /// or near half a turn.
     pub fn new(
         axis: Vector3<f64>,
         direction: Vector3<f64>,

@@ -15,7 +15,7 @@ impl HalfSpace {
     /// The points z with normal · z ≤ offset, for a normal of any length but zero.
     ///
     /// # Errors
-    /// [`Error::Value`]; [`Error::Value`] for a normal of length zero.
+    /// [`Error::Value`] for what is not finite, and for a normal of length zero.
     pub fn new(normal: Vector3<f64>, offset: f64) -> Result<Self, Error> {
         check_all("a half-space", normal.iter().chain([&offset]))?;
         let length = normal.norm();

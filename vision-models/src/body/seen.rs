@@ -259,7 +259,7 @@ fn is_sound(covariance: &Matrix3<f64>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::Keypoint;
+    use crate::body::keypoints::Keypoint;
     use crate::confidence::Confidence;
 
     fn body(joints: &[(Body25, [f64; 3])]) -> Body {

@@ -39,8 +39,8 @@ impl Camera {
     /// A camera whose optical frame (x right, y down, z forwards) has this pose in the world.
     ///
     /// # Errors
-    /// [`Error::Value`] for a pose that is not finite, [`Error::Value`] for one that has
-    /// the top of the image at the bottom, [`Error::Value`] for noise that is negative or above 1.
+    /// [`Error::Value`] for a pose that is not finite or has the top of the image at the bottom, and for noise
+    /// that is negative or above 1.
     pub fn new(
         intrinsics: Intrinsics,
         world_from_camera: Isometry3<f64>,

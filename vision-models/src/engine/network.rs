@@ -157,8 +157,8 @@ impl Network {
     /// Weights stay packed for the size that was loaded.
     ///
     /// # Errors
-    /// [`Error::Size`]; [`Error::Layer`] where activations that are joined
-    /// come out in different sizes; [`Error::Size`] if the head's windows do not fit.
+    /// [`Error::Size`] if the kernels, the head's windows or the memory do not fit; [`Error::Layer`] where
+    /// activations that are joined come out in different sizes.
     pub fn plan(&mut self, size: [usize; 3]) -> Result<(), Error> {
         if self.planned.iter().all(|(planned, _)| *planned != size) {
             let session = self.session(&self.program.steps, &self.program.input_sizes(size))?;
@@ -208,8 +208,8 @@ impl Network {
     /// Runs the network on a batch, N × channels × frames × rows × columns.
     ///
     /// # Errors
-    /// [`Error::Size`] if there are no inputs or other channels than the graph's;
-    /// [`Error::Size`] if a kernel does not fit, and what else [`Self::plan`] gives for a new size;
+    /// [`Error::Size`] if there are no inputs or other channels than the graph's, and what [`Self::plan`] gives
+    /// for a new size;
     /// [`Error::Value`] if a value is NaN or infinite, [`Error::Overflow`] if an output is.
     pub fn infer(&mut self, clips: ArrayView5<'_, f32>) -> Result<Inference<'_>, Error> {
         let (count, channels, frames, rows, columns) = clips.dim();

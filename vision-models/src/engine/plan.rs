@@ -54,7 +54,7 @@ impl Plan {
     /// Plans the steps from `inputs` to `outputs`.
     ///
     /// # Errors
-    /// [`Error::Size`] if a kernel does not fit, [`Error::Size`] if there is not the memory,
+    /// [`Error::Size`] if a kernel does not fit or there is not the memory,
     /// [`Error::Layer`] for a step that does not fit the others.
     pub(crate) fn new(
         isa: InstructionSet,

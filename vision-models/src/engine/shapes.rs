@@ -48,7 +48,7 @@ impl Algorithm {
 /// The size of every activation that the steps read or write, for the sizes of their inputs.
 ///
 /// # Errors
-/// [`Error::Size`] if a kernel does not fit, [`Error::Size`] if an activation is beyond all
+/// [`Error::Size`] if a kernel does not fit or an activation is beyond all
 /// memory, [`Error::Layer`] for a step that reads what is not there, or whose output is not as large as what
 /// it joins.
 pub(crate) fn sizes(

@@ -1,7 +1,7 @@
 //! How a head is trained.
 
-use super::FeatureScaling;
 use crate::error::Error;
+use crate::head::scaling::FeatureScaling;
 
 /// Settings of stochastic gradient descent.
 ///

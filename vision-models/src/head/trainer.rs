@@ -3,8 +3,9 @@
 use ndarray::{Array1, Array2, ArrayView2, Axis};
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
-use super::{HeadSettings, LinearHead};
+use super::LinearHead;
 use crate::error::Error;
+use crate::head::settings::HeadSettings;
 use crate::random::{shuffle, uniform};
 use crate::samples::{check_finite, check_labels, misfit};
 

@@ -59,8 +59,7 @@ impl ResNet {
     /// The scores of normalised images, N × 3 × height × width.
     ///
     /// # Errors
-    /// [`Error::Size`] if there are not three channels or no images,
-    /// [`Error::Size`] for a size that does not fit,
+    /// [`Error::Size`] if there are not three channels or no images, or for a size that does not fit,
     /// [`Error::Value`] if a value is NaN or infinite, [`Error::Overflow`] if activations are.
     pub fn infer(&mut self, images: ArrayView4<'_, f32>) -> Result<Scores<'_>, Error> {
         Ok(self.0.infer(from_images(images))?.scores())

@@ -25,11 +25,10 @@ impl SlowOnly {
     /// gives features alone.
     ///
     /// # Errors
-    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Value`]
-    /// for one that is not finite and for negative variances, [`Error::Overflow`];
-    /// [`Error::Size`] for clips that do not fit,
-    /// [`Error::Size`] if the head's windows do not; [`Error::Threads`] for a number of threads that
-    /// cannot be started.
+    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Value`] for one
+    /// that is not finite and for negative variances, [`Error::Overflow`]; [`Error::Size`] for clips that do
+    /// not fit the kernels or the head's windows; [`Error::Threads`] for a number of threads that cannot be
+    /// started.
     pub fn load(
         form: SlowOnlyForm,
         tensors: impl TensorSource,
@@ -58,9 +57,8 @@ impl SlowOnly {
     /// The scores of normalised clips, N × 3 × frames × height × width.
     ///
     /// # Errors
-    /// [`Error::Size`] if there are not three channels or no clips;
-    /// [`Error::Size`] for a size that does not fit,
-    /// [`Error::Size`] if the head's windows do not; [`Error::Value`] if a value is NaN or
+    /// [`Error::Size`] if there are not three channels or no clips, and for a size that does not fit the kernels or
+    /// the head's windows; [`Error::Value`] if a value is NaN or
     /// infinite, [`Error::Overflow`] if activations are.
     pub fn infer(&mut self, clips: ArrayView5<'_, f32>) -> Result<Scores<'_>, Error> {
         Ok(self.0.infer(clips)?.scores())

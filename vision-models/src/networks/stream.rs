@@ -33,8 +33,7 @@ impl SlowOnlyStream {
     /// A stream of frames of `height` × `width`, and a window of so many of them.
     ///
     /// # Errors
-    /// [`Error::Size`] if a kernel does not fit, [`Error::Size`] if the head's
-    /// windows do not.
+    /// [`Error::Size`] if a kernel or the head's windows do not fit.
     pub fn new(SlowOnly(network): SlowOnly, size: [usize; 3]) -> Result<Self, Error> {
         let [frames, height, width] = size;
         let program = &network.program;

@@ -74,8 +74,8 @@ impl GroupingSettings {
 /// centre of the first at 0, 0, best people first. Of each joint the 64 highest maxima are looked at.
 ///
 /// # Errors
-/// [`Error::Size`] for maps of other shapes, [`Error::Value`] for a value that is NaN or infinite,
-/// [`Error::Value`] for a setting out of range.
+/// [`Error::Size`] for maps of other shapes, [`Error::Value`] for a value that is NaN or infinite and for a
+/// setting out of range.
 ///
 /// ```
 /// use ndarray::Array3;

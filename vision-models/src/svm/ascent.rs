@@ -3,11 +3,9 @@
 use ndarray::Array1;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
-use super::{
-    Bias,
-    problem::{Plane, Problem, add_scaled, dot},
-};
+use super::problem::{Plane, Problem, add_scaled, dot};
 use crate::random::shuffle;
+use crate::svm::settings::Bias;
 
 /// How often all samples are gone through.
 const EPOCHS: usize = 20;

@@ -8,7 +8,7 @@
 
 use ndarray::{Array1, ArrayView2};
 
-use super::{Bias, Loss};
+use crate::svm::settings::{Bias, Loss};
 
 /// What is minimised for one plane.
 #[derive(Debug)]

@@ -1,6 +1,7 @@
 //! What takes the place of the penalty in one run of Newton's method.
 
-use super::{Loss, problem::Problem};
+use super::problem::Problem;
+use crate::svm::settings::Loss;
 
 /// By how much the hinge is steepened from one run to the next.
 const STEEPER: f64 = 8.0;

@@ -2,14 +2,12 @@
 
 use ndarray::Array1;
 
-use super::{
-    Loss,
-    ascent::{Start, ascend},
-    line::Line,
-    newton::{Newton, Slope},
-    problem::{Forces, Plane, Problem},
-    smoothing::Smoothing,
-};
+use super::ascent::{Start, ascend};
+use super::line::Line;
+use super::newton::{Newton, Slope};
+use super::problem::{Forces, Plane, Problem};
+use super::smoothing::Smoothing;
+use crate::svm::settings::Loss;
 
 /// A step that promises less than this part of the objective is rounding.
 const ROUNDING: f64 = 1e-15;

@@ -1,7 +1,9 @@
 //! The memory that a checkpoint file may take.
 
-use super::{Tensor, error::beyond, shape::elements};
+use super::error::beyond;
+use super::shape::elements;
 use crate::error::Error;
+use crate::weights::tensors::Tensor;
 
 /// What remains of the memory that opening and reading a file may take: four times its size and
 /// [`Budget::BESIDE`]. Whatever is kept because of something in the file is taken off before it is

@@ -6,12 +6,17 @@ use std::{
     path::Path,
 };
 
-use super::{
-    Format, TensorInfo, TensorSource, budget::Budget, contents::Contents, error::refused,
-    input::reading, safetensors, source::no_tensor, torch,
-};
+use super::budget::Budget;
+use super::contents::Contents;
+use super::error::refused;
+use super::input::reading;
+use super::source::no_tensor;
+use super::{safetensors, torch};
 use crate::error::Error;
-use crate::weights::{Tensor, Tensors};
+use crate::weights::contents::Format;
+use crate::weights::source::TensorSource;
+use crate::weights::tensor_info::TensorInfo;
+use crate::weights::tensors::{Tensor, Tensors};
 
 /// A checkpoint whose tensors are read from the file as they are asked for.
 ///

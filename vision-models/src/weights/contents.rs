@@ -2,8 +2,9 @@
 
 use std::{collections::BTreeMap, fmt};
 
-use super::{TensorInfo, budget::Budget};
+use super::budget::Budget;
 use crate::error::Error;
+use crate::weights::tensor_info::TensorInfo;
 
 /// The format of a checkpoint file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

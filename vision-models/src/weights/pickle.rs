@@ -10,7 +10,7 @@ mod rebuild;
 mod value;
 
 pub(super) use machine::run;
-pub(super) use value::{Global, Id, Storage, Value, View};
+pub(super) use value::{Id, Storage, Value, View};
 
 /// All values that a pickle made, and which of them is its result.
 #[derive(Debug)]

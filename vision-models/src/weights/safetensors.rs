@@ -13,17 +13,17 @@ use serde::{
     ser::SerializeMap,
 };
 
-use super::{
-    ElementType, Format, TensorInfo,
-    budget::Budget,
-    contents::Contents,
-    error::{beyond, refused},
-    input::{Input, reading},
-    shape::{MAX_AXES, elements},
-};
+use super::budget::Budget;
+use super::contents::Contents;
+use super::error::{beyond, refused};
+use super::input::{Input, reading};
+use super::shape::{MAX_AXES, elements};
 use crate::error::Error;
 use crate::excerpt::Excerpt;
-use crate::weights::Tensors;
+use crate::weights::contents::Format;
+use crate::weights::element::ElementType;
+use crate::weights::tensor_info::TensorInfo;
+use crate::weights::tensors::Tensors;
 
 /// The largest header that is accepted (bytes); the format allows 100 MB.
 const MAX_HEADER: u64 = 16 << 20;

@@ -1,7 +1,7 @@
 //! Where a network takes its weights from.
 
 use crate::error::Error;
-use crate::weights::{Tensor, Tensors};
+use crate::weights::tensors::{Tensor, Tensors};
 
 /// Named tensors that are given out one at a time: all in memory ([`Tensors`]), or read from their
 /// file as they are asked for ([`Checkpoint`](crate::Checkpoint)), so that a network that packs its

@@ -2,8 +2,11 @@
 
 use std::io::{Read, Seek, SeekFrom};
 
-use super::{ElementType, error::of_tensor, input::reading, shape::elements};
+use super::error::of_tensor;
+use super::input::reading;
+use super::shape::elements;
 use crate::error::Error;
+use crate::weights::element::ElementType;
 
 /// Bytes that are read at a time: they stay in the cache until they are decoded.
 const CHUNK: usize = 128 << 10;

@@ -5,18 +5,18 @@ use std::{
     io::{BufRead, BufReader, Read, Seek, SeekFrom},
 };
 
-use super::{
-    Format, TensorInfo,
-    budget::Budget,
-    contents::Contents,
-    error::{self, big_endian, in_pickle, of_tensor, truncated},
-    input::{Input, reading},
-    pickle::{self, Pickle, Storage, Value, View},
-    state_dict::StateDict,
-    tensor_info::Region,
-    zip::{self, Archive},
-};
+use super::budget::Budget;
+use super::contents::Contents;
+use super::error::{big_endian, in_pickle, of_tensor, truncated};
+use super::input::{Input, reading};
+use super::pickle::{Pickle, Storage, Value, View};
+use super::state_dict::StateDict;
+use super::tensor_info::Region;
+use super::zip::Archive;
+use super::{error, pickle, zip};
 use crate::error::Error;
+use crate::weights::contents::Format;
+use crate::weights::tensor_info::TensorInfo;
 
 /// More bytes of pickle than any checkpoint has: the weights are not in it.
 const MAX_PICKLE: u64 = 64 << 20;

@@ -2,7 +2,8 @@
 
 use std::io::BufRead;
 
-use super::{HqpError, INFINITE};
+use super::INFINITE;
+use crate::file::error::HqpError;
 
 /// No number or name is longer (bytes).
 const LONGEST_WORD: usize = 256;

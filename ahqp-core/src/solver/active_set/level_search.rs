@@ -7,8 +7,7 @@
 //! by least index, which cannot cycle (Bland). A row that becomes inactive leaves its bound with the very
 //! next step; one that stops that step was dropped by rounding, and stays until x moves.
 
-use std::ops::Range;
-
+use super::goal::Goal;
 use super::ratio_test::Choice;
 use super::{ActiveSet, Residuals};
 use crate::linalg::vector::{add_scaled, norm};
@@ -16,22 +15,6 @@ use crate::solver::activity::Activity;
 use crate::solver::data::active_bound;
 use crate::solver::factorisation::{FreeCoordinates, Purpose};
 use crate::solver::tolerances::{LONG, SETTLED, SHORTEST_STEP};
-
-/// What a search minimises.
-#[derive(Debug, Clone)]
-pub(crate) enum Goal {
-    /// The violation of these rows, which the last group holds, and the linear term of their level.
-    Rows(Range<usize>),
-    /// ‖x‖.
-    Norm,
-}
-
-impl Goal {
-    /// Returns true if the violation of row `id` is minimised.
-    fn has_row(&self, id: usize) -> bool {
-        matches!(self, Self::Rows(rows) if rows.contains(&id))
-    }
-}
 
 /// How a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use super::{ActiveSet, Goal};
+use super::ActiveSet;
 use crate::linalg::vector::norm;
+use crate::solver::active_set::goal::Goal;
 use crate::solver::activity::Activity;
 
 /// Rows that are looked through at a time.

@@ -11,11 +11,12 @@
 
 use std::ops::Range;
 
-use super::{Factorisation, Group, Purpose, RankTolerances};
+use super::{Factorisation, Group, Purpose};
 use crate::linalg::kernels::Rotation;
 use crate::linalg::vector::{length, norm};
 use crate::solver::activity::Activity;
 use crate::solver::data::{Coefficients, ProblemData, active_bound};
+use crate::solver::factorisation::rank_tolerances::RankTolerances;
 use crate::solver::tolerances::HEAVIER;
 
 /// A change that would leave a rank in doubt.

@@ -2,19 +2,15 @@
 
 use nalgebra::Vector2;
 
-use super::{
-    super::{
-        joints::JointFilter,
-        keypoints::Body,
-        lengths::{SegmentLength, StatureEstimate},
-        pose::TrackedPerson,
-        seen::{Facing, Seen},
-        segment::BodySegment,
-        settings::TrackerSettings,
-        tracker::BodyTracker,
-    },
-    PeopleSettings,
-};
+use super::super::joints::JointFilter;
+use super::super::keypoints::Body;
+use super::super::lengths::{SegmentLength, StatureEstimate};
+use super::super::pose::TrackedPerson;
+use super::super::seen::{Facing, Seen};
+use super::super::segment::BodySegment;
+use super::super::settings::TrackerSettings;
+use super::super::tracker::BodyTracker;
+use crate::body::people::settings::PeopleSettings;
 use crate::error::Error;
 use crate::percept::Percept;
 

@@ -5,11 +5,12 @@ mod stack;
 use std::fmt::Display;
 use std::{collections::HashMap, io::BufRead};
 
-use super::{Global, Id, Pickle, Value};
+use super::Pickle;
 use crate::error::Error;
 use crate::weights::budget::Budget;
 use crate::weights::error::{beyond, in_pickle};
 use crate::weights::input::Input;
+use crate::weights::pickle::value::{Global, Id, Value};
 
 /// More values than any checkpoint has: enough for 100,000 tensors.
 const MAX_VALUES: usize = 1 << 21;

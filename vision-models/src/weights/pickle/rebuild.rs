@@ -2,8 +2,9 @@
 
 use std::{io::BufRead, rc::Rc};
 
-use super::{Global, Id, Storage, Value, View, machine::Machine};
+use super::machine::Machine;
 use crate::error::Error;
+use crate::weights::pickle::value::{Global, Id, Storage, Value, View};
 use crate::weights::shape::MAX_AXES;
 
 /// More bytes than the key of any storage has.

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::super::ElementType;
+use crate::weights::element::ElementType;
 
 /// A value's place among all values of a pickle. Values refer to each other by it, so that a value
 /// that occurs many times is stored once, and no depth of nesting can exhaust the stack.

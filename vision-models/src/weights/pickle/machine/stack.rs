@@ -4,7 +4,7 @@ use std::io::BufRead;
 
 use super::Machine;
 use crate::error::Error;
-use crate::weights::pickle::{Id, Value};
+use crate::weights::pickle::value::{Id, Value};
 
 impl<R: BufRead> Machine<'_, R> {
     pub(super) fn mark(&mut self) -> Result<(), Error> {
