@@ -22,17 +22,21 @@ def test_examples_are_short():
     assert len(lines) <= 20
 
 
-def test_a_population_is_the_same_in_shards():
-    head, *rows = run_example("population", "--people", "2", "--workers", "2").splitlines()
+@pytest.fixture(scope="module")
+def population():
+    return run_example("population", "--people", "2", "--workers", "2")
+
+
+def test_a_population_is_the_same_in_shards(population):
+    head, *rows = population.splitlines()
     assert head == "person,stature,x,y,z,rmse" and len(rows) == 2
     shards = [run_example("population", "--people", "2", "--workers", "1", "--shard", f"{i}/2") for i in (2, 1)]
     assert sorted(row for shard in shards for row in shard.splitlines()[1:]) == rows
 
 
-def test_a_population_is_the_same_on_dask():
+def test_a_population_is_the_same_on_dask(population):
     pytest.importorskip("distributed")
-    here = run_example("population", "--people", "2", "--workers", "2")
-    assert run_example("population", "--people", "2", "--workers", "2", "--on", "dask") == here
+    assert run_example("population", "--people", "2", "--workers", "2", "--on", "dask") == population
 
 
 @pytest.mark.parametrize("module", [ahqp, ergo, whole_body])
