@@ -1,7 +1,6 @@
 //! What the programs of this package are made of.
 
 pub mod actions;
-mod excerpt;
 pub mod experiment;
 pub mod infer;
 pub mod learning;

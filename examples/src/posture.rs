@@ -26,8 +26,8 @@ impl PostureOptions {
     pub fn settings(self) -> Result<PostureSettings, ergo_map::Error> {
         let Self { sitting, arm_supported, upright } = self;
         PostureSettings { sitting, arm_supported, upright }.checked().map_err(|error| match error {
-            ergo_map::Error::OutOfRange { value, min, max, unit, .. } => {
-                ergo_map::Error::OutOfRange { name: "--upright", value, min, max, unit }
+            ergo_map::Error::Value { got, unit, wanted, .. } => {
+                ergo_map::Error::Value { what: "--upright", got, unit, wanted }
             }
             error => error,
         })

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use human_perception::Event;
 
-use super::{Interrupt, Progress, Session};
+use super::{Progress, Session};
 
 impl Session {
     /// The call-back of long work: shows how far it is, prints what should be known, and ends it after an interrupt.
@@ -33,12 +33,5 @@ impl Session {
             }
             interrupt.flow()
         }
-    }
-}
-
-impl Interrupt {
-    /// Whether long work goes on.
-    pub fn flow(&self) -> ControlFlow<()> {
-        if self.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

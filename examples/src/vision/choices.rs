@@ -46,8 +46,8 @@ pub fn with_option(error: Error, option: &str) -> anyhow::Error {
             anyhow::anyhow!("{error}: {hint}")
         }
         Error::NoWeights { .. } => anyhow::anyhow!("give the model's weights: {option}"),
-        Error::Vision(vision_models::Error::Setting { name, value, expected }) => {
-            anyhow::anyhow!("--{name} {value}: give {expected}")
+        Error::Vision(vision_models::Error::Value { what, got, wanted }) => {
+            anyhow::anyhow!("--{what} {got}: give {wanted}")
         }
         error => error.into(),
     }

@@ -121,7 +121,7 @@ fn share_in_retreat(towards: f64) -> f64 {
         let now = f64::from(tick) * PERIOD;
         if tick.is_multiple_of(FRAME) {
             // There in the last frame.
-            safety.observe(&percept(now, Some(x + towards * (1.95 - now))));
+            safety.observe(&percept(now, Some(x + towards * (1.95 - now)))).unwrap();
         }
         let input = SafetyInput {
             velocity: &[0.0; 10],

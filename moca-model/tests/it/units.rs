@@ -192,7 +192,7 @@ fn who_moves_faster_than_anybody_runs_is_no_data_until_seen_again() {
         let mut drive = Drive::fast();
         let person = drive.controller.actual().translation.x + 4.0;
         drive.camera = false;
-        let mut show = |drive: &mut Drive, place: f64| {
+        let show = |drive: &mut Drive, place: f64| {
             let body = Some(standing(place, 1.0));
             let taken = drive.controller.observe(&Percept { body, ..percept(drive.time(), None) });
             drive.run(0.05);
