@@ -18,7 +18,7 @@ use crate::Error;
 /// let path = folder.path().join("four");
 /// std::fs::write(&path, "four")?;
 /// assert_eq!(read_bytes(&path, 4)?, b"four");
-/// assert!(read_bytes(&path, 3).unwrap_err().to_string().contains("larger than the 3 bytes"));
+/// assert!(read_bytes(&path, 3).unwrap_err().to_string().contains("at most 3 bytes"));
 /// # Ok::<(), std::io::Error>(())
 /// ```
 ///
@@ -26,7 +26,7 @@ use crate::Error;
 /// What the system says; [`io::ErrorKind::FileTooLarge`] for a larger file, before memory is taken for it.
 pub fn read_bytes(path: impl AsRef<Path>, limit: u64) -> io::Result<Vec<u8>> {
     let too_large = || {
-        let text = format!("larger than the {limit} bytes that such a file may have at most");
+        let text = format!("larger than such a file can be: at most {limit} bytes are read");
         io::Error::new(io::ErrorKind::FileTooLarge, text)
     };
     let file = File::open(path)?;

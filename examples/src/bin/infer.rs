@@ -88,9 +88,25 @@ impl Program for Arguments {
                 let weights = weights.map_err(|error| with_option(error, "--weights FILE"))?;
                 clips.run(clips.model(*model, weights)?, first, threads, session, results)
             }
-            (chosen, _) => bail!("{}: {}", first.display(), chosen.wanted()),
+            (Chosen::Network(kind, _), _) => bail!("{}: {}", first.display(), wanted(kind)),
+            (Chosen::Surfaces(..), _) => {
+                bail!("{}: a model of surfaces takes JPEG or PNG files", first.display())
+            }
+            (Chosen::Actions(..), _) => {
+                bail!("{}: a model of actions takes a folder of JPEG or PNG files", first.display())
+            }
         }
     }
+}
+
+/// What to give to a network with its own last layer.
+fn wanted(kind: NetworkKind) -> String {
+    let files = match kind {
+        NetworkKind::ResNet(_) => "JPEG or PNG files, or an array",
+        NetworkKind::SlowOnly(_) => "a folder of JPEG or PNG files, or an array",
+        _ => "an array",
+    };
+    format!("a {kind} takes {files}")
 }
 
 fn main() -> ExitCode {

@@ -8,7 +8,7 @@ use std::{
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use human_perception::{
-    actions::{clips::frames_of, live::LiveRecogniser, model::ActionModel, window::Window},
+    actions::{clips::frames_of, model::ActionModel, window::Window},
     learning::backbone::Weights,
     networks::{
         ClipClassifier, ClipScores,
@@ -187,8 +187,7 @@ impl ClipOptions {
         let preprocessing = network.window.preprocessing(crops)?;
         let (report, ending) = if self.live {
             let stream = ClipStream::new(loaded, length, preprocessing, network.head)?;
-            let recogniser = LiveRecogniser::new(stream, interval);
-            live(recogniser, &frames, names.as_ref(), session, &mut results)?
+            live(stream, interval, &frames, names.as_ref(), (session, &mut results))?
         } else {
             let mut classifier = ClipClassifier::new(loaded, preprocessing, network.head);
             let start = Instant::now();
@@ -239,33 +238,35 @@ fn ending_of(seen: usize, all: usize, what: &str, session: &Session) -> Ending {
 
 /// The frames one after the other, as from a camera.
 fn live(
-    mut recogniser: LiveRecogniser,
+    mut stream: ClipStream,
+    interval: usize,
     frames: &[PathBuf],
     names: Option<&ClassNames>,
-    session: &mut Session,
-    results: &mut Results,
+    (session, results): (&mut Session, &mut Results),
 ) -> Result<(Recognised, Ending)> {
     let progress = session.progress("frames", frames.len() as u64);
     let (mut decided, mut last) = (Vec::new(), Vec::new());
     let mut seen = 0;
-    for frame in frames {
+    for (number, frame) in frames.iter().enumerate() {
         if session.interrupt().requested() {
             break;
         }
-        if let Some(decision) = recogniser.push(frame)? {
-            let best = vision_models::top_k(&decision.probabilities, 1);
-            let best = best.first().copied().unwrap_or_default();
+        let start = Instant::now();
+        // Every so many frames one goes into the window.
+        let pushed = number.is_multiple_of(interval).then(|| stream.push(frame)).transpose()?;
+        if let Some(probabilities) = pushed.flatten() {
+            let latency_s = start.elapsed().as_secs_f64();
+            let best = vision_models::top_k(&probabilities, 1).first().copied().unwrap_or_default();
             let label = names.and_then(|names| names.label(best));
             let class = label.unwrap_or_else(|| format!("class {best}"));
-            let probability = decision.probabilities.get(best).copied().unwrap_or(f32::NAN);
-            let (number, latency_s) = (decision.frame, decision.latency);
+            let probability = probabilities.get(best).copied().unwrap_or(f32::NAN);
             let out = results.writer(session);
             progress.suspend(|| {
                 let (percent, milliseconds) = (100.0 * probability, 1e3 * latency_s);
                 writeln!(out, "frame {number}: {class} {percent:.2} %, {milliseconds:.1} ms")
             })?;
             decided.push(Decided { frame: number, class, probability, latency_s });
-            last = decision.probabilities;
+            last = probabilities;
         }
         seen += 1;
         progress.set(seen as u64);

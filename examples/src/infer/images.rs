@@ -9,8 +9,9 @@ use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use human_perception::{
     Event, Watch,
+    learning::backbone::{ImageBackbone, Weights},
     networks::{
-        classifier::{Classifier, load_resnet},
+        classifier::Classifier,
         folders::Unreadable,
         top_k::{ScoredClass, check_names, top_classes, write_top_classes},
     },
@@ -110,7 +111,9 @@ impl ImageOptions {
         let side = self.resize.unwrap_or(255).into();
         let resize = if self.square { Resize::Square(side) } else { Resize::ShortSide(side) };
         let preprocessing = Preprocessing { resize, ..Preprocessing::TORCHVISION };
-        let network = load_resnet(weights, form, preprocessing.crop, threads, watch)
+        let weights = Weights::File(weights.into());
+        let network = ImageBackbone::new(weights, form, preprocessing.crop, threads)
+            .load(watch)
             .map_err(|error| with_option(error, ""))?;
         if let Some((file, names)) = &names {
             check_names(file, names, network.classes())?;

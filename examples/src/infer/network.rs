@@ -73,23 +73,6 @@ fn weights(text: &str) -> Result<(Option<ResNetDepth>, PathBuf), String> {
     })
 }
 
-impl Chosen {
-    /// What to give to this network.
-    pub fn wanted(&self) -> String {
-        match self {
-            Self::Network(kind @ NetworkKind::ResNet(_), _) => {
-                format!("a {kind} takes images: give JPEG or PNG files, or an array")
-            }
-            Self::Network(kind @ NetworkKind::SlowOnly(_), _) => {
-                format!("a {kind} takes a folder of JPEG or PNG files, or an array")
-            }
-            Self::Network(kind, _) => format!("a {kind} takes an array: give a file of NumPy's"),
-            Self::Surfaces(..) => "a model of surfaces takes images: give JPEG or PNG files".into(),
-            Self::Actions(..) => "a model of actions takes a folder of JPEG or PNG files".into(),
-        }
-    }
-}
-
 impl NetworkOptions {
     /// The names of the classes, with their file.
     ///

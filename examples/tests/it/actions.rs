@@ -163,7 +163,7 @@ fn lists_of_clips_are_taken_by_name() {
     train(Some("list.csv: no clip of the class \"Move Backwards While Drilling\""));
     // Refused by its size, before it is read.
     fs::File::create(&list).unwrap().set_len(1 << 36).unwrap();
-    train(Some("list.csv: larger than the 67108864 bytes"));
+    train(Some("list.csv: larger than such a file can be: at most 67108864 bytes"));
 }
 
 /// A mirror image of walking left is of walking right.

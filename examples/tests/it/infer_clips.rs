@@ -87,7 +87,7 @@ fn another_network_is_named_with_the_option_that_takes_it() {
     let image = Runs::new("infer").with(&["a.png", "--weights", slow_only]).run();
     image.failed(1, "a.png: a SlowOnly-R18 of mmaction2 takes a folder of JPEG or PNG files");
     let clip = Runs::new("infer").with(&[&folder, "--weights", resnet18()]).run();
-    clip.failed(1, "a ResNet-18 takes images: give JPEG or PNG files");
+    clip.failed(1, "a ResNet-18 takes JPEG or PNG files");
     let both = Runs::new("infer").with(&["a.png", &folder, "--weights", slow_only]).run();
     both.failed(1, "give images, or one folder of frames, or one array");
 }
@@ -109,7 +109,7 @@ fn wrong_options_and_frames_are_told_in_the_program_s_words() {
 
     fs::write(video.path("names.txt"), "a\nb\n").unwrap();
     let names = video.infer().with(&["--names", &video.path("names.txt")]).run();
-    names.failed(1, "names.txt has 2 names, but the network has 30 classes");
+    names.failed(1, "names.txt: 2 names, but the network has 30 classes");
     fs::write(video.path("f1.png"), png_that_claims(16_384, 16_384)).unwrap();
     video.infer().with(&["--interval=1"]).run().failed(1, "f1.png: no JPEG or PNG image");
     image::RgbImage::new(9, 9).save(video.path("f1.png")).unwrap();

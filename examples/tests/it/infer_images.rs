@@ -152,7 +152,7 @@ fn names_that_do_not_fit_are_refused() {
     let none = ["a.png", "--weights=/nope/weights.pth", "--names", &path("clash.txt")];
     Runs::new("infer").with(&none).run().failed(1, clash);
     fs::write(path("two.txt"), "a\nb\n").unwrap();
-    let says = "two.txt has 2 names, but the network has 7 classes";
+    let says = "two.txt: 2 names, but the network has 7 classes";
     infer().with(&["a.png", "--names", &path("two.txt")]).run().failed(1, says);
 }
 

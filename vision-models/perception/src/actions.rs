@@ -4,7 +4,6 @@ pub mod clips;
 pub mod cut;
 pub mod evaluated;
 pub mod features;
-pub mod live;
 pub mod model;
 pub mod training;
 pub mod window;

@@ -55,7 +55,7 @@ pub enum Error {
         /// The file or the folder.
         path: PathBuf,
         /// What is wrong with it.
-        source: vision_models::Error,
+        source: Box<vision_models::Error>,
     },
     /// A file of one frame that cannot be used: the next frame may be better.
     #[error(transparent)]
@@ -69,7 +69,7 @@ pub enum Error {
         /// The recording.
         path: PathBuf,
         /// What is wrong with it.
-        source: RecordingError,
+        source: Box<RecordingError>,
     },
     /// Angles that no posture has.
     #[error(transparent)]
@@ -84,6 +84,11 @@ impl Error {
     pub(crate) fn unfit(place: impl Display, found: impl Display, wanted: impl Display) -> Self {
         let (place, found, wanted) = (place.to_string(), found.to_string(), wanted.to_string());
         Self::Unfit { place, found, wanted }
+    }
+
+    /// The same where what would be right is plain.
+    pub(crate) fn at(place: impl Display, found: impl Display) -> Self {
+        Self::unfit(place, found, "")
     }
 
     /// An error of reading this file.
@@ -106,12 +111,12 @@ impl Error {
             vision_models::Error::NoFrames => {
                 Self::unfit(path.display(), "no JPEG or PNG files", "")
             }
-            source => Self::Content { path: path.to_owned(), source },
+            source => Self::Content { path: path.to_owned(), source: Box::new(source) },
         }
     }
 
     /// An error of loading a network from this checkpoint.
-    pub fn weights(path: &Path) -> impl Fn(vision_models::Error) -> Self {
+    pub(crate) fn weights(path: &Path) -> impl Fn(vision_models::Error) -> Self {
         move |source| match source {
             vision_models::Error::Weights { found: Some(found), .. } => {
                 Self::OtherNetwork { path: path.to_owned(), found }
@@ -126,9 +131,8 @@ impl Error {
         use vision_models::Error::{File, Image, OpenPose};
         let is_of_file = match &self {
             Self::Read { .. } => true,
-            Self::Vision(source) | Self::Content { source, .. } => {
-                matches!(source, File { .. } | Image { .. } | OpenPose { .. })
-            }
+            Self::Vision(source) => matches!(source, File { .. } | Image { .. }),
+            Self::Content { source, .. } => matches!(**source, OpenPose { .. }),
             _ => false,
         };
         if is_of_file { Self::Frame(Box::new(self)) } else { self }

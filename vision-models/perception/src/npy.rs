@@ -27,7 +27,7 @@ const ELEMENT: u64 = 4;
 pub fn read_array(path: &Path) -> Result<ArrayD<f32>, Error> {
     let place = format!("cannot read {} as an f32 array", path.display());
     let file = File::open(path).map_err(|error| error.to_string());
-    file.and_then(read).map_err(|found| Error::unfit(place, found, ""))
+    file.and_then(read).map_err(|found| Error::at(place, found))
 }
 
 fn read(file: File) -> Result<ArrayD<f32>, String> {

@@ -51,6 +51,12 @@ impl fmt::Debug for Event<'_> {
 /// ```
 pub type Watch<'a> = dyn FnMut(Event<'_>) -> ControlFlow<()> + 'a;
 
+/// Says what should be known.
+pub(crate) fn warn(watch: &mut Watch<'_>, text: fmt::Arguments<'_>) {
+    // Whether to go on is asked at the next step.
+    let _ = watch(Event::Warning(&text));
+}
+
 /// Asks whether to go on.
 ///
 /// # Errors
@@ -76,7 +82,7 @@ pub(crate) fn wait_for<T: Send + 'static>(
             // Nobody listens once the work has been left behind.
             let _ = sender.send(work());
         })
-        .map_err(|error| Error::unfit("another thread", error, ""))?;
+        .map_err(|error| Error::at("another thread", error))?;
     loop {
         match receiver.recv_timeout(PATIENCE) {
             Ok(result) => return Ok(result),

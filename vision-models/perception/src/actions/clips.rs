@@ -47,7 +47,7 @@ impl ClipSet {
             let twice = classes.iter().take(place).any(|other| other == class);
             if twice {
                 let found = format!("two folders are of the class \"{class}\"");
-                return Err(Error::unfit(folder.display(), found, ""));
+                return Err(Error::at(folder.display(), found));
             }
         }
         let mut clips = Vec::new();
@@ -84,12 +84,12 @@ impl ClipSet {
             if !own.is_dir() {
                 let own = own.display();
                 let found = format!("there is no folder {own} with the frames of \"{clip}\"");
-                return Err(Error::unfit(list.display(), found, ""));
+                return Err(Error::at(list.display(), found));
             }
             clips.push(LabelledClip { folder: own, name, label });
         }
         if clips.is_empty() {
-            return Err(Error::unfit(list.display(), "no clips", ""));
+            return Err(Error::at(list.display(), "no clips"));
         }
         Ok(Self { classes, clips })
     }

@@ -111,7 +111,7 @@ impl ClipFeatures {
         if let Some(features) = known {
             let width = features.len() / count;
             let rows = Array2::from_shape_vec((count, width), features.to_vec());
-            return Ok(Some(rows.map_err(|error| Error::unfit(folder.display(), error, ""))?));
+            return Ok(Some(rows.map_err(|error| Error::at(folder.display(), error))?));
         }
         let preprocessing = self.window.preprocessing(views.crops)?;
         let mut plain = Vec::new();
@@ -135,7 +135,7 @@ impl ClipFeatures {
             cache.insert(digest, plain.clone())?;
         }
         let rows = Array2::from_shape_vec((count, plain.len() / count), plain);
-        let missing = |_| Error::unfit(folder.display(), "features are missing", "");
+        let missing = |_| Error::at(folder.display(), "features are missing");
         Ok(Some(rows.map_err(missing)?))
     }
 

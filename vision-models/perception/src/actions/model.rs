@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, path::Path};
 
 use ndarray::{Array2, ArrayView2};
 use serde::{Deserialize, Serialize};
-use vision_models::{LinearHead, Tensors, softmax};
+use vision_models::{Crops, LinearHead, Tensors, softmax};
 
 use super::{
     clips::{ClipSet, LabelledClip},
@@ -13,7 +13,13 @@ use super::{
 use crate::{
     error::Error,
     file::{make_folder, write_whole},
-    learning::{backbone::WeightsIdentity, description, split::Part},
+    learning::{
+        backbone::{Weights, WeightsIdentity},
+        description,
+        split::Part,
+    },
+    networks::clip_stream::ClipStream,
+    watch::Watch,
 };
 
 const FILE: &str = "actions.json";
@@ -126,6 +132,22 @@ impl ActionModel {
             clips.retain(|clip| self.parts.get(&clip.name) == Some(&part));
         }
         Ok(clips)
+    }
+
+    /// The network with its head over a sliding window.
+    ///
+    /// # Errors
+    /// As of the network's loading.
+    pub fn stream(
+        &self,
+        weights: Weights,
+        threads: usize,
+        watch: &mut Watch<'_>,
+    ) -> Result<ClipStream, Error> {
+        let network = self.window.backbone(weights, threads)?.load(watch)?;
+        let preprocessing = self.window.preprocessing(Crops::Centre)?;
+        let Window { length, .. } = self.window;
+        ClipStream::new(network, length, preprocessing, Some(self.head.clone()))
     }
 
     /// The mean probability of each class over views, a row of features each.

@@ -66,7 +66,7 @@ impl ClipParts {
         })?;
         let shares = Shares { validation: 0.0, test: tested / OF_CLASS };
         let parts = split(&labels, &classes, shares, seed)
-            .map_err(|error| Error::unfit(folder.display(), error, ""))?;
+            .map_err(|error| Error::at(folder.display(), error))?;
         let of_names: BTreeMap<String, Part> =
             clips.iter().map(|clip| clip.name.clone()).zip(parts).collect();
         clips.retain(|clip| of_names.get(&clip.name) == Some(&Part::Training));
@@ -82,7 +82,7 @@ impl ClipParts {
         for (label, class) in classes.iter().enumerate() {
             if !clips.iter().any(|clip| clip.label == label) {
                 let found = format!("no clip of the class \"{class}\"");
-                return Err(Error::unfit(list.display(), found, ""));
+                return Err(Error::at(list.display(), found));
             }
         }
         let of_names = clips.iter().map(|clip| (clip.name.clone(), Part::Training)).collect();
@@ -155,6 +155,6 @@ impl ClipParts {
             }
         }
         let rows = concatenate(Axis(0), &rows);
-        Ok((rows.map_err(|error| Error::unfit("features of clips", error, ""))?, labels))
+        Ok((rows.map_err(|error| Error::at("features of clips", error))?, labels))
     }
 }

@@ -46,7 +46,7 @@ impl Window {
         let place = || format!("there is no network \"{}\"", self.network);
         let names = || names::forms().map(|(name, _)| name).join(", ");
         names::form_of(&self.network)
-            .ok_or_else(|| Error::unfit(place(), format_args!("give {}", names()), ""))
+            .ok_or_else(|| Error::at(place(), format_args!("give {}", names())))
     }
 
     /// The network, loaded when it is first asked.

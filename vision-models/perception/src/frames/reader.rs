@@ -65,7 +65,7 @@ impl FramesReader {
         while check.next_entry(|| false)?.is_some() {}
         if check.frames == 0 && (wait.is_zero() || check.ended) {
             let index = folder.join(INDEX);
-            return Err(Error::unfit(index.display(), "it has no frame", ""));
+            return Err(Error::at(index.display(), "it has no frame"));
         }
         begin(wait)
     }
@@ -150,7 +150,7 @@ impl FramesReader {
         let depths = npy::read_array(&array)?;
         let &[height, width] = depths.shape() else {
             let found = format!("its shape is {:?}, not rows × columns", depths.shape());
-            return Err(Error::unfit(array.display(), found, ""));
+            return Err(Error::at(array.display(), found));
         };
         let depths = depths.iter().copied().collect();
         Ok(DepthImage::from_metres([width, height], depths)?)

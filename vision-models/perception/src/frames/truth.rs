@@ -36,13 +36,12 @@ impl TrueFilm {
         let mut frames = Vec::new();
         while let Some(entry) = reader.next_entry(|| false)? {
             while truth.next_if(|percept| percept.time < entry.time - SAME_TIME).is_some() {}
-            match truth.next_if(|percept| percept.time <= entry.time + SAME_TIME) {
-                Some(percept) => frames.push((entry, percept)),
-                None => {
-                    let found = format!("nothing of frame {} at {} s", entry.frame, entry.time);
-                    return Err(Error::unfit(file.display(), found, ""));
-                }
-            }
+            let at_time = truth.next_if(|percept| percept.time <= entry.time + SAME_TIME);
+            let Some(percept) = at_time else {
+                let found = format!("nothing of frame {} at {} s", entry.frame, entry.time);
+                return Err(Error::at(file.display(), found));
+            };
+            frames.push((entry, percept));
         }
         let name = folder.canonicalize().map_err(Error::read(folder))?;
         let name = name.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -60,7 +59,7 @@ impl TrueFilm {
             let twice = films.iter().take(place).any(|other| other.name == film.name);
             if twice {
                 let place = format!("two folders are called \"{}\"", film.name);
-                return Err(Error::unfit(place, "give each another name", ""));
+                return Err(Error::at(place, "give each another name"));
             }
         }
         Ok(films)
@@ -79,7 +78,7 @@ impl TrueFilm {
 pub fn read(file: &Path) -> Result<Vec<Percept>, Error> {
     let named = |error: RecordingError| match error {
         RecordingError::Open { path, source } => Error::Read { path, source },
-        source => Error::Truth { path: file.to_owned(), source },
+        source => Error::Truth { path: file.to_owned(), source: Box::new(source) },
     };
     let reader = percept_recording::open(file).map_err(named)?;
     Ok(Recording::read(reader, IfPartial::Refuse).map_err(named)?.percepts)

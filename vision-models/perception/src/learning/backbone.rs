@@ -4,7 +4,7 @@ use std::{fmt, path::PathBuf};
 
 use ndarray::{Array4, Array5};
 use serde::{Deserialize, Serialize};
-use vision_models::{NetworkKind, Options, ResNet, ResNetDepth, SlowOnly, SlowOnlyForm};
+use vision_models::{NetworkKind, Options, ResNet, ResNetForm, SlowOnly, SlowOnlyForm};
 
 use super::{digest::Digest, random_network::random_network};
 use crate::{error::Error, networks::checkpoint::open_weights, watch::Watch};
@@ -58,7 +58,7 @@ impl WeightsIdentity {
                     return Ok(weights);
                 }
                 let found = format!("these are {own}, but the model was trained with {self}");
-                Err(Error::unfit(shown, found, ""))
+                Err(Error::at(shown, found))
             }
         }
     }
@@ -90,7 +90,7 @@ impl fmt::Display for WeightsIdentity {
 #[derive(Debug)]
 pub struct ImageBackbone {
     weights: Weights,
-    depth: ResNetDepth,
+    form: ResNetForm,
     options: Options,
     side: usize,
     network: Option<ResNet>,
@@ -98,9 +98,9 @@ pub struct ImageBackbone {
 
 impl ImageBackbone {
     /// For square images of this side.
-    pub fn new(weights: Weights, depth: ResNetDepth, side: usize, threads: usize) -> Self {
+    pub fn new(weights: Weights, form: impl Into<ResNetForm>, side: usize, threads: usize) -> Self {
         let options = Options { threads, ..Options::default() };
-        Self { weights, depth, options, side, network: None }
+        Self { weights, form: form.into(), options, side, network: None }
     }
 
     /// The features of a normalised image, N × 3 × side × side: those of the first.
@@ -124,13 +124,13 @@ impl ImageBackbone {
     /// # Errors
     /// As of [`ResNet::load`].
     pub fn load(&self, watch: &mut Watch<'_>) -> Result<ResNet, Error> {
-        let (depth, size, options) = (self.depth, [self.side, self.side], self.options);
+        let (form, size, options) = (self.form, [self.side, self.side], self.options);
         match &self.weights {
-            Weights::File(path) => ResNet::load(depth, open_weights(path, watch)?, size, options)
+            Weights::File(path) => ResNet::load(form, open_weights(path, watch)?, size, options)
                 .map_err(Error::weights(path)),
             Weights::Random(seed) => {
-                let tensors = random_network(NetworkKind::ResNet(depth.into()), *seed)?;
-                Ok(ResNet::load(depth, tensors, size, options)?)
+                let tensors = random_network(NetworkKind::ResNet(form), *seed)?;
+                Ok(ResNet::load(form, tensors, size, options)?)
             }
         }
     }

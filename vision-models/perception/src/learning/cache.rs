@@ -15,7 +15,7 @@ use std::{
 use super::digest::Digest;
 use crate::{
     error::Error,
-    watch::{Event, Watch},
+    watch::{Watch, warn},
 };
 
 const FIRST_LINE: &str = "features 1";
@@ -98,7 +98,7 @@ impl FeatureCache {
     /// Says by a warning where the features so far are.
     pub(crate) fn tell_kept(&self, watch: &mut Watch<'_>) {
         let kept = self.path.display();
-        let _ = watch(Event::Warning(&format_args!("the features so far are kept in {kept}")));
+        warn(watch, format_args!("the features so far are kept in {kept}"));
     }
 
     /// Keeps features, at once also in the file.
@@ -109,7 +109,7 @@ impl FeatureCache {
         let count = u32::try_from(features.len()).ok().filter(|count| *count as usize <= MOST);
         let Some(count) = count else {
             let found = format!("{} features are too many to keep", features.len());
-            return Err(Error::unfit(self.path.display(), found, ""));
+            return Err(Error::at(self.path.display(), found));
         };
         let numbers: Vec<u8> = features.iter().flat_map(|feature| feature.to_le_bytes()).collect();
         let mut bytes = digest.0.to_vec();

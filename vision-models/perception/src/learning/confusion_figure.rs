@@ -50,7 +50,7 @@ pub fn confusion_figure(
 }
 
 fn failed(error: impl Display) -> Error {
-    Error::unfit("the figure", error, "")
+    Error::at("the figure", error)
 }
 
 fn draw_cell(area: &Area<'_>, corner: (i32, i32), cell: i32, percent: f64) -> Result<(), Error> {

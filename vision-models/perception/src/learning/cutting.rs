@@ -56,8 +56,8 @@ pub fn cut(
     let samples: Vec<Sample> = TrueFilm::open_all(films)?.iter().flat_map(samples_of).collect();
     let all = samples.len() as u64;
     if all == 0 {
-        let place = format!("{} folders of frames", films.len());
-        return Err(Error::unfit(place, format!("no {what}"), ""));
+        let place = format!("no {what} in {} folders of frames", films.len());
+        return Err(Error::at(place, "give frames that have some"));
     }
     let mut made = CutOut { output: output.to_owned(), samples: 0, classes: BTreeMap::new() };
     for Sample { class, files } in samples {

@@ -30,11 +30,11 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
         ErrorKind::FileTooLarge => {
             let most = LARGEST >> 20;
             let found = format!("a model's description takes at most {most} MiB");
-            Error::unfit(path.display(), found, "")
+            Error::at(path.display(), found)
         }
         _ => Error::read(path)(error),
     })?;
-    serde_json::from_str(&text).map_err(|error| Error::unfit(path.display(), error, ""))
+    serde_json::from_str(&text).map_err(|error| Error::at(path.display(), error))
 }
 
 /// Checks the version of the format.
@@ -46,5 +46,5 @@ pub fn check_version(path: &Path, version: u32, known: u32) -> Result<(), Error>
         return Ok(());
     }
     let found = format!("version {version} of the format, of which {known} is known");
-    Err(Error::unfit(path.display(), found, ""))
+    Err(Error::at(path.display(), found))
 }

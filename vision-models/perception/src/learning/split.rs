@@ -61,10 +61,11 @@ pub fn split(
         let (test, validation) = (of(shares.test), of(shares.validation));
         let least = 1 + usize::from(test > 0) + usize::from(validation > 0);
         if own.len() < least || own.len() <= test + validation {
-            return Err(Error::unfit(
-                format!("class \"{name}\""),
-                format!("it has {} samples", own.len()),
-                format!("give at least {least}, so that there is one for each part of the split"),
+            return Err(Error::at(
+                format_args!("class \"{name}\" has {} samples", own.len()),
+                format_args!(
+                    "give at least {least}, so that there is one for each part of the split"
+                ),
             ));
         }
         let (of_test, rest) = own.split_at(test);

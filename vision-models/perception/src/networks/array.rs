@@ -63,11 +63,7 @@ impl ArrayNetwork {
                 let network = SlowFast::load(form, tensors, size, options);
                 Ok(Self::TwoSpeeds(network.map_err(refuse)?, clips))
             }
-            _ => Err(Error::unfit(
-                weights.display(),
-                format!("{kind} does not run on one array"),
-                "",
-            )),
+            _ => Err(Error::at(weights.display(), format!("{kind} does not run on one array"))),
         }
     }
 
@@ -106,5 +102,5 @@ fn of_dimension<D: Dimension>(
     expected: &str,
 ) -> Result<Array<f32, D>, Error> {
     let found = format!("an array of shape {:?}, but {expected}", array.shape());
-    array.into_dimensionality().map_err(|_| Error::unfit(input.display(), found, ""))
+    array.into_dimensionality().map_err(|_| Error::at(input.display(), found))
 }

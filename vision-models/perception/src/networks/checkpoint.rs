@@ -7,7 +7,7 @@ use vision_models::{Checkpoint, NetworkKind};
 use crate::{
     error::Error,
     printable::printable,
-    watch::{Event, Watch},
+    watch::{Watch, warn},
 };
 
 /// How many tensors are named that are left out.
@@ -28,9 +28,10 @@ pub fn open_weights(path: &Path, watch: &mut Watch<'_>) -> Result<Checkpoint, Er
     if !names.is_empty() {
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         let (shown, names) = (path.display(), names.join(", "));
-        let _ = watch(Event::Warning(&format_args!(
-            "{shown}: left out, as it is no part of the network: {names}{more}"
-        )));
+        warn(
+            watch,
+            format_args!("{shown}: left out, as it is no part of the network: {names}{more}"),
+        );
     }
     Ok(checkpoint)
 }

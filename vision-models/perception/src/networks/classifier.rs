@@ -3,26 +3,10 @@
 use std::path::Path;
 
 use ndarray::Array4;
-use vision_models::{Options, Orientation, Preprocessing, ResNet, ResNetForm, read_image_oriented};
+use vision_models::{Orientation, Preprocessing, ResNet, read_image_oriented};
 
-use super::{checkpoint::open_weights, decider::Decider};
-use crate::{error::Error, watch::Watch};
-
-/// Loads a ResNet for square images of this side.
-///
-/// # Errors
-/// With the checkpoint's name; one that holds another network says which.
-pub fn load_resnet(
-    weights: &Path,
-    form: impl Into<ResNetForm>,
-    side: usize,
-    threads: usize,
-    watch: &mut Watch<'_>,
-) -> Result<ResNet, Error> {
-    let options = Options { threads, ..Options::default() };
-    ResNet::load(form, open_weights(weights, watch)?, [side, side], options)
-        .map_err(Error::weights(weights))
-}
+use super::decider::Decider;
+use crate::error::Error;
 
 /// What an image goes through.
 #[derive(Debug)]
@@ -36,11 +20,6 @@ impl Classifier {
     /// A network for images that are prepared so. Without deciders its own last layer decides.
     pub fn new(preprocessing: Preprocessing, network: ResNet, deciders: Vec<Decider>) -> Self {
         Self { preprocessing, network, deciders }
-    }
-
-    /// How many classes the network's own last layer has.
-    pub fn classes(&self) -> usize {
-        self.network.classes()
     }
 
     /// Reads an image, this way up, and makes of it what the network sees.

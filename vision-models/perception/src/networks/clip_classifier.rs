@@ -37,11 +37,6 @@ impl ClipClassifier {
         Self { network, preprocessing, head }
     }
 
-    /// How many classes the network's own last layer has.
-    pub fn classes(&self) -> usize {
-        self.network.classes()
-    }
-
     /// The mean over clips of these places among the frames; over those so far where the call-back ends it.
     ///
     /// # Errors

@@ -41,7 +41,7 @@ pub fn read_clip(
             let found = format!(
                 "{own_height} × {own_width} pixels, but the clip's first frame has {height} × {width}"
             );
-            return Err(Error::unfit(path.display(), found, ""));
+            return Err(Error::at(path.display(), found));
         }
         clip.index_axis_mut(Axis(2), index).assign(&crops);
     }

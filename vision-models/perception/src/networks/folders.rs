@@ -6,7 +6,7 @@ use vision_models::ImageFolder;
 
 use crate::{
     error::Error,
-    watch::{Event, Watch},
+    watch::{Watch, warn},
 };
 
 /// An image of a known class.
@@ -45,14 +45,17 @@ pub fn list_classes(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<String>,
         }
     }
     if classes.len() < 2 {
-        let found = format!("{} folders with images", classes.len());
-        return Err(Error::unfit(shown, found, "give one for each of at least two classes"));
+        let count = classes.len();
+        let found =
+            format!("{count} folders with images, give one for each of at least two classes");
+        return Err(Error::at(shown, found));
     }
     if !found.images.is_empty() {
         let count = found.images.len();
-        let _ = watch(Event::Warning(&format_args!(
-            "{shown}: left out {count} images beside the folders of the classes"
-        )));
+        warn(
+            watch,
+            format_args!("{shown}: left out {count} images beside the folders of the classes"),
+        );
     }
     classes.sort();
     Ok(classes)
@@ -84,15 +87,13 @@ pub fn images_in(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<PathBuf>, E
     let shown = folder.display();
     if images.is_empty() {
         return Err(if others.is_empty() {
-            Error::unfit(shown, "no JPEG or PNG files", "")
+            Error::at(shown, "no JPEG or PNG files")
         } else {
             Error::unfit(shown, format!("no JPEG or PNG files, but {others}"), "convert them")
         });
     }
     if !others.is_empty() {
-        let _ = watch(Event::Warning(&format_args!(
-            "{shown}: left out {others}: only JPEG and PNG are read"
-        )));
+        warn(watch, format_args!("{shown}: left out {others}: only JPEG and PNG are read"));
     }
     Ok(images)
 }
@@ -137,7 +138,7 @@ impl Unreadable {
             return Err(error);
         }
         self.count += 1;
-        let _ = watch(Event::Warning(&format_args!("left out: {error}")));
+        warn(watch, format_args!("left out: {error}"));
         Ok(())
     }
 }

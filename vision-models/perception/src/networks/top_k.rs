@@ -55,6 +55,6 @@ pub fn check_names(file: &Path, names: &ClassNames, classes: usize) -> Result<()
     if count == classes {
         return Ok(());
     }
-    let found = format!("it has {count} names, but the network has {classes} classes");
-    Err(Error::unfit(file.display(), found, ""))
+    let found = format!("{count} names, but the network has {classes} classes");
+    Err(Error::at(file.display(), found))
 }

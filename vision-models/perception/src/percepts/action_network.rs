@@ -3,17 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use moca_model::Intention;
-use vision_models::{
-    Action, ClassNames, Confidence, Options, RecognisedAction, SlowOnly, SlowOnlyForm,
-};
+use vision_models::{Action, ClassNames, Confidence, RecognisedAction, SlowOnlyForm};
 
 use crate::{
     actions::model::ActionModel,
     error::Error,
-    networks::{
-        clip_stream::{ClipStream, preprocessing_of},
-        open_weights,
-    },
+    learning::backbone::{ClipBackbone, Weights},
+    networks::clip_stream::{ClipStream, preprocessing_of},
     watch::Watch,
 };
 
@@ -62,9 +58,8 @@ impl ActionNetwork {
         let actions = actions.and_then(|names| names.actions()).map_err(names_of)?;
         let preprocessing = preprocessing_of(form);
         let size = [length, preprocessing.crop, preprocessing.crop];
-        let options = Options { threads, ..Options::default() };
-        let network = SlowOnly::load(form, open_weights(weights, watch)?, size, options)
-            .map_err(Error::weights(weights))?;
+        let network =
+            ClipBackbone::new(Weights::File(weights.into()), form, size, threads).load(watch)?;
         let (classes, count) = (network.classes(), actions.len());
         if classes != count {
             let found = format!("the network has {classes} classes, and there are {count} names");

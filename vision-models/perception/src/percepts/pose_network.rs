@@ -85,7 +85,7 @@ impl PoseSource for PoseNetwork {
             let [width, height] = size;
             let found =
                 format!("{columns} × {rows} pixels, but the depth image has {width} × {height}");
-            return Err(Error::unfit(frame.colour.display(), found, ""));
+            return Err(Error::at(frame.colour.display(), found));
         }
         match &mut self.network {
             Network::OpenPose(network) => {

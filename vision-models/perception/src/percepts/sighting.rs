@@ -72,10 +72,9 @@ impl Sightings {
                 format!("half of them are nearer than {median} m"),
                 "check depth_scale in camera.json, which is what a unit of the depth images is in metres",
             )),
-            None => Err(Error::unfit(
+            None => Err(Error::at(
                 format!("{seen}, but at none of them is there a depth in the depth images"),
                 "joints are pixels of the depth image, as large as camera.json says",
-                "",
             )),
         }
     }

@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use vision_models::{
-    Confidence, LinearHead, LinearSvm, RecognisedSurface, ResNet, ResNetDepth, Surface, read_image,
-    softmax,
+    Confidence, RecognisedSurface, ResNet, ResNetDepth, Surface, read_image, softmax,
 };
 
 use crate::{
     error::Error,
-    learning::backbone::ImageBackbone,
-    networks::classifier::load_resnet,
+    learning::backbone::{ImageBackbone, Weights},
+    networks::decider::Decider,
     surface::{features::PREPROCESSING, model::SurfaceModel},
     watch::Watch,
 };
@@ -24,20 +23,12 @@ pub enum SurfaceDecision {
     Head,
 }
 
-/// What makes a surface of an image.
-#[derive(Clone, Debug)]
-enum Decision {
-    /// The network's own last layer.
-    Own,
-    Svm(LinearSvm),
-    Head(LinearHead),
-}
-
 /// Recognises the surface in an image of the on-board camera (paper, Experiment 1).
 #[derive(Debug)]
 pub struct SurfaceNetwork {
     network: ResNet,
-    decision: Decision,
+    /// In place of the network's own last layer.
+    decider: Option<Decider>,
     /// Of each class.
     surfaces: Vec<Surface>,
 }
@@ -53,7 +44,9 @@ impl SurfaceNetwork {
         threads: usize,
         watch: &mut Watch<'_>,
     ) -> Result<Self, Error> {
-        let network = load_resnet(weights, depth, PREPROCESSING.crop, threads, watch)?;
+        let network =
+            ImageBackbone::new(Weights::File(weights.into()), depth, PREPROCESSING.crop, threads)
+                .load(watch)?;
         let classes = network.classes();
         if classes != 2 {
             let found = format!("the network has {classes} classes, not drilled and smooth");
@@ -61,7 +54,7 @@ impl SurfaceNetwork {
             return Err(Error::unfit(weights.display(), found, wanted));
         }
         let surfaces = vec![Surface::Drilled, Surface::Smooth];
-        Ok(Self { network, decision: Decision::Own, surfaces })
+        Ok(Self { network, decider: None, surfaces })
     }
 
     /// Loads what `surface train` has trained, over the network that it was trained with: the one of this depth, if
@@ -88,11 +81,11 @@ impl SurfaceNetwork {
         let weights = own.weights.weights(weights, watch)?;
         let network =
             ImageBackbone::new(weights, own.depth, PREPROCESSING.crop, threads).load(watch)?;
-        let decision = match decision {
-            SurfaceDecision::Svm => Decision::Svm(own.svm),
-            SurfaceDecision::Head => Decision::Head(own.head),
-        };
-        Ok(Self { network, decision, surfaces })
+        let decider = Some(match decision {
+            SurfaceDecision::Svm => Decider::Svm(own.svm),
+            SurfaceDecision::Head => Decider::Head(own.head),
+        });
+        Ok(Self { network, decider, surfaces })
     }
 
     /// The surface in an image file. The confidence of an SVM is the logistic function of its decision,
@@ -108,10 +101,10 @@ impl SurfaceNetwork {
             let class = vision_models::top_k(probabilities, 1).first().copied().unwrap_or_default();
             (class, probabilities.get(class).copied().unwrap_or_default().into())
         };
-        let (class, probability) = match &self.decision {
-            Decision::Own => of(&softmax(&scores.logits.row(0).to_vec())),
-            Decision::Head(head) => of(&softmax(&head.scores(features)?.to_vec())),
-            Decision::Svm(svm) => {
+        let (class, probability) = match &self.decider {
+            None => of(&softmax(&scores.logits.row(0).to_vec())),
+            Some(Decider::Head(head)) => of(&softmax(&head.scores(features)?.to_vec())),
+            Some(Decider::Svm(svm)) => {
                 let decision = svm.decide(features)?.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
                 (svm.classify(features)?, 1.0 / (1.0 + (-decision).exp()))
             }

@@ -123,7 +123,7 @@ impl FeatureSource {
         }
         let _ = watch(Event::Progress { what: &what, done: all, all });
         let rows = Array2::from_shape_vec((labels.len(), width), rows)
-            .map_err(|error| Error::unfit(what, error, ""))?;
+            .map_err(|error| Error::at(what, error))?;
         Ok(Some(Features { rows, labels, paths }))
     }
 

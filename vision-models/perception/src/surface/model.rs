@@ -136,7 +136,7 @@ impl SurfaceModel {
             .map(|NetworkDescription { depth, weights }| {
                 let Some(depth) = depth_of(&depth.to_string()) else {
                     let found = format!("no ResNet has {depth} layers");
-                    return Err(Error::unfit(path.display(), found, ""));
+                    return Err(Error::at(path.display(), found));
                 };
                 let name = name_of(depth);
                 let file = folder.join(format!("{name}-head.safetensors"));
@@ -147,7 +147,7 @@ impl SurfaceModel {
                 let svm = LinearSvm::read(&file).map_err(Error::content(&file))?;
                 if svm.classes() != classes {
                     let found = format!("its classes are not those of {}", path.display());
-                    return Err(Error::unfit(file.display(), found, ""));
+                    return Err(Error::at(file.display(), found));
                 }
                 Ok(OverNetwork { depth, weights, head, svm })
             })
@@ -166,7 +166,7 @@ impl SurfaceModel {
         part: Option<Part>,
         watch: &mut Watch<'_>,
     ) -> Result<Vec<LabelledImage>, Error> {
-        let refuse = |found: String| Error::unfit(folder.display(), found, "");
+        let refuse = |found: String| Error::at(folder.display(), found);
         let (classes, own) = (list_classes(folder, watch)?, self.classes.join(", "));
         if let Some(class) = classes.iter().find(|class| !self.classes.contains(class)) {
             let found =

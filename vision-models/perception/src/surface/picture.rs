@@ -17,7 +17,7 @@ pub fn picture(surface: Surface, side: u16, seed: u64, stream: u64) -> Result<Ve
     let (mut png, side) = (Vec::new(), u32::from(side));
     PngEncoder::new(&mut png)
         .write_image(&pixels, side, side, ExtendedColorType::Rgb8)
-        .map_err(|error| Error::unfit("a picture", error, ""))?;
+        .map_err(|error| Error::at("a picture", error))?;
     Ok(png)
 }
 

@@ -56,7 +56,7 @@ impl ImageParts {
         let images = list_images(folder, &classes, watch)?;
         let labels: Vec<usize> = images.iter().map(|image| image.label).collect();
         let parts = split(&labels, &classes, Shares::SURFACE, seed)
-            .map_err(|error| Error::unfit(folder.display(), error, ""))?;
+            .map_err(|error| Error::at(folder.display(), error))?;
         let (mut training, mut validation, mut of_paths) = (vec![], vec![], BTreeMap::new());
         for (image, part) in images.into_iter().zip(parts) {
             of_paths.insert(path_within(folder, &image.path), part);
@@ -95,11 +95,7 @@ impl ImageParts {
         for (label, class) in self.classes.iter().enumerate() {
             if !training.labels.contains(&label) {
                 let folder = self.folder.join(class);
-                return Err(Error::unfit(
-                    folder.display(),
-                    "no image to train with can be read",
-                    "",
-                ));
+                return Err(Error::at(folder.display(), "no image to train with can be read"));
             }
         }
         let name = name_of(depth);
@@ -112,7 +108,7 @@ impl ImageParts {
                 stopped = watch(Event::Progress { what: &what, done, all }).is_break();
                 !stopped
             })
-            .map_err(|error| Error::unfit(format_args!("the {what}"), error, ""))?;
+            .map_err(|error| Error::at(format_args!("the {what}"), error))?;
         if stopped {
             return Err(Error::Stopped);
         }
