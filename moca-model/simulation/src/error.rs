@@ -2,6 +2,7 @@
 
 use std::{io, path::PathBuf};
 
+use moca_replay::recorded::ReplayError;
 use percept_recording::RecordingError;
 
 /// Why something cannot be simulated: what was wrong, where, and what would be right.
@@ -84,12 +85,9 @@ pub enum Error {
     /// The system gives no threads.
     #[error("cannot start the threads that play the cases")]
     Threads(#[source] rayon::ThreadPoolBuildError),
-    /// The controller refuses something.
+    /// The controller or the robot's model refuses something.
     #[error(transparent)]
     Controller(#[from] moca_model::Error),
-    /// The robot's model refuses something.
-    #[error(transparent)]
-    Robot(#[from] whole_body::Error),
     /// The shared workspace refuses something.
     #[error(transparent)]
     Workspace(#[from] hrsw::Error),
@@ -104,8 +102,26 @@ pub enum Error {
     Recording(#[from] RecordingError),
     /// The person cannot be perceived.
     #[error(transparent)]
-    Perception(#[from] human_perception::Error),
+    Perception(Box<human_perception::Error>),
     /// A run cannot be recorded or shown.
     #[error(transparent)]
-    Replay(#[from] moca_replay::recorded::ReplayError),
+    Replay(Box<ReplayError>),
+}
+
+impl From<whole_body::Error> for Error {
+    fn from(error: whole_body::Error) -> Self {
+        Self::Controller(error.into())
+    }
+}
+
+impl From<human_perception::Error> for Error {
+    fn from(error: human_perception::Error) -> Self {
+        Self::Perception(Box::new(error))
+    }
+}
+
+impl From<ReplayError> for Error {
+    fn from(error: ReplayError) -> Self {
+        Self::Replay(Box::new(error))
+    }
 }
