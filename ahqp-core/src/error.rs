@@ -38,9 +38,9 @@ pub enum Error {
     /// A number of a problem is NaN, infinite where only finite numbers make sense, or so large that its
     /// square overflows.
     #[error(
-        "{}: {what}{} is {got:e}; {wanted}",
+        "{}{}: {what} is {got:e}; {wanted}",
         .names.label(*.source_of_row),
-        entry.map(|i| format!(", entry {i},")).unwrap_or_default()
+        entry.map(|i| format!(", entry {i}")).unwrap_or_default()
     )]
     Datum {
         /// The offending item.

@@ -44,7 +44,7 @@ fn errors_name_what_they_speak_of() {
                 problem.rows_mut(first(problem))?.row_mut(1)?[0] = f64::NAN;
                 Ok(())
             },
-            "(objective row 1 \"y\" of level 0 \"reach\", entry 0)",
+            "objective row 1 \"y\" of level 0 \"reach\", entry 0: the matrix is NaN",
         ),
         (
             |problem| problem.rows_mut(first(problem))?.set_targets(&[0.0, 1e200]),
