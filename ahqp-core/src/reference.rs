@@ -170,7 +170,7 @@ impl Cascade {
             let slack = slack * (1.0 + value.abs());
             lower == upper || value > upper + slack || value < lower - slack
         };
-        let row = |i: usize| task.matrix.row(i).transpose().to_owned();
+        let row = |i: usize| task.matrix.row(i).transpose();
         let (stacked, ranges): (Vec<_>, Vec<_>) = (0..values.nrows()).partition(|&i| is_stacked(i));
         self.equalities.extend(stacked.into_iter().map(row));
         for i in ranges {

@@ -43,7 +43,7 @@ impl<'a> LevelProgram<'a> {
         let nullspace = &cascade.nullspace;
         let matrix = &task.matrix;
         let mut b = matrix * nullspace;
-        for (i, size) in row_norms(&matrix).into_iter().enumerate() {
+        for (i, size) in row_norms(matrix).into_iter().enumerate() {
             if b.row(i).norm() <= DEPENDENT * size {
                 b.row_mut(i).fill(0.0);
             }
