@@ -57,7 +57,7 @@ pub mod testing;
 pub use certificate::{Certificate, CertificateResiduals};
 pub use error::Error;
 pub use kinematics::clik::{
-    AugmentedClik, AugmentedState, Clik, PoseAxes, integrate_pose, pose_error,
+    AugmentedClik, AugmentedRow, AugmentedState, Clik, PoseAxes, integrate_pose, pose_error,
 };
 pub use kinematics::damping::Damping;
 pub use kinematics::rotation::{left_jacobian_inverse, rotation_log};

@@ -258,6 +258,22 @@ impl Clik {
     }
 }
 
+/// One row of the augmented inverse kinematics, J q̇ − (1 + k Δt) ẋ_d = k e (the paper's eq. 4).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AugmentedRow {
+    /// The coefficient of ẋ_d, −(1 + k Δt) \[-\].
+    pub desired: f64,
+    /// The right side, k e \[m/s or rad/s\].
+    pub target: f64,
+}
+
+impl AugmentedRow {
+    /// The row for a gain k \[1/s\], the control period Δt \[s\] and the error x_d(t−1) − x_a of its coordinate.
+    pub fn new(gain: f64, period: f64, error: f64) -> Self {
+        Self { desired: -(1.0 + gain * period), target: gain * error }
+    }
+}
+
 /// The augmented inverse kinematics, min ‖[J −(I + K_p Δt) 0] χ − K_p (x_d(t−1) − x_a)‖²
 /// (the paper's eq. 4), of the coordinates that the task controls.
 ///
@@ -315,10 +331,10 @@ impl AugmentedClik {
         self.clik.write_jacobian(jacobian, self.state.len(), rows)?;
         let desired = self.state.desired_velocity().start;
         for (index, axis) in self.clik.axes.iter().enumerate() {
-            let gain = self.clik.gain[axis];
-            rows.row_mut(index)?[desired + index] = -(1.0 + gain * self.period);
-            rows.lower_mut()[index] = gain * error[axis];
-            rows.upper_mut()[index] = gain * error[axis];
+            let row = AugmentedRow::new(self.clik.gain[axis], self.period, error[axis]);
+            rows.row_mut(index)?[desired + index] = row.desired;
+            rows.lower_mut()[index] = row.target;
+            rows.upper_mut()[index] = row.target;
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! A frame after a desired pose whose velocity is itself a variable.
 
-use ahqp_core::{PoseAxes, pose_error};
+use ahqp_core::{AugmentedRow, PoseAxes, pose_error};
 use nalgebra::{Isometry3, Matrix6xX, Vector3, Vector6};
 
 use super::input::TaskInput;
@@ -150,8 +150,9 @@ impl Task for AugmentedFrameTask {
             let (what, expected) =
                 ("the list of variables up to those of the desired twist", own.len());
             let entry = own.get_mut(variable).ok_or(Error::WrongSize { what, expected, got })?;
-            *entry = -(1.0 + gain * period);
-            rows.set_target(row, gain * error[axis]);
+            let clik = AugmentedRow::new(gain, period, error[axis]);
+            *entry = clik.desired;
+            rows.set_target(row, clik.target);
         }
         Ok(())
     }
