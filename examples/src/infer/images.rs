@@ -59,7 +59,7 @@ enum OrientationOption {
 #[derive(Debug)]
 pub enum ImageNetwork {
     /// With its own last layer.
-    Own(Classifier, Option<ClassNames>),
+    Own(Box<Classifier>, Option<ClassNames>),
     /// The networks of a trained model, each with the names of what decides.
     Model {
         /// The names of the classes.
@@ -119,7 +119,7 @@ impl ImageOptions {
             check_names(file, names, network.classes())?;
         }
         let classifier = Classifier::new(preprocessing, network, Vec::new());
-        Ok(ImageNetwork::Own(classifier, names.map(|(_, names)| names)))
+        Ok(ImageNetwork::Own(Box::new(classifier), names.map(|(_, names)| names)))
     }
 
     /// Loads the networks of a trained model.
