@@ -118,7 +118,7 @@ pub enum RecordingError {
         /// The line.
         line: usize,
         /// Which name.
-        source: vision_models::Error,
+        source: Box<vision_models::Error>,
     },
 }
 

@@ -330,7 +330,7 @@ fn keypoint(line: usize, joint: Body25, value: &Value) -> Result<Option<Keypoint
 fn action(line: usize, label: &Label) -> Result<RecognisedAction, RecordingError> {
     Ok(RecognisedAction {
         action: Action::from_name(&excerpt(&label.name))
-            .map_err(|source| RecordingError::Name { line, source })?,
+            .map_err(|source| RecordingError::Name { line, source: Box::new(source) })?,
         confidence: check::confidence(line, || "the action".to_owned(), label.confidence)?,
     })
 }
@@ -338,7 +338,8 @@ fn action(line: usize, label: &Label) -> Result<RecognisedAction, RecordingError
 fn surface(line: usize, label: &Label) -> Result<RecognisedSurface, RecordingError> {
     let surface: Result<Surface, _> = excerpt(&label.name).parse();
     Ok(RecognisedSurface {
-        surface: surface.map_err(|source| RecordingError::Name { line, source })?,
+        surface: surface
+            .map_err(|source| RecordingError::Name { line, source: Box::new(source) })?,
         confidence: check::confidence(line, || "the surface".to_owned(), label.confidence)?,
     })
 }

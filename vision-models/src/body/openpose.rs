@@ -76,20 +76,20 @@ impl ImageBody {
     /// and for other models with what would be right.
     pub fn from_openpose(json: &[u8]) -> Result<Vec<Self>, Error> {
         if json.len() > LARGEST {
-            return Err(refuse(format!("{} bytes, at most {LARGEST} are read", json.len())));
+            return Err(refuse(&format!("{} bytes, at most {LARGEST} are read", json.len())));
         }
         let File { people } = serde_json::from_slice(json)
-            .map_err(|error| refuse(Excerpt(&error.to_string()).to_string()))?;
+            .map_err(|error| refuse(&Excerpt(&error.to_string()).to_string()))?;
         if people.count > Self::MAX_PEOPLE {
             let (found, most) = (people.count, Self::MAX_PEOPLE);
-            return Err(refuse(format!("{found} people, at most {most} are read")));
+            return Err(refuse(&format!("{found} people, at most {most} are read")));
         }
         people.first.iter().enumerate().map(|(index, text)| person(index, text)).collect()
     }
 }
 
 fn person(index: usize, text: &RawValue) -> Result<ImageBody, Error> {
-    let refuse = |problem: &str| refuse(format!("person {index} (from 0) has {problem}"));
+    let refuse = |problem: &str| refuse(&format!("person {index} (from 0) has {problem}"));
     let numbers = serde_json::from_str(text.get())
         .ok()
         .and_then(|Person { pose_keypoints_2d, pose_keypoints }| {
@@ -153,7 +153,7 @@ fn keypoint(values: &[&RawValue; 3]) -> Result<Option<ImageKeypoint>, String> {
     Ok(Some(ImageKeypoint { position: Point2::new(x, y), confidence }))
 }
 
-fn refuse(problem: String) -> Error {
+fn refuse(problem: &str) -> Error {
     let wanted = "give an object with \"people\", each with \"pose_keypoints_2d\" of 75 (BODY_25) or 54 \
                   (COCO-18) numbers x, y, confidence";
     Error::malformed("no OpenPose JSON", format!("{problem}; {wanted}"))
