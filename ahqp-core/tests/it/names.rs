@@ -48,7 +48,7 @@ fn errors_name_what_they_speak_of() {
         ),
         (
             |problem| problem.rows_mut(first(problem))?.set_targets(&[0.0, 1e200]),
-            "objective row 1 \"y\" of level 0 \"reach\" holds 1e200",
+            "objective row 1 \"y\" of level 0 \"reach\": its largest number is 1e200",
         ),
         (
             |problem| {

@@ -6,12 +6,12 @@ use std::{
     process::ExitCode,
 };
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use clap::Parser;
 use examples::program::{self, Ending, Interrupt, Json, OutputFile, Program, Quiet, Session};
 use human_perception::{networks::open_checkpoint, printable};
 use serde::Serialize;
-use vision_models::{Checkpoint, NetworkKind};
+use vision_models::{Checkpoint, Error, NetworkKind};
 
 /// Prints what a checkpoint holds and writes its tensors as safetensors.
 ///
@@ -62,7 +62,11 @@ impl Program for Arguments {
             let mut writer = UntilInterrupt { file, interrupt: session.interrupt().clone() };
             let written = checkpoint.write_safetensors(&mut writer);
             session.interrupt().check()?;
-            written.with_context(|| self.input.display().to_string())?;
+            written.map_err(|error| match error {
+                // It names the file that is written.
+                Error::File { .. } => anyhow::Error::from(error),
+                error => anyhow::anyhow!("{}: {error}", self.input.display()),
+            })?;
             writer.file.keep()?;
         }
         session.conclude(self.json, &contents, Ending::Complete)

@@ -83,7 +83,7 @@ fn films_that_cannot_be_cut_are_named() {
     fs::write(folder.path().join("drilling/truth.jsonl"), lines).unwrap();
     fs::create_dir_all(&output).unwrap();
     fs::write(format!("{output}/own"), "").unwrap();
-    refused(&[&film], "clips: there are files already; give a new folder");
+    refused(&[&film], "clips: there are files already: give a new folder");
 }
 
 #[cfg(unix)]

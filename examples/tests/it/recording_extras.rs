@@ -66,7 +66,12 @@ fn what_is_wrong_with_another_person_is_said_of_them() {
         reader.next().unwrap().unwrap_err().to_string()
     };
     let few = error("null,null");
-    assert!(few.starts_with("line 2: 2 keypoints") && few.contains("other person 2"), "{few}");
+    assert!(
+        few.starts_with(
+            "line 2: the number of keypoints of other person 2 in the frame is 2: give the 25"
+        ),
+        "{few}"
+    );
     let far = error(&nobody.replacen("null", "[0.0,1500.0,0.9,0.5]", 1));
     assert!(far.contains("1500") && far.ends_with("(of other person 2 in the frame)"), "{far}");
     // As the writer says it.

@@ -126,5 +126,5 @@ fn bad_settings_of_space_clock_and_leash_are_named() {
     check(&|s| s.space.margin = -1e-3, "space.margin");
     check(&|s| s.space.margin = f64::NAN, "space.margin");
     check(&|s| s.space.turn.y = 0.01, "space.margin");
-    assert_eq!(named.len(), 13);
+    assert_eq!(named.len(), 12);
 }

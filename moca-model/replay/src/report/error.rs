@@ -7,6 +7,14 @@ pub enum ReportError {
     /// The table cannot be written on.
     #[error(transparent)]
     Table(#[from] csv::Error),
+    /// A row of other joints than the table has.
+    #[error("a row has {got} joints: give the {wanted} of the table")]
+    Joints {
+        /// How many the row has.
+        got: usize,
+        /// How many the table has.
+        wanted: usize,
+    },
     /// A figure cannot be drawn.
     #[error("cannot draw the figure: {0}")]
     Figure(String),

@@ -32,6 +32,7 @@ pub const MOCA_COLUMNS: [(&str, &str); 10] = [
 #[derive(Debug)]
 pub struct TickTable<W: Write> {
     writer: csv::Writer<W>,
+    joints: usize,
     cell: Vec<u8>,
 }
 
@@ -43,15 +44,21 @@ impl<W: Write> TickTable<W> {
     pub fn new(output: W, joints: &[(&str, &str)]) -> Result<Self, ReportError> {
         let mut writer = csv::Writer::from_writer(output);
         writer.write_record(header(joints))?;
-        Ok(Self { writer, cell: Vec::new() })
+        Ok(Self { writer, joints: joints.len(), cell: Vec::new() })
     }
 
     /// Writes a tick, with six decimals: micrometres and microradians.
     ///
     /// # Errors
-    /// [`ReportError::Table`], also for a row of another number of joints than the header has.
+    /// [`ReportError::Table`]; [`ReportError::Joints`] for a row of other joints than the header has, of which
+    /// nothing is written.
     pub fn write(&mut self, row: &TickRow) -> Result<(), ReportError> {
         let TickRow { desired, actual, workspace_min, workspace_max, q, qdot, slack, .. } = row;
+        for got in [q.len(), qdot.len()] {
+            if got != self.joints {
+                return Err(ReportError::Joints { got, wanted: self.joints });
+            }
+        }
         self.number(row.time)?;
         for value in [desired, actual, workspace_min, workspace_max].into_iter().flatten() {
             self.number(*value)?;

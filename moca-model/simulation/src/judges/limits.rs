@@ -76,7 +76,7 @@ impl Margins {
 ///
 /// ```
 /// use moca_model::{ControllerSettings, MOCA_HOME, moca};
-/// use crate::judges::LimitMonitor;
+/// use moca_simulation::judges::LimitMonitor;
 ///
 /// let monitor = LimitMonitor::new(&moca()?, &ControllerSettings::default(), &MOCA_HOME);
 /// assert_eq!(monitor.margins().worst(), 1.0);
@@ -230,7 +230,7 @@ impl LimitMonitor {
 /// torque rate.
 ///
 /// ```
-/// use crate::judges::TorqueMonitor;
+/// use moca_simulation::judges::TorqueMonitor;
 /// use moca_model::whole_body::Compensation;
 /// use moca_model::{TorqueLoopSettings, moca};
 ///

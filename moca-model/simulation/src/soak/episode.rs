@@ -262,7 +262,12 @@ impl Episode {
                 self.passers_by.iter_mut().for_each(|person| person.show(tick, &error));
             }
             // The loop goes on without the frames that the controller refuses.
-            if disturbance.is_none() && now > self.ended + ACKNOWLEDGED {
+            let jumped = matches!(
+                taken,
+                // A camera that is turned moves everybody at once.
+                Err(Error::Controller(moca_model::Error::BodySpeed { .. }))
+            );
+            if disturbance.is_none() && now > self.ended + ACKNOWLEDGED && !jumped {
                 taken?;
             }
         }
