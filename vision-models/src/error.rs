@@ -61,9 +61,9 @@ pub enum Error {
     #[error("{}", WeightsMessage { network, found, lists: [missing, surplus, misshapen] })]
     Weights {
         /// The network that was to be loaded, if it is one of this crate.
-        network: Option<String>,
+        network: Option<Box<str>>,
         /// The network that the checkpoint holds, if it is a known one.
-        found: Option<String>,
+        found: Option<Box<str>>,
         /// Names and shapes of tensors that the network needs and the checkpoint lacks.
         missing: Vec<String>,
         /// Names of tensors that the network has no place for.
@@ -158,8 +158,8 @@ fn place(path: &str) -> String {
 /// What is wrong with a checkpoint, in a few lines.
 #[cfg(feature = "inference")]
 struct WeightsMessage<'a> {
-    network: &'a Option<String>,
-    found: &'a Option<String>,
+    network: &'a Option<Box<str>>,
+    found: &'a Option<Box<str>>,
     /// Missing, surplus, misshapen.
     lists: [&'a [String]; 3],
 }

@@ -120,7 +120,7 @@ impl Error {
         move |source| match source {
             vision_models::Error::Weights { found: Some(ref name), .. } => {
                 let mut kinds = NetworkKind::all().into_iter();
-                match kinds.find(|kind| kind.to_string() == *name) {
+                match kinds.find(|kind| kind.to_string() == **name) {
                     Some(found) => Self::OtherNetwork { path: path.to_owned(), found },
                     None => Self::content(path)(source),
                 }

@@ -109,7 +109,7 @@ impl NetworkKind {
         let fit = program.fit(&*tensors).map_err(|misfit| {
             let Misfit { missing, surplus, misshapen } = misfit;
             let [network, found] =
-                [Some(self), Self::of(&*tensors)].map(|kind| Some(kind?.to_string()));
+                [Some(self), Self::of(&*tensors)].map(|kind| Some(kind?.to_string().into()));
             Error::Weights { network, found, missing, surplus, misshapen }
         })?;
         Network::of_program(program, Box::new(Fitted::new(tensors, fit)), size, options)
