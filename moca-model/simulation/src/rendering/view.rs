@@ -37,7 +37,7 @@ const FOCAL: f64 = 615.0 / 640.0;
 /// The camera of the simulation: a RealSense D435i, with images of this width and height (pixels).
 ///
 /// # Errors
-/// [`Error::Setting`] for a size that is none.
+/// [`Error::Value`] for a size that is none.
 pub fn simulated_camera(viewpoint: Viewpoint, size: [usize; 2]) -> Result<Camera, Error> {
     let [width, height] = size.map(|side| side as f64);
     let focal = FOCAL * width;
