@@ -305,7 +305,9 @@ fn a_checkpoint_of_another_network_is_recognised() {
         let fifty = ResNetDepth::Fifty;
         let error = ResNet::load(fifty, shapes(kind, 7), [224, 224], options(1)).unwrap_err();
         assert_eq!(error.to_string(), format!("the checkpoint is a {kind}, not a ResNet-50"));
-        assert!(matches!(error, Error::Weights { found, .. } if found == Some(kind.to_string().into())));
+        assert!(
+            matches!(error, Error::Weights { found, .. } if found == Some(kind.to_string().into()))
+        );
     }
     let names: std::collections::BTreeSet<_> =
         NetworkKind::all().iter().map(ToString::to_string).collect();
