@@ -12,7 +12,7 @@
 //! use moca_simulation::run::{Run, Scenario};
 //!
 //! let person = Person::average();
-//! let coarse = MapOptions { spacing: 0.2, ..MapOptions::default() };
+//! let coarse = MapOptions { spacing: 0.1, ..MapOptions::default() };
 //! let map = ErgonomicsMap::build(&person, &coarse, None)?;
 //! let settings = WalkerSettings { duration: 0.5, ..WalkerSettings::default() };
 //! let scenario = Scenario::new(Walker::new(settings)?.collect(), &person, map)?.kinematic();
