@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::shards::{Merged, Part, Shard};
 
-/// Of the program, in files of shards.
+/// Name of the program, in files of shards.
 pub const PROGRAM: &str = "soak";
 
 /// What all shards of a soak share.

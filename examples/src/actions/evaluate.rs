@@ -25,7 +25,7 @@ use crate::{
     vision::choices::with_option,
 };
 
-/// Of the program, in files of shards.
+/// Name of the program, in files of shards.
 pub const PROGRAM: &str = "actions evaluate";
 
 /// Recognises clips of known classes, and prints top-1, top-5, and a report by class and by the paper's three types of
@@ -100,7 +100,7 @@ impl Evaluate {
     /// Measures the recogniser.
     ///
     /// # Errors
-    /// With the folder, the class, the clip or the option that is wrong.
+    /// Names the folder, the class, the clip or the option that is wrong.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         self.output.as_deref().map(check_folder).transpose()?;
         let file = self.shards.create()?;

@@ -82,7 +82,7 @@ impl Train {
     /// Trains, and writes the model.
     ///
     /// # Errors
-    /// With the folder, the class, the clip or the option that is wrong.
+    /// Names the folder, the class, the clip or the option that is wrong.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         check_folder(&self.output)?;
         let watch = &mut session.watch();

@@ -18,7 +18,7 @@ use vision_models::NetworkKind;
 
 /// Runs a network on images, on a folder of frames, or on an array.
 ///
-/// Of each image it prints the five most probable classes, or what a trained model says; of a folder of frames the five
+/// Prints the five most probable classes of each image, or what a trained model says; of a folder of frames the five
 /// most probable actions, the mean over all clips and crops. Of an array it writes the scores with --output, and prints
 /// the median and the minimum time of an inference (of the whole batch) and the rate that the median means, counting the
 /// multiplications and additions of the plain convolutions.

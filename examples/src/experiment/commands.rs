@@ -30,7 +30,7 @@ pub struct Reorientation {
 pub struct Following {
     #[command(flatten)]
     common: Common,
-    /// Of each case (s).
+    /// Length of each case (s).
     #[arg(long, value_name = "SECONDS", default_value_t = 35.0, value_parser = case_duration, conflicts_with = "recording")]
     duration: f64,
 }
@@ -44,7 +44,7 @@ pub struct Following {
 pub struct Subjects {
     #[command(flatten)]
     common: Common,
-    /// Of each case (s), by default a minute. While the robot comes to them all maps are alike, so that people gain less
+    /// Length of each case (s), by default a minute. While the robot comes to them all maps are alike, so that people gain less
     /// by their own in a shorter time.
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = case_duration, conflicts_with = "recording")]
     duration: f64,

@@ -68,7 +68,7 @@ impl ArrayOptions {
     /// Runs the network on an array, writes its scores and prints how long it takes.
     ///
     /// # Errors
-    /// With the file that is wrong.
+    /// Names the file that is wrong.
     pub fn run(
         self,
         (kind, weights): (NetworkKind, &Path),

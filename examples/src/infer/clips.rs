@@ -163,7 +163,7 @@ impl ClipOptions {
     /// Recognises the action in a folder of frames, and prints the most probable classes.
     ///
     /// # Errors
-    /// With the file or the option that is wrong.
+    /// Names the file or the option that is wrong.
     pub fn run(
         self,
         network: ClipNetwork,

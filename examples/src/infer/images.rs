@@ -100,7 +100,7 @@ impl ImageOptions {
     /// Loads a network with its own last layer.
     ///
     /// # Errors
-    /// With the file or the option that is wrong.
+    /// Names the file or the option that is wrong.
     pub fn own(
         self,
         form: ResNetForm,
@@ -125,7 +125,7 @@ impl ImageOptions {
     /// Loads the networks of a trained model.
     ///
     /// # Errors
-    /// With the file or the option that is wrong.
+    /// Names the file or the option that is wrong.
     pub fn model(
         self,
         model: SurfaceModel,

@@ -77,7 +77,7 @@ impl NetworkOptions {
     /// The names of the classes, with their file.
     ///
     /// # Errors
-    /// With the file that cannot be used.
+    /// Names the file that cannot be used.
     pub fn names(&self) -> Result<Option<(&Path, ClassNames)>> {
         let Some(file) = self.names.as_deref() else { return Ok(None) };
         Ok(Some((file, ClassNames::read(file).with_context(|| file.display().to_string())?)))
@@ -86,7 +86,7 @@ impl NetworkOptions {
     /// The network. Nothing but its description is read.
     ///
     /// # Errors
-    /// With the file or the option that is wrong or missing.
+    /// Names the file or the option that is wrong or missing.
     pub fn chosen(&self) -> Result<Chosen> {
         let file = || self.weights.first().map(|(_, file)| file.clone());
         match &self.model {

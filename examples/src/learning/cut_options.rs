@@ -36,7 +36,7 @@ impl CutOptions {
     /// Makes the data set of the samples, `what`, of each film.
     ///
     /// # Errors
-    /// With the folder that is not empty, the frame or the truth that is wrong; no samples.
+    /// Names the folder that is not empty, the frame or the truth that is wrong; no samples.
     pub fn run(
         self,
         session: &mut Session,

@@ -88,7 +88,7 @@ impl Evaluate {
     /// Measures every model.
     ///
     /// # Errors
-    /// With the folder, the class, the image or the option that is wrong.
+    /// Names the folder, the class, the image or the option that is wrong.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         self.output.as_deref().map(check_folder).transpose()?;
         let model = SurfaceModel::read(&self.model)?;

@@ -23,7 +23,7 @@ const ELEMENT: u64 = 4;
 /// hold.
 ///
 /// # Errors
-/// With the file's name, if it cannot be read, is no such array or is cut off.
+/// Names the file's name, if it cannot be read, is no such array or is cut off.
 pub fn read_array(path: &Path) -> Result<ArrayD<f32>, Error> {
     let place = format!("cannot read {} as an f32 array", path.display());
     let file = File::open(path).map_err(|error| error.to_string());

@@ -25,11 +25,11 @@ pub struct Conditions {
 /// What is to be played: all that the results depend on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Job {
-    /// Of everything random.
+    /// Seed of everything random.
     pub seed: u64,
     /// How many random cases are asked for.
     pub cases: u64,
-    /// Of a random case \[s\].
+    /// Length of a random case \[s\].
     pub duration: f64,
     /// What is the same in all cases.
     pub conditions: Conditions,

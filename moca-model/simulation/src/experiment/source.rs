@@ -49,7 +49,7 @@ impl Source {
         }
     }
 
-    /// Of everything random but the person.
+    /// Seed of everything random but the person.
     pub fn seed(&self) -> u64 {
         match self {
             Self::Simulated(walker) => walker.seed,

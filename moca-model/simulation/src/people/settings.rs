@@ -45,7 +45,7 @@ pub struct WalkerSettings {
     /// Of the recording (s). The person goes along the path again and again until it is time to
     /// leave. Default 56.
     pub duration: f64,
-    /// Of everything random. Default 1.
+    /// Seed of everything random. Default 1.
     pub seed: u64,
     /// What the camera makes of it.
     pub camera: CameraSettings,

@@ -28,7 +28,7 @@ impl TrueMotion {
     /// Reads it from a recording of what is true, as `record --truth` writes it.
     ///
     /// # Errors
-    /// With the file's name: it cannot be read, has frames farther apart than 20 ms, or frames without a joint that
+    /// Names the file: it cannot be read, has frames farther apart than 20 ms, or frames without a joint that
     /// distances are measured from.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let of_file =

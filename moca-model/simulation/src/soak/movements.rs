@@ -20,7 +20,7 @@ const TICKS: u64 = 8_000;
 /// Each movement of so many people. The same seed gives the same ticks.
 #[derive(Clone, Debug)]
 pub struct Movements {
-    /// Of everything random.
+    /// Seed of everything random.
     pub seed: u64,
     /// How many people make each movement; every other one works with the robot.
     pub people: u64,

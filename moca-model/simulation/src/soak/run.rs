@@ -49,7 +49,7 @@ pub struct EpisodeResult {
 pub struct EpisodePlan {
     /// Its number, from 0.
     pub number: u64,
-    /// Of everything random in it.
+    /// Seed of everything random in it.
     pub seed: u64,
     /// How many ticks it has.
     pub ticks: u64,

@@ -39,7 +39,7 @@ impl ClipSet {
     /// FOLDER/CLASS/CLIP/frames.
     ///
     /// # Errors
-    /// With the folder that cannot be read, or has too few classes, no clips or a class twice.
+    /// Names the folder that cannot be read, or has too few classes, no clips or a class twice.
     pub fn of_folders(folder: &Path, watch: &mut Watch<'_>) -> Result<Self, Error> {
         let folders = list_classes(folder, watch)?;
         let classes: Vec<String> = folders.iter().map(|class| class_name(class)).collect();
@@ -98,7 +98,7 @@ impl ClipSet {
 /// The frames of a clip, at least `least`.
 ///
 /// # Errors
-/// With the folder, if it has fewer.
+/// Names the folder, if it has fewer.
 pub fn frames_of(
     folder: &Path,
     least: usize,

@@ -85,7 +85,7 @@ impl ActionModel {
     /// Reads one.
     ///
     /// # Errors
-    /// With the file that is not there, not to be read, or does not fit the other.
+    /// Names the file that is not there, not to be read, or does not fit the other.
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(FILE);
         let described: Description = description::read(&path)?;

@@ -52,7 +52,7 @@ impl ClipParts {
     /// 35 are for the test.
     ///
     /// # Errors
-    /// With the folder, the class or the split that cannot be used.
+    /// Names the folder, the class or the split that cannot be used.
     pub fn of_folders(
         folder: &Path,
         number: u8,

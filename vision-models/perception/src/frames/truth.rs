@@ -28,7 +28,7 @@ impl TrueFilm {
     /// Reads the index and the truth.
     ///
     /// # Errors
-    /// With the file that cannot be used, or the frame of which nothing is known.
+    /// Names the file that cannot be used, or the frame of which nothing is known.
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let mut reader = FramesReader::open(folder, std::time::Duration::ZERO)?;
         let file = folder.join(TRUTH);
@@ -74,7 +74,7 @@ impl TrueFilm {
 /// The percepts of a recording of what is true.
 ///
 /// # Errors
-/// With the file's name: it cannot be read, or is not complete.
+/// Names the file: it cannot be read, or is not complete.
 pub fn read(file: &Path) -> Result<Vec<Percept>, Error> {
     let named = |error: RecordingError| match error {
         RecordingError::Open { path, source } => Error::Read { path, source },

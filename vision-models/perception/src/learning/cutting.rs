@@ -40,7 +40,7 @@ pub struct CutOut {
 /// fewer are made where the call-back ends it.
 ///
 /// # Errors
-/// With the folder that is not empty, the frame or the truth that is wrong; no samples.
+/// Names the folder that is not empty, the frame or the truth that is wrong; no samples.
 pub fn cut(
     films: &[PathBuf],
     output: &Path,

@@ -24,7 +24,7 @@ pub fn write(path: &Path, description: &impl Serialize) -> Result<(), Error> {
 /// Reads one.
 ///
 /// # Errors
-/// With the file's name: it cannot be read, is too long, or is no description.
+/// Names the file: it cannot be read, is too long, or is no description.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
     let text = read_text(path, LARGEST).map_err(|error| match error.kind() {
         ErrorKind::FileTooLarge => {

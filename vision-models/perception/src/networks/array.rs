@@ -27,7 +27,7 @@ impl ArrayNetwork {
     /// Reads the array from a `.npy` file, and loads the network for its size.
     ///
     /// # Errors
-    /// With the file that cannot be used; an array of another number of axes than the network takes.
+    /// Names the file that cannot be used; an array of another number of axes than the network takes.
     pub fn load(
         kind: NetworkKind,
         weights: &Path,

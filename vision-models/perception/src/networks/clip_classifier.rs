@@ -40,7 +40,7 @@ impl ClipClassifier {
     /// The mean over clips of these places among the frames; over those so far where the call-back ends it.
     ///
     /// # Errors
-    /// With the name of a frame that cannot be used.
+    /// Names the name of a frame that cannot be used.
     pub fn run(
         &mut self,
         frames: &[PathBuf],

@@ -47,7 +47,7 @@ impl ClipStream {
     /// Takes a frame into the window; the probability of each class, once the window is full.
     ///
     /// # Errors
-    /// With the name of an image that cannot be used.
+    /// Names the name of an image that cannot be used.
     pub fn push(&mut self, path: &Path) -> Result<Option<Vec<f32>>, Error> {
         let image = read_image(path)?;
         let image = self.preprocessing.image(image.view()).map_err(Error::content(path))?;

@@ -16,7 +16,7 @@ use crate::{
 /// ends it.
 ///
 /// # Errors
-/// With the name of a frame that cannot be used or has another size than the first one.
+/// Names the name of a frame that cannot be used or has another size than the first one.
 pub fn read_clip(
     preprocessing: &Preprocessing,
     frames: &[PathBuf],

@@ -22,7 +22,7 @@ pub struct LabelledImage {
 /// a warning.
 ///
 /// # Errors
-/// With the folder's name, if it cannot be read, has too few folders, or one whose name cannot be
+/// Names the folder's name, if it cannot be read, has too few folders, or one whose name cannot be
 /// a class's.
 pub fn list_classes(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<String>, Error> {
     let shown = folder.display();
@@ -64,7 +64,7 @@ pub fn list_classes(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<String>,
 /// The images in the folders of these classes. Files of other types are counted by a warning.
 ///
 /// # Errors
-/// With the folder that cannot be read or has none.
+/// Names the folder that cannot be read or has none.
 pub fn list_images(
     folder: &Path,
     classes: &[String],

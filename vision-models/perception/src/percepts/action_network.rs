@@ -43,7 +43,7 @@ impl ActionNetwork {
     /// Loads a network with its own last layer.
     ///
     /// # Errors
-    /// With the name of the file that does not fit.
+    /// Names the name of the file that does not fit.
     pub fn load(
         settings: &ActionSettings<'_>,
         threads: usize,
@@ -73,7 +73,7 @@ impl ActionNetwork {
     /// Loads what `actions train` has trained, over the network that it was trained with.
     ///
     /// # Errors
-    /// With the file that does not fit; a class that is no action of HRI30.
+    /// Names the file that does not fit; a class that is no action of HRI30.
     pub fn of_model(
         folder: &Path,
         weights: Option<PathBuf>,

@@ -56,7 +56,7 @@ impl SkeletonFolder {
     /// Checks that the folder has a skeleton at least, and learns from it how the files are called.
     ///
     /// # Errors
-    /// With the folder's name.
+    /// Names the folder's name.
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let refuse = |source| Error::Read { path: folder.to_owned(), source };
         let mut first: Option<String> = None;

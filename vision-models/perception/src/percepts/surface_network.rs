@@ -61,7 +61,7 @@ impl SurfaceNetwork {
     /// there are several.
     ///
     /// # Errors
-    /// With the file that does not fit; a class that is no surface.
+    /// Names the file that does not fit; a class that is no surface.
     pub fn of_model(
         folder: &Path,
         (depth, decision): (Option<ResNetDepth>, SurfaceDecision),

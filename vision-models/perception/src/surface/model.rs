@@ -117,7 +117,7 @@ impl SurfaceModel {
     /// Reads one.
     ///
     /// # Errors
-    /// With the file that is not there, not to be read, or does not fit the others.
+    /// Names the file that is not there, not to be read, or does not fit the others.
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(FILE);
         let described: Description = description::read(&path)?;
@@ -159,7 +159,7 @@ impl SurfaceModel {
     /// split, if one is asked for.
     ///
     /// # Errors
-    /// With the folder or the class that does not fit; no image in the part.
+    /// Names the folder or the class that does not fit; no image in the part.
     pub fn images_of(
         &self,
         folder: &Path,

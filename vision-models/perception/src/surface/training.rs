@@ -50,7 +50,7 @@ impl ImageParts {
     /// Splits the images of each class by the seed: 70 % to train with, 20 % for validation, 10 % for the test.
     ///
     /// # Errors
-    /// With the folder or the class that cannot be used.
+    /// Names the folder or the class that cannot be used.
     pub fn of_folder(folder: &Path, seed: u64, watch: &mut Watch<'_>) -> Result<Self, Error> {
         let classes = list_classes(folder, watch)?;
         let images = list_images(folder, &classes, watch)?;
