@@ -55,6 +55,9 @@ pub struct SupervisorSettings {
     /// By how much the protective distance may be undercut before the robot retreats, for noise
     /// \[m\]. Default 0.02.
     pub tolerance: f64,
+    /// How long it must be undercut, for a head that one frame alone shows nearer \[s\]. Until then the robot comes no
+    /// nearer. Default 0.12: two frames and a little.
+    pub retreat_after: f64,
     /// Additional room needed to recover \[m\]. Default 0.1.
     pub hysteresis: f64,
     /// How long the reason must be gone to recover \[s\]. Default 0.5.
@@ -82,6 +85,7 @@ impl Default for SupervisorSettings {
     fn default() -> Self {
         Self {
             tolerance: 0.02,
+            retreat_after: 0.12,
             hysteresis: 0.1,
             dwell: 0.5,
             reduced_age: 0.3,
@@ -102,6 +106,7 @@ impl SupervisorSettings {
     /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         not_negative("supervisor.tolerance", self.tolerance)?;
+        not_negative("supervisor.retreat_after", self.retreat_after)?;
         not_negative("supervisor.hysteresis", self.hysteresis)?;
         not_negative("supervisor.dwell", self.dwell)?;
         positive("supervisor.reduced_age", self.reduced_age)?;
@@ -162,6 +167,8 @@ pub struct Supervisor {
     state: SafetyState,
     cause: Option<Cause>,
     clear_for: f64,
+    /// How long the protective distance has been undercut \[s\].
+    undercut_for: f64,
     waits: bool,
     unacknowledged: Option<Fault>,
     urgent: bool,
@@ -191,6 +198,7 @@ impl Supervisor {
             state,
             cause: None,
             clear_for: 0.0,
+            undercut_for: 0.0,
             waits: false,
             unacknowledged: None,
             urgent: false,
@@ -288,7 +296,17 @@ impl Supervisor {
         if observation.nearest.is_some_and(|pair| pair.room().is_nan()) {
             self.report(Fault::BadData);
         }
+        let tolerance = self.settings.tolerance;
+        let undercut = observation.nearest.filter(|pair| pair.room() < -tolerance);
+        self.undercut_for = if undercut.is_some() { self.undercut_for + period } else { 0.0 };
+        let is_glimpse = self.state < SafetyState::Retreat
+            && self.undercut_for > 0.0
+            && self.undercut_for < self.settings.retreat_after;
         let demanded = self.demand(observation, 0.0);
+        let demanded = demanded.filter(|(state, _)| !(is_glimpse && *state == SafetyState::Retreat));
+        if self.state < SafetyState::Retreat {
+            self.urgent = undercut.is_some_and(|pair| pair.approach > CREEP);
+        }
         let faulty = std::mem::take(&mut self.reported);
         match demanded {
             Some((state, cause)) if state >= self.state => self.enter(state, cause),

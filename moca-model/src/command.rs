@@ -24,6 +24,26 @@ impl Outcome {
     }
 }
 
+/// What the base does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BaseMotion {
+    /// It stands, or comes to rest: the arm alone keeps the tool.
+    Stands,
+    /// It moves as the stack asks for.
+    Drives(DriveReason),
+}
+
+/// Why the base drives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DriveReason {
+    /// The shared workspace moves, or nobody is there whom it stands for.
+    PersonMoves,
+    /// The arm alone is too near to a singular configuration.
+    Reach,
+    /// Somebody is nearer than they may be.
+    Separation,
+}
+
 /// The command of one tick (χ* of the paper's Sec. III-E), and what led to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Command {
@@ -35,6 +55,8 @@ pub struct Command {
     /// The base's velocity in its own frame, (ẋ, ẏ, θ̇) \[m/s, rad/s\]; zero for a robot
     /// without a base.
     pub base_twist: [f64; 3],
+    /// Whether the base stands, or why it does not.
+    pub base_motion: BaseMotion,
     /// x_d.
     pub desired: Isometry3<f64>,
     /// ẋ_d: linear then angular, world axes \[m/s, rad/s\].
@@ -64,6 +86,7 @@ impl Command {
             joint_velocity: vec![0.0; configuration.len()],
             joint_position: configuration.to_vec(),
             base_twist: [0.0; 3],
+            base_motion: BaseMotion::Drives(DriveReason::PersonMoves),
             desired,
             desired_twist: Vector6::zeros(),
             slack: Vector6::zeros(),

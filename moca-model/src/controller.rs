@@ -1,5 +1,6 @@
 //! The control loop: percepts in at camera rate, commands out once a millisecond.
 
+mod base_drive;
 mod coming_to_rest;
 mod holding;
 mod looking;
@@ -29,8 +30,13 @@ use crate::settings::{ControllerSettings, DesiredMotion, Goal};
 use crate::shared_space::SharedSpace;
 use crate::singularity::{SINGULAR, manipulability};
 use crate::stack::{CollaborationStack, GoalTerms, StackInput, StackSettings};
+use base_drive::BaseDrive;
 use looking::SeenSurface;
 use turning::HandTurn;
+
+/// Over how long the commanded place of the base is drawn to the measured one \[s\]: long against the noise of odometry,
+/// short against what wheels slip.
+const ODOMETRY: f64 = 0.15;
 
 /// Ergonomic collaboration with a person: AHQP over the robot, the shared workspace and the
 /// person's ergonomics.
@@ -93,6 +99,9 @@ pub struct Controller {
     object: Option<HeldObject>,
     /// The side of it that the person sees, or is about to.
     shown: BoxSide,
+    base_drive: Option<BaseDrive>,
+    /// What the base may do without haste.
+    gentle: Vec<VelocityInterval>,
     hand_turn: HandTurn,
     seen_surface: SeenSurface,
     interaction: Interaction,
@@ -103,6 +112,8 @@ pub struct Controller {
     /// The base's, as measured last \[rad\].
     yaw: f64,
     speed: f64,
+    /// Whether the last velocities keep the distances from people.
+    keeps_separation: bool,
 }
 
 impl Controller {
@@ -142,12 +153,17 @@ impl Controller {
         };
         let stack = CollaborationStack::new(&robot, &stack, safety.bound(&robot, &rest, &rest)?)?;
         robot.update(&settings.posture.configuration)?;
+        let base_drive = match settings.base {
+            Some(_) => Some(BaseDrive::new(MOCA_BASE_JOINTS, &robot, &settings.posture.configuration)?),
+            None => None,
+        };
         let usual = manipulability(robot.jacobian());
         let usual_manipulability = Some(usual).filter(|usual| *usual > SINGULAR);
         robot.update(configuration)?;
         let tool = *robot.world_from_tool();
         let joint_limits = joint_limits(robot.model())?;
         let desired_limits = desired_limits(&settings.desired)?;
+        let free = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
         Ok(Self {
             space: SharedSpace::new(&settings, &tool)?,
             joint_braking: braking_limits(&joint_limits)?,
@@ -167,6 +183,8 @@ impl Controller {
             fault: None,
             object: None,
             shown: BoxSide::Front,
+            gentle: vec![free; settings.base.map_or(0, |_| MOCA_BASE_JOINTS)],
+            base_drive,
             hand_turn: HandTurn::resting(Vector3::x_axis()),
             seen_surface: SeenSurface::default(),
             interaction: Interaction::default(),
@@ -174,6 +192,7 @@ impl Controller {
             feels: false,
             yaw: 0.0,
             speed: 1.0,
+            keeps_separation: true,
             usual_manipulability,
             clock,
             robot,
@@ -215,7 +234,7 @@ impl Controller {
         // The robot went on at the last velocities for as long as this tick took to come.
         self.integrate(tick.elapsed - period);
         let in_time = !matches!(tick.fault, Some(Fault::Clock(_) | Fault::EarlyTick));
-        let measured = size.is_ok() && self.measure(configuration);
+        let measured = size.is_ok() && self.measure(configuration, tick.elapsed);
         if !measured {
             self.report(Fault::BadMeasurement);
         }
@@ -240,7 +259,7 @@ impl Controller {
 
     /// Takes the measured configuration, and holds the commanded state to it; returns false if it
     /// cannot be used.
-    fn measure(&mut self, configuration: &[f64]) -> bool {
+    fn measure(&mut self, configuration: &[f64], elapsed: f64) -> bool {
         // An error would allocate its message.
         if !self.robot.model().is_configuration(configuration) {
             return false;
@@ -251,7 +270,7 @@ impl Controller {
         else {
             return false;
         };
-        self.reference.copy_from_slice(configuration);
+        self.refer(configuration, following, elapsed);
         let commanded = self.follows_position.iter().zip(&self.command.joint_position);
         for (reference, (follows, commanded)) in self.reference.iter_mut().zip(commanded) {
             if *follows {
@@ -272,6 +291,19 @@ impl Controller {
         true
     }
 
+    /// Where the tasks see the joints: those of the base as commanded, drawn slowly to where they are measured, so that
+    /// no noise of odometry goes into the command.
+    fn refer(&mut self, configuration: &[f64], following: Following, elapsed: f64) {
+        let base = self.settings.base.map_or(0, |_| MOCA_BASE_JOINTS);
+        let base = if following == Following::Follows { base } else { 0 };
+        let drawn = -(-elapsed / ODOMETRY).exp_m1();
+        let joints = self.reference.iter_mut().zip(configuration).zip(&self.command.joint_velocity);
+        for (index, ((reference, measured), velocity)) in joints.enumerate() {
+            let expected = *reference + velocity * elapsed;
+            *reference = if index < base { expected + drawn * (measured - expected) } else { *measured };
+        }
+    }
+
     /// Computes the velocities of a tick; returns false if they cannot be computed.
     fn control(&mut self, times: TickTimes) -> bool {
         let elapsed = times.elapsed;
@@ -286,6 +318,7 @@ impl Controller {
             self.report(Fault::BadData);
             return false;
         }
+        self.decide_base();
         self.write_intervals(times);
         match self.solve() {
             Ok(Status::Solved) => {}
@@ -329,6 +362,14 @@ impl Controller {
         self.command.activation = activation.clamp(0.0, 1.0);
     }
 
+    /// Whether the base stands in this tick.
+    fn decide_base(&mut self) {
+        let Some(drive) = &mut self.base_drive else { return };
+        let hindered = self.command.safety == SafetyState::Retreat || !self.keeps_separation;
+        drive.decide(&self.robot, &self.reference, self.space.is_at_rest(), hindered);
+        self.command.base_motion = drive.motion();
+    }
+
     fn write_intervals(&mut self, times: TickTimes) {
         let slowed = self.singularity_scale();
         let (joints, desired) = self.intervals.split_at_mut(self.reference.len());
@@ -344,6 +385,9 @@ impl Controller {
         let (base, arm) = motion.split_at(base);
         write_intervals(limits.0, base, scale, times, of_base);
         write_intervals(limits.1, arm, scale * slowed, times, of_arm);
+        if let Some(drive) = &self.base_drive {
+            drive.write(&self.command.joint_velocity, times.step, joints, &mut self.gentle);
+        }
         let limits = [&self.joint_limits[..], &self.joint_braking];
         admit_braking(limits, motion, times.step, joints, &mut self.returns);
         for (braking, interval) in self.braking.iter_mut().zip(joints) {
@@ -391,6 +435,7 @@ impl Controller {
             velocity,
             intervals: &self.intervals,
             returns: &self.returns,
+            gentle: &self.gentle,
             safety,
         };
         let solution = self.stack.solve(&mut self.robot, &input)?;
@@ -403,7 +448,8 @@ impl Controller {
         self.command.slack.copy_from_slice(slack);
         // Where not all can be kept at their distances none is weighed against another.
         let velocity = &self.command.joint_velocity;
-        if !self.safety.is_kept_by(&self.robot, velocity, &self.braking) {
+        self.keeps_separation = self.safety.is_kept_by(&self.robot, velocity, &self.braking);
+        if !self.keeps_separation {
             self.go_towards_rest();
         }
         Ok(status)

@@ -72,7 +72,7 @@ mod stack;
 mod torque;
 
 pub use camera_frame::CameraFrame;
-pub use command::{Command, Outcome};
+pub use command::{BaseMotion, Command, DriveReason, Outcome};
 pub use controller::Controller;
 pub use dynamic_robot::{DynamicRobot, DynamicRobotSettings};
 pub use error::Error;

@@ -2,7 +2,7 @@
 
 use ahqp_core::Budget;
 use ergo_map::{Person, Region, Side};
-use hrsw::{Bounds, ClockSettings, FollowerSettings};
+use hrsw::{Bounds, ClockSettings, FollowerSettings, HoldSettings};
 use nalgebra::{UnitQuaternion, Vector3, Vector6};
 use vision_models::TrackerSettings;
 
@@ -234,6 +234,8 @@ pub struct ControllerSettings {
     pub tracker: TrackerSettings,
     /// How the person's frame follows the tracked body.
     pub follower: FollowerSettings,
+    /// When it is held, for somebody who stands.
+    pub hold: HoldSettings,
     /// What happens when nothing is seen.
     pub stale: StaleSettings,
     /// When the times of ticks and camera frames are faults.
@@ -276,6 +278,7 @@ impl Default for ControllerSettings {
                 ..TrackerSettings::default()
             },
             follower: FollowerSettings::default(),
+            hold: HoldSettings::default(),
             stale: StaleSettings::default(),
             clock: ClockSettings::default(),
             leash: LeashSettings::default(),

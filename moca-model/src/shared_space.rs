@@ -2,10 +2,10 @@
 
 use ergo_map::PersonFrame;
 use hrsw::{
-    Attachment, Bounds, FrameFollower, Headway, MovingSettings, MovingWorkspace, OrientationShape,
+    Attachment, Bounds, FloorMotion, FrameFollower, Headway, HeldFrame, MovingSettings, MovingWorkspace, OrientationShape,
     PositionShape, Workspace,
 };
-use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 use vision_models::{BodyTracker, Percept, StatureEstimate, TrackedPerson};
 
 use crate::error::Error;
@@ -26,7 +26,10 @@ const IN_PLACE: f64 = 0.05;
 pub struct SharedSpace {
     tracker: BodyTracker,
     intention: IntentionFilter,
+    hold: HeldFrame,
     frame: FrameFollower,
+    /// Of what the frame follows, linear then angular, world axes.
+    drift: Vector6<f64>,
     person: Option<TrackedPerson>,
     moving: MovingWorkspace,
     assigned: Option<Attachment>,
@@ -68,6 +71,8 @@ impl SharedSpace {
         Ok(Self {
             tracker: BodyTracker::new(settings.tracker.clone())?,
             intention: IntentionFilter::new(settings.intention)?,
+            hold: HeldFrame::new(settings.hold)?,
+            drift: Vector6::zeros(),
             frame: FrameFollower::new(Isometry3::identity(), settings.follower)?,
             person: None,
             moving: MovingWorkspace::new(workspace, moving)?,
@@ -152,23 +157,41 @@ impl SharedSpace {
         self.person = self.tracker.predict(now).or(self.person);
         let usable = self.person.filter(|person| person.status.is_usable());
         if let Some(person) = usable {
-            let target = person.world_from_person();
-            let (v, w) = (person.velocity, person.heading_rate);
-            let twist = Vector6::new(v.x, v.y, 0.0, 0.0, 0.0, w);
-            if seen_before {
-                self.frame.retarget(target, twist)?;
-            } else {
-                self.frame.reset(target)?;
+            if !seen_before {
+                self.frame.reset(person.world_from_person())?;
+                self.hold.follow();
             }
+            let (target, twist) = self.hold(&person, period);
+            self.frame.retarget(target, twist)?;
             self.moving.observe_person(target, twist, 0.0)?;
+            self.drift = twist;
         } else {
             self.frame.hold();
+            self.drift = Vector6::zeros();
         }
         self.frame.advance(period);
         self.follow(period)?;
         self.carry(usable.is_some())?;
         self.moving.advance(period)?;
         Ok(())
+    }
+
+    /// Where the frame of the person goes, and how fast that moves.
+    fn hold(&mut self, person: &TrackedPerson, period: f64) -> (Isometry3<f64>, Vector6<f64>) {
+        let stops = self.frame.stopping_pose();
+        let forward = stops.rotation * Vector3::x();
+        let stops = FloorMotion {
+            position: stops.translation.vector.xy(),
+            heading: forward.y.atan2(forward.x),
+        };
+        let seen = FloorMotion { position: person.floor.coords, heading: person.heading };
+        let rate = FloorMotion { position: person.velocity, heading: person.heading_rate };
+        let walks = self.intention.intention().walking().is_some();
+        let (target, rate) = self.hold.advance(seen, rate, stops, walks, period);
+        let (p, v) = (target.position, rate.position);
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), target.heading);
+        let pose = Isometry3::from_parts(Translation3::new(p.x, p.y, 0.0), turn);
+        (pose, Vector6::new(v.x, v.y, 0.0, 0.0, 0.0, rate.heading))
     }
 
     /// Falls behind who walks away while they work with the robot, and catches up with who does not.
@@ -179,7 +202,7 @@ impl SharedSpace {
             .filter(|person| person.status.is_usable() && self.intention.intention().is_together());
         let away = person.map_or(0.0, |person| {
             let outward = person.world_from_person().rotation * self.bearing;
-            -person.velocity.dot(&outward.xy())
+            -self.drift.xy().dot(&outward.xy())
         });
         Ok(headway.advance(away, period)?)
     }
@@ -274,12 +297,13 @@ impl SharedSpace {
     /// The velocity at which the tracked person walks, world axes \[m/s\]; zero when they are
     /// lost. Not that of the smooth frame, which also moves to mend its own distance.
     pub fn person_velocity(&self) -> Vector3<f64> {
-        match &self.person {
-            Some(person) if person.status.is_usable() => {
-                Vector3::new(person.velocity.x, person.velocity.y, 0.0)
-            }
-            _ => Vector3::zeros(),
-        }
+        self.drift.fixed_rows::<3>(0).into_owned()
+    }
+
+    /// Whether the frame is held in the world, and at rest but for \[m/s\].
+    pub fn is_at_rest(&self) -> bool {
+        let twist = self.frame.twist();
+        self.hold.is_held() && twist.xy().norm() <= 0.06 && twist[5].abs() <= 0.12
     }
 
     /// How far the workspace stays behind who walks away, in the person's axes \[m\].

@@ -65,8 +65,13 @@ impl SingularitySettings {
 /// 1985), for the tool's Jacobian of all joints, 6 × n, linear then angular \[m/s, rad/s\]: 0 where it is singular but
 /// for rounding.
 pub fn manipulability(jacobian: &Matrix6xX<f64>) -> f64 {
+    manipulability_behind(jacobian, 0)
+}
+
+/// The same of the joints behind the first ones alone.
+pub(crate) fn manipulability_behind(jacobian: &Matrix6xX<f64>, first: usize) -> f64 {
     let mut gram = Matrix6::zeros();
-    for column in jacobian.column_iter() {
+    for column in jacobian.column_iter().skip(first) {
         gram.ger(1.0, &column, &column, 1.0);
     }
     gram.cholesky().map_or(0.0, |factor| factor.l_dirty().diagonal().product())

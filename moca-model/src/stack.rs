@@ -12,10 +12,16 @@ use whole_body::{AugmentedFrameTask, TaskId, TaskLevel, TaskStack, VariableLayou
 use crate::error::Error;
 use crate::motion_limits::MecanumBase;
 use crate::robot::kinematics::Kinematics;
+use crate::robot::moca::MOCA_BASE_JOINTS;
 use crate::safety::SafetyRows;
 use goal::GoalTask;
 pub use goal::GoalTerms;
 pub use settings::{PostureSettings, StackSettings};
+
+/// What a change of velocity from the tick before weighs in the last level against the posture, of the joints of the
+/// base and of the others: what no other level decides changes over some tens of ticks.
+const SMOOTH_BASE: f64 = 40.0;
+const SMOOTH_ARM: f64 = 5.0;
 
 /// The stack of a robot that works with a person, made of tasks of
 /// [`whole_body`]; sized once, rewritten each tick.
@@ -41,9 +47,11 @@ struct Tasks {
     wheels: Option<TaskId<VelocityTask>>,
     own_bodies: Option<TaskId<VelocityTask>>,
     returns: TaskId<VelocityTask>,
+    gentle: Option<TaskId<VelocityTask>>,
     kinematics: TaskId<AugmentedFrameTask>,
     workspace: TaskId<VelocityTask>,
     goal: TaskId<GoalTask>,
+    smoothness: TaskId<VelocityTask>,
 }
 
 /// What a tick asks of the stack.
@@ -62,6 +70,8 @@ pub struct StackInput<'a> {
     /// Velocities that bring joints back within their position limits; infinite ends for those
     /// that are within.
     pub returns: &'a [VelocityInterval],
+    /// Velocities that the base may have where safety asks for no more; none for a robot without a base.
+    pub gentle: &'a [VelocityInterval],
     /// Separation from people and from the robot itself.
     pub safety: SafetyRows<'a>,
 }
@@ -84,12 +94,14 @@ impl CollaborationStack {
         let desired = variables.add("desired twist", state.task);
         let slack = variables.add("slack", state.slack);
         let soft = SoftWorkspace::with_softening(state, *horizon, *softening)?;
+        let on_base = base.map_or(0, |_| MOCA_BASE_JOINTS.min(joints));
         let base = base.map(|base| (base, base.rows(state)));
 
         let mut speed_cap = TaskLevel::new("speed cap");
         let mut separation = TaskLevel::new("separation");
         let mut own_bodies = TaskLevel::new("own bodies");
         let mut returns = TaskLevel::new("return into the limits");
+        let mut gentle = TaskLevel::new("base");
         let mut kinematics = TaskLevel::new("inverse kinematics");
         let mut workspace = TaskLevel::new("shared workspace");
         let mut goal = TaskLevel::new("goal");
@@ -106,6 +118,10 @@ impl CollaborationStack {
             wheels: wheels.map(|task| separation.constrain("wheels", task)),
             own_bodies: task(safety.own).map(|task| own_bodies.push("own bodies", task)),
             returns: returns.push("return", entries(0..joints)?),
+            gentle: match &base {
+                Some(_) => Some(gentle.push("base", entries(0..on_base)?)),
+                None => None,
+            },
             kinematics: kinematics.push("tool", augmented),
             workspace: {
                 let mut slacks = entries(slack.range())?;
@@ -116,10 +132,18 @@ impl CollaborationStack {
                 workspace.constrain("workspace", bounds)
             },
             goal: goal.push_quadratic("goal", GoalTask::new(desired, *horizon)),
+            smoothness: {
+                let mut task = entries(0..joints)?;
+                for row in 0..joints {
+                    let weight = if row < on_base { SMOOTH_BASE } else { SMOOTH_ARM };
+                    task.set_weight(row, weight)?;
+                }
+                rest.push("smoothness", task)
+            },
         };
         rest.push("posture", posture.task()?);
         let mut levels =
-            vec![speed_cap, separation, own_bodies, returns, kinematics, workspace, goal, rest];
+            vec![speed_cap, separation, own_bodies, returns, gentle, kinematics, workspace, goal, rest];
         levels.retain(|level| !level.is_empty());
         Ok(Self {
             stack: TaskStack::new(model, &variables, levels, Settings::default())?,
@@ -161,6 +185,16 @@ impl CollaborationStack {
         soft.write_rows(input.workspace, input.desired, workspace_rows)?;
         stack.task_mut(tasks.workspace)?.copy_from(workspace_rows)?;
         stack.task_mut(tasks.goal)?.set(&input.goal, &input.desired.translation.vector)?;
+        if let Some(gentle) = tasks.gentle {
+            let gentle = stack.task_mut(gentle)?;
+            for (row, interval) in input.gentle.iter().enumerate() {
+                gentle.set_range(row, interval.lower, interval.upper)?;
+            }
+        }
+        let smoothness = stack.task_mut(tasks.smoothness)?;
+        for (row, velocity) in input.velocity.iter().enumerate() {
+            smoothness.set_range(row, *velocity, *velocity)?;
+        }
         stack.write(&mut robot.posed()?, input.velocity, self.period)?;
         Ok(stack.solve(self.period, self.budget)?)
     }

@@ -10,9 +10,11 @@
 //! # Ok::<(), moca_model::Error>(())
 //! ```
 
+mod calmness;
 mod limits;
 mod separation;
 
+pub use calmness::{Calmness, CalmnessMonitor, Motion};
 pub use limits::{Breaches, LimitMonitor, Margins, Return, TorqueMonitor};
 pub(crate) use separation::body;
 pub use separation::{Blame, Moment, SeparationMonitor, Verdict};

@@ -97,9 +97,15 @@ pub struct TorqueController {
     /// What the tool holds.
     held: Option<PayloadId>,
     law: LawInput,
+    /// By how much more the springs are drawn, against what they give way by \[rad\].
+    sag: Vec<f64>,
     torque: Vec<f64>,
 }
 
+/// How fast it is learnt by how much springs give way \[1/s\]: slow against the arm, fast against a person who works.
+const SAG_RATE: f64 = 2.0;
+/// By how much more springs are drawn at most \[rad\].
+const LARGEST_SAG: f64 = 0.03;
 /// The share of the gains of an arm that waits: soft enough for any delay.
 const SOFT: f64 = 0.04;
 /// Joints that are no faster are at rest \[m/s or rad/s\]: noise of measured velocities, and what friction lets creep.
@@ -175,6 +181,7 @@ impl TorqueController {
                 support: none.clone(),
                 sensed: none.clone(),
             },
+            sag: none.clone(),
             torque: none,
             position,
             joints,
@@ -359,6 +366,7 @@ impl TorqueController {
                 *own = all.get(*joint).copied().unwrap_or_default();
             }
         }
+        self.correct_sag(usable);
         let weigh = |desired: &mut [f64], predicted: &[f64], is_known: bool| {
             for (desired, predicted) in desired.iter_mut().zip(predicted) {
                 let weighed = self.prediction.towards(*desired, *predicted);
@@ -366,8 +374,23 @@ impl TorqueController {
             }
         };
         let law = &mut self.law;
+        for (desired, sag) in law.desired.iter_mut().zip(&self.sag) {
+            *desired += sag;
+        }
         weigh(&mut law.desired, &law.measured, usable.position || usable.velocity);
         weigh(&mut law.desired_velocity, &law.measured_velocity, usable.velocity);
+    }
+
+    /// Learns slowly what springs give way by.
+    fn correct_sag(&mut self, usable: Usable) {
+        let supervisor = self.controller.safety().supervisor();
+        let learns = usable.position && !self.is_lost && !supervisor.gives_way() && supervisor.state() != hrsw::SafetyState::ProtectiveStop;
+        let share = (self.elapsed * SAG_RATE).min(1.0);
+        let joints = self.sag.iter_mut().zip(&self.law.desired).zip(&self.law.measured);
+        for ((sag, desired), measured) in joints {
+            let error = if learns { desired - measured } else { -*sag };
+            *sag = (*sag + share * error).clamp(-LARGEST_SAG, LARGEST_SAG);
+        }
     }
 
     /// The joints driven by torque, as indices of q̇.

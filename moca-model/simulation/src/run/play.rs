@@ -6,7 +6,9 @@ use std::time::Instant;
 use ergo_map::PersonFrame;
 use hrsw::{SafetyState, Workspace};
 use human_perception::percepts::{Assessor, MeasuredAssessment};
-use moca_model::{Command, Controller, ControllerSettings, Goal, HeldObject, Phase};
+use moca_model::{
+    Command, Controller, ControllerSettings, Goal, HeldObject, MOCA_BASE_JOINTS, Phase,
+};
 use moca_replay::recorded::Recorder;
 use moca_replay::report::TickRow;
 use nalgebra::Vector3;
@@ -22,7 +24,7 @@ use super::true_person::TruePerson;
 use super::work::WorkForce;
 use super::working_hand::WorkingHand;
 use crate::Error;
-use crate::judges::{LimitMonitor, Moment, Return, SeparationMonitor};
+use crate::judges::{Calmness, CalmnessMonitor, LimitMonitor, Moment, Return, SeparationMonitor};
 use crate::plant::Plant;
 
 /// A margin below which x_d counts as within the workspace \[m or rad\].
@@ -49,6 +51,7 @@ pub struct Run<'a> {
     true_person: Option<TruePerson<'a>>,
     others: SeenOthers,
     separation: SeparationMonitor,
+    calmness: CalmnessMonitor,
     period: f64,
     engaged: bool,
     state: SafetyState,
@@ -70,6 +73,8 @@ impl<'a> Run<'a> {
             Controller::new(scenario.model.clone(), scenario.comfort, settings, start)?;
         let safety = &scenario.settings.safety;
         let separation = SeparationMonitor::new(&scenario.model, safety, period)?;
+        let base = scenario.settings.base.map_or(0, |_| MOCA_BASE_JOINTS);
+        let calmness = CalmnessMonitor::new(&scenario.model, base, period);
         let torques = scenario.torques.clone();
         let plant = Plant::with_torques(scenario.drive, controller, torques, SEED)?;
         let mut run = Self {
@@ -85,6 +90,7 @@ impl<'a> Run<'a> {
             true_person: scenario.truth.as_ref().map(|motion| TruePerson::new(motion, period)),
             others: SeenOthers::default(),
             separation,
+            calmness,
             period,
             engaged: false,
             state: SafetyState::Normal,
@@ -160,6 +166,10 @@ impl<'a> Run<'a> {
             period: self.period,
             margins: self.monitor.margins(),
             truth: self.true_person.is_some(),
+            calmness: match &self.scenario.truth {
+                Some(motion) => self.calmness.judge(|time| motion.at(begin + time)),
+                None => Calmness::default(),
+            },
         };
         Ok(self.tally.summary(&played))
     }
@@ -241,6 +251,7 @@ impl<'a> Run<'a> {
         self.move_person(now, &actual);
         let too_near = self.is_too_near()?;
         let command = self.plant.command();
+        self.calmness.watch(command, actual, self.engaged);
         let tally = &mut self.tally;
         tally.separation_violations += u64::from(too_near);
         if let (true, Some(reba)) = (self.engaged, row.reba_measured) {

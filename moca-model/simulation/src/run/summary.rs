@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::judges::Margins;
+use crate::judges::{Calmness, Margins};
 
 /// What a run came to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -51,6 +51,9 @@ pub struct Summary {
     /// How fast the robot itself comes nearer to parts within 5 cm that it may touch, at most in 99.9 % of the ticks
     /// with such a part \[m/s\]; none without one, or without the truth.
     pub contact_speed: Option<f64>,
+    /// How still the robot was while the person stood, and how smooth while they walked; empty where nobody knows where
+    /// they truly were.
+    pub calmness: Calmness,
     /// Ticks whose hierarchy was not solved to its optimum.
     pub solver_failures: u64,
     /// Median, 99th percentile and maximum of the controller's time a tick \[µs\].

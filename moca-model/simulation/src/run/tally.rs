@@ -1,7 +1,7 @@
 //! What is counted of a run, tick by tick.
 
 use super::summary::{MeasuredReba, Summary};
-use crate::judges::Margins;
+use crate::judges::{Calmness, Margins};
 
 /// Sums over ticks.
 #[derive(Debug, Default)]
@@ -49,12 +49,14 @@ pub(super) struct Played {
     pub(super) margins: Margins,
     /// Whether it is known where the person truly is.
     pub(super) truth: bool,
+    /// How calm it was.
+    pub(super) calmness: Calmness,
 }
 
 impl Tally {
     /// What they came to.
     pub(super) fn summary(mut self, played: &Played) -> Summary {
-        let &Played { is_complete, duration, wall, period, margins, truth } = played;
+        let &Played { is_complete, duration, wall, period, margins, truth, calmness } = played;
         let contact_speed = quantile(&mut self.contact_speeds, 999);
         let tick_us = [500, 990, 1000]
             .map(|thousandths| quantile(&mut self.ticks_us, thousandths).unwrap_or_default());
@@ -85,6 +87,7 @@ impl Tally {
             truth,
             separation_violations: tally.separation_violations,
             contact_speed,
+            calmness,
             solver_failures: tally.failures,
             tick_us,
             wall,

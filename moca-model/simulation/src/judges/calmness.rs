@@ -1,0 +1,283 @@
+//! How still robot and workpiece are while the person stands, and how smooth while they walk.
+//!
+//! Standing and walking are told apart by where the person truly is, smoothed over some tenths of a second: gait
+//! sways the trunk.
+
+use moca_model::Command;
+use moca_model::whole_body::Model;
+use nalgebra::{Point3, Vector2, Vector3};
+use serde::{Deserialize, Serialize};
+use vision_models::Body25;
+
+use crate::people::Joints;
+
+/// The person is looked at so often \[s\].
+const STEP: f64 = 0.05;
+/// Their place is smoothed by a parabola over so many of these steps to each side.
+const SIDE: usize = 20;
+/// Slower than this, in trunk \[m/s\] and heading \[rad/s\], the person stands.
+const STANDING: [f64; 2] = [0.12, 0.15];
+/// Faster than this they walk \[m/s\].
+const WALKING: f64 = 0.2;
+/// The speed of the workpiece is that of its place averaged over so long \[s\].
+const AVERAGED: f64 = 0.021;
+/// The base is at rest when each of its axes is slower than this \[m/s\].
+const AT_REST: f64 = 1e-3;
+/// The share of its acceleration limit from which on the base is at it.
+const AT_LIMIT: f64 = 0.95;
+
+/// How calm a run was.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Calmness {
+    /// While the person stands, from 1 s after they began to; none if they did not for 2 s.
+    pub standing: Option<Motion>,
+    /// The same from 2 s after.
+    pub settled: Option<Motion>,
+    /// While they walk, from .5 s after they began to; none if they did not for 1 s.
+    pub walking: Option<Motion>,
+}
+
+/// How a robot moved in a part of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// How long that was \[s\].
+    pub duration: f64,
+    /// Root mean square of the speed of the person's trunk \[m/s\].
+    pub person: f64,
+    /// Root mean square of the speed of the workpiece \[m/s\].
+    pub workpiece: f64,
+    /// Its 99th percentile \[m/s\].
+    pub workpiece_p99: f64,
+    /// Root mean square of the commanded speed of the base \[m/s\].
+    pub base: f64,
+    /// The share of the ticks with the base at rest.
+    pub base_at_rest: f64,
+    /// The share of the ticks with an axis of the base at its acceleration limit.
+    pub base_at_limit: f64,
+    /// How often the commanded velocity of an axis of the base changes its sign \[1/s\]; from and to zero as well.
+    pub base_reversals: f64,
+    /// Root mean square of ‖q̇‖ of the other joints \[rad/s\].
+    pub joints: f64,
+    /// Root mean square of the distance from the workpiece to the desired position \[m\].
+    pub tracking_error: f64,
+}
+
+/// One tick.
+#[derive(Debug, Clone, Copy)]
+struct Tick {
+    workpiece: Vector3<f64>,
+    base: Vector2<f64>,
+    /// ‖q̇‖² of the other joints.
+    joints: f64,
+    at_limit: bool,
+    /// Squared.
+    error: f64,
+    together: bool,
+}
+
+/// Watches a run, tick by tick.
+#[derive(Debug, Clone)]
+pub struct CalmnessMonitor {
+    period: f64,
+    /// How many joints come first that are the base's.
+    base: usize,
+    /// Changes of the base's velocity in a tick that count as at its limit \[m/s\].
+    most: Vector2<f64>,
+    ticks: Vec<Tick>,
+}
+
+impl CalmnessMonitor {
+    /// Begins with a robot at rest, whose first `base` joints are those of a base; ticks are `period` \[s\] apart.
+    pub fn new(model: &Model, base: usize, period: f64) -> Self {
+        let limit = |axis: usize| model.limits().get(axis).map_or(f64::INFINITY, |l| l.acceleration);
+        let most = Vector2::new(limit(0), limit(1)) * (AT_LIMIT * period);
+        Self { period, base, most, ticks: Vec::new() }
+    }
+
+    /// Takes a tick: its command, where the workpiece truly is \[m\], and whether person and robot work together.
+    pub fn watch(&mut self, command: &Command, workpiece: Vector3<f64>, together: bool) {
+        let (base, rest) = command.joint_velocity.split_at(self.base.min(command.joint_velocity.len()));
+        let base = match base {
+            [x, y, ..] => Vector2::new(*x, *y),
+            _ => Vector2::zeros(),
+        };
+        let before = self.ticks.last().map_or_else(Vector2::zeros, |tick| tick.base);
+        let change = (base - before).abs();
+        self.ticks.push(Tick {
+            workpiece,
+            base,
+            joints: rest.iter().map(|velocity| velocity * velocity).sum(),
+            at_limit: change.x > self.most.x || change.y > self.most.y,
+            error: (command.desired.translation.vector - workpiece).norm_squared(),
+            together,
+        });
+    }
+
+    /// What it came to for somebody whose joints are at `person` so long after the first tick \[s\].
+    pub fn judge(&self, person: impl Fn(f64) -> Option<Joints>) -> Calmness {
+        let Some(motion) = self.person(person) else { return Calmness::default() };
+        let ticks = |time: f64| (time / self.period).round() as usize;
+        // The robot's own way to the person does not count.
+        let together = stretches(self.ticks.iter().map(|tick| tick.together), ticks(4.0), ticks(3.0));
+        let all = || together.iter().zip(&motion);
+        let stands = |settling: f64| {
+            let stands = all().map(|(together, [speed, turn])| {
+                *together && *speed < STANDING[0] && *turn < STANDING[1]
+            });
+            stretches(stands, ticks(settling + 1.0), ticks(settling))
+        };
+        let walks = all().map(|(together, [speed, _])| *together && *speed > WALKING);
+        let walks = stretches(walks, ticks(1.0), ticks(0.5));
+        let speeds = self.workpiece_speeds();
+        let motion = |mask: &[bool]| self.motion(mask, &motion, &speeds);
+        Calmness {
+            standing: motion(&stands(1.0)),
+            settled: motion(&stands(2.0)),
+            walking: motion(&walks),
+        }
+    }
+
+    fn motion(&self, mask: &[bool], person: &[[f64; 2]], workpiece: &[f64]) -> Option<Motion> {
+        let chosen = |index: usize| mask.get(index).copied().unwrap_or_default();
+        let count = mask.iter().filter(|chosen| **chosen).count();
+        if count == 0 {
+            return None;
+        }
+        let number = count as f64;
+        let ticks = || self.ticks.iter().enumerate().filter(|(index, _)| chosen(*index));
+        let mean = |of: &dyn Fn(&Tick) -> f64| ticks().map(|(_, tick)| of(tick)).sum::<f64>() / number;
+        let rms = |values: &mut dyn Iterator<Item = f64>| {
+            (values.map(|value| value * value).sum::<f64>() / number).sqrt()
+        };
+        let of = |values: &[f64]| -> Vec<f64> {
+            let values = values.iter().enumerate().filter(|(index, _)| chosen(*index));
+            values.map(|(_, value)| *value).collect()
+        };
+        let mut speeds = of(workpiece);
+        speeds.sort_by(f64::total_cmp);
+        let people: Vec<f64> = person.iter().map(|[speed, _]| *speed).collect();
+        let sign = |value: f64| if value == 0.0 { 0.0 } else { value.signum() };
+        let pairs = self.ticks.windows(2).enumerate().filter(|(index, _)| chosen(index + 1));
+        let reversals: usize = pairs
+            .map(|(_, pair)| {
+                let [before, now] = [pair[0].base, pair[1].base];
+                (0..2).filter(|axis| sign(before[*axis]) != sign(now[*axis])).count()
+            })
+            .sum();
+        Some(Motion {
+            duration: number * self.period,
+            person: rms(&mut of(&people).into_iter()),
+            workpiece: rms(&mut speeds.iter().copied()),
+            workpiece_p99: speeds.get(count * 99 / 100).copied().unwrap_or_default(),
+            base: mean(&|tick| tick.base.norm_squared()).sqrt(),
+            base_at_rest: mean(&|tick| f64::from(tick.base.amax() < AT_REST)),
+            base_at_limit: mean(&|tick| f64::from(tick.at_limit)),
+            base_reversals: reversals as f64 / (number * self.period),
+            joints: mean(&|tick| tick.joints).sqrt(),
+            tracking_error: mean(&|tick| tick.error).sqrt(),
+        })
+    }
+
+    /// How fast the workpiece is in each tick \[m/s\].
+    fn workpiece_speeds(&self) -> Vec<f64> {
+        let side = (0.5 * AVERAGED / self.period).round() as usize;
+        let last = self.ticks.len().saturating_sub(1);
+        let mut sums = vec![Vector3::zeros()];
+        for tick in &self.ticks {
+            sums.push(sums.last().copied().unwrap_or_default() + tick.workpiece);
+        }
+        // The average moves by what comes in less what goes out.
+        (0..self.ticks.len())
+            .map(|tick| {
+                let average = |tick: usize| {
+                    let (from, to) = (tick.saturating_sub(side), (tick + side).min(last) + 1);
+                    (sums[to] - sums[from]) / (to - from) as f64
+                };
+                let (from, to) = (tick.saturating_sub(1), (tick + 1).min(last));
+                if from == to {
+                    return 0.0;
+                }
+                (average(to) - average(from)).norm() / ((to - from) as f64 * self.period)
+            })
+            .collect()
+    }
+
+    /// How fast the person's trunk moves over the floor and turns, tick by tick \[m/s, rad/s\]; none if they are not
+    /// known.
+    fn person(&self, person: impl Fn(f64) -> Option<Joints>) -> Option<Vec<[f64; 2]>> {
+        let duration = self.ticks.len() as f64 * self.period;
+        let steps = (duration / STEP).ceil() as usize + 2;
+        let seen: Option<Vec<Joints>> = (0..steps).map(|step| person(step as f64 * STEP)).collect();
+        let seen = seen?;
+        let place = smooth(seen.iter().map(|joints| middle(joints, &TRUNK)).collect());
+        let across = smooth(seen.iter().map(|joints| middle(joints, &LEFT) - middle(joints, &RIGHT)).collect());
+        let rates: Vec<[f64; 2]> = (0..steps)
+            .map(|step| {
+                let (from, to) = (step.saturating_sub(1), (step + 1).min(steps - 1));
+                let time = (to - from) as f64 * STEP;
+                let turn = across[from].perp(&across[to]).atan2(across[from].dot(&across[to]));
+                [(place[to] - place[from]).norm() / time, turn.abs() / time]
+            })
+            .collect();
+        let at = |tick: usize| {
+            let at = tick as f64 * self.period / STEP;
+            let before = at.floor();
+            let (share, before) = (at - before, before as usize);
+            let (from, to) = (rates[before], rates[before + 1]);
+            [0, 1].map(|part| from[part] + (to[part] - from[part]) * share)
+        };
+        Some((0..self.ticks.len()).map(at).collect())
+    }
+}
+
+const TRUNK: [Body25; 6] = [
+    Body25::Neck,
+    Body25::RightShoulder,
+    Body25::LeftShoulder,
+    Body25::MidHip,
+    Body25::RightHip,
+    Body25::LeftHip,
+];
+const LEFT: [Body25; 2] = [Body25::LeftShoulder, Body25::LeftHip];
+const RIGHT: [Body25; 2] = [Body25::RightShoulder, Body25::RightHip];
+
+/// The mean of these joints over the floor.
+fn middle(joints: &Joints, of: &[Body25]) -> Vector2<f64> {
+    let place = |joint: &Body25| -> Point3<f64> { joints[joint.index()] };
+    of.iter().map(|joint| place(joint).coords.xy()).sum::<Vector2<f64>>() / of.len() as f64
+}
+
+/// A parabola fitted to each value and its neighbours (Savitzky and Golay, 1964); ends count as going on.
+fn smooth(values: Vec<Vector2<f64>>) -> Vec<Vector2<f64>> {
+    let m = SIDE as f64;
+    let weight = |offset: f64| {
+        3.0 * (3.0 * m * m + 3.0 * m - 1.0 - 5.0 * offset * offset)
+            / ((2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0))
+    };
+    let last = values.len().saturating_sub(1);
+    let at = |index: usize| {
+        (0..=2 * SIDE)
+            .map(|step| {
+                let neighbour = (index + step).saturating_sub(SIDE).min(last);
+                values[neighbour] * weight(step as f64 - m)
+            })
+            .sum()
+    };
+    (0..values.len()).map(at).collect()
+}
+
+/// Where this holds for at least so many ticks, without the first of them.
+fn stretches(holds: impl Iterator<Item = bool>, least: usize, settling: usize) -> Vec<bool> {
+    let mut mask: Vec<bool> = holds.collect();
+    let mut first = 0;
+    for tick in 0..=mask.len() {
+        if mask.get(tick).copied().unwrap_or_default() {
+            continue;
+        }
+        let length = tick - first;
+        let spoilt = if length < least { length } else { settling.min(length) };
+        mask[first..first + spoilt].fill(false);
+        first = tick + 1;
+    }
+    mask
+}

@@ -1,0 +1,110 @@
+//! When the base moves, and how gently.
+
+use ahqp_core::{Limits, MotionState, VelocityInterval};
+use nalgebra::{Rotation2, Vector2};
+use whole_body::JointLimits;
+
+use crate::command::{BaseMotion, DriveReason};
+use crate::error::Error;
+use crate::motion_limits::nearest_to_rest;
+use crate::robot::kinematics::Kinematics;
+use crate::singularity::{SINGULAR, manipulability_behind};
+
+/// The share of its acceleration limits that the base uses where safety asks for no more: what is left is for braking.
+const GENTLE: f64 = 0.75;
+/// The base stops while the tool is no farther from its place at the posture, over the floor \[m\].
+const STOPS_WITHIN: f64 = 0.25;
+/// It drives again when the tool is farther \[m\]: between the two it goes on as it did.
+const DRIVES_BEYOND: f64 = 0.35;
+/// Below this share of its manipulability at the posture the arm does not keep the tool alone.
+const REACHES: f64 = 0.4;
+
+/// Arm first, base when needed: the base stands while the person does and the arm alone can keep the tool.
+#[derive(Debug, Clone)]
+pub(super) struct BaseDrive {
+    limits: Vec<Limits>,
+    /// Of the arm alone, at the posture.
+    usual: f64,
+    /// Where the tool is at the posture, in the axes of the base \[m\].
+    nominal: Vector2<f64>,
+    motion: BaseMotion,
+}
+
+impl BaseDrive {
+    /// With the robot at its posture. A base never stands under an arm that is singular there without it.
+    ///
+    /// # Errors
+    /// None for limits of a robot.
+    pub(super) fn new(
+        base: usize,
+        robot: &Kinematics,
+        posture: &[f64],
+    ) -> Result<Self, Error> {
+        let gentle = |limits: &JointLimits| {
+            let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
+            Ok(Limits::new(lower, upper, limits.velocity, GENTLE * limits.acceleration)?)
+        };
+        Ok(Self {
+            limits: robot.model().limits().iter().take(base).map(gentle).collect::<Result<_, Error>>()?,
+            usual: manipulability_behind(robot.jacobian(), base),
+            nominal: place(robot, posture),
+            motion: BaseMotion::Drives(DriveReason::PersonMoves),
+        })
+    }
+
+    pub(super) fn motion(&self) -> BaseMotion {
+        self.motion
+    }
+
+    /// Decides for a tick: `at_rest` says whether the workspace is, `hindered` whether separation asks for more than
+    /// the robot does.
+    pub(super) fn decide(&mut self, robot: &Kinematics, q: &[f64], at_rest: bool, hindered: bool) {
+        let stands = self.motion == BaseMotion::Stands;
+        let farthest = if stands { DRIVES_BEYOND } else { STOPS_WITHIN };
+        let reaches = self.usual > SINGULAR
+            && (place(robot, q) - self.nominal).norm() <= farthest
+            && manipulability_behind(robot.jacobian(), self.limits.len()) >= REACHES * self.usual;
+        self.motion = if hindered {
+            BaseMotion::Drives(DriveReason::Separation)
+        } else if !at_rest {
+            BaseMotion::Drives(DriveReason::PersonMoves)
+        } else if reaches {
+            BaseMotion::Stands
+        } else {
+            BaseMotion::Drives(DriveReason::Reach)
+        };
+    }
+
+    /// Writes the velocities that the base may have where safety asks for no more. Where it stands, and can, its
+    /// `intervals` become rest itself.
+    pub(super) fn write(
+        &self,
+        velocity: &[f64],
+        step: f64,
+        intervals: &mut [VelocityInterval],
+        gentle: &mut [VelocityInterval],
+    ) {
+        let axes = self.limits.iter().zip(velocity).zip(intervals).zip(gentle);
+        for (((limits, velocity), interval), gentle) in axes {
+            let state = MotionState { position: 0.0, velocity: *velocity };
+            *gentle = limits.velocity_interval(state, step);
+            if self.motion != BaseMotion::Stands {
+                continue;
+            }
+            let slower = nearest_to_rest(gentle);
+            *gentle = VelocityInterval { lower: slower, upper: slower };
+            if slower == 0.0 && interval.lower <= 0.0 && interval.upper >= 0.0 {
+                *interval = *gentle;
+            }
+        }
+    }
+}
+
+/// Where the tool is in the axes of the base, over the floor \[m\].
+fn place(robot: &Kinematics, q: &[f64]) -> Vector2<f64> {
+    let tool = robot.world_from_tool().translation.vector.xy();
+    match q {
+        [x, y, yaw, ..] => Rotation2::new(-yaw) * (tool - Vector2::new(*x, *y)),
+        _ => tool,
+    }
+}
