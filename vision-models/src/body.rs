@@ -17,6 +17,7 @@ mod segment;
 mod settings;
 mod track;
 mod tracker;
+mod two_models;
 
 pub use image_body::{ImageBody, ImageKeypoint};
 pub use keypoints::{Body, Body25, Keypoint};

@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector2};
 
 use super::{
-    filter::{ConstantVelocity, Measurement, Motion},
+    filter::{LASTING, Measurement, Motion, PointFilter},
     keypoints::{Body, Body25, Keypoint},
     seen::Seen,
     segment::{BodySegment, ENDS},
@@ -12,7 +12,7 @@ use super::{
 use crate::confidence::Confidence;
 
 /// Joints of head and trunk.
-const TRUNK: [Body25; 11] = [
+pub(super) const TRUNK: [Body25; 11] = [
     Body25::Nose,
     Body25::Neck,
     Body25::LeftShoulder,
@@ -47,7 +47,7 @@ pub(super) struct JointFilter {
 
 #[derive(Clone, Copy, Debug)]
 struct Followed {
-    filter: ConstantVelocity<3>,
+    filter: PointFilter<3>,
     time: f64,
     confidence: Confidence,
     /// Outliers in a row.
@@ -74,15 +74,14 @@ impl JointFilter {
         let mut out = Body::default();
         let joints = Body25::ALL.into_iter().zip(&mut self.joints).zip(doubted);
         for ((joint, followed), doubted) in joints {
-            let motion = settings.joint(TRUNK.contains(&joint));
+            let motion = settings.joint(joint);
             let measured = seen.joint(joint).zip(body.get(joint)).filter(|_| !doubted);
             if let Some((at, keypoint)) = measured {
                 let Some(covariance) = at.covariance else {
                     out.set(joint, Some(keypoint));
                     continue;
                 };
-                let covariance = covariance * seen.inflation();
-                let measured = Measurement { position: at.position, covariance };
+                let measured = Measurement { position: at.position, covariance, lasting: LASTING };
                 let before = followed.take().filter(|before| time - before.time <= COAST);
                 *followed = Some(match before {
                     None => Followed::starting_at(&measured, keypoint, time, &motion).with(walking),
@@ -90,13 +89,13 @@ impl JointFilter {
                 });
             }
             if let Some(known) = followed.filter(|known| time - known.time <= COAST) {
-                let now = known.filter.advanced(time - known.time, &motion);
+                let now = known.filter.advanced(&motion.moving(time - known.time));
                 if now.position_covariance().trace() > VAGUE {
                     continue;
                 }
-                let position = Point3::from(now.position);
+                let position = Point3::from(now.position());
                 let keypoint = Keypoint { position, confidence: known.confidence };
-                out.set_measured(joint, keypoint, *now.position_covariance());
+                out.set_measured(joint, keypoint, now.position_covariance());
             }
         }
         out
@@ -110,13 +109,13 @@ impl Followed {
         time: f64,
         motion: &Motion,
     ) -> Self {
-        let filter = ConstantVelocity::starting_at(measured, motion);
+        let filter = PointFilter::starting_at(measured, motion);
         Self { filter, time, confidence: keypoint.confidence, outliers: 0 }
     }
 
     /// The same, moving along with the person.
     fn with(mut self, walking: Vector2<f64>) -> Self {
-        self.filter.velocity = walking.push(0.0);
+        self.filter = self.filter.with_velocity(walking.push(0.0));
         self
     }
 
@@ -129,9 +128,9 @@ impl Followed {
         motion: &Motion,
         settings: &TrackerSettings,
     ) -> Self {
-        let mut filter = self.filter.advanced(time - self.time, motion);
-        if filter.distance_squared(measured) <= settings.position_outlier_distance(true) {
-            filter.correct(measured, motion);
+        let over = motion.moving(time - self.time);
+        if self.filter.advanced(&over).distance_squared(measured) <= settings.outlier_distance() {
+            let filter = self.filter.corrected(measured, &over).0.no_faster_than(motion.max_speed);
             return Self { filter, time, confidence: keypoint.confidence, outliers: 0 };
         }
         self.outliers += 1;

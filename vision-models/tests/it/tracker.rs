@@ -315,7 +315,7 @@ fn wrong_settings_are_refused_by_name() {
     for (name, settings) in [
         ("least_confidence", TrackerSettings { least_confidence: 1.5, ..base() }),
         ("position_sigma", TrackerSettings { position_sigma: 0.0, ..base() }),
-        ("acceleration_density", TrackerSettings { acceleration_density: f64::NAN, ..base() }),
+        ("walking_density", TrackerSettings { walking_density: f64::NAN, ..base() }),
         ("max_speed", TrackerSettings { max_speed: -1.0, ..base() }),
         ("gate", TrackerSettings { gate: f64::INFINITY, ..base() }),
         ("acquire_frames", TrackerSettings { acquire_frames: 0, ..base() }),
