@@ -19,6 +19,9 @@ pub(super) struct PointFilter<const D: usize> {
 /// of 0.72, 0.51 and 0.31 after 0.05, 0.1 and 0.2 s.
 pub(super) const LASTING: f64 = 0.9;
 
+/// A measurement farther than this from what is expected counts the less, the farther it is (standard deviations).
+const LIKELY: f64 = 2.0;
+
 const POSITION: usize = 0;
 const VELOCITY: usize = 1;
 const ERROR: usize = 2;
@@ -113,9 +116,7 @@ impl<const D: usize> PointFilter<D> {
     pub(super) fn advanced(&self, over: &Transition) -> Self {
         let Transition { state, noise, .. } = over;
         let half: [[SMatrix<f64, D, D>; 3]; 3] = from_fn(|row| {
-            from_fn(|column| {
-                (0..3).map(|k| self.covariance[k][column] * state[(row, k)]).sum()
-            })
+            from_fn(|column| (0..3).map(|k| self.covariance[k][column] * state[(row, k)]).sum())
         });
         Self {
             mean: from_fn(|row| (0..3).map(|k| self.mean[k] * state[(row, k)]).sum()),
@@ -141,7 +142,10 @@ impl<const D: usize> PointFilter<D> {
         let expected = with_measured[POSITION] + with_measured[ERROR] + fresh;
         let Some(factor) = expected.cholesky() else { return (filter, 0.0) };
         let innovation = measured.position - filter.mean[POSITION] - filter.mean[ERROR];
-        let gains = with_measured.map(|block| factor.solve(&block.transpose()).transpose());
+        let distance = innovation.dot(&factor.solve(&innovation));
+        // Huber's weight, 1964.
+        let doubt = (distance.sqrt() / LIKELY).max(1.0);
+        let gains = with_measured.map(|block| factor.solve(&block.transpose()).transpose() / doubt);
         for (mean, gain) in filter.mean.iter_mut().zip(&gains) {
             *mean += gain * innovation;
         }
@@ -153,8 +157,9 @@ impl<const D: usize> PointFilter<D> {
         filter.covariance = from_fn(|row| {
             from_fn(|column| (corrected[row][column] + corrected[column][row].transpose()) * 0.5)
         });
-        let distance = innovation.dot(&factor.solve(&innovation));
-        (filter, -0.5 * (distance + factor.determinant().ln()))
+        #[expect(clippy::cast_precision_loss, reason = "D is small")]
+        let volume = factor.determinant().ln() + D as f64 * doubt.ln();
+        (filter, -0.5 * (distance / doubt + volume))
     }
 
     /// The same, no faster than this (unit/s).
@@ -253,7 +258,8 @@ mod tests {
             let axes = Matrix2::new(angle.cos(), -angle.sin(), angle.sin(), angle.cos());
             axes * Matrix2::new(0.04_f64.powi(2), 0.0, 0.0, 0.01_f64.powi(2)) * axes.transpose()
         };
-        let start = Measurement { position: vector![0.4, -0.1], covariance: covariance(7), lasting };
+        let start =
+            Measurement { position: vector![0.4, -0.1], covariance: covariance(7), lasting };
         let mut filter = PointFilter::starting_at(&start, &MOTION);
         let mut x = Vector6::new(0.4, -0.1, 0.0, 0.0, 0.0, 0.0);
         let mut p = Matrix6::identity();

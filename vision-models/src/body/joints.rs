@@ -1,9 +1,9 @@
 //! The joints of a body over time.
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::{Matrix3, Point3, Vector2, Vector3};
 
 use super::{
-    filter::{LASTING, Measurement, Motion, PointFilter},
+    filter::{Measurement, Motion, PointFilter},
     keypoints::{Body, Body25, Keypoint},
     seen::Seen,
     segment::{BodySegment, ENDS},
@@ -39,7 +39,7 @@ const DEVIATIONS: f64 = 2.5;
 
 /// Follows each joint of one person by a Kalman filter of its own, so that errors of single frames
 /// are averaged and a joint that is missed for a moment stays known. Joints without a covariance are
-/// given as they are.
+/// given as they are; their velocities are known from the covariance that is assumed.
 #[derive(Clone, Debug)]
 pub(super) struct JointFilter {
     joints: [Option<Followed>; Body25::COUNT],
@@ -59,6 +59,20 @@ impl JointFilter {
         Self { joints: [None; Body25::COUNT] }
     }
 
+    /// How fast a joint moves at the time `now` (s), if it was seen of late.
+    pub(super) fn velocity(
+        &self,
+        joint: Body25,
+        now: f64,
+        settings: &TrackerSettings,
+    ) -> Option<JointVelocity> {
+        let followed = self.joints[joint.index()]?;
+        let elapsed = (now - followed.time).max(0.0);
+        let filter = followed.filter.advanced(&settings.joint(joint).moving(elapsed));
+        let (mean, covariance) = (filter.velocity(), filter.velocity_covariance());
+        (elapsed <= COAST).then_some(JointVelocity { mean, covariance })
+    }
+
     /// Takes a frame in and gives the joints as they are at its time. `walking` is the person's
     /// velocity over the floor (m/s), `length` gives the measured lengths of segments.
     pub(super) fn update(
@@ -75,20 +89,23 @@ impl JointFilter {
         let joints = Body25::ALL.into_iter().zip(&mut self.joints).zip(doubted);
         for ((joint, followed), doubted) in joints {
             let motion = settings.joint(joint);
-            let measured = seen.joint(joint).zip(body.get(joint)).filter(|_| !doubted);
+            let measured = seen.place(joint).zip(body.get(joint)).filter(|_| !doubted);
             if let Some((at, keypoint)) = measured {
-                let Some(covariance) = at.covariance else {
+                if body.covariance(joint).is_none() {
                     out.set(joint, Some(keypoint));
-                    continue;
-                };
-                let measured = Measurement { position: at.position, covariance, lasting: LASTING };
+                }
+                let Some(covariance) = at.covariance else { continue };
+                let measured =
+                    Measurement { position: at.position, covariance, lasting: seen.lasting() };
                 let before = followed.take().filter(|before| time - before.time <= COAST);
                 *followed = Some(match before {
                     None => Followed::starting_at(&measured, keypoint, time, &motion).with(walking),
                     Some(before) => before.corrected(&measured, keypoint, time, &motion, settings),
                 });
             }
-            if let Some(known) = followed.filter(|known| time - known.time <= COAST) {
+            let followed =
+                followed.filter(|known| seen.is_measured() && time - known.time <= COAST);
+            if let Some(known) = followed {
                 let now = known.filter.advanced(&motion.moving(time - known.time));
                 if now.position_covariance().trace() > VAGUE {
                     continue;
@@ -99,6 +116,31 @@ impl JointFilter {
             }
         }
         out
+    }
+}
+
+/// How fast a joint moves.
+///
+/// ```
+/// use nalgebra::{Matrix3, Vector3};
+/// use vision_models::JointVelocity;
+///
+/// let covariance = Matrix3::identity() * 0.1_f64.powi(2);
+/// let at_rest = JointVelocity { mean: Vector3::zeros(), covariance };
+/// assert!((at_rest.deviation() - 0.1).abs() < 1e-12);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointVelocity {
+    /// In the world (m/s).
+    pub mean: Vector3<f64>,
+    /// (m²/s²)
+    pub covariance: Matrix3<f64>,
+}
+
+impl JointVelocity {
+    /// The standard deviation in the direction in which the velocity is least certain (m/s).
+    pub fn deviation(&self) -> f64 {
+        self.covariance.symmetric_eigenvalues().max().max(0.0).sqrt()
     }
 }
 

@@ -86,10 +86,20 @@ impl<'body> Seen<'body> {
     }
 
     /// The same, with the covariance that is assumed where none is known of any joint.
-    fn place(&self, joint: Body25) -> Option<Joint> {
+    pub(super) fn place(&self, joint: Body25) -> Option<Joint> {
         let assumed = (!self.measured).then_some(self.assumed);
         let joint = self.joint(joint)?;
         Some(Joint { covariance: joint.covariance.or(assumed), ..joint })
+    }
+
+    /// Returns true if joints come with covariances.
+    pub(super) fn is_measured(&self) -> bool {
+        self.measured
+    }
+
+    /// The share of variances that lasts from frame to frame; what is assumed counts that already.
+    pub(super) fn lasting(&self) -> f64 {
+        if self.measured { LASTING } else { 0.0 }
     }
 
     /// The floor below the pelvis (m): below mid hip and hips, and below neck and shoulders, which are above
@@ -183,8 +193,7 @@ impl<'body> Seen<'body> {
     fn floor(&self, joint: &Joint) -> Measurement<2> {
         let covariance = joint.covariance.unwrap_or(self.assumed);
         let covariance = covariance.fixed_view::<2, 2>(0, 0).into_owned();
-        let lasting = if self.measured { LASTING } else { 0.0 };
-        Measurement { position: joint.position.xy(), covariance, lasting }
+        Measurement { position: joint.position.xy(), covariance, lasting: self.lasting() }
     }
 
     /// The person's forward direction: left is from the right to the left shoulder plus from the

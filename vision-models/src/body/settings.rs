@@ -29,7 +29,7 @@ pub struct TrackerSettings {
     /// Standard deviation of a joint's measured position, each axis, where no covariances are known (m).
     /// Default 0.03.
     pub position_sigma: f64,
-    /// Spectral density of the acceleration of who walks (m²/s³): more follows sooner, less smooths more. Default 0.5,
+    /// Spectral density of the acceleration of who walks (m²/s³): more follows sooner, less smooths more. Default 0.6,
     /// of gait up to 1.4 m/s.
     pub walking_density: f64,
     /// The same of the joints of the trunk and the head (m²/s³). Default 1.
@@ -77,7 +77,7 @@ impl Default for TrackerSettings {
         Self {
             least_confidence: 0.3,
             position_sigma: 0.03,
-            walking_density: 0.5,
+            walking_density: 0.6,
             trunk_density: 1.0,
             limb_density: 8.0,
             max_speed: 3.0,

@@ -2,12 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{
-    filter::Measurement,
-    seen::Heading,
-    settings::TrackerSettings,
-    two_models::TwoModels,
-};
+use super::{filter::Measurement, seen::Heading, settings::TrackerSettings, two_models::TwoModels};
 
 /// The person as of the last measurements that were taken in.
 #[derive(Clone, Copy, Debug)]

@@ -5,11 +5,11 @@ use nalgebra::{SMatrix, SVector};
 use super::filter::{Measurement, Motion, PointFilter};
 
 /// How often who stands begins to move, and who moves stops (1/s).
-const BEGINS: f64 = 0.02;
-const STOPS: f64 = 1.0;
+const BEGINS: f64 = 0.005;
+const STOPS: f64 = 0.2;
 
 /// One measurement changes the odds by no more than e to this: a single wrong one tells little.
-const MOST: f64 = 2.0;
+const MOST: f64 = 1.5;
 
 /// Two Kalman filters, of a point that moves and of one that stands, weighed by how well each explains the measurements.
 ///
@@ -41,11 +41,17 @@ impl<const D: usize> TwoModels<D> {
     }
 
     /// The state after a time (s), with what was measured then.
-    pub(super) fn corrected(&self, measured: &Measurement<D>, elapsed: f64, motion: &Motion) -> Self {
+    pub(super) fn corrected(
+        &self,
+        measured: &Measurement<D>,
+        elapsed: f64,
+        motion: &Motion,
+    ) -> Self {
         let within = |rate: f64| 1.0 - (-rate * elapsed).exp();
         let stopped = (1.0 - self.stands) * within(STOPS);
         let stands = stopped + self.stands * (1.0 - within(BEGINS));
-        let standing = self.standing.mixed_with(&self.moving.at_rest(), stopped / stands.max(1e-12));
+        let standing =
+            self.standing.mixed_with(&self.moving.at_rest(), stopped / stands.max(1e-12));
         let (standing, if_standing) = standing.corrected(measured, &motion.standing(elapsed));
         let (moving, if_moving) = self.moving.corrected(measured, &motion.moving(elapsed));
         let likely = stands * (if_standing - if_moving).clamp(-MOST, MOST).exp();
@@ -66,7 +72,7 @@ impl<const D: usize> TwoModels<D> {
     }
 
     pub(super) fn velocity(&self) -> SVector<f64, D> {
-        self.moving.velocity() * (1.0 - self.stands)
+        self.moving.velocity() * (1.0 - self.share())
     }
 
     pub(super) fn position_covariance(&self) -> SMatrix<f64, D, D> {
@@ -74,12 +80,17 @@ impl<const D: usize> TwoModels<D> {
     }
 
     pub(super) fn velocity_covariance(&self) -> SMatrix<f64, D, D> {
-        let away = self.moving.velocity() * self.stands;
+        let away = self.moving.velocity() * self.share();
         self.moving.velocity_covariance() + away * away.transpose()
+    }
+
+    /// The weight of standing: none where moving is more probable, all where that has less than a tenth.
+    fn share(&self) -> f64 {
+        ((self.stands - 0.5) / 0.4).clamp(0.0, 1.0)
     }
 
     /// From where the point is if it moves to the weighed mean.
     fn away(&self) -> SVector<f64, D> {
-        (self.standing.position() - self.moving.position()) * self.stands
+        (self.standing.position() - self.moving.position()) * self.share()
     }
 }
