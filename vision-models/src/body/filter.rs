@@ -20,7 +20,7 @@ pub(super) struct PointFilter<const D: usize> {
 pub(super) const LASTING: f64 = 0.9;
 
 /// A measurement farther than this from what is expected counts the less, the farther it is (standard deviations).
-const LIKELY: f64 = 2.0;
+const LIKELY: f64 = 1.5;
 
 const POSITION: usize = 0;
 const VELOCITY: usize = 1;
