@@ -228,9 +228,7 @@ pub struct ControllerSettings {
     /// When actions become intentions.
     pub intention: IntentionSettings,
     /// The body tracker. Default: that of vision-models with joints that are known to 0.02 m, to which Z_d of
-    /// [`SafetySettings`] belongs, and an `acceleration_density` and `measured_density` of 0.08 m²/s³: the velocity
-    /// of somebody who begins to walk or stops at 1.5 m/s² is then within three of its standard deviations in all
-    /// but five of a thousand frames, and certain enough that they may be touched while they work with the robot.
+    /// [`SafetySettings`] belongs.
     pub tracker: TrackerSettings,
     /// How the person's frame follows the tracked body.
     pub follower: FollowerSettings,
@@ -271,12 +269,7 @@ impl Default for ControllerSettings {
             },
             budget: Budget::default(),
             intention: IntentionSettings::default(),
-            tracker: TrackerSettings {
-                position_sigma: 0.02,
-                acceleration_density: 0.08,
-                measured_density: 0.08,
-                ..TrackerSettings::default()
-            },
+            tracker: TrackerSettings { position_sigma: 0.02, ..TrackerSettings::default() },
             follower: FollowerSettings::default(),
             hold: HoldSettings::default(),
             stale: StaleSettings::default(),

@@ -17,8 +17,10 @@ mod segment;
 mod settings;
 mod track;
 mod tracker;
+mod two_models;
 
 pub use image_body::{ImageBody, ImageKeypoint};
+pub use joints::JointVelocity;
 pub use keypoints::{Body, Body25, Keypoint};
 pub use lengths::{SegmentLength, StatureEstimate};
 pub use people::{People, PeopleSettings, PersonId, PersonTrack};

@@ -81,9 +81,9 @@ mod weights;
 
 pub use action::{Action, ActionGroup, Tool, WalkingDirection};
 pub use body::{
-    Body, Body25, BodySegment, BodyTracker, ImageBody, ImageKeypoint, ImpossibleBody, Keypoint,
-    People, PeopleSettings, PersonId, PersonTrack, SegmentLength, StatureEstimate, TrackStatus,
-    TrackedPerson, TrackerSettings,
+    Body, Body25, BodySegment, BodyTracker, ImageBody, ImageKeypoint, ImpossibleBody,
+    JointVelocity, Keypoint, People, PeopleSettings, PersonId, PersonTrack, SegmentLength,
+    StatureEstimate, TrackStatus, TrackedPerson, TrackerSettings,
 };
 pub use camera::{Camera, DepthImage, DepthNoise, Intrinsics};
 #[cfg(feature = "inference")]

@@ -1,9 +1,9 @@
 //! The joints of a body over time.
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::{Matrix3, Point3, Vector2, Vector3};
 
 use super::{
-    filter::{ConstantVelocity, Measurement, Motion},
+    filter::{Measurement, Motion, PointFilter},
     keypoints::{Body, Body25, Keypoint},
     seen::Seen,
     segment::{BodySegment, ENDS},
@@ -12,7 +12,7 @@ use super::{
 use crate::confidence::Confidence;
 
 /// Joints of head and trunk.
-const TRUNK: [Body25; 11] = [
+pub(super) const TRUNK: [Body25; 11] = [
     Body25::Nose,
     Body25::Neck,
     Body25::LeftShoulder,
@@ -39,7 +39,7 @@ const DEVIATIONS: f64 = 2.5;
 
 /// Follows each joint of one person by a Kalman filter of its own, so that errors of single frames
 /// are averaged and a joint that is missed for a moment stays known. Joints without a covariance are
-/// given as they are.
+/// given as they are; their velocities are known from the covariance that is assumed.
 #[derive(Clone, Debug)]
 pub(super) struct JointFilter {
     joints: [Option<Followed>; Body25::COUNT],
@@ -47,7 +47,7 @@ pub(super) struct JointFilter {
 
 #[derive(Clone, Copy, Debug)]
 struct Followed {
-    filter: ConstantVelocity<3>,
+    filter: PointFilter<3>,
     time: f64,
     confidence: Confidence,
     /// Outliers in a row.
@@ -57,6 +57,20 @@ struct Followed {
 impl JointFilter {
     pub(super) fn new() -> Self {
         Self { joints: [None; Body25::COUNT] }
+    }
+
+    /// How fast a joint moves at the time `now` (s), if it was seen of late.
+    pub(super) fn velocity(
+        &self,
+        joint: Body25,
+        now: f64,
+        settings: &TrackerSettings,
+    ) -> Option<JointVelocity> {
+        let followed = self.joints[joint.index()]?;
+        let elapsed = (now - followed.time).max(0.0);
+        let filter = followed.filter.advanced(&settings.joint(joint).moving(elapsed));
+        let (mean, covariance) = (filter.velocity(), filter.velocity_covariance());
+        (elapsed <= COAST).then_some(JointVelocity { mean, covariance })
     }
 
     /// Takes a frame in and gives the joints as they are at its time. `walking` is the person's
@@ -74,32 +88,59 @@ impl JointFilter {
         let mut out = Body::default();
         let joints = Body25::ALL.into_iter().zip(&mut self.joints).zip(doubted);
         for ((joint, followed), doubted) in joints {
-            let motion = settings.joint(TRUNK.contains(&joint));
-            let measured = seen.joint(joint).zip(body.get(joint)).filter(|_| !doubted);
+            let motion = settings.joint(joint);
+            let measured = seen.place(joint).zip(body.get(joint)).filter(|_| !doubted);
             if let Some((at, keypoint)) = measured {
-                let Some(covariance) = at.covariance else {
+                if body.covariance(joint).is_none() {
                     out.set(joint, Some(keypoint));
-                    continue;
-                };
-                let covariance = covariance * seen.inflation();
-                let measured = Measurement { position: at.position, covariance };
+                }
+                let Some(covariance) = at.covariance else { continue };
+                let measured =
+                    Measurement { position: at.position, covariance, lasting: seen.lasting() };
                 let before = followed.take().filter(|before| time - before.time <= COAST);
                 *followed = Some(match before {
                     None => Followed::starting_at(&measured, keypoint, time, &motion).with(walking),
                     Some(before) => before.corrected(&measured, keypoint, time, &motion, settings),
                 });
             }
-            if let Some(known) = followed.filter(|known| time - known.time <= COAST) {
-                let now = known.filter.advanced(time - known.time, &motion);
+            let followed =
+                followed.filter(|known| seen.is_measured() && time - known.time <= COAST);
+            if let Some(known) = followed {
+                let now = known.filter.advanced(&motion.moving(time - known.time));
                 if now.position_covariance().trace() > VAGUE {
                     continue;
                 }
-                let position = Point3::from(now.position);
+                let position = Point3::from(now.position());
                 let keypoint = Keypoint { position, confidence: known.confidence };
-                out.set_measured(joint, keypoint, *now.position_covariance());
+                out.set_measured(joint, keypoint, now.position_covariance());
             }
         }
         out
+    }
+}
+
+/// How fast a joint moves.
+///
+/// ```
+/// use nalgebra::{Matrix3, Vector3};
+/// use vision_models::JointVelocity;
+///
+/// let covariance = Matrix3::identity() * 0.1_f64.powi(2);
+/// let at_rest = JointVelocity { mean: Vector3::zeros(), covariance };
+/// assert!((at_rest.deviation() - 0.1).abs() < 1e-12);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointVelocity {
+    /// In the world (m/s).
+    pub mean: Vector3<f64>,
+    /// (m²/s²)
+    pub covariance: Matrix3<f64>,
+}
+
+impl JointVelocity {
+    /// The standard deviation in the direction in which the velocity is least certain (m/s).
+    pub fn deviation(&self) -> f64 {
+        self.covariance.symmetric_eigenvalues().max().max(0.0).sqrt()
     }
 }
 
@@ -110,13 +151,13 @@ impl Followed {
         time: f64,
         motion: &Motion,
     ) -> Self {
-        let filter = ConstantVelocity::starting_at(measured, motion);
+        let filter = PointFilter::starting_at(measured, motion);
         Self { filter, time, confidence: keypoint.confidence, outliers: 0 }
     }
 
     /// The same, moving along with the person.
     fn with(mut self, walking: Vector2<f64>) -> Self {
-        self.filter.velocity = walking.push(0.0);
+        self.filter = self.filter.with_velocity(walking.push(0.0));
         self
     }
 
@@ -129,9 +170,9 @@ impl Followed {
         motion: &Motion,
         settings: &TrackerSettings,
     ) -> Self {
-        let mut filter = self.filter.advanced(time - self.time, motion);
-        if filter.distance_squared(measured) <= settings.position_outlier_distance(true) {
-            filter.correct(measured, motion);
+        let over = motion.moving(time - self.time);
+        if self.filter.advanced(&over).distance_squared(measured) <= settings.outlier_distance() {
+            let filter = self.filter.corrected(measured, &over).0.no_faster_than(motion.max_speed);
             return Self { filter, time, confidence: keypoint.confidence, outliers: 0 };
         }
         self.outliers += 1;

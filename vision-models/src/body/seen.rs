@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3, vector};
 
 use super::{
-    filter::Measurement,
+    filter::{LASTING, Measurement},
     keypoints::{Body, Body25},
     lean::LeanInWorld,
     settings::TrackerSettings,
@@ -32,7 +32,7 @@ pub(super) struct Seen<'body> {
     measured: bool,
     /// Of a joint of which no covariance is known (m²).
     assumed: Matrix3<f64>,
-    /// What errors that last from frame to frame make of a covariance.
+    /// What errors that last from frame to frame make of the variance of a mean.
     inflation: f64,
 }
 
@@ -86,7 +86,7 @@ impl<'body> Seen<'body> {
     }
 
     /// The same, with the covariance that is assumed where none is known of any joint.
-    fn place(&self, joint: Body25) -> Option<Joint> {
+    pub(super) fn place(&self, joint: Body25) -> Option<Joint> {
         let assumed = (!self.measured).then_some(self.assumed);
         let joint = self.joint(joint)?;
         Some(Joint { covariance: joint.covariance.or(assumed), ..joint })
@@ -97,9 +97,9 @@ impl<'body> Seen<'body> {
         self.measured
     }
 
-    /// What errors that last from frame to frame make of a covariance.
-    pub(super) fn inflation(&self) -> f64 {
-        self.inflation
+    /// The share of variances that lasts from frame to frame; what is assumed counts that already.
+    pub(super) fn lasting(&self) -> f64 {
+        if self.measured { LASTING } else { 0.0 }
     }
 
     /// The floor below the pelvis (m): below mid hip and hips, and below neck and shoulders, which are above
@@ -191,9 +191,9 @@ impl<'body> Seen<'body> {
     }
 
     fn floor(&self, joint: &Joint) -> Measurement<2> {
-        let covariance = joint.covariance.map_or(self.assumed, |known| known * self.inflation);
+        let covariance = joint.covariance.unwrap_or(self.assumed);
         let covariance = covariance.fixed_view::<2, 2>(0, 0).into_owned();
-        Measurement { position: joint.position.xy(), covariance }
+        Measurement { position: joint.position.xy(), covariance, lasting: self.lasting() }
     }
 
     /// The person's forward direction: left is from the right to the left shoulder plus from the
@@ -228,7 +228,7 @@ impl<'body> Seen<'body> {
             left = unit(sums.0).unwrap_or(left);
             information = Some(sums.1);
         }
-        let variance = information.map(|information| self.inflation / information);
+        let variance = information.map(f64::recip);
         Some(Heading { angle: (-left.x).atan2(left.y), variance })
     }
 }
@@ -382,7 +382,7 @@ mod tests {
         assert_eq!(position(Some(Facing { angle, variance: 0.0 })), Some(sure.position));
         assert!(sure.covariance[(0, 0)] > 1e-4, "less certain than the hip");
         // Turned by 0.2 rad the middle would be farther ahead or behind, and as far to the side.
-        let more = (unsure.covariance - sure.covariance) / seen(&person).inflation();
+        let more = unsure.covariance - sure.covariance;
         assert!((more[(0, 0)] - 0.04 * HIP * HIP).abs() < 1e-12 && more[(1, 1)].abs() < 1e-12);
     }
 

@@ -1,7 +1,13 @@
 //! The parameters of the tracker.
 
-use super::filter::{Measurement, Motion};
+use super::filter::{LASTING, Measurement, Motion};
+use super::joints::TRUNK;
+use super::keypoints::Body25;
 use crate::error::Error;
+
+/// How fast who stands drifts: the spectral density of the velocity (m²/s), and of turning (rad²/s).
+const DRIFT: f64 = 3e-6;
+const TURNING_DRIFT: f64 = 1e-5;
 
 /// The parameters of a [`BodyTracker`](crate::BodyTracker). The defaults are for a depth camera at
 /// 20 frames/s, 2 to 4 m from the person.
@@ -23,16 +29,12 @@ pub struct TrackerSettings {
     /// Standard deviation of a joint's measured position, each axis, where no covariances are known (m).
     /// Default 0.03.
     pub position_sigma: f64,
-    /// Spectral density of the person's acceleration (m²/s³), where covariances are not known: more
-    /// follows sooner, less smooths more. Default 0.1, which with the other defaults is a bandwidth
-    /// of 7 rad/s where mid hip alone is seen, and of about 10 rad/s where all joints of the trunk are.
-    pub acceleration_density: f64,
-    /// The same where covariances are known, and nothing has to be smoothed away that they do not
-    /// say: accelerations of 1 to 2 m/s² that last half a second (m²/s³). Default 1.
-    pub measured_density: f64,
-    /// Of the joints of the trunk and the head (m²/s³). Default 1.
+    /// Spectral density of the acceleration of who walks (m²/s³): more follows sooner, less smooths more. Default 0.6,
+    /// of gait up to 1.4 m/s.
+    pub walking_density: f64,
+    /// The same of the joints of the trunk and the head (m²/s³). Default 1.
     pub trunk_density: f64,
-    /// Of the other joints (m²/s³). Default 8.
+    /// The same of wrists (m²/s³); elbows have 0.4 of it, knees 0.8, ankles and feet 1.5. Default 8.
     pub limb_density: f64,
     /// Nobody is faster (m/s). Default 3.
     pub max_speed: f64,
@@ -46,15 +48,12 @@ pub struct TrackerSettings {
     /// A measurement more standard deviations than this away from what is expected is an outlier.
     /// Default 5.
     pub gate: f64,
-    /// The same for positions whose covariances are known. Default 3.5.
-    pub measured_gate: f64,
     /// The probability that noise alone is as far from what is expected as a measurement has to be,
     /// in each of the frames in which a person seems to be elsewhere, to count as a jump. Default
     /// 1e-9.
     pub jump_probability: f64,
-    /// How long errors last: measured joints are wrong by nearly the same from frame to frame, so
-    /// that several frames tell less than as many independent ones. Covariances grow by
-    /// (1 + ρ)/(1 - ρ) with ρ = exp(-interval/time) (s). Default 0.05.
+    /// How long errors of joints whose covariances are known last: their correlation fades as
+    /// exp(-interval/time) (s). Default 0.16, as of real detectors.
     pub correlation_time: f64,
     /// How many frames in a row have to agree before a person is taken up, at the start, after a
     /// loss, or in place of a track from which they are outliers. Default 4.
@@ -78,8 +77,7 @@ impl Default for TrackerSettings {
         Self {
             least_confidence: 0.3,
             position_sigma: 0.03,
-            acceleration_density: 0.1,
-            measured_density: 1.0,
+            walking_density: 0.6,
             trunk_density: 1.0,
             limb_density: 8.0,
             max_speed: 3.0,
@@ -87,9 +85,8 @@ impl Default for TrackerSettings {
             turning_density: 0.5,
             max_turning_rate: 4.0,
             gate: 5.0,
-            measured_gate: 3.5,
             jump_probability: 1e-9,
-            correlation_time: 0.05,
+            correlation_time: 0.16,
             acquire_frames: 4,
             acquire_radius: 0.3,
             tracked_age: 0.12,
@@ -115,8 +112,7 @@ impl TrackerSettings {
         let scale = |name, value| in_range(name, value, 1e-6, 1e6, "a value in [1e-6, 1e6]");
         in_range("least_confidence", self.least_confidence, 0.0, 1.0, "a value in [0, 1]")?;
         scale("position_sigma", self.position_sigma)?;
-        scale("acceleration_density", self.acceleration_density)?;
-        scale("measured_density", self.measured_density)?;
+        scale("walking_density", self.walking_density)?;
         scale("trunk_density", self.trunk_density)?;
         scale("limb_density", self.limb_density)?;
         scale("max_speed", self.max_speed)?;
@@ -124,7 +120,6 @@ impl TrackerSettings {
         scale("turning_density", self.turning_density)?;
         scale("max_turning_rate", self.max_turning_rate)?;
         scale("gate", self.gate)?;
-        scale("measured_gate", self.measured_gate)?;
         let probability = self.jump_probability;
         in_range("jump_probability", probability, 1e-300, 1.0, "a probability in [1e-300, 1]")?;
         in_range("correlation_time", self.correlation_time, 0.0, 10.0, "a time in [0, 10] s")?;
@@ -141,39 +136,43 @@ impl TrackerSettings {
         in_range("turn_limit", self.turn_limit, 0.0, 0.5, "a time in [0, 0.5] s")
     }
 
-    /// How the person walks, as positions with or without covariances tell.
-    pub(super) fn walking(&self, measured: bool) -> Motion {
-        let density = if measured { self.measured_density } else { self.acceleration_density };
-        Motion { density, max_speed: self.max_speed }
+    /// How the person stands and walks.
+    pub(super) fn walking(&self) -> Motion {
+        self.motion(self.walking_density, DRIFT, self.max_speed, self.coast_limit)
     }
 
-    /// How a joint of the trunk or of a limb moves.
-    pub(super) fn joint(&self, of_trunk: bool) -> Motion {
-        if of_trunk {
-            Motion { density: self.trunk_density, max_speed: self.max_speed }
-        } else {
-            Motion { density: self.limb_density, max_speed: 2.0 * self.max_speed }
-        }
+    /// How a joint moves.
+    pub(super) fn joint(&self, joint: Body25) -> Motion {
+        use Body25::{LeftElbow, LeftKnee, LeftWrist, RightElbow, RightKnee, RightWrist};
+        let of_limb = |share| (share * self.limb_density, 2.0 * self.max_speed);
+        let (density, max_speed) = match joint {
+            _ if TRUNK.contains(&joint) => (self.trunk_density, self.max_speed),
+            LeftElbow | RightElbow => of_limb(0.4),
+            LeftWrist | RightWrist => of_limb(1.0),
+            LeftKnee | RightKnee => of_limb(0.8),
+            _ => of_limb(1.5),
+        };
+        self.motion(density, 0.0, max_speed, self.coast_limit)
     }
 
     pub(super) fn turning(&self) -> Motion {
-        Motion { density: self.turning_density, max_speed: self.max_turning_rate }
+        self.motion(self.turning_density, TURNING_DRIFT, self.max_turning_rate, self.turn_limit)
+    }
+
+    fn motion(&self, density: f64, drift: f64, max_speed: f64, coasts: f64) -> Motion {
+        Motion { density, drift, max_speed, coasts, correlation_time: self.correlation_time }
     }
 
     /// A heading, with the standard deviation of one frame where no variance is known.
     pub(super) fn heading(&self, angle: f64, variance: Option<f64>) -> Measurement<1> {
+        let lasting = if variance.is_some() { LASTING } else { 0.0 };
         let variance = variance.unwrap_or(self.heading_sigma.powi(2));
-        Measurement { position: [angle].into(), covariance: [[variance]].into() }
+        Measurement { position: [angle].into(), covariance: [[variance]].into(), lasting }
     }
 
     /// The square of the distance beyond which a measurement is an outlier.
     pub(super) fn outlier_distance(&self) -> f64 {
         self.gate.powi(2)
-    }
-
-    /// The same of a position.
-    pub(super) fn position_outlier_distance(&self, measured: bool) -> f64 {
-        if measured { self.measured_gate.powi(2) } else { self.outlier_distance() }
     }
 
     /// The square of the distance beyond which measurements may be a jump. Of two axes, distances

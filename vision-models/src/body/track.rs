@@ -2,20 +2,14 @@
 
 use nalgebra::Vector2;
 
-use super::{
-    filter::{ConstantVelocity, Measurement},
-    seen::Heading,
-    settings::TrackerSettings,
-};
+use super::{filter::Measurement, seen::Heading, settings::TrackerSettings, two_models::TwoModels};
 
 /// The person as of the last measurements that were taken in.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Track {
-    pub(super) floor: ConstantVelocity<2>,
+    pub(super) floor: TwoModels<2>,
     pub(super) floor_time: f64,
-    /// Whether positions come with covariances.
-    pub(super) measured: bool,
-    pub(super) heading: ConstantVelocity<1>,
+    pub(super) heading: TwoModels<1>,
     pub(super) heading_time: f64,
     /// Headings in a row that were outliers, and the distance of the nearest of them, squared.
     turned: Option<(u32, f64)>,
@@ -38,14 +32,12 @@ impl Track {
         floor: &Measurement<2>,
         heading: &Measurement<1>,
         time: f64,
-        measured: bool,
         settings: &TrackerSettings,
     ) -> Self {
         Self {
-            floor: ConstantVelocity::starting_at(floor, &settings.walking(measured)),
+            floor: TwoModels::starting_at(floor, &settings.walking()),
             floor_time: time,
-            measured,
-            heading: ConstantVelocity::starting_at(heading, &settings.turning()),
+            heading: TwoModels::starting_at(heading, &settings.turning()),
             heading_time: time,
             turned: None,
         }
@@ -57,24 +49,21 @@ impl Track {
         &mut self,
         floors: impl Iterator<Item = Measurement<2>>,
         time: f64,
-        measured: bool,
         settings: &TrackerSettings,
     ) -> Result<(), f64> {
-        let motion = settings.walking(measured);
-        let mut filter = self.floor.advanced(time - self.floor_time, &motion);
-        let (mut taken, mut nearest) = (false, f64::INFINITY);
+        let (motion, elapsed) = (settings.walking(), time - self.floor_time);
+        let expected = self.floor.advanced(elapsed, &motion);
+        let (mut taken, mut nearest) = (None::<Measurement<2>>, f64::INFINITY);
         for floor in floors {
-            let distance = filter.distance_squared(&floor);
+            let distance = expected.distance_squared(&floor);
             nearest = nearest.min(distance);
-            if distance <= settings.position_outlier_distance(measured) {
-                filter.correct(&floor, &motion);
-                taken = true;
+            if distance <= settings.outlier_distance() {
+                taken = taken.map_or(Some(floor), |before| before.with(&floor));
             }
         }
-        if !taken {
-            return Err(nearest);
-        }
-        (self.floor, self.floor_time, self.measured) = (filter, time, measured);
+        let floor = taken.ok_or(nearest)?;
+        self.floor = self.floor.corrected(&floor, elapsed, &motion);
+        self.floor_time = time;
         Ok(())
     }
 
@@ -89,16 +78,13 @@ impl Track {
         let motion = settings.turning();
         let since = time - self.heading_time;
         let elapsed = since.min(settings.coast_limit);
-        let mut filter = self.heading.advanced(elapsed, &motion);
-        // Turned no further than `predict` says.
-        filter.position =
-            self.heading.position + self.heading.velocity * elapsed.min(settings.turn_limit);
-        let angle = nearest_branch(heading.angle, filter.position.x);
+        let expected = self.heading.advanced(elapsed, &motion);
+        let angle = nearest_branch(heading.angle, expected.position().x);
         let measured = settings.heading(angle, heading.variance);
-        let distance = filter.distance_squared(&measured);
+        let distance = expected.distance_squared(&measured);
         let mut jumped = false;
         if distance <= settings.outlier_distance() {
-            filter.correct(&measured, &motion);
+            self.heading = self.heading.corrected(&measured, elapsed, &motion);
         } else {
             let (frames, nearest) = self.turned.unwrap_or((0, f64::INFINITY));
             let (frames, nearest) = (frames.saturating_add(1), nearest.min(distance));
@@ -108,9 +94,8 @@ impl Track {
                 self.turned = Some((frames, nearest));
                 return false;
             }
-            filter = ConstantVelocity::starting_at(&measured, &motion);
+            self.heading = TwoModels::starting_at(&measured, &motion);
         }
-        self.heading = filter;
         self.heading_time = time;
         self.turned = None;
         jumped

@@ -12,14 +12,15 @@ use super::{
     segment::BodySegment,
     settings::TrackerSettings,
     track::{Candidate, Track, nearest_branch},
+    two_models::TwoModels,
 };
 use crate::error::Error;
 use crate::percept::Percept;
 
 /// Follows one person through the camera's frames.
 ///
-/// Floor position and heading each have a Kalman filter of nearly constant velocity, whose
-/// measurements have the covariances of the body's joints where these are known. Measurements
+/// Floor position and heading each have two Kalman filters, of who stands and of who moves, weighed by how well they
+/// explain the frames. Measurements have the covariances of the body's joints where these are known. Measurements
 /// outside the gate are left out; when they persist for some frames, agree with one another and are
 /// too far away for noise, the person really is there and the track starts again. Without
 /// measurements the person is coasted along at constant velocity for at most half a second and is
@@ -98,7 +99,7 @@ impl BodyTracker {
         let outlier = match (track, best) {
             (Some(track), Some(_)) => {
                 let floors = floors.into_iter().flatten();
-                track.take_floor(floors, time, seen.is_measured(), &self.settings).err()
+                track.take_floor(floors, time, &self.settings).err()
             }
             (Some(_), None) => None,
             (None, _) => Some(f64::INFINITY),
@@ -116,8 +117,7 @@ impl BodyTracker {
                 }
             }
             (Some(distance), Some(floor)) => {
-                let measured = seen.is_measured();
-                self.consider(floor, heading, time, distance, measured);
+                self.consider(floor, heading, time, distance);
             }
             (Some(_), None) => {}
         }
@@ -148,18 +148,17 @@ impl BodyTracker {
             TrackStatus::Lost
         };
         let coasted = extrapolated(now, track.floor_time, settings.coast_limit);
-        let advanced = track.floor.advanced(coasted, &settings.walking(track.measured));
+        let advanced = track.floor.advanced(coasted, &settings.walking());
         let moving = if status == TrackStatus::Lost { 0.0 } else { 1.0 };
         let turning = if heading_age > settings.turn_limit { 0.0 } else { 1.0 };
-        let turned =
-            track.heading.velocity * extrapolated(now, track.heading_time, settings.turn_limit);
+        let heading = self.heading(track, now);
         Some(TrackedPerson {
-            floor: Point2::from(advanced.position),
-            heading: (track.heading.position + turned).x,
-            velocity: track.floor.velocity * moving,
-            heading_rate: track.heading.velocity.x * turning,
-            floor_covariance: *advanced.position_covariance(),
-            velocity_covariance: *advanced.velocity_covariance(),
+            floor: Point2::from(advanced.position()),
+            heading: heading.position().x,
+            velocity: advanced.velocity() * moving,
+            heading_rate: heading.velocity().x * turning,
+            floor_covariance: advanced.position_covariance(),
+            velocity_covariance: advanced.velocity_covariance(),
             age,
             heading_age,
             status,
@@ -168,12 +167,13 @@ impl BodyTracker {
 
     /// The way that the person faces at the time `now` (s), as far as it is known.
     pub(super) fn facing(&self, now: f64) -> Option<Facing> {
-        let settings = &self.settings;
-        let track = self.track.as_ref()?;
-        let age = extrapolated(now, track.heading_time, settings.coast_limit);
-        let advanced = track.heading.advanced(age, &settings.turning());
-        let angle = self.predict(now)?.heading;
-        Some(Facing { angle, variance: advanced.position_covariance().x })
+        let heading = self.heading(self.track.as_ref()?, now);
+        Some(Facing { angle: heading.position().x, variance: heading.position_covariance().x })
+    }
+
+    fn heading(&self, track: &Track, now: f64) -> TwoModels<1> {
+        let age = extrapolated(now, track.heading_time, self.settings.coast_limit);
+        track.heading.advanced(age, &self.settings.turning())
     }
 
     /// The person's stature, once the legs were seen often enough.
@@ -199,7 +199,6 @@ impl BodyTracker {
         heading: Option<Heading>,
         time: f64,
         distance: f64,
-        measured: bool,
     ) {
         let settings = &self.settings;
         let candidate = Candidate::seen(self.candidate, floor, heading, time, distance, settings);
@@ -216,7 +215,7 @@ impl BodyTracker {
                 self.lean = Lean::default();
             }
             self.jumps += u64::from(jumped);
-            self.track = Some(Track::starting_at(&floor, &heading, time, measured, settings));
+            self.track = Some(Track::starting_at(&floor, &heading, time, settings));
             self.candidate = None;
         }
     }

@@ -41,6 +41,7 @@ mod pose;
 mod prefixes;
 #[cfg(feature = "inference")]
 mod preprocessing;
+mod real_motion;
 #[cfg(feature = "inference")]
 mod support;
 #[cfg(feature = "inference")]

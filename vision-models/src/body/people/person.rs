@@ -2,8 +2,8 @@
 
 use nalgebra::Vector2;
 
-use super::super::joints::JointFilter;
-use super::super::keypoints::Body;
+use super::super::joints::{JointFilter, JointVelocity};
+use super::super::keypoints::{Body, Body25};
 use super::super::lengths::{SegmentLength, StatureEstimate};
 use super::super::pose::TrackedPerson;
 use super::super::seen::{Facing, Seen};
@@ -87,6 +87,11 @@ impl PersonTrack {
     /// Where the person is at the time `now` (s), once they have been taken up.
     pub fn predict(&self, now: f64) -> Option<TrackedPerson> {
         self.tracker.predict(now)
+    }
+
+    /// How fast a joint moves at the time `now` (s), if it was seen of late.
+    pub fn velocity(&self, joint: Body25, now: f64) -> Option<JointVelocity> {
+        self.joints.velocity(joint, now, self.tracker.settings())
     }
 
     /// The person's stature, once the legs were seen often enough.

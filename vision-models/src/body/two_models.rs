@@ -1,0 +1,96 @@
+//! A point that stands or moves.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::filter::{Measurement, Motion, PointFilter};
+
+/// How often who stands begins to move, and who moves stops (1/s).
+const BEGINS: f64 = 0.005;
+const STOPS: f64 = 0.2;
+
+/// One measurement changes the odds by no more than e to this: a single wrong one tells little.
+const MOST: f64 = 1.5;
+
+/// Two Kalman filters, of a point that moves and of one that stands, weighed by how well each explains the measurements.
+///
+/// Interacting multiple models (Blom and Bar-Shalom 1988), where only standing begins from the other: a point that stops
+/// does so where it is. Position and velocity are the weighed means. Their covariances are those of a point that moves,
+/// about these means: that it stands is no claim, since it may have begun to move in this moment.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TwoModels<const D: usize> {
+    moving: PointFilter<D>,
+    standing: PointFilter<D>,
+    /// The probability that it stands.
+    stands: f64,
+}
+
+impl<const D: usize> TwoModels<D> {
+    /// Where it was measured; it may stand or move.
+    pub(super) fn starting_at(measured: &Measurement<D>, motion: &Motion) -> Self {
+        let moving = PointFilter::starting_at(measured, motion);
+        Self { moving, standing: moving.at_rest(), stands: 0.5 }
+    }
+
+    /// The state after a time without a measurement (s).
+    pub(super) fn advanced(&self, elapsed: f64, motion: &Motion) -> Self {
+        Self {
+            moving: self.moving.advanced(&motion.moving(elapsed)),
+            standing: self.standing.advanced(&motion.standing(elapsed)),
+            ..*self
+        }
+    }
+
+    /// The state after a time (s), with what was measured then.
+    pub(super) fn corrected(
+        &self,
+        measured: &Measurement<D>,
+        elapsed: f64,
+        motion: &Motion,
+    ) -> Self {
+        let within = |rate: f64| 1.0 - (-rate * elapsed).exp();
+        let stopped = (1.0 - self.stands) * within(STOPS);
+        let stands = stopped + self.stands * (1.0 - within(BEGINS));
+        let standing =
+            self.standing.mixed_with(&self.moving.at_rest(), stopped / stands.max(1e-12));
+        let (standing, if_standing) = standing.corrected(measured, &motion.standing(elapsed));
+        let (moving, if_moving) = self.moving.corrected(measured, &motion.moving(elapsed));
+        let likely = stands * (if_standing - if_moving).clamp(-MOST, MOST).exp();
+        let moving = moving.no_faster_than(motion.max_speed);
+        Self { moving, standing, stands: likely / (likely + 1.0 - stands) }
+    }
+
+    /// See [`PointFilter::distance_squared`].
+    pub(super) fn distance_squared(&self, measured: &Measurement<D>) -> f64 {
+        let innovation = measured.position - self.position();
+        (self.position_covariance() + measured.covariance)
+            .cholesky()
+            .map_or(f64::INFINITY, |factor| innovation.dot(&factor.solve(&innovation)))
+    }
+
+    pub(super) fn position(&self) -> SVector<f64, D> {
+        self.moving.position() + self.away()
+    }
+
+    pub(super) fn velocity(&self) -> SVector<f64, D> {
+        self.moving.velocity() * (1.0 - self.share())
+    }
+
+    pub(super) fn position_covariance(&self) -> SMatrix<f64, D, D> {
+        self.moving.position_covariance() + self.away() * self.away().transpose()
+    }
+
+    pub(super) fn velocity_covariance(&self) -> SMatrix<f64, D, D> {
+        let away = self.moving.velocity() * self.share();
+        self.moving.velocity_covariance() + away * away.transpose()
+    }
+
+    /// The weight of standing: none where moving is more probable, all where that has less than a tenth.
+    fn share(&self) -> f64 {
+        ((self.stands - 0.5) / 0.4).clamp(0.0, 1.0)
+    }
+
+    /// From where the point is if it moves to the weighed mean.
+    fn away(&self) -> SVector<f64, D> {
+        (self.standing.position() - self.moving.position()) * self.share()
+    }
+}
