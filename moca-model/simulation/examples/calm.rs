@@ -28,8 +28,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let num = |name: &str, d: f64| get(name).map_or(d, |v| v.parse().unwrap());
         let tr = &mut scenario.settings.tracker;
         tr.position_sigma = num("--ps", tr.position_sigma); tr.heading_sigma = num("--hs", tr.heading_sigma);
-        tr.acceleration_density = num("--ad", tr.acceleration_density); tr.measured_density = num("--ad", tr.measured_density);
-        tr.turning_density = num("--td", tr.turning_density);
         if args.iter().any(|a| a == "--nosep") { scenario = scenario.without_separation(); }
         let st = &mut scenario.settings;
         st.safety.contact_speed = num("--cs", st.safety.contact_speed);

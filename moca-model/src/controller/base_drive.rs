@@ -13,9 +13,9 @@ use crate::singularity::{SINGULAR, manipulability_behind};
 /// The share of its acceleration limits that the base uses where safety asks for no more: what is left is for braking.
 const GENTLE: f64 = 0.75;
 /// The base stops while the tool is no farther from its place at the posture, over the floor \[m\].
-const STOPS_WITHIN: f64 = 0.25;
+const STOPS_WITHIN: f64 = 0.38;
 /// It drives again when the tool is farther \[m\]: between the two it goes on as it did.
-const DRIVES_BEYOND: f64 = 0.35;
+const DRIVES_BEYOND: f64 = 0.45;
 /// Below this share of its manipulability at the posture the arm does not keep the tool alone.
 const REACHES: f64 = 0.4;
 
