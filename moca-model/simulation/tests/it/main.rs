@@ -7,6 +7,7 @@
     missing_docs
 )]
 
+mod calm;
 mod experiment;
 mod experiment_recordings;
 mod limits;

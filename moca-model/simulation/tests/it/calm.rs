@@ -1,0 +1,52 @@
+//! How still the frame of somebody is who stands, seen by the shipped recording's camera.
+
+use moca_model::{ControllerSettings, SharedSpace};
+use moca_simulation::people::{Truth, Walker, WalkerSettings};
+use nalgebra::Isometry3;
+
+const PERIOD: f64 = 1e-3;
+
+/// The person has stood for so long, and came to rest by then [frames].
+const SETTLED: usize = 40;
+
+/// Returns true if the person stands and does not turn from this frame to the next.
+fn stands([before, after]: [&Truth; 2]) -> bool {
+    let turning = (after.heading - before.heading) / (after.time - before.time);
+    before.velocity.norm() < 0.05 && turning.abs() < 0.05
+}
+
+#[test]
+fn the_frame_of_who_stands_stands() {
+    let mut walker = Walker::new(WalkerSettings::default()).unwrap();
+    let frames: Vec<_> = std::iter::from_fn(|| walker.next_frame()).collect();
+    let tool = Isometry3::translation(0.9, 0.0, 1.0);
+    let mut space = SharedSpace::new(&ControllerSettings::default(), &tool).unwrap();
+    let (mut still, mut ticks) = (0, 0.0);
+    let mut squares = [0.0; 2];
+    let mut before = space.working_frame().unwrap();
+    for pair in frames.windows(2) {
+        let [(truth, percept), (next, _)] = pair else { continue };
+        still = if stands([truth, next]) { still + 1 } else { 0 };
+        if let Some(percept) = percept {
+            space.observe(percept).unwrap();
+        }
+        let mut now = truth.time;
+        while now < next.time - 0.5 * PERIOD {
+            space.advance(now, PERIOD).unwrap();
+            let frame = space.working_frame().unwrap();
+            if still > SETTLED && space.person().is_some_and(|person| person.status.is_usable()) {
+                let moved = frame.position() - before.position();
+                let turned = frame.heading() - before.heading();
+                squares[0] += (moved.norm() / PERIOD).powi(2);
+                squares[1] += (turned.sin() / PERIOD).powi(2);
+                ticks += 1.0;
+            }
+            before = frame;
+            now += PERIOD;
+        }
+    }
+    let [speed, rate] = squares.map(|sum| f64::sqrt(sum / ticks));
+    println!("{speed:.4} m/s, {rate:.4} rad/s in {:.1} s", ticks * PERIOD);
+    assert!(ticks > 10_000.0, "{ticks}");
+    assert!(speed <= 0.015 && rate <= 0.02, "{speed} m/s, {rate} rad/s");
+}
