@@ -3,8 +3,8 @@
 use ahqp_core::Status;
 use hrsw::{Fault, SafetyState};
 use nalgebra::{Isometry3, Vector6};
+use vision_models::Intention;
 
-use crate::intention::Intention;
 use crate::interaction::{Phase, Transition};
 
 /// How a tick went.

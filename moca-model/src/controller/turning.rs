@@ -3,11 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Unit, UnitQuaternion, Vector3};
+use vision_models::Intention;
 
 use super::Controller;
 use crate::error::Error;
 use crate::held_object::BoxSide;
-use crate::intention::Intention;
 use crate::interaction::{Phase, Situation};
 
 /// By how much the desired pose may be out of the shared workspace where it counts as within
