@@ -1,5 +1,4 @@
-//! Closed-loop inverse kinematics: rotations, task rows, damping.
+//! Closed-loop inverse kinematics: rotations and task rows.
 
 pub(crate) mod clik;
-pub(crate) mod damping;
 pub(crate) mod rotation;

@@ -59,7 +59,6 @@ pub use error::Error;
 pub use kinematics::clik::{
     AugmentedClik, AugmentedRow, AugmentedState, Clik, PoseAxes, integrate_pose, pose_error,
 };
-pub use kinematics::damping::Damping;
 pub use kinematics::rotation::{left_jacobian_inverse, rotation_log};
 pub use limits::{AcceleratedState, JerkLimits, Limits, MotionState, VelocityInterval};
 pub use nalgebra;

@@ -208,9 +208,8 @@ impl<const N: usize> Hold<N> {
             self.target += step;
             (self.target, step / period)
         } else {
-            // What is slow is mostly not known.
-            let certain = speed * speed / (speed * speed + zone.slow * zone.slow);
-            self.slow = if speed < zone.slow && !walks { self.slow } else { 0.0 };
+            // What is slow is mostly noise, and is left to the follower.
+            let certain = (speed / zone.slow - 1.0).clamp(0.0, 1.0);
             (seen, rate * certain)
         }
     }

@@ -3,8 +3,8 @@
 use ahqp_core::Status;
 use hrsw::{Fault, SafetyState};
 use nalgebra::{Isometry3, Vector6};
+use vision_models::Intention;
 
-use crate::intention::Intention;
 use crate::interaction::{Phase, Transition};
 
 /// How a tick went.
@@ -36,7 +36,7 @@ pub enum BaseMotion {
 /// Why the base drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DriveReason {
-    /// The shared workspace moves, or nobody is there whom it stands for.
+    /// The shared workspace moves, the object turns, or nobody is there whom the base stands for.
     PersonMoves,
     /// The arm alone is too near to a singular configuration.
     Reach,

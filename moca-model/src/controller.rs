@@ -366,7 +366,8 @@ impl Controller {
     fn decide_base(&mut self) {
         let Some(drive) = &mut self.base_drive else { return };
         let hindered = self.command.safety == SafetyState::Retreat || !self.keeps_separation;
-        drive.decide(&self.robot, &self.reference, self.space.is_at_rest(), hindered);
+        let turns = self.hand_turn.is_turning();
+        drive.decide(&self.robot, &self.reference, self.space.is_at_rest() && !turns, hindered);
         self.command.base_motion = drive.motion();
     }
 

@@ -1,66 +1,8 @@
 //! From recognised actions to what the person wants.
 
-use vision_models::{Action, RecognisedAction, Tool, WalkingDirection};
+use vision_models::{Intention, RecognisedAction};
 
 use crate::error::Error;
-
-/// What the person wants of the robot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Intention {
-    /// Nothing: they do something else.
-    #[default]
-    Apart,
-    /// To work on the object that the robot holds, standing, or walking with it.
-    Together {
-        /// Where they are walking, in their own frame; none when they stand.
-        walking: Option<WalkingDirection>,
-        /// What they work with; none with bare hands.
-        tool: Option<Tool>,
-    },
-}
-
-impl Intention {
-    /// Whether robot and person work together.
-    pub fn is_together(self) -> bool {
-        matches!(self, Self::Together { .. })
-    }
-
-    /// Where the person is walking while they work with the robot.
-    pub fn walking(self) -> Option<WalkingDirection> {
-        match self {
-            Self::Together { walking, .. } => walking,
-            Self::Apart => None,
-        }
-    }
-
-    /// The same with bare hands, to compare what people want whatever they work with.
-    #[must_use]
-    pub fn regardless_of_tool(self) -> Self {
-        match self {
-            Self::Together { walking, .. } => Self::Together { walking, tool: None },
-            Self::Apart => Self::Apart,
-        }
-    }
-
-    /// What the person works with on what the robot holds.
-    pub fn tool(self) -> Option<Tool> {
-        match self {
-            Self::Together { tool, .. } => tool,
-            Self::Apart => None,
-        }
-    }
-}
-
-/// What somebody wants who does this.
-impl From<Action> for Intention {
-    fn from(action: Action) -> Self {
-        if action.is_collaborative() {
-            Self::Together { walking: action.walking_direction(), tool: action.tool() }
-        } else {
-            Self::Apart
-        }
-    }
-}
 
 /// When an action counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -181,90 +123,6 @@ impl IntentionFilter {
         if time - since >= wait {
             self.present = seen;
             self.since = None;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-    use vision_models::Confidence;
-
-    fn action(action: Action, confidence: f64) -> RecognisedAction {
-        RecognisedAction { action, confidence: Confidence::new(confidence).unwrap() }
-    }
-
-    fn filter() -> IntentionFilter {
-        IntentionFilter::new(IntentionSettings::default()).unwrap()
-    }
-
-    proptest! {
-        #[test]
-        fn a_flicker_shorter_than_the_dwell_time_changes_nothing(
-            index in 0_usize..30, frames in 1_u32..4,
-        ) {
-            let mut filter = filter();
-            let work = action(Action::Using(Tool::Drill), 0.9);
-            let mut time = 0.0;
-            for _ in 0..20 { filter.update(time, Some(&work)); time += 0.05; }
-            let before = filter.intention();
-            for _ in 0..frames {
-                filter.update(time, Some(&action(Action::ALL[index], 1.0)));
-                time += 0.05;
-            }
-            prop_assert_eq!(filter.intention(), before);
-        }
-
-        #[test]
-        fn what_is_seen_long_enough_is_believed(index in 0_usize..30, start in 0_usize..30) {
-            let mut filter = filter();
-            let mut time = 0.0;
-            for shown in [start, index] {
-                for _ in 0..20 {
-                    filter.update(time, Some(&action(Action::ALL[shown], 0.8)));
-                    time += 0.05;
-                }
-            }
-            prop_assert_eq!(filter.intention(), Intention::from(Action::ALL[index]));
-        }
-
-        #[test]
-        fn work_begins_whatever_the_walking_directions(
-            shown in prop::collection::vec(0_usize..30, 12),
-        ) {
-            let mut filter = filter();
-            let together: Vec<_> = Action::ALL.into_iter().filter(|a| a.is_collaborative()).collect();
-            for (frame, index) in (0_u32..).zip(shown) {
-                let seen = action(together[index % together.len()], 0.9);
-                filter.update(0.05 * f64::from(frame), Some(&seen));
-            }
-            prop_assert!(filter.intention().is_together());
-        }
-
-        #[test]
-        fn low_confidence_never_changes_the_intention(
-            shown in prop::collection::vec((0_usize..30, 0.0..0.59_f64), 1..60),
-        ) {
-            let mut filter = filter();
-            for (frame, (index, confidence)) in (0_u32..).zip(shown) {
-                let seen = action(Action::ALL[index], confidence);
-                filter.update(0.05 * f64::from(frame), Some(&seen));
-            }
-            prop_assert_eq!(filter.intention(), Intention::Apart);
-        }
-    }
-
-    #[test]
-    fn settings_out_of_range_are_named() {
-        let bad = [
-            IntentionSettings { enter: f64::NAN, ..IntentionSettings::default() },
-            IntentionSettings { keep: 0.9, ..IntentionSettings::default() },
-            IntentionSettings { dwell: -1.0, ..IntentionSettings::default() },
-        ];
-        for settings in bad {
-            let error = IntentionFilter::new(settings).unwrap_err();
-            assert!(error.to_string().contains("intention."), "{error}");
         }
     }
 }

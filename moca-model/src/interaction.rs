@@ -1,9 +1,8 @@
 //! What the robot does about what the person wants (the paper's Experiments 3 and 4).
 
-use vision_models::{Surface, WalkingDirection};
+use vision_models::{Intention, Surface, WalkingDirection};
 
 use crate::held_object::BoxSide;
-use crate::intention::Intention;
 
 /// What robot and person are at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

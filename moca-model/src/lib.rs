@@ -77,7 +77,7 @@ pub use controller::Controller;
 pub use dynamic_robot::{DynamicRobot, DynamicRobotSettings};
 pub use error::Error;
 pub use held_object::{BoxSide, HandSettings, HeldObject, WorkFace};
-pub use intention::{Intention, IntentionFilter, IntentionSettings};
+pub use intention::{IntentionFilter, IntentionSettings};
 pub use interaction::{Phase, Reason, Transition};
 pub use leash::LeashSettings;
 pub use loop_controller::LoopController;
@@ -97,6 +97,7 @@ pub use simulation::SimulatedRobot;
 pub use singularity::{SingularitySettings, manipulability};
 pub use stack::{CollaborationStack, GoalTerms, PostureSettings, StackInput, StackSettings};
 pub use torque::{AnswerDelay, Measured, TorqueController, TorqueLoopSettings};
+pub use vision_models::Intention;
 pub use whole_body;
 pub use whole_body::{ImpedanceSettings, JointImpedance, JointState};
 

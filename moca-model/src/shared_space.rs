@@ -6,10 +6,10 @@ use hrsw::{
     PositionShape, Workspace,
 };
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
-use vision_models::{BodyTracker, Percept, StatureEstimate, TrackedPerson};
+use vision_models::{BodyTracker, Intention, Percept, StatureEstimate, TrackedPerson};
 
 use crate::error::Error;
-use crate::intention::{Intention, IntentionFilter};
+use crate::intention::IntentionFilter;
 use crate::settings::ControllerSettings;
 
 /// How far the workspace may be from the person's frame, beside its lead, where it is in place

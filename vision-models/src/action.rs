@@ -2,6 +2,7 @@
 
 mod direction;
 mod group;
+mod intention;
 mod tool;
 
 use std::{fmt, str::FromStr};
@@ -10,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 pub use direction::WalkingDirection;
 pub use group::ActionGroup;
+pub use intention::Intention;
 pub use tool::Tool;
 
 use crate::error::Error;

@@ -79,7 +79,7 @@ mod svm;
 #[cfg(feature = "inference")]
 mod weights;
 
-pub use action::{Action, ActionGroup, Tool, WalkingDirection};
+pub use action::{Action, ActionGroup, Intention, Tool, WalkingDirection};
 pub use body::{
     Body, Body25, BodySegment, BodyTracker, ImageBody, ImageKeypoint, ImpossibleBody,
     JointVelocity, Keypoint, People, PeopleSettings, PersonId, PersonTrack, SegmentLength,

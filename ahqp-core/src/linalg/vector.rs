@@ -58,23 +58,3 @@ pub(crate) fn reflector(v: &mut [f64]) -> (f64, f64) {
     // vᵀv = 2 pivot · (pivot + …) reduces to −2 image · pivot.
     (1.0 / (-image * pivot), image)
 }
-
-/// Solves S x = b in place; the lower triangle of S, row after row, becomes its Cholesky factor.
-pub(crate) fn solve_positive_definite(system: &mut [f64], b: &mut [f64]) {
-    let n = b.len();
-    for i in 0..n {
-        let (done, rest) = system.split_at_mut(i * n);
-        let row = &mut rest[..n];
-        for j in 0..i {
-            let other = &done[j * n..j * n + n];
-            row[j] = (row[j] - dot(&row[..j], &other[..j])) / other[j];
-        }
-        row[i] = (row[i] - dot(&row[..i], &row[..i])).sqrt();
-        b[i] = (b[i] - dot(&row[..i], &b[..i])) / row[i];
-    }
-    for i in (0..n).rev() {
-        b[i] /= system[i * n + i];
-        let value = b[i];
-        add_scaled(&mut b[..i], -value, &system[i * n..i * n + i]);
-    }
-}

@@ -47,8 +47,6 @@ pub struct Rows {
     matrix: Vec<f64>,
     lower: Vec<f64>,
     upper: Vec<f64>,
-    /// What the targets were before they were damped; empty if they are not.
-    undamped: Vec<f64>,
     /// One a row, or none.
     weights: Vec<f64>,
     /// Whether any of them is not 1.
@@ -65,7 +63,6 @@ impl Rows {
             matrix: vec![0.0; rows * columns],
             lower: vec![0.0; rows],
             upper: vec![0.0; rows],
-            undamped: Vec::new(),
             weights: Vec::new(),
             is_weighted: false,
             names: Vec::new(),
@@ -221,7 +218,6 @@ impl Rows {
         let coefficients = coefficients.into_iter();
         expect_size("a row", coefficients.len(), self.columns)?;
         write(self.row_mut(index)?, coefficients);
-        self.undo_damping();
         (self.lower[index], self.upper[index]) = (lower, upper);
         Ok(())
     }
@@ -233,7 +229,6 @@ impl Rows {
 
     /// The lower bounds, to write in place.
     pub fn lower_mut(&mut self) -> &mut [f64] {
-        self.undo_damping();
         &mut self.lower
     }
 
@@ -244,7 +239,6 @@ impl Rows {
 
     /// The upper bounds, to write in place.
     pub fn upper_mut(&mut self) -> &mut [f64] {
-        self.undo_damping();
         &mut self.upper
     }
 
@@ -277,7 +271,6 @@ impl Rows {
         let (lower, upper) = (lower.into_iter(), upper.into_iter());
         expect_size("the lower bound", lower.len(), self.len())?;
         expect_size("the upper bound", upper.len(), self.len())?;
-        self.undamped.clear();
         write(&mut self.lower, lower);
         write(&mut self.upper, upper);
         Ok(())
@@ -290,7 +283,6 @@ impl Rows {
     pub fn set_targets<'a>(&mut self, targets: impl Values<'a>) -> Result<(), Error> {
         let targets = targets.into_iter();
         expect_size("the targets", targets.len(), self.len())?;
-        self.undamped.clear();
         write(&mut self.lower, targets);
         self.upper.copy_from_slice(&self.lower);
         Ok(())
@@ -298,7 +290,6 @@ impl Rows {
 
     /// Takes all bounds away.
     pub fn set_free(&mut self) {
-        self.undamped.clear();
         self.lower.fill(f64::NEG_INFINITY);
         self.upper.fill(f64::INFINITY);
     }
@@ -347,7 +338,7 @@ impl Rows {
     }
 
     /// Copies coefficients, bounds and weights from rows of the same size; the names stay. Allocates
-    /// only where the weights, or damped targets, are the first.
+    /// only where the weights are the first.
     ///
     /// # Errors
     /// [`Error::Size`] when the sizes differ; nothing has changed then.
@@ -357,31 +348,10 @@ impl Rows {
         self.matrix.copy_from_slice(&other.matrix);
         self.lower.copy_from_slice(&other.lower);
         self.upper.copy_from_slice(&other.upper);
-        for (to, from) in
-            [(&mut self.weights, &other.weights), (&mut self.undamped, &other.undamped)]
-        {
-            to.clear();
-            to.extend_from_slice(from);
-        }
+        self.weights.clear();
+        self.weights.extend_from_slice(&other.weights);
         self.is_weighted = other.is_weighted;
         Ok(())
-    }
-
-    /// Puts other targets in the place of those of equalities, until the bounds are written again.
-    pub(crate) fn damp(&mut self, targets: impl Iterator<Item = f64>) {
-        self.undo_damping();
-        self.undamped.extend_from_slice(&self.lower);
-        self.lower.iter_mut().zip(targets).for_each(|(to, target)| *to = target);
-        self.upper.copy_from_slice(&self.lower);
-    }
-
-    /// Brings the targets back that the rows were given.
-    pub(crate) fn undo_damping(&mut self) {
-        if !self.undamped.is_empty() {
-            self.lower.copy_from_slice(&self.undamped);
-            self.upper.copy_from_slice(&self.undamped);
-            self.undamped.clear();
-        }
     }
 
     /// Writes the products aᵢx of as many rows as `out` has entries, from row `first` on, with x the

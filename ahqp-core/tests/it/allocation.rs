@@ -2,8 +2,8 @@
 
 use ahqp_core::testing::{Sizes, hierarchy_sequences};
 use ahqp_core::{
-    AugmentedClik, AugmentedState, Budget, Clik, ContinuousStack, Damping, Error, Hierarchy, Level,
-    Limits, MotionState, Place, PoseAxes, Rows, Settings, Solution, Solver, Status, WarmStart,
+    AugmentedClik, AugmentedState, Budget, Clik, ContinuousStack, Error, Hierarchy, Level, Limits,
+    MotionState, Place, PoseAxes, Rows, Settings, Solution, Solver, Status, WarmStart,
     integrate_pose, pose_error,
 };
 use nalgebra::{DMatrix, Isometry3, Vector3, Vector6, dmatrix, dvector};
@@ -115,7 +115,6 @@ fn rewriting_rows_allocates_the_first_time_at_most() {
     let near = dmatrix![1.0, 0.0, 0.0; 1.0, 1e-3, 0.0];
     let axes = PoseAxes::new(&[0, 1]).unwrap();
     let clik = Clik::new(3, axes, Vector6::repeat(40.0), 1e-3).unwrap();
-    let mut damping = Damping::new(2, 0.1, 0.05).unwrap();
     let mut hierarchy = Hierarchy::new(3).unwrap();
     let rows = clik.rows().with_names(["x", "y"]).unwrap();
     let level = hierarchy.push(Level::least_squares(rows).named("reach")).unwrap();
@@ -128,11 +127,9 @@ fn rewriting_rows_allocates_the_first_time_at_most() {
         let rows = hierarchy.rows_mut(level).unwrap();
         clik.write(&jacobian, &Vector6::repeat(0.1), &zero, rows).unwrap();
         other.set_weights(&[weight, 1.0]).unwrap();
-        assert!(damping.apply(&mut other).unwrap() > 0.0);
         rows.copy_from(&other).unwrap();
         rows.set_bounds(&[-1.0; 2], &[1.0; 2]).unwrap();
         rows.set_row(0, &[1.0, 2.0, 3.0], 0.0, 0.0).unwrap();
-        damping.apply(rows).unwrap_err();
         rows.copy_from(&other).unwrap();
         let solution = solver.solve_within(&hierarchy, budget).unwrap();
         solution.optimum().unwrap()[0]

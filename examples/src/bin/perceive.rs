@@ -22,6 +22,7 @@ use human_perception::{
         PoseNetwork, PoseSource, SkeletonFolder, Summary, SurfaceDecision, SurfaceNetwork, Tally,
     },
 };
+use moca_model::{IntentionFilter, IntentionSettings};
 use percept_recording::{Header, MeasuredSegments, Timing, Writer};
 use serde::Serialize;
 use vision_models::{
@@ -389,8 +390,14 @@ impl Options {
             Ending::Partial => writer.finish_partial()?.keep_partial()?,
             _ => writer.finish()?.keep().map(|()| self.output)?,
         };
-        let compare = |truth: &Vec<Percept>| AgainstTruth::of(&work.percepts, truth);
-        let against_truth = work.truth.as_ref().map(compare).transpose()?;
+        let mut filter = IntentionFilter::new(IntentionSettings::default())?;
+        let compare = |truth: &Vec<Percept>| {
+            AgainstTruth::of(&work.percepts, truth, |percept| {
+                filter.update(percept.time, percept.action.as_ref());
+                filter.intention()
+            })
+        };
+        let against_truth = work.truth.as_ref().map(compare);
         let people = work.pipeline.perceiver().people();
         let report = Report {
             output,

@@ -8,9 +8,8 @@ use std::{
 
 use anyhow::{Context, Result};
 use clap::Args;
-use human_perception::networks::ArrayNetwork;
+use human_perception::{networks::ArrayNetwork, npy::write_array};
 use ndarray::ArrayD;
-use ndarray_npy::WriteNpyExt;
 use serde::Serialize;
 use vision_models::NetworkKind;
 
@@ -102,7 +101,8 @@ impl ArrayOptions {
         let mut output = None;
         if let Some(file) = results.file() {
             let path = file.path().to_owned();
-            result.write_npy(file).with_context(|| format!("cannot write {}", path.display()))?;
+            write_array(file, &result)
+                .with_context(|| format!("cannot write {}", path.display()))?;
             output = Some(path);
         }
         // The scores of each run are the same: they are whole after the first.

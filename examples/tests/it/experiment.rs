@@ -5,8 +5,10 @@ use std::ops::ControlFlow;
 
 use examples::experiment::program;
 use examples::shards::Part;
-use moca_simulation::experiment::reorientation::{self, Reorientation, ReorientationResult, Trial};
-use moca_simulation::experiment::{Conditions, Experiment, Job, Player, Sight};
+use moca_simulation::experiment::reorientation::{
+    self, Case, Reorientation, ReorientationResult, Trial,
+};
+use moca_simulation::experiment::{Conditions, Experiment, Job, Player, Sight, Source};
 use moca_simulation::plant::Drive;
 
 use crate::support::{Runs, coarse_map};
@@ -17,15 +19,18 @@ const KINEMATIC: Conditions = Conditions { drive: Drive::Kinematic, sight: Sight
 #[test]
 fn merged_experiments_are_the_whole() {
     let go_on = || ControlFlow::Continue(());
-    let trials: Vec<Trial> = reorientation::cases(1, 2)
-        .iter()
-        .map(|case| case.play(coarse_map(), KINEMATIC, &mut Player::new(&go_on)).unwrap())
-        .collect();
+    let play = |mut case: Case| {
+        // The robot has turned the object once.
+        let Source::Simulated(person) = &mut case.person else { panic!("{case:?}") };
+        person.duration = 16.0;
+        case.play(coarse_map(), KINEMATIC, &mut Player::new(&go_on)).unwrap()
+    };
+    let trials: Vec<Trial> = reorientation::cases(1, 2).into_iter().map(play).collect();
     let whole = &ReorientationResult::new(trials.clone());
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let job =
-        Job { seed: 1, cases: 2, duration: 30.0, conditions: KINEMATIC, recordings: Vec::new() };
+        Job { seed: 1, cases: 2, duration: 16.0, conditions: KINEMATIC, recordings: Vec::new() };
     let files = ["1/2", "2/2"].map(|shard| (shard, path(&shard.replace('/', "-"))));
     for ((shard, file), (number, trial)) in files.iter().zip((0..).zip(&trials)) {
         let part = Part {

@@ -2,11 +2,10 @@
 
 use std::fs;
 
-use ndarray::{Array2, Array4, Array5, ArrayD};
-use ndarray_npy::{read_npy, write_npy};
+use ndarray::{Array4, Array5};
 use vision_models::{Checkpoint, Options, ResNet, ResNetDepth};
 
-use crate::support::{Runs, resnet18, slow_only_r18};
+use crate::support::{Runs, read_npy, resnet18, slow_only_r18, write_npy};
 
 /// A folder for the arrays of a test.
 struct Arrays(tempfile::TempDir);
@@ -25,7 +24,7 @@ impl Arrays {
         let images = Array4::from_shape_fn((2, 3, 64, 48), |(image, channel, row, column)| {
             ((image * 7 + channel * 5 + row * 3 + column) % 11) as f32 / 5.0 - 1.0
         });
-        write_npy(self.path("images.npy"), &images).unwrap();
+        write_npy(self.path("images.npy"), &images);
         images
     }
 
@@ -56,8 +55,7 @@ fn writes_the_scores_of_the_network_and_its_times() {
         let more: Vec<&str> =
             flag.into_iter().chain(["--repeat=3", "--threads=2", "--json"]).collect();
         let ran = arrays.infer("images.npy").with(&more).run().done();
-        let written: Array2<f32> = read_npy(arrays.path("out.npy")).unwrap();
-        assert_eq!(written, expected);
+        assert_eq!(read_npy(arrays.path("out.npy")), expected.into_dyn());
         let json = ran.json();
         assert_eq!(json["shape"], serde_json::json!([2, width]));
         assert_eq!((&json["network"], &json["runs"]), (&"ResNet-18".into(), &2.into()));
@@ -92,7 +90,7 @@ fn arrays_that_claim_more_than_they_hold_are_refused_in_little_memory() {
         (npy(&header("<f4", "(18446744073709551616,)"), 64), "shape"),
         (npy(&header("<f8", "(1, 3, 64, 64)"), 98_304), "'<f8', not f32"),
         (npy(&long, 0), "its header has 5001 bytes"),
-        (npy(&nested, 0), "more than 8 brackets in each other"),
+        (npy(&nested, 0), "its header is no dictionary"),
         (npy("no dict\n", 0), "header"),
         (b"\x93NUMPY\x02\x00\xff\xff\xff\xff".to_vec(), "its header has 4294967295 bytes"),
         (b"\x93NUMPY\x01\x00\x40\x00{'descr'".to_vec(), "its header is cut off"),
@@ -121,13 +119,13 @@ fn arrays_of_the_other_byte_order_and_of_pipes_are_read() {
     let arrays = Arrays::new();
     let images = arrays.images();
     arrays.infer("images.npy").run().done();
-    let expected: ArrayD<f32> = read_npy(arrays.path("out.npy")).unwrap();
+    let expected = read_npy(arrays.path("out.npy"));
     let header = "{'descr': '>f4', 'fortran_order': False, 'shape': (2, 3, 64, 48), }\n";
     let mut file = npy(header, 0);
     file.extend(images.iter().flat_map(|value| value.to_be_bytes()));
     fs::write(arrays.path("big.npy"), file).unwrap();
     arrays.infer("big.npy").run().done();
-    assert_eq!(read_npy::<_, ArrayD<f32>>(arrays.path("out.npy")).unwrap(), expected);
+    assert_eq!(read_npy(arrays.path("out.npy")), expected);
 
     let script = format!(
         "cat {} | {} --model=resnet18 --weights {} /dev/stdin --output {}",
@@ -138,7 +136,7 @@ fn arrays_of_the_other_byte_order_and_of_pipes_are_read() {
     );
     let piped = std::process::Command::new("sh").args(["-c", &script]).output().unwrap();
     assert!(piped.status.success(), "{piped:?}");
-    assert_eq!(read_npy::<_, ArrayD<f32>>(arrays.path("piped.npy")).unwrap(), expected);
+    assert_eq!(read_npy(arrays.path("piped.npy")), expected);
 }
 
 #[test]
@@ -152,7 +150,7 @@ fn outputs_are_checked_before_the_work() {
 fn a_wrong_network_or_array_is_told_in_one_line() {
     let arrays = Arrays::new();
     arrays.images();
-    write_npy(arrays.path("clips.npy"), &Array5::<f32>::zeros((1, 3, 2, 40, 40))).unwrap();
+    write_npy(arrays.path("clips.npy"), &Array5::<f32>::zeros((1, 3, 2, 40, 40)));
     let (images, clips, output) =
         (arrays.path("images.npy"), arrays.path("clips.npy"), arrays.path("out.npy"));
     for (model, weights, input, says) in [
@@ -204,6 +202,5 @@ fn an_interrupt_keeps_the_scores_and_the_times_so_far() {
     assert_eq!(ran.code(), Some(130), "{ran:?}");
     let json = ran.json();
     assert!(json["partial"] == true && json["runs"].as_u64().unwrap() > 0, "{json}");
-    let written: Array2<f32> = read_npy(arrays.path("out.npy")).unwrap();
-    assert_eq!(written.dim(), (2, 7));
+    assert_eq!(read_npy(arrays.path("out.npy")).shape(), [2, 7]);
 }

@@ -6,7 +6,7 @@ use std::{
     path::Path,
 };
 
-use crate::support::{Ran, Runs, cases};
+use crate::support::{Ran, Runs, cases, write_npy};
 use ergo_map::{Conditions, LegSupport, Worksheet};
 use human_perception::percepts::{Assessor, Perceiver, PerceiverSettings, assess};
 use moca_simulation::people::{CameraSettings, Occupation, WalkerSettings, WalkingPath};
@@ -383,18 +383,15 @@ fn depth_comes_as_png_or_npy() {
     for_each_depth(&frames, |path, image| {
         let metres = image.iter().map(|&unit| f32::from(unit) * 0.001).collect();
         let metres = ndarray::Array2::from_shape_vec((120, 160), metres).unwrap();
-        ndarray_npy::write_npy(path.with_extension("npy"), &metres).unwrap();
+        write_npy(path.with_extension("npy"), &metres);
         std::fs::remove_file(path).unwrap();
     });
     let npy = necks("npy.jsonl");
     assert!(png.len() > 5 && png.len() == npy.len());
     assert!(png.iter().zip(&npy).all(|(one, other)| (one - other).norm() < 1e-3));
     // Columns and rows the wrong way round.
-    ndarray_npy::write_npy(
-        Path::new(&frames).join("depth/000003.npy"),
-        &ndarray::Array2::<f32>::ones((160, 120)),
-    )
-    .unwrap();
+    let turned = Path::new(&frames).join("depth/000003.npy");
+    write_npy(turned, &ndarray::Array2::<f32>::ones((160, 120)));
     let ran = perceive(&frames, &folder.path().join("turned.jsonl"));
     assert!(!ran.status.success() && ran.errors.contains("120 × 160"), "{}", ran.errors);
 }

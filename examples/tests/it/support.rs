@@ -6,6 +6,7 @@ mod disk;
 mod frames;
 mod maps;
 mod networks;
+mod npy;
 mod pictures;
 mod run;
 
@@ -13,6 +14,7 @@ pub(crate) use disk::SmallDisk;
 pub(crate) use frames::small_frames;
 pub(crate) use maps::{average_map, coarse_map, coarse_map_file};
 pub(crate) use networks::{resnet18, simple_baseline, slow_only_r18};
+pub(crate) use npy::{read_npy, write_npy};
 pub(crate) use pictures::{png_that_claims, save_picture};
 pub(crate) use run::{Ran, Runs, signal};
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use ndarray::Array4;
 
-use crate::support::{Runs, resnet18, save_picture, slow_only_r18};
+use crate::support::{Runs, resnet18, save_picture, slow_only_r18, write_npy};
 
 const PROGRAMS: [&str; 4] = ["infer", "convert", "surface", "actions"];
 
@@ -13,7 +13,7 @@ fn programs(folder: &Path) -> Vec<Runs> {
     let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
     std::fs::create_dir_all(path("frames")).unwrap();
     let frame = save_picture(&folder.join("frames/1.png"), 60, 1);
-    ndarray_npy::write_npy(path("in.npy"), &Array4::<f32>::zeros((1, 3, 32, 32))).unwrap();
+    write_npy(path("in.npy"), &Array4::<f32>::zeros((1, 3, 32, 32)));
     let resnet = ["--weights", resnet18()];
     let slow_only = ["--weights", slow_only_r18(), "--model=slowonly_r18_mm", "--length=1"];
     vec![

@@ -31,7 +31,7 @@ proptest! {
     ) {
         let settings = SupervisorSettings { acknowledge, ..SupervisorSettings::default() };
         let mut supervisor = Supervisor::new(settings).unwrap();
-        let mut clear = 0.0;
+        let (mut clear, mut undercut) = (0.0, 0.0);
         for (room, age, fault, ticks) in steps {
             let observation = seen(room.map(pair), age);
             let room = room.unwrap_or(f64::INFINITY);
@@ -41,6 +41,7 @@ proptest! {
             let slow = asked == SafetyState::Reduced || age > settings.reduced_age;
             for _ in 0..ticks {
                 let before = supervisor;
+                undercut = if close { undercut + 1e-3 } else { 0.0 };
                 if let Some(fault) = fault {
                     supervisor.report(fault);
                     prop_assert!(supervisor.state() >= fault.state(), "at once");
@@ -48,7 +49,7 @@ proptest! {
                 supervisor.update(&observation, 1e-3);
                 if stop {
                     prop_assert_eq!(supervisor.state(), SafetyState::ProtectiveStop);
-                } else if close {
+                } else if undercut >= settings.retreat_after + 1e-3 {
                     prop_assert!(supervisor.state() >= SafetyState::Retreat);
                 } else if slow {
                     prop_assert!(supervisor.state() >= SafetyState::Reduced);
@@ -116,7 +117,16 @@ fn the_supervisor_says_why() {
 fn the_robot_retreats_from_who_is_too_close() {
     let mut supervisor = supervisor();
     let coming = Nearest { approach: 0.3, ..pair(-0.2) };
-    supervisor.update(&seen(Some(coming), 0.0), 1e-3);
+    for _ in 0..100 {
+        supervisor.update(&seen(Some(coming), 0.0), 1e-3);
+        assert_eq!(supervisor.state(), SafetyState::Normal, "it may be one frame alone");
+        assert!(supervisor.stops_at_once());
+    }
+    supervisor.update(&seen(None, 0.0), 1e-3);
+    assert!(!supervisor.stops_at_once());
+    for _ in 0..121 {
+        supervisor.update(&seen(Some(coming), 0.0), 1e-3);
+    }
     assert_eq!(supervisor.state(), SafetyState::Retreat);
     assert_eq!(supervisor.cause(), Some(&Cause::TooClose(coming)));
     assert!(supervisor.stops_at_once());

@@ -4,7 +4,7 @@ use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
 use std::time::Duration;
 
-use anyhow::Result;
+use moca_model::Error;
 use moca_model::whole_body::{Clock, JointCommand, JointMeasurement, RobotSide};
 
 use super::link::{LARGEST, LinkRefusal, LinkStatistics, MOST, Newest};
@@ -108,7 +108,7 @@ impl UdpServer {
         period: f64,
         clock: &mut impl Clock,
         mut stop: impl FnMut() -> bool,
-    ) -> Result<()> {
+    ) -> Result<(), Error> {
         let mut due = clock.now();
         while !stop() {
             due = (due + period).max(clock.now() - period);

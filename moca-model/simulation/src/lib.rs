@@ -5,7 +5,6 @@ pub mod experiment;
 pub mod judges;
 pub mod people;
 pub mod plant;
-pub mod random;
 pub mod rendering;
 pub mod run;
 pub mod soak;

@@ -19,6 +19,7 @@
 
 use std::time::Instant;
 
+use human_perception::random;
 use moca_model::whole_body::{
     Compensation, Data, ExternalWrench, JointMeasurement, Model, RandomSource,
 };
@@ -33,8 +34,8 @@ use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
 use vision_models::{Body, Percept};
 
+use crate::Error;
 use crate::judges::TorqueMonitor;
-use crate::{Error, random};
 
 /// What the robot does with a command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

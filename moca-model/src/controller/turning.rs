@@ -3,11 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Unit, UnitQuaternion, Vector3};
+use vision_models::Intention;
 
 use super::Controller;
 use crate::error::Error;
 use crate::held_object::BoxSide;
-use crate::intention::Intention;
 use crate::interaction::{Phase, Situation};
 
 /// By how much the desired pose may be out of the shared workspace where it counts as within
@@ -37,6 +37,11 @@ impl HandTurn {
     /// At rest.
     pub(super) fn resting(direction: Unit<Vector3<f64>>) -> Self {
         Self { direction, axis: Vector3::z_axis(), left: 0.0 }
+    }
+
+    /// Whether there is still a way to go.
+    pub(super) fn is_turning(&self) -> bool {
+        self.left > 0.0
     }
 
     /// Goes on by at most `step` \[rad\]; the rotation by which it went.

@@ -2,6 +2,7 @@
 
 mod sensing;
 
+use hrsw::SafetyState;
 use nalgebra::Vector3;
 use vision_models::{Body, Percept};
 use whole_body::{
@@ -366,7 +367,7 @@ impl TorqueController {
                 *own = all.get(*joint).copied().unwrap_or_default();
             }
         }
-        self.correct_sag(usable);
+        self.learn_sag(usable);
         let weigh = |desired: &mut [f64], predicted: &[f64], is_known: bool| {
             for (desired, predicted) in desired.iter_mut().zip(predicted) {
                 let weighed = self.prediction.towards(*desired, *predicted);
@@ -381,15 +382,20 @@ impl TorqueController {
         weigh(&mut law.desired_velocity, &law.measured_velocity, usable.velocity);
     }
 
-    /// Learns slowly what springs give way by.
-    fn correct_sag(&mut self, usable: Usable) {
+    /// Learns slowly by how much springs give way. In a stop that is kept, and forgotten where the arm gives way itself.
+    fn learn_sag(&mut self, usable: Usable) {
         let supervisor = self.controller.safety().supervisor();
-        let learns = usable.position && !self.is_lost && !supervisor.gives_way() && supervisor.state() != hrsw::SafetyState::ProtectiveStop;
+        if supervisor.gives_way() {
+            self.sag.fill(0.0);
+        }
+        let stops = supervisor.state() == SafetyState::ProtectiveStop;
+        if stops || self.is_lost || !usable.position {
+            return;
+        }
         let share = (self.elapsed * SAG_RATE).min(1.0);
         let joints = self.sag.iter_mut().zip(&self.law.desired).zip(&self.law.measured);
         for ((sag, desired), measured) in joints {
-            let error = if learns { desired - measured } else { -*sag };
-            *sag = (*sag + share * error).clamp(-LARGEST_SAG, LARGEST_SAG);
+            *sag = (*sag + share * (desired - measured)).clamp(-LARGEST_SAG, LARGEST_SAG);
         }
     }
 

@@ -108,7 +108,8 @@ fn the_tool_comes_to_the_best_place_and_stays_there_without_overshoot() {
         nearest = nearest.min(distance);
     }
     assert!(nearest < 2e-3, "{nearest} m from the best place");
-    assert!(run.controller.command().desired_twist.norm() < 1e-3);
+    let twist = run.controller.command().desired_twist;
+    assert!(twist.norm() < 1e-3, "{twist}");
     assert!(run.controller.command().slack.norm() < 1e-6);
     let error = run.controller.command().desired.translation.vector
         - run.controller.actual().translation.vector;
@@ -200,7 +201,9 @@ fn a_jump_of_two_metres_is_followed_within_the_limits() {
         last.copy_from_slice(&run.controller.command().joint_velocity);
     }
     let best = Vector3::new(0.42, -0.1, 1.1);
-    assert!((run.hand_in(&place(10.0)) - best).norm() < 0.01);
+    // The frame is held where it came to rest, within its zone.
+    let zone = ControllerSettings::default().hold.position;
+    assert!((run.hand_in(&place(10.0)) - best).norm() < zone);
 }
 
 proptest! {

@@ -57,7 +57,8 @@ fn the_workspace_falls_behind_who_walks_away() {
         let expected = (outward * needed.max(0.0)).push(0.0);
         let [walking, standing] = places(&settings, [-speed, 0.0]);
         assert!((walking - expected).norm() < 0.02, "{speed} m/s: {walking:?}, not {expected:?}");
-        assert!(standing.norm() < 0.02, "{standing:?}");
+        // The frame is held where it came to rest.
+        assert!(standing.norm() < 0.04, "{standing:?}");
     }
 }
 

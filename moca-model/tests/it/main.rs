@@ -12,6 +12,7 @@ mod guarantees;
 mod headway;
 mod held_object;
 mod hidden_legs;
+mod intention;
 mod late_ticks;
 mod left_out;
 mod lost_commands;

@@ -103,6 +103,7 @@ fn joints_that_disagree_are_nobody_elsewhere() {
 fn share_in_retreat(towards: f64) -> f64 {
     let mut settings = SafetySettings::default();
     settings.supervisor.ramp = PERIOD;
+    settings.supervisor.retreat_after = 0.0;
     let retreat_scale = settings.supervisor.retreat_scale;
     let mut robot = Kinematics::new(MOCA.clone(), MOCA_TOOL, &settings.bodies, &MOCA_HOME).unwrap();
     let layout = CollaborationStack::layout(MOCA_HOME.len());

@@ -126,7 +126,7 @@ mod from_another_thread {
     fn state_with(others: &[f64]) -> SafetyState {
         let (mut law, frames, measured) = loop_controller();
         let mut command = JointCommand::at_rest(&measured);
-        for tick in 0..20_u32 {
+        for tick in 0..150_u32 {
             let now = f64::from(tick) * 1e-3;
             let bodies: Vec<_> = others.iter().map(|&x| body(x)).collect();
             let frame = CameraFrame::from(percept(now, None)).with_others(&bodies);

@@ -9,7 +9,7 @@ pub mod networks;
 pub mod npy;
 pub mod percepts;
 mod printable;
-mod random;
+pub mod random;
 pub mod surface;
 mod watch;
 

@@ -35,6 +35,9 @@ pub enum Ros2Error {
         /// What it did.
         does: &'static str,
     },
+    /// The simulated robot refuses a command.
+    #[error(transparent)]
+    Simulation(#[from] moca_model::Error),
 }
 
 impl Ros2Error {

@@ -3,7 +3,6 @@
 use std::fmt;
 use std::time::SystemTime;
 
-use anyhow::Result;
 use moca_model::CameraFrame;
 use moca_model::MOCA_BASE_JOINTS;
 use moca_model::whole_body::{Clock, JointCommand, JointMeasurement, RobotSide};
@@ -104,7 +103,7 @@ impl Ros2Server {
         frames: &[CameraFrame],
         clock: &mut impl Clock,
         mut stop: impl FnMut() -> bool,
-    ) -> Result<()> {
+    ) -> Result<(), Ros2Error> {
         let mut due = clock.now();
         let first = frames.first().map_or(0.0, |frame| frame.percept.time);
         let (mut begun, mut coming) = (due, frames.iter().peekable());
@@ -134,7 +133,7 @@ impl Ros2Server {
     }
 
     /// Moves for a period.
-    fn act(&mut self) -> Result<()> {
+    fn act(&mut self) -> Result<(), Ros2Error> {
         let obeys = self.silent.iter().all(|silent| *silent < SILENCE);
         self.commands.write(self.yaw(), &mut self.command);
         let refusal = if obeys { self.robot.check(&self.command).err() } else { None };

@@ -3,10 +3,11 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use human_perception::random;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::{Error, random};
+use crate::Error;
 
 /// Apart from the streams of people, cameras and robots.
 const STREAM: u64 = 1000;

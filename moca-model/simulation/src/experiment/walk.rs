@@ -1,16 +1,17 @@
 //! What the robot sees of a simulated person, and where the person truly is.
 
 use ergo_map::{ErgonomicsMap, FitOptions, Person};
+use human_perception::random;
 use moca_model::MOCA_HOME;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{Body, Percept};
 
 use super::sight::{FilmedPerson, Sight};
+use crate::Error;
 use crate::people::{Transport, Truth, Walker, WalkerSettings};
 use crate::plant::Drive;
 use crate::run::{Scenario, TrueMotion};
-use crate::{Error, random};
 
 /// How maps are fitted: by good postures alone. The default weighs poorer ones, too, and then the optimum
 /// lies above the best node of the map, for a person of 1.76 m by 0.16 m. The average map would be better

@@ -1,5 +1,6 @@
 //! A person who acts out the paper's Experiments 3 and 4, as the camera reports them.
 
+use human_perception::random;
 use nalgebra::{Point2, Vector2};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -13,7 +14,7 @@ use super::perception::{FRAME_RATE, Perception};
 use super::person::{Joints, Person};
 use super::script::{self, Script};
 use super::settings::{Occupation, WalkerSettings};
-use crate::{Error, random};
+use crate::Error;
 use percept_recording::Header;
 
 /// The simulated person and camera: an iterator over the camera's percepts.

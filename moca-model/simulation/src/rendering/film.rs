@@ -1,6 +1,7 @@
 //! What the camera sees of the simulated walk, frame by frame.
 
 use human_perception::frames::FrameEntry;
+use human_perception::random;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{
@@ -17,8 +18,8 @@ use super::{
     skeleton::{PoseEstimator, SkeletonSettings},
     view::{self, Viewpoint},
 };
+use crate::Error;
 use crate::people::{FRAME_RATE, Walker, WalkerSettings};
-use crate::{Error, random};
 use percept_recording::Header;
 
 /// Streams of random numbers beside those of the walker.

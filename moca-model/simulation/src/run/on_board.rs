@@ -1,13 +1,14 @@
 //! What the robot's own camera makes of the object that the robot holds.
 
+use human_perception::random;
 use nalgebra::Vector3;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{Confidence, RecognisedSurface, Surface};
 
 use super::scenario::Scenario;
+use crate::Error;
 use crate::plant::Plant;
-use crate::{Error, random};
 
 /// The stream of its random numbers.
 const STREAM: u64 = 300;

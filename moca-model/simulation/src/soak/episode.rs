@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use ergo_map::ErgonomicsQuadratic;
+use human_perception::random;
 use moca_model::whole_body::Model;
 use moca_model::{Controller, ControllerSettings, Goal, HeldObject, MOCA_HOME, SpaceSettings};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -14,10 +15,10 @@ use super::disturbance::{Disturbance, Disturbances};
 use super::monitor::{Monitor, Tick};
 use super::task::{POSITION_ROWS, Task};
 use super::witnessed::Witnessed;
+use crate::Error;
 use crate::judges::body;
 use crate::people::{CameraSettings, FRAME_RATE, Movement, Perception, Transport, Wanderer};
 use crate::plant::{Plant, PlantSettings};
-use crate::{Error, random};
 
 /// What a generator is for.
 #[derive(Clone, Copy)]

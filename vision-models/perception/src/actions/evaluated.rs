@@ -2,9 +2,8 @@
 
 use std::{io::Write, path::Path};
 
-use moca_model::Intention;
 use serde::{Deserialize, Serialize};
-use vision_models::{Action, ActionGroup};
+use vision_models::{Action, ActionGroup, Intention};
 
 use super::window::Window;
 use crate::{

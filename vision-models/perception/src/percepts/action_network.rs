@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use moca_model::Intention;
-use vision_models::{Action, ClassNames, Confidence, RecognisedAction, SlowOnlyForm};
+use vision_models::{Action, ClassNames, Confidence, Intention, RecognisedAction, SlowOnlyForm};
 
 use crate::{
     actions::model::ActionModel,

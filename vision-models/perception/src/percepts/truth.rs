@@ -1,8 +1,7 @@
 //! What was perceived, beside the truth.
 
-use moca_model::{Intention, IntentionFilter, IntentionSettings};
 use serde::Serialize;
-use vision_models::{Action, Percept};
+use vision_models::{Action, Intention, Percept};
 
 use percept_recording::Timing;
 
@@ -27,15 +26,14 @@ pub struct AgainstTruth {
 }
 
 impl AgainstTruth {
-    /// Compares percepts, in the order of their times, with the true ones of the same times.
-    ///
-    /// # Errors
-    /// None for the filter's default settings.
+    /// Compares percepts, in the order of their times, with the true ones of the same times. The filter takes each
+    /// percept as it arrives, and gives the intention.
     pub fn of(
         percepts: &[(Percept, Timing)],
         truth: &[Percept],
-    ) -> Result<Self, moca_model::Error> {
-        let intentions = intentions(percepts)?;
+        filter: impl FnMut(&Percept) -> Intention,
+    ) -> Self {
+        let intentions = intentions(percepts, filter);
         let [mut surface, mut action, mut intention] = [Share::default(); 3];
         for ((percept, _), filtered) in percepts.iter().zip(intentions) {
             let from = truth.partition_point(|of| of.time < percept.time - DELAY - SAME_TIME);
@@ -53,28 +51,31 @@ impl AgainstTruth {
                 intention.count(actions.iter().any(is_wanted));
             }
         }
-        Ok(Self {
+        Self {
             surface_right: surface.value(),
             action_right: action.value(),
             intention_right: intention.value(),
             delay: DELAY,
-        })
+        }
     }
 }
 
 /// The filtered intention at the time of each percept, by the percepts that have arrived until then.
-fn intentions(percepts: &[(Percept, Timing)]) -> Result<Vec<Intention>, moca_model::Error> {
-    let mut filter = IntentionFilter::new(IntentionSettings::default())?;
+fn intentions(
+    percepts: &[(Percept, Timing)],
+    mut filter: impl FnMut(&Percept) -> Intention,
+) -> Vec<Intention> {
     let mut arriving = percepts.iter().peekable();
+    let mut intention = Intention::default();
     let at = |now: &(Percept, Timing)| {
         while let Some((percept, _)) =
             arriving.next_if(|(percept, timing)| timing.available(percept.time) <= now.0.time)
         {
-            filter.update(percept.time, percept.action.as_ref());
+            intention = filter(percept);
         }
-        filter.intention()
+        intention
     };
-    Ok(percepts.iter().map(at).collect())
+    percepts.iter().map(at).collect()
 }
 
 #[derive(Clone, Copy, Default)]

@@ -1,0 +1,82 @@
+//! From recognised actions to intentions.
+
+use moca_model::{Intention, IntentionFilter, IntentionSettings};
+use proptest::prelude::*;
+use vision_models::{Action, Confidence, RecognisedAction, Tool};
+
+fn action(action: Action, confidence: f64) -> RecognisedAction {
+    RecognisedAction { action, confidence: Confidence::new(confidence).unwrap() }
+}
+
+fn filter() -> IntentionFilter {
+    IntentionFilter::new(IntentionSettings::default()).unwrap()
+}
+
+proptest! {
+    #[test]
+    fn a_flicker_shorter_than_the_dwell_time_changes_nothing(
+        index in 0_usize..30, frames in 1_u32..4,
+    ) {
+        let mut filter = filter();
+        let work = action(Action::Using(Tool::Drill), 0.9);
+        let mut time = 0.0;
+        for _ in 0..20 { filter.update(time, Some(&work)); time += 0.05; }
+        let before = filter.intention();
+        for _ in 0..frames {
+            filter.update(time, Some(&action(Action::ALL[index], 1.0)));
+            time += 0.05;
+        }
+        prop_assert_eq!(filter.intention(), before);
+    }
+
+    #[test]
+    fn what_is_seen_long_enough_is_believed(index in 0_usize..30, start in 0_usize..30) {
+        let mut filter = filter();
+        let mut time = 0.0;
+        for shown in [start, index] {
+            for _ in 0..20 {
+                filter.update(time, Some(&action(Action::ALL[shown], 0.8)));
+                time += 0.05;
+            }
+        }
+        prop_assert_eq!(filter.intention(), Intention::from(Action::ALL[index]));
+    }
+
+    #[test]
+    fn work_begins_whatever_the_walking_directions(
+        shown in prop::collection::vec(0_usize..30, 12),
+    ) {
+        let mut filter = filter();
+        let together: Vec<_> = Action::ALL.into_iter().filter(|a| a.is_collaborative()).collect();
+        for (frame, index) in (0_u32..).zip(shown) {
+            let seen = action(together[index % together.len()], 0.9);
+            filter.update(0.05 * f64::from(frame), Some(&seen));
+        }
+        prop_assert!(filter.intention().is_together());
+    }
+
+    #[test]
+    fn low_confidence_never_changes_the_intention(
+        shown in prop::collection::vec((0_usize..30, 0.0..0.59_f64), 1..60),
+    ) {
+        let mut filter = filter();
+        for (frame, (index, confidence)) in (0_u32..).zip(shown) {
+            let seen = action(Action::ALL[index], confidence);
+            filter.update(0.05 * f64::from(frame), Some(&seen));
+        }
+        prop_assert_eq!(filter.intention(), Intention::Apart);
+    }
+}
+
+#[test]
+fn settings_out_of_range_are_named() {
+    let bad = [
+        IntentionSettings { enter: f64::NAN, ..IntentionSettings::default() },
+        IntentionSettings { keep: 0.9, ..IntentionSettings::default() },
+        IntentionSettings { dwell: -1.0, ..IntentionSettings::default() },
+    ];
+    for settings in bad {
+        let error = IntentionFilter::new(settings).unwrap_err();
+        assert!(error.to_string().contains("intention."), "{error}");
+    }
+}
