@@ -10,6 +10,20 @@ use crate::drive::{FRAME, PERIOD, doing};
 const STAND: f64 = 5.0;
 const WALK: f64 = 12.0;
 
+/// Who begins to walk, or stops, does so with this \[m/s²\].
+const ACCELERATION: f64 = 1.5;
+
+/// How far somebody has walked who began so long ago \[m\].
+fn walked(speed: f64, since: f64) -> f64 {
+    let rise = speed / ACCELERATION;
+    let (begins, walks, stops) = (
+        since.clamp(0.0, rise),
+        (since - rise).clamp(0.0, WALK),
+        (since - rise - WALK).clamp(0.0, rise),
+    );
+    speed * (walks + stops) + 0.5 * ACCELERATION * (begins * begins - stops * stops)
+}
+
 /// Where the workspace is in the frame of who walks evenly, in their axes, and where when they stand again \[m\].
 /// They walk at `velocity`, forwards and to the left \[m/s\].
 fn places(settings: &ControllerSettings, velocity: [f64; 2]) -> [Vector3<f64>; 2] {
@@ -19,7 +33,7 @@ fn places(settings: &ControllerSettings, velocity: [f64; 2]) -> [Vector3<f64>; 2
     let mut places = [Vector3::zeros(); 2];
     for (tick, time) in (0_u32..25_000).map(|tick| (tick, f64::from(tick) * PERIOD)) {
         // They face the robot, against x.
-        let way = -velocity * (time - STAND).clamp(0.0, WALK);
+        let way = -velocity.normalize() * walked(velocity.norm(), time - STAND);
         if tick.is_multiple_of(FRAME) {
             let mut percept = doing(Action::Using(Tool::Drill), time, Some(4.0));
             let body = percept.body.as_mut().unwrap();

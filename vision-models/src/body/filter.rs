@@ -157,7 +157,6 @@ impl<const D: usize> PointFilter<D> {
         filter.covariance = from_fn(|row| {
             from_fn(|column| (corrected[row][column] + corrected[column][row].transpose()) * 0.5)
         });
-        #[expect(clippy::cast_precision_loss, reason = "D is small")]
         let volume = factor.determinant().ln() + D as f64 * doubt.ln();
         (filter, -0.5 * (distance / doubt + volume))
     }

@@ -5,11 +5,11 @@ use nalgebra::{SMatrix, SVector};
 use super::filter::{Measurement, Motion, PointFilter};
 
 /// How often who stands begins to move, and who moves stops (1/s).
-const BEGINS: f64 = 0.005;
+const BEGINS: f64 = 0.01;
 const STOPS: f64 = 0.2;
 
 /// One measurement changes the odds by no more than e to this: a single wrong one tells little.
-const MOST: f64 = 1.5;
+const MOST: f64 = 2.0;
 
 /// Two Kalman filters, of a point that moves and of one that stands, weighed by how well each explains the measurements.
 ///
