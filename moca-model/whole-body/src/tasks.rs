@@ -2,6 +2,7 @@
 
 pub(crate) mod augmented_frame;
 pub(crate) mod axis;
+mod bend;
 pub(crate) mod centre_of_mass;
 mod checks;
 pub(crate) mod curvature;

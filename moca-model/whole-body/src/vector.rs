@@ -33,3 +33,8 @@ pub(crate) fn subtract(a: &mut [f64], factor: f64, b: &[f64]) {
     debug_assert_eq!(a.len(), b.len());
     a.iter_mut().zip(b).for_each(|(a, b)| *a -= factor * b);
 }
+
+pub(crate) fn law() -> f64 {
+    static P: std::sync::OnceLock<f64> = std::sync::OnceLock::new();
+    *P.get_or_init(|| std::env::var("LAW").ok().and_then(|t| t.parse().ok()).unwrap_or(1.0))
+}

@@ -271,9 +271,21 @@ impl Ik {
         })?;
         singularity.factorise();
         for (index, asked) in asked.iter_mut().enumerate() {
-            let damped = if asked.span.is_empty() { None } else { self.stack.rows_mut(index) };
-            asked.counts =
-                damped.is_some_and(|rows| singularity.damp(&asked.span, rows, &mut asked.rows));
+            asked.counts = false;
+            let span = &asked.span;
+            let examined = if span.is_empty() { None } else { self.stack.rows_mut(index) };
+            let Some(is_singular) = examined.map(|rows| singularity.examine(span, rows)) else {
+                continue;
+            };
+            for k in 0..if is_singular { span.len() } else { 0 } {
+                if let Some((direction, out)) = singularity.lost(span, k) {
+                    let direction = &direction[..velocity.len()];
+                    self.stack.second_derivatives(index, &mut posed, direction, out)?;
+                }
+            }
+            if let Some(rows) = self.stack.rows_mut(index) {
+                asked.counts = singularity.damp(span, is_singular, rows, &mut asked.rows);
+            }
         }
         Ok(())
     }

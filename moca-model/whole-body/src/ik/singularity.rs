@@ -43,12 +43,22 @@ use crate::vector::{dot, subtract};
 pub(super) struct SingularityDamping {
     threshold: f64,
     directions: Directions,
+    /// p²/σ₀² of the level at hand: below one where it is singular.
+    closeness: f64,
+    /// The largest weight of its scaled rows.
+    heaviest: f64,
     /// √(weight · norm² over the largest).
     scales: Vec<f64>,
     gram: Vec<f64>,
     given_up: Vec<f64>,
     /// By direction uₖ: its coordinates along the rows.
     vectors: Vec<f64>,
+    /// By direction: σₖ, and the direction vₖ of the joints that belongs to it.
+    sigmas: Vec<f64>,
+    joints: Vec<f64>,
+    /// By direction: second derivatives along vₖ of what the rows control.
+    bends: Vec<f64>,
+    columns: usize,
     /// The rows along the directions uₖ, and their targets.
     turned: Vec<f64>,
     turned_targets: Vec<f64>,
@@ -67,6 +77,14 @@ const RATE: f64 = 5.0;
 const LEAST: f64 = 1.0 / 12.0;
 /// How often the damping is applied.
 const ORDER: i32 = 3;
+/// How fast the joints leave a singular configuration at most \[rad/s, m/s\].
+const SPEED_AWAY: f64 = 5.0;
+/// The same over what is missing: what is nearly there does not make joints race.
+const QUICKNESS: f64 = 100.0;
+/// By how much σₖ falls along vₖ, where the end of the reach is in full.
+const BEND: f64 = 0.1;
+/// A direction with a smaller singular value is rounding.
+const ROUNDING: f64 = 1e-12;
 /// Of the threshold, the singular value below which a direction is handed over.
 const HANDOVER: f64 = 0.1;
 /// Of that, where p is when rows begin to be turned.
@@ -81,10 +99,16 @@ impl SingularityDamping {
         Self {
             threshold,
             directions: Directions::new(total, most, columns),
+            closeness: f64::INFINITY,
+            heaviest: 1.0,
             scales: vec![1.0; most],
             gram: vec![0.0; most * most],
             given_up: vec![0.0; most],
             vectors: vec![0.0; most * most],
+            sigmas: vec![1.0; most],
+            joints: vec![0.0; most * columns],
+            bends: vec![0.0; most * most],
+            columns,
             turned: vec![0.0; most * columns],
             turned_targets: vec![0.0; most],
             // A level has at most as many further rows as there are variables.
@@ -110,14 +134,53 @@ impl SingularityDamping {
         self.directions.factorise();
     }
 
-    /// Damps the targets of a level whose rows have these places, highest priority first. Returns true
-    /// if that changed them; what was asked is in `asked`, rows of the same size, then.
-    pub(super) fn damp(&mut self, span: &Range<usize>, rows: &mut Rows, asked: &mut Rows) -> bool {
+    /// Looks at the next level, whose rows have these places, and returns true if it is singular.
+    pub(super) fn examine(&mut self, span: &Range<usize>, rows: &Rows) -> bool {
         let trace = self.directions.inverse_trace(span);
-        let closeness = 1.0 / (trace * self.threshold * self.threshold);
-        let is_singular = closeness < 1.0 && asked.copy_from(rows).is_ok();
+        self.closeness = 1.0 / (trace * self.threshold * self.threshold);
+        if self.closeness >= 1.0 {
+            return false;
+        }
+        let m = span.len();
+        self.directions.gram_into(span, &mut self.gram[..m * m]);
+        self.heaviest = self.weigh(span, rows);
+        eigenvectors(&mut self.gram[..m * m], m, &mut self.vectors[..m * m]);
+        for k in 0..m {
+            let vector = &self.vectors[k * m..][..m];
+            let factors = self.given_up.iter_mut().zip(vector).zip(&self.scales);
+            factors.for_each(|((factor, part), scale)| *factor = part * scale);
+            let joints = &mut self.joints[k * self.columns..][..self.columns];
+            self.directions.combine(span, &self.given_up[..m], joints);
+            // More exact than the root of the eigenvalue.
+            let norm = dot(joints, joints).sqrt();
+            self.sigmas[k] = norm;
+            let scale = if norm > ROUNDING { 1.0 / norm } else { 0.0 };
+            joints.iter_mut().for_each(|part| *part *= scale);
+        }
+        true
+    }
+
+    /// Of a singular level, the direction vₖ of the joints, if it is nearly lost, and room for the second
+    /// derivatives along it of what the rows control.
+    pub(super) fn lost(&mut self, span: &Range<usize>, k: usize) -> Option<(&[f64], &mut [f64])> {
+        let (m, sigma) = (span.len(), *self.sigmas.get(k)?);
+        let is_lost = k < m && sigma < self.threshold && sigma > ROUNDING;
+        let joints = &self.joints[k * self.columns..][..self.columns];
+        is_lost.then(|| (joints, &mut self.bends[k * m..][..m]))
+    }
+
+    /// Damps the targets of a level that was [examined](Self::examine), whose rows have these places. Returns true
+    /// if that changed them; what was asked is in `asked`, rows of the same size, then.
+    pub(super) fn damp(
+        &mut self,
+        span: &Range<usize>,
+        is_singular: bool,
+        rows: &mut Rows,
+        asked: &mut Rows,
+    ) -> bool {
+        let is_singular = is_singular && asked.copy_from(rows).is_ok();
         if is_singular {
-            self.give_up(span, closeness, rows);
+            self.give_up(span, rows);
         }
         self.directions.take(span);
         is_singular
@@ -136,18 +199,13 @@ impl SingularityDamping {
     }
 
     /// Gives up what takes large velocities.
-    fn give_up(&mut self, span: &Range<usize>, closeness: f64, rows: &mut Rows) {
+    fn give_up(&mut self, span: &Range<usize>, rows: &mut Rows) {
         let m = span.len();
-        self.directions.gram_into(span, &mut self.gram[..m * m]);
-        let heaviest = self.weigh(span, rows);
-        let square = self.damping(span) * (1.0 - closeness);
-        let lost = closeness / (GATE * HANDOVER).powi(2);
-        let is_lost = lost < 1.0 && (0..m).all(|row| rows.weight(row) > 0.0);
-        if is_lost {
-            eigenvectors(&mut self.gram[..m * m], m, &mut self.vectors[..m * m]);
-            self.damp_along_vectors(span, square);
-        } else {
-            self.damp_by_factor(span, square);
+        let square = self.damping(span) * (1.0 - self.closeness);
+        self.given_up[..m].fill(0.0);
+        for k in 0..m {
+            let part = self.given_up_along(span, k, square);
+            subtract(&mut self.given_up[..m], -part, &self.vectors[k * m..][..m]);
         }
         let given_up = &mut self.given_up[..m];
         given_up.iter_mut().zip(&self.scales).for_each(|(part, scale)| *part /= scale);
@@ -155,39 +213,42 @@ impl SingularityDamping {
         given_up.iter_mut().zip(self.directions.norms(span)).for_each(|(part, norm)| *part *= norm);
         subtract(&mut rows.lower_mut()[..m], 1.0, given_up);
         subtract(&mut rows.upper_mut()[..m], 1.0, given_up);
-        if is_lost {
+        let lost = self.closeness / (GATE * HANDOVER).powi(2);
+        if lost < 1.0 && (0..m).all(|row| rows.weight(row) > 0.0) {
             let share = (1.0 - lost) * GATE * GATE / (GATE * GATE - 1.0);
-            self.hand_over(span, heaviest, share.min(1.0), rows);
+            self.hand_over(span, self.heaviest, share.min(1.0), rows);
         }
     }
 
-    /// What is given up, by (μ² (W^½ G W^½ + μ²)⁻¹)³.
-    fn damp_by_factor(&mut self, span: &Range<usize>, square: f64) {
-        let m = span.len();
-        let (system, missing) = (&mut self.gram[..m * m], &mut self.given_up[..m]);
-        system.iter_mut().step_by(m + 1).for_each(|entry| *entry += square);
-        factorise(system, m);
-        let scaled = self.directions.residual(span).iter().zip(&self.scales);
-        missing.iter_mut().zip(scaled).for_each(|(missing, (r, scale))| *missing = r * scale);
-        for _ in 0..ORDER {
-            solve(system, missing);
-            for part in missing.iter_mut() {
-                *part *= square;
-            }
+    /// What is given up along uₖ.
+    fn given_up_along(&self, span: &Range<usize>, k: usize, square: f64) -> f64 {
+        let (m, sigma) = (span.len(), self.sigmas[k]);
+        let vector = &self.vectors[k * m..][..m];
+        let weighted = vector.iter().zip(self.directions.residual(span)).zip(&self.scales);
+        let missing: f64 = weighted.map(|((u, r), scale)| u * r * scale).sum();
+        let damped = missing * (square / (square + sigma * sigma)).powi(ORDER);
+        let share = 1.0 - (sigma / self.threshold).powi(2);
+        if share <= 0.0 {
+            return if crate::vector::law() > 0.0 { 0.0 } else { damped };
         }
-    }
-
-    /// The same where the eigenvectors are known.
-    fn damp_along_vectors(&mut self, span: &Range<usize>, square: f64) {
-        let (m, residual) = (span.len(), self.directions.residual(span));
-        self.given_up[..m].fill(0.0);
-        for (k, vector) in self.vectors[..m * m].chunks_exact(m).enumerate() {
-            let weighted = vector.iter().zip(residual).zip(&self.scales);
-            let missing: f64 = weighted.map(|((u, r), scale)| u * r * scale).sum();
-            let eigenvalue = self.gram[k * m + k].max(0.0);
-            let part = missing * (square / (square + eigenvalue)).powi(ORDER);
-            subtract(&mut self.given_up[..m], -part, vector);
+        if sigma <= ROUNDING {
+            return missing;
         }
+        let bends = self.bends[k * m..][..m].iter().zip(self.directions.norms(span));
+        let bends = bends.zip(vector.iter().zip(&self.scales));
+        let bend: f64 = bends.map(|((bend, norm), (u, scale))| u * scale * bend / norm).sum();
+        // How fast σₖ falls while the joints move along vₖ as is asked.
+        let end = if bend.is_nan() { 1.0 } else { (-bend * missing.signum() / BEND).clamp(0.0, 1.0) };
+        let most = SPEED_AWAY.min(QUICKNESS * missing.abs()) / share;
+        let bounded = missing - missing.max(-most * sigma).min(most * sigma);
+        let towards = if bend.is_nan() { 1.0 } else { -bend * missing.signum() };
+        let damped = if crate::vector::law() > 0.0 && towards > 0.0 {
+            let (distance, time) = (sigma / towards, 0.1);
+            let speed = 2.0 * distance / (time + (time * time + 2.0 * distance / 5.0_f64).sqrt());
+            let most = most.min(speed / share);
+            missing - missing.max(-most * sigma).min(most * sigma)
+        } else { damped };
+        bounded + end * (damped - bounded)
     }
 
     /// Turns the rows along the directions, and makes ranges of those that are lost, so wide as a
@@ -210,12 +271,16 @@ impl SingularityDamping {
         }
         let handover = HANDOVER * self.threshold;
         for k in 0..m {
-            let sigma = self.gram[k * m + k].max(0.0).sqrt();
+            let sigma = self.sigmas[k];
             let room = root * FREE_SPEED * share * (1.0 - sigma / handover).max(0.0) * sigma;
             if let Ok(row) = rows.row_mut(k) {
                 row.copy_from_slice(&self.turned[k * columns..][..columns]);
             }
-            let target = self.turned_targets[k];
+            let mut target = self.turned_targets[k];
+            if sigma <= ROUNDING {
+                rows.row_mut(k).unwrap_or_default().fill(0.0);
+                target = 0.0;
+            }
             (rows.lower_mut()[k], rows.upper_mut()[k]) = (target - room, target + room);
         }
         // Of the size of the rows, and positive: no error is possible.
@@ -237,30 +302,5 @@ impl SingularityDamping {
             }
         }
         largest
-    }
-}
-
-/// The Cholesky factor of a positive matrix, in its lower half.
-fn factorise(matrix: &mut [f64], m: usize) {
-    for i in 0..m {
-        let (done, rest) = matrix.split_at_mut(i * m);
-        let row = &mut rest[..m];
-        for (j, other) in done.chunks_exact(m).enumerate() {
-            row[j] = (row[j] - dot(&row[..j], &other[..j])) / other[j];
-        }
-        row[i] = (row[i] - dot(&row[..i], &row[..i])).max(f64::MIN_POSITIVE).sqrt();
-    }
-}
-
-/// Solves L Lᵀ x = b in place.
-fn solve(factor: &[f64], b: &mut [f64]) {
-    let m = b.len();
-    for (i, row) in factor.chunks_exact(m).enumerate() {
-        b[i] = (b[i] - dot(&row[..i], &b[..i])) / row[i];
-    }
-    for (i, row) in factor.chunks_exact(m).enumerate().rev() {
-        let (before, own) = b.split_at_mut(i);
-        own[0] /= row[i];
-        subtract(before, own[0], &row[..i]);
     }
 }

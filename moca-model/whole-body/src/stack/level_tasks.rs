@@ -115,6 +115,16 @@ impl LevelTasks {
         Ok(())
     }
 
+    /// As of [`RowTasks::second_derivatives`], of the rows that it minimises.
+    pub(super) fn second_derivatives(
+        &self,
+        input: &mut TaskInput<'_, '_>,
+        direction: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), Error> {
+        self.rows.second_derivatives(&self.name, input, direction, out)
+    }
+
     /// Lets tasks without a target keep what they find.
     pub(super) fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
         self.rows.hold(&self.name, input)?;

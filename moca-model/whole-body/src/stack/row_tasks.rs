@@ -134,6 +134,25 @@ impl RowTasks {
         Ok(())
     }
 
+    /// Writes the second derivatives along a direction of what the rows control; NaN where they
+    /// are not known.
+    pub(super) fn second_derivatives(
+        &self,
+        level: &str,
+        input: &mut TaskInput<'_, '_>,
+        direction: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), Error> {
+        for TaskEntry { named, first, count } in &self.entries {
+            let own = out.get_mut(*first..first + count).unwrap_or_default();
+            let known = named.task.second_derivative(input, direction, own);
+            if !known.map_err(|error| in_task(error, &named.name, level))? {
+                own.fill(f64::NAN);
+            }
+        }
+        Ok(())
+    }
+
     pub(super) fn hold(&mut self, level: &str, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
         for TaskEntry { named, .. } in &mut self.entries {
             named.task.hold(input).map_err(|error| in_task(error, &named.name, level))?;

@@ -195,6 +195,21 @@ impl TaskStack {
         self.solver.level_mut(id).ok()?.rows_mut().ok()
     }
 
+    /// Writes the second derivatives along a direction of what the rows of a level control, for the robot where the
+    /// tasks were written last; NaN where they are not known.
+    pub(crate) fn second_derivatives(
+        &mut self,
+        index: usize,
+        posed: &mut Posed<'_>,
+        direction: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), Error> {
+        let mut input = TaskInput::new(posed, &[], 0.0, &mut self.jacobian);
+        self.levels
+            .get(index)
+            .map_or(Ok(()), |level| level.tasks.second_derivatives(&mut input, direction, out))
+    }
+
     pub(crate) fn solver_mut(&mut self) -> &mut ContinuousStack {
         &mut self.solver
     }

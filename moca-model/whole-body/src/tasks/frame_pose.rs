@@ -3,6 +3,7 @@
 use ahqp_core::PoseAxes;
 use nalgebra::{Isometry3, Vector3, Vector6};
 
+use super::bend::second_derivative;
 use super::input::TaskInput;
 use super::pose_task::{PoseQuantity, PoseTask};
 use super::rows::TaskRows;
@@ -70,6 +71,15 @@ impl PoseQuantity for FramePose {
             rows.set_jacobian_row(row, jacobian, axis);
         }
         Ok(())
+    }
+
+    fn second_derivative(
+        &self,
+        input: &mut TaskInput<'_, '_>,
+        direction: &[f64],
+    ) -> Result<Option<Vector6<f64>>, Error> {
+        let bend = second_derivative(input.jacobian(self.frame, self.axes)?, direction);
+        Ok(Some(bend))
     }
 
     const HAS_CURVATURE: bool = true;

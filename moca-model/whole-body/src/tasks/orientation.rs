@@ -3,6 +3,7 @@
 use ahqp_core::rotation_log;
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::bend::second_derivative;
 use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::rows::TaskRows;
@@ -61,6 +62,15 @@ impl VectorQuantity for FrameOrientation {
             rows.set_jacobian_row(row, jacobian, 3 + axis);
         }
         Ok(())
+    }
+
+    fn second_derivative(
+        &self,
+        input: &mut TaskInput<'_, '_>,
+        direction: &[f64],
+    ) -> Result<Option<Vector3<f64>>, Error> {
+        let bend = second_derivative(input.jacobian(self.0, Axes::World)?, direction);
+        Ok(Some(bend.fixed_rows::<3>(3).into_owned()))
     }
 
     const HAS_CURVATURE: bool = true;

@@ -42,6 +42,19 @@ pub trait PoseQuantity: Clone + Debug + Send + Sync + 'static {
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error>;
 
+    /// Its second derivative along a direction of the joints, in the axes of the rows; none if it is not known. See
+    /// [`Task::second_derivative`].
+    ///
+    /// # Errors
+    /// An id of another robot.
+    fn second_derivative(
+        &self,
+        _input: &mut TaskInput<'_, '_>,
+        _direction: &[f64],
+    ) -> Result<Option<Vector6<f64>>, Error> {
+        Ok(None)
+    }
+
     /// Whether it adds its curvature; see [`Task::has_curvature`].
     const HAS_CURVATURE: bool = false;
 
@@ -184,6 +197,21 @@ impl<Q: PoseQuantity> Task for PoseTask<Q> {
         self.angular.validate()?;
         check_weights(self.weights.as_slice())?;
         self.quantity.validate(model)
+    }
+
+    fn second_derivative(
+        &self,
+        input: &mut TaskInput<'_, '_>,
+        direction: &[f64],
+        out: &mut [f64],
+    ) -> Result<bool, Error> {
+        let found = self.quantity.second_derivative(input, direction)?;
+        if let Some(found) = found {
+            for (out, axis) in out.iter_mut().zip(self.coordinates.iter()) {
+                *out = found[axis];
+            }
+        }
+        Ok(found.is_some())
     }
 
     fn has_curvature(&self) -> bool {

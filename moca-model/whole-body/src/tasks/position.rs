@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::bend::second_derivative;
 use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::rows::TaskRows;
@@ -71,6 +72,15 @@ impl VectorQuantity for FramePosition {
             rows.set_jacobian_row(row, jacobian, axis);
         }
         Ok(())
+    }
+
+    fn second_derivative(
+        &self,
+        input: &mut TaskInput<'_, '_>,
+        direction: &[f64],
+    ) -> Result<Option<Vector3<f64>>, Error> {
+        let bend = second_derivative(input.jacobian(self.0, Axes::World)?, direction);
+        Ok(Some(bend.fixed_rows::<3>(0).into_owned()))
     }
 
     const HAS_CURVATURE: bool = true;

@@ -19,6 +19,11 @@ pub(crate) struct Shortfall {
     asked_now: f64,
     /// Of what is missing, the part that is asked for.
     share: f64,
+    /// The least that was wanted since that fell or grew by much, and the time since then \[s\].
+    least: f64,
+    since: f64,
+    /// How fast it moves, a mean over [`QUICK`].
+    moving: f64,
 }
 
 /// What to ask for, and what is missing.
@@ -43,13 +48,20 @@ const SMALL: f64 = 0.02;
 const FADING: f64 = 0.5;
 /// The same for its return \[s\].
 const RETURN: f64 = 0.02;
+/// Of what is wanted, a fall that is progress, and a growth with which all is tried again.
+const PROGRESS: f64 = 0.01;
+const GROWTH: f64 = 1.0;
+/// After so long without progress something is given up \[s\].
+const PATIENCE: f64 = 0.5;
+/// What moves less than this is at rest \[m/s, rad/s\].
+const MOVING: f64 = 3e-5;
 /// The least part that is asked for.
 const LEAST: f64 = 1e-6;
 
 impl Default for Shortfall {
     fn default() -> Self {
         let none = Vector3::zeros();
-        Self { missing: none, wanted: 0.0, missing_now: none, asked_now: 0.0, share: 1.0 }
+        Self { missing: none, wanted: 0.0, missing_now: none, asked_now: 0.0, share: 1.0, least: 0.0, since: 0.0, moving: 0.0 }
     }
 }
 
@@ -60,7 +72,16 @@ impl Shortfall {
         self.missing += (wanted - got - self.missing) * new;
         self.wanted += (wanted.norm() - self.wanted) * new;
         let size = self.missing.norm();
-        if self.share == 1.0 && size <= FEW * self.wanted {
+        let now = wanted.norm();
+        self.since += period;
+        self.moving += (got.norm() - self.moving) * period / (period + QUICK);
+        if now < (1.0 - PROGRESS) * self.least {
+            (self.least, self.since) = (now, 0.0);
+        } else if now > (1.0 + GROWTH) * self.least {
+            (self.least, self.since, self.share) = (now, 0.0, 1.0);
+        }
+        let is_stuck = self.since > PATIENCE;
+        if self.share == 1.0 && (!is_stuck || size <= FEW * self.wanted) {
             // Nothing is given up, and this is where most steps end.
             (self.missing_now, self.asked_now) = (self.missing, self.wanted);
             return Ask { velocity: *wanted, missing: Vector3::zeros() };
@@ -72,7 +93,7 @@ impl Shortfall {
         self.asked_now += (velocity.norm() - self.asked_now) * new;
         if self.wanted < SMALL || self.missing_now.norm() < FEW * self.asked_now {
             self.share = (self.share * (1.0 + period / RETURN)).min(1.0);
-        } else if size > MOST * self.wanted {
+        } else if is_stuck && size > MOST * self.wanted && self.moving > MOVING {
             self.share = (self.share * (1.0 - period / FADING)).max(LEAST);
         }
         let lasting = (size / self.wanted - FEW) / (MOST - FEW);

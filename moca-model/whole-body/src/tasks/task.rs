@@ -64,6 +64,22 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
         false
     }
 
+    /// Writes, for each row, the second derivative of what it controls while the joints move along `direction`, a
+    /// velocity of the size of q̇: J̇ d of q̇ = d, in the units of the row a second. Near singular configurations it
+    /// tells the end of the reach from places that the robot can leave. Returns false, the default, where it is not
+    /// known: all singular configurations are then treated as the end of the reach.
+    ///
+    /// # Errors
+    /// What makes the task impossible now.
+    fn second_derivative(
+        &self,
+        _input: &mut TaskInput<'_, '_>,
+        _direction: &[f64],
+        _out: &mut [f64],
+    ) -> Result<bool, Error> {
+        Ok(false)
+    }
+
     /// Whether it adds its curvature to a level where its error remains:
     /// [`TaskRows::add_position_curvature`], [`TaskRows::add_orientation_curvature`].
     fn has_curvature(&self) -> bool {

@@ -50,6 +50,19 @@ pub trait VectorQuantity: Clone + Debug + Send + Sync + 'static {
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error>;
 
+    /// Its second derivative along a direction of the joints; none if it is not known. See
+    /// [`Task::second_derivative`].
+    ///
+    /// # Errors
+    /// An id of another robot.
+    fn second_derivative(
+        &self,
+        _input: &mut TaskInput<'_, '_>,
+        _direction: &[f64],
+    ) -> Result<Option<Vector3<f64>>, Error> {
+        Ok(None)
+    }
+
     /// Whether it adds its curvature; see [`Task::has_curvature`].
     const HAS_CURVATURE: bool = false;
 
@@ -171,6 +184,21 @@ impl<Q: VectorQuantity> Task for VectorTask<Q> {
         self.feedback.validate()?;
         self.mask.validate()?;
         self.quantity.validate(model)
+    }
+
+    fn second_derivative(
+        &self,
+        input: &mut TaskInput<'_, '_>,
+        direction: &[f64],
+        out: &mut [f64],
+    ) -> Result<bool, Error> {
+        let found = self.quantity.second_derivative(input, direction)?;
+        if let Some(found) = found {
+            for (out, axis) in out.iter_mut().zip(self.mask.iter()) {
+                *out = found[axis];
+            }
+        }
+        Ok(found.is_some())
     }
 
     fn has_curvature(&self) -> bool {

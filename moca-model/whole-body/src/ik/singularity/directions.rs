@@ -34,6 +34,8 @@ pub(super) struct Directions {
     reciprocals: Vec<f64>,
     /// The transposed inverse of a level's coordinates.
     inverse: Vec<Four>,
+    /// Factors of the rows above a level.
+    above: Vec<f64>,
 }
 
 type Four = [f64; 4];
@@ -56,6 +58,7 @@ impl Directions {
             coordinates: vec![none; room * width],
             reciprocals: vec![0.0; room],
             inverse: vec![none; most * most.div_ceil(4)],
+            above: vec![0.0; room],
         }
     }
 
@@ -152,6 +155,27 @@ impl Directions {
             for b in 0..a {
                 gram[a * m + b] = gram[b * m + a];
             }
+        }
+    }
+
+    /// Writes the sum of a level's scaled rows, freed of what the rows above determine, with these factors.
+    pub(super) fn combine(&mut self, span: &Range<usize>, factors: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        let size = 4 * self.width;
+        let scales = self.scales.as_flattened();
+        for (factor, index) in factors.iter().zip(span.clone()) {
+            subtract(out, -factor * scales[index], self.rows.row(index).unwrap_or_default());
+        }
+        // Of the rows above, the sum that has the same coordinates along their directions.
+        let coordinates = self.coordinates.as_flattened();
+        for above in (0..span.start).rev() {
+            let own = &coordinates[above * size..][..size];
+            let of_level: f64 = own[span.clone()].iter().zip(factors).map(|(a, b)| a * b).sum();
+            let later = own[above + 1..span.start].iter().zip(&self.above[above + 1..span.start]);
+            let of_later: f64 = later.map(|(a, b)| a * b).sum();
+            let part = (of_level - of_later) * self.reciprocals[above];
+            self.above[above] = part;
+            subtract(out, part * scales[above], self.rows.row(above).unwrap_or_default());
         }
     }
 

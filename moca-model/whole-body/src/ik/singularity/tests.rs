@@ -16,7 +16,13 @@ fn damp(levels: &mut [Rows], columns: usize) -> Vec<(bool, Rows)> {
     let levels = levels.iter_mut().zip(spans);
     let damped = levels.map(|(rows, span)| {
         let mut asked = rows.clone();
-        (damping.damp(&span, rows, &mut asked), asked)
+        let is_singular = damping.examine(&span, rows);
+        for k in 0..if is_singular { span.len() } else { 0 } {
+            if let Some((_, bends)) = damping.lost(&span, k) {
+                bends.fill(f64::NAN);
+            }
+        }
+        (damping.damp(&span, is_singular, rows, &mut asked), asked)
     });
     damped.collect()
 }
