@@ -1,5 +1,4 @@
 mod changes;
-mod curvature_rows;
 mod level_tasks;
 mod row_tasks;
 pub(crate) mod task_level;

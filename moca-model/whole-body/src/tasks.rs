@@ -2,7 +2,6 @@
 
 pub(crate) mod augmented_frame;
 pub(crate) mod axis;
-mod bend;
 pub(crate) mod centre_of_mass;
 mod checks;
 pub(crate) mod curvature;
@@ -20,7 +19,6 @@ pub(crate) mod posture;
 pub(crate) mod quadratic;
 pub(crate) mod relative_frame;
 pub(crate) mod rows;
-mod shortfall;
 pub(crate) mod task;
 pub(crate) mod variables;
 pub(crate) mod vector_task;

@@ -6,6 +6,7 @@ use crate::support::stacks::{PERIOD, Random, panda};
 use crate::support::{jacobian, last_frame, pose};
 use std::fmt::Write as _;
 
+fn rest() -> OutOfReach { if std::env::var("REST").is_ok_and(|v| v == "1") { OutOfReach::Rest } else { OutOfReach::Approach } }
 fn least(model: &Model, q: &[f64]) -> f64 {
     let jacobian = jacobian(model, q, last_frame(model), Axes::World);
     let rows = DMatrix::from_fn(6, q.len(), |i, j| jacobian[(i, j)] / jacobian.row(i).norm());
@@ -62,7 +63,7 @@ fn is_in_reach(model: &Model, start: &[f64], target: &Isometry3<f64>, random: &m
 }
 fn reach(model: &Model, q: &[f64], threshold: f64, target: Isometry3<f64>) -> Ik {
     let mut builder = Ik::builder(model);
-    builder.settings(IkSettings { singularity_threshold: threshold, ..IkSettings::default() });
+    builder.settings(IkSettings { singularity_threshold: threshold, out_of_reach: rest(), ..IkSettings::default() });
     let task = builder.push("pose", FrameTask::new(last_frame(model)));
     builder.push("posture", PostureTask::new());
     let mut ik = builder.build_at(q).unwrap();
@@ -180,6 +181,7 @@ fn most(values: &[f64]) -> f64 { values.iter().fold(0.0_f64, |a, b| a.max(b.abs(
 /// kind 0: position over orientation over posture; 1: pose over posture.
 fn out(arm: &Arm, kind: usize, target: &Vector3<f64>) -> [f64; 4] {
     let mut builder = Ik::builder(&arm.model);
+    builder.settings(IkSettings { out_of_reach: rest(), ..IkSettings::default() });
     let mut q = arm.start.clone();
     let mut ik = if kind == 0 {
         let p = builder.push("position", PositionTask::new(arm.hand));
@@ -233,6 +235,7 @@ fn singles() {
     let there = [1.3003, -0.7164, 1.533, -1.6466, 1.2488, 2.6647, 1.6661];
     let target = pose(&arm_.model, &there, arm_.hand);
     let mut builder = Ik::builder(&arm_.model);
+    builder.settings(IkSettings { out_of_reach: rest(), ..IkSettings::default() });
     let task = builder.push("pose", FrameTask::new(arm_.hand));
     builder.push("posture", PostureTask::new());
     let mut ik = builder.build_at(&arm_.start).unwrap();
@@ -246,6 +249,7 @@ fn singles() {
     println!("panda item 5: {:e} m {:e} rad at {when}", (end.translation.vector - target.translation.vector).norm(), end.rotation.angle_to(&target.rotation));
     // comes back
     let mut builder = Ik::builder(&arm_.model);
+    builder.settings(IkSettings { out_of_reach: rest(), ..IkSettings::default() });
     let p = builder.push("position", PositionTask::new(arm_.hand));
     builder.push("orientation", OrientationTask::new(arm_.hand));
     builder.push("posture", PostureTask::new());
@@ -298,6 +302,7 @@ fn trace_out(i: usize) {
     let arm = &robots[robot];
     let target = arm.shoulder + distance * Unit::new_normalize(Vector3::from(DIRECTIONS[direction])).into_inner();
     let mut builder = Ik::builder(&arm.model);
+    builder.settings(IkSettings { out_of_reach: rest(), ..IkSettings::default() });
     let mut q = arm.start.clone();
     let mut ik = if kind == 0 {
         let p = builder.push("position", PositionTask::new(arm.hand));

@@ -135,7 +135,7 @@ impl Ik {
             anticipation: Anticipation::new(rest.len(), Vec::new()),
             heading: None,
             fading: model.fading_times(),
-            singularity: SingularityDamping::new(0.0, &[], stack.names().len()),
+            singularity: SingularityDamping::new(0.0, &[], stack.names().len(), rest.len()),
             asked: Vec::new(),
             admitted: rest,
             limit_values: Vec::new(),
@@ -166,7 +166,7 @@ impl Ik {
             .collect();
         let counts: Vec<usize> = sizes.iter().map(|[count, _]| *count).collect();
         let (threshold, columns) = (self.settings.singularity_threshold, self.stack.names().len());
-        self.singularity = SingularityDamping::new(threshold, &counts, columns);
+        self.singularity = SingularityDamping::new(threshold, &counts, columns, self.velocity.len());
         let asked = sizes.into_iter().map(|[count, all]| {
             let mut rows = Rows::zeros(all, columns);
             // Of the right size and positive: no error is possible. The room for them is there then.
@@ -277,11 +277,11 @@ impl Ik {
             let Some(is_singular) = examined.map(|rows| singularity.examine(span, rows)) else {
                 continue;
             };
-            for k in 0..if is_singular { span.len() } else { 0 } {
-                if let Some((direction, out)) = singularity.lost(span, k) {
-                    let direction = &direction[..velocity.len()];
-                    self.stack.second_derivatives(index, &mut posed, direction, out)?;
-                }
+            if is_singular {
+                let has_room = asked.rows.len() > asked.count;
+                singularity.bound(span, has_room, |factors, curvature| {
+                    self.stack.add_curvature(index, &mut posed, factors, curvature)
+                })?;
             }
             if let Some(rows) = self.stack.rows_mut(index) {
                 asked.counts = singularity.damp(span, is_singular, rows, &mut asked.rows);

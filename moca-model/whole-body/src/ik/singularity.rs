@@ -1,5 +1,6 @@
 //! Damping of targets near singular configurations.
 
+mod curvature_rows;
 mod directions;
 #[cfg(test)]
 mod tests;
@@ -8,7 +9,11 @@ use std::ops::Range;
 
 use ahqp_core::Rows;
 
+use self::curvature_rows::CurvatureRows;
 use self::directions::Directions;
+use crate::error::Error;
+use crate::tasks::curvature::Curvature;
+use crate::vector::p;
 use crate::eigen::eigenvectors;
 use crate::vector::{dot, subtract};
 
@@ -56,8 +61,13 @@ pub(super) struct SingularityDamping {
     /// By direction: σₖ, and the direction vₖ of the joints that belongs to it.
     sigmas: Vec<f64>,
     joints: Vec<f64>,
-    /// By direction: second derivatives along vₖ of what the rows control.
-    bends: Vec<f64>,
+    /// By direction: what is given up along uₖ.
+    parts: Vec<f64>,
+    /// That of one direction, and the rows of what takes the place of damping.
+    curvature: Curvature,
+    newton: CurvatureRows,
+    velocities: usize,
+    room: Vec<f64>,
     columns: usize,
     /// The rows along the directions uₖ, and their targets.
     turned: Vec<f64>,
@@ -94,7 +104,7 @@ const FREE_SPEED: f64 = 0.05;
 
 impl SingularityDamping {
     /// For levels of so many rows each, over so many variables.
-    pub(super) fn new(threshold: f64, levels: &[usize], columns: usize) -> Self {
+    pub(super) fn new(threshold: f64, levels: &[usize], columns: usize, velocities: usize) -> Self {
         let (total, most) = (levels.iter().sum(), levels.iter().copied().max().unwrap_or(0));
         Self {
             threshold,
@@ -107,7 +117,11 @@ impl SingularityDamping {
             vectors: vec![0.0; most * most],
             sigmas: vec![1.0; most],
             joints: vec![0.0; most * columns],
-            bends: vec![0.0; most * most],
+            parts: vec![0.0; most],
+            curvature: Curvature::new(velocities),
+            newton: CurvatureRows::new(velocities),
+            velocities,
+            room: vec![0.0; velocities],
             columns,
             turned: vec![0.0; most * columns],
             turned_targets: vec![0.0; most],
@@ -160,13 +174,69 @@ impl SingularityDamping {
         true
     }
 
-    /// Of a singular level, the direction vₖ of the joints, if it is nearly lost, and room for the second
-    /// derivatives along it of what the rows control.
-    pub(super) fn lost(&mut self, span: &Range<usize>, k: usize) -> Option<(&[f64], &mut [f64])> {
-        let (m, sigma) = (span.len(), *self.sigmas.get(k)?);
-        let is_lost = k < m && sigma < self.threshold && sigma > ROUNDING;
-        let joints = &self.joints[k * self.columns..][..self.columns];
-        is_lost.then(|| (joints, &mut self.bends[k * m..][..m]))
+    /// Finds what is to be given up of the targets of a singular level.
+    pub(super) fn bound(
+        &mut self,
+        span: &Range<usize>,
+        has_room: bool,
+        mut add_curvature: impl FnMut(&[f64], &mut Curvature) -> Result<bool, Error>,
+    ) -> Result<(), Error> {
+        let m = span.len();
+        let square = self.damping(span) * (1.0 - self.closeness);
+        self.newton.curvature.clear();
+        for k in 0..m {
+            let sigma = self.sigmas[k];
+            let vector = &self.vectors[k * m..][..m];
+            let weighted = vector.iter().zip(self.directions.residual(span)).zip(&self.scales);
+            let missing: f64 = weighted.map(|((u, r), scale)| u * r * scale).sum();
+            let share = 1.0 - (sigma / self.threshold).powi(2);
+            self.parts[k] = 0.0;
+            if share <= 0.0 || missing == 0.0 {
+                continue;
+            }
+            let factors = self.given_up.iter_mut().zip(vector).zip(&self.scales);
+            for (((factor, u), scale), norm) in factors.zip(self.directions.norms(span)) {
+                *factor = u * scale / norm;
+            }
+            self.curvature.clear();
+            if !add_curvature(&self.given_up[..m], &mut self.curvature)? {
+                self.parts[k] = missing * (square / (square + sigma * sigma)).powi(ORDER);
+                continue;
+            }
+            let most = SPEED_AWAY.min(QUICKNESS * missing.abs()) / share;
+            let joints = &self.joints[k * self.columns..][..self.velocities];
+            let towards = self.curvature.along(joints) * missing.signum();
+            if sigma > ROUNDING && towards <= 0.0 {
+                self.parts[k] = missing - missing.max(-most * sigma).min(most * sigma);
+                continue;
+            }
+            if sigma <= ROUNDING && !has_room {
+                self.parts[k] = missing;
+                continue;
+            }
+            let time = 1.0 / p(1, 10.0);
+            let (speed, rate) = if sigma > ROUNDING {
+                let distance = sigma / towards;
+                let speed = 2.0 * distance / (time + (time * time + 2.0 * distance / p(2, 5.0)).sqrt());
+                let speed = most.min(speed / share);
+                (speed, speed / distance)
+            } else { (0.0, 1.0 / time) };
+            let part = missing - missing.max(-speed * sigma).min(speed * sigma);
+            if has_room && p(0, 1.0) > 0.0 {
+                let rate = if p(3, 0.0) > 0.0 { 1.0 / time } else { rate };
+                self.newton.curvature.add_scaled(&self.curvature, part * self.heaviest / rate);
+            } else {
+                self.parts[k] = part;
+            }
+        }
+        if p(4, 1.0) > 0.0 && !self.newton.curvature.is_zero() {
+            for k in 0..m {
+                let kept = (self.sigmas[k] / self.threshold).powi(2).min(1.0);
+                let joints = &self.joints[k * self.columns..][..self.velocities];
+                self.newton.curvature.project(joints, kept, &mut self.room);
+            }
+        }
+        Ok(())
     }
 
     /// Damps the targets of a level that was [examined](Self::examine), whose rows have these places. Returns true
@@ -181,6 +251,10 @@ impl SingularityDamping {
         let is_singular = is_singular && asked.copy_from(rows).is_ok();
         if is_singular {
             self.give_up(span, rows);
+        }
+        if span.len() < rows.len() {
+            if !is_singular { self.newton.curvature.clear(); }
+            self.newton.write(rows, span.len());
         }
         self.directions.take(span);
         is_singular
@@ -201,11 +275,9 @@ impl SingularityDamping {
     /// Gives up what takes large velocities.
     fn give_up(&mut self, span: &Range<usize>, rows: &mut Rows) {
         let m = span.len();
-        let square = self.damping(span) * (1.0 - self.closeness);
         self.given_up[..m].fill(0.0);
         for k in 0..m {
-            let part = self.given_up_along(span, k, square);
-            subtract(&mut self.given_up[..m], -part, &self.vectors[k * m..][..m]);
+            subtract(&mut self.given_up[..m], -self.parts[k], &self.vectors[k * m..][..m]);
         }
         let given_up = &mut self.given_up[..m];
         given_up.iter_mut().zip(&self.scales).for_each(|(part, scale)| *part /= scale);
@@ -218,37 +290,6 @@ impl SingularityDamping {
             let share = (1.0 - lost) * GATE * GATE / (GATE * GATE - 1.0);
             self.hand_over(span, self.heaviest, share.min(1.0), rows);
         }
-    }
-
-    /// What is given up along uₖ.
-    fn given_up_along(&self, span: &Range<usize>, k: usize, square: f64) -> f64 {
-        let (m, sigma) = (span.len(), self.sigmas[k]);
-        let vector = &self.vectors[k * m..][..m];
-        let weighted = vector.iter().zip(self.directions.residual(span)).zip(&self.scales);
-        let missing: f64 = weighted.map(|((u, r), scale)| u * r * scale).sum();
-        let damped = missing * (square / (square + sigma * sigma)).powi(ORDER);
-        let share = 1.0 - (sigma / self.threshold).powi(2);
-        if share <= 0.0 {
-            return if crate::vector::law() > 0.0 { 0.0 } else { damped };
-        }
-        if sigma <= ROUNDING {
-            return missing;
-        }
-        let bends = self.bends[k * m..][..m].iter().zip(self.directions.norms(span));
-        let bends = bends.zip(vector.iter().zip(&self.scales));
-        let bend: f64 = bends.map(|((bend, norm), (u, scale))| u * scale * bend / norm).sum();
-        // How fast σₖ falls while the joints move along vₖ as is asked.
-        let end = if bend.is_nan() { 1.0 } else { (-bend * missing.signum() / BEND).clamp(0.0, 1.0) };
-        let most = SPEED_AWAY.min(QUICKNESS * missing.abs()) / share;
-        let bounded = missing - missing.max(-most * sigma).min(most * sigma);
-        let towards = if bend.is_nan() { 1.0 } else { -bend * missing.signum() };
-        let damped = if crate::vector::law() > 0.0 && towards > 0.0 {
-            let (distance, time) = (sigma / towards, 0.1);
-            let speed = 2.0 * distance / (time + (time * time + 2.0 * distance / 5.0_f64).sqrt());
-            let most = most.min(speed / share);
-            missing - missing.max(-most * sigma).min(most * sigma)
-        } else { damped };
-        bounded + end * (damped - bounded)
     }
 
     /// Turns the rows along the directions, and makes ranges of those that are lost, so wide as a

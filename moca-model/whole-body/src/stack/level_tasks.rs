@@ -11,6 +11,7 @@ use super::row_tasks::{RowTasks, in_task};
 use super::task_level::{Named, OutOfReach, TaskLevel};
 use crate::error::Error;
 use crate::robot::model::Model;
+use crate::tasks::curvature::Curvature;
 use crate::tasks::input::TaskInput;
 use crate::tasks::quadratic::{QuadraticTask, TaskQuadratic};
 
@@ -115,14 +116,14 @@ impl LevelTasks {
         Ok(())
     }
 
-    /// As of [`RowTasks::second_derivatives`], of the rows that it minimises.
-    pub(super) fn second_derivatives(
+    /// As of [`RowTasks::add_curvature`], of the rows that it minimises.
+    pub(super) fn add_curvature(
         &self,
+        factors: &[f64],
         input: &mut TaskInput<'_, '_>,
-        direction: &[f64],
-        out: &mut [f64],
-    ) -> Result<(), Error> {
-        self.rows.second_derivatives(&self.name, input, direction, out)
+        curvature: &mut Curvature,
+    ) -> Result<bool, Error> {
+        self.rows.add_curvature(&self.name, factors, input, curvature)
     }
 
     /// Lets tasks without a target keep what they find.

@@ -5,10 +5,10 @@ use std::ops::Range;
 
 use ahqp_core::Rows;
 
-use super::curvature_rows::CurvatureRows;
 use super::task_level::{Named, OutOfReach};
 use crate::error::Error;
 use crate::robot::model::Model;
+use crate::tasks::curvature::Curvature;
 use crate::tasks::input::TaskInput;
 use crate::tasks::rows::TaskRows;
 use crate::tasks::task::Task;
@@ -20,8 +20,6 @@ pub(super) struct RowTasks {
     count: usize,
     /// Of all rows, those of the curvature among them.
     weights: Vec<f64>,
-    /// Of tasks whose errors may remain.
-    curvature: Option<CurvatureRows>,
 }
 
 #[derive(Debug, Clone)]
@@ -53,9 +51,8 @@ impl RowTasks {
         let has_curvature =
             out_of_reach == OutOfReach::Rest && tasks.any(|task| task.has_curvature());
         let velocities = model.velocity_count();
-        let curvature = has_curvature.then(|| CurvatureRows::new(velocities));
         let rows = first + if has_curvature { velocities } else { 0 };
-        Ok(Self { entries, count: first, weights: vec![1.0; rows], curvature })
+        Ok(Self { entries, count: first, weights: vec![1.0; rows] })
     }
 
     /// How many rows the tasks have. Behind them there may be more, of their curvature.
@@ -107,14 +104,10 @@ impl RowTasks {
         input: &mut TaskInput<'_, '_>,
         rows: &mut Rows,
     ) -> Result<(), Error> {
-        if let Some(rows) = &mut self.curvature {
-            rows.curvature.clear();
-        }
         for entry in &mut self.entries {
-            let curvature = self.curvature.as_mut().map(|rows| &mut rows.curvature);
             let (first, count) = (entry.first, entry.count);
             let writes_all = entry.named.task.writes_all(rows.columns());
-            let mut own = TaskRows::new(rows, &mut self.weights, curvature, first, count);
+            let mut own = TaskRows::new(rows, &mut self.weights, first, count);
             if !writes_all {
                 own.clear();
             }
@@ -128,29 +121,29 @@ impl RowTasks {
         if !is_written {
             rows.set_weights(&self.weights)?;
         }
-        if let Some(curvature) = &mut self.curvature {
-            curvature.write(rows, self.count);
-        }
         Ok(())
     }
 
-    /// Writes the second derivatives along a direction of what the rows control; NaN where they
-    /// are not known.
-    pub(super) fn second_derivatives(
+    /// Adds the curvature of what the rows control, each with a factor; false where that is not known.
+    pub(super) fn add_curvature(
         &self,
         level: &str,
+        factors: &[f64],
         input: &mut TaskInput<'_, '_>,
-        direction: &[f64],
-        out: &mut [f64],
-    ) -> Result<(), Error> {
+        curvature: &mut Curvature,
+    ) -> Result<bool, Error> {
         for TaskEntry { named, first, count } in &self.entries {
-            let own = out.get_mut(*first..first + count).unwrap_or_default();
-            let known = named.task.second_derivative(input, direction, own);
-            if !known.map_err(|error| in_task(error, &named.name, level))? {
-                own.fill(f64::NAN);
+            let own = factors.get(*first..first + count).unwrap_or_default();
+            let known = own.iter().all(|factor| *factor == 0.0)
+                || named
+                    .task
+                    .add_curvature(own, input, curvature)
+                    .map_err(|error| in_task(error, &named.name, level))?;
+            if !known {
+                return Ok(false);
             }
         }
-        Ok(())
+        Ok(true)
     }
 
     pub(super) fn hold(&mut self, level: &str, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {

@@ -11,6 +11,7 @@ use super::task_level::{TaskId, TaskLevel};
 use crate::error::Error;
 use crate::robot::model::Model;
 use crate::state::posed::Posed;
+use crate::tasks::curvature::Curvature;
 use crate::tasks::input::{JacobianMemory, TaskInput};
 use crate::tasks::variables::VariableLayout;
 
@@ -195,19 +196,18 @@ impl TaskStack {
         self.solver.level_mut(id).ok()?.rows_mut().ok()
     }
 
-    /// Writes the second derivatives along a direction of what the rows of a level control, for the robot where the
-    /// tasks were written last; NaN where they are not known.
-    pub(crate) fn second_derivatives(
+    /// Adds −Σ λᵢ ∇²yᵢ of what the rows of a level control, λᵢ being their factors, for the robot where the tasks
+    /// were written last; false where that is not known.
+    pub(crate) fn add_curvature(
         &mut self,
         index: usize,
         posed: &mut Posed<'_>,
-        direction: &[f64],
-        out: &mut [f64],
-    ) -> Result<(), Error> {
+        factors: &[f64],
+        curvature: &mut Curvature,
+    ) -> Result<bool, Error> {
         let mut input = TaskInput::new(posed, &[], 0.0, &mut self.jacobian);
-        self.levels
-            .get(index)
-            .map_or(Ok(()), |level| level.tasks.second_derivatives(&mut input, direction, out))
+        let Some(level) = self.levels.get(index) else { return Ok(false) };
+        level.tasks.add_curvature(factors, &mut input, curvature)
     }
 
     pub(crate) fn solver_mut(&mut self) -> &mut ContinuousStack {

@@ -33,6 +33,31 @@ impl Curvature {
         &self.matrix
     }
 
+    /// dᵀ H d.
+    pub(crate) fn along(&self, direction: &[f64]) -> f64 {
+        let columns = self.matrix.column_iter().zip(direction);
+        columns.map(|(c, d)| d * c.iter().zip(direction).map(|(a, b)| a * b).sum::<f64>()).sum()
+    }
+
+    /// (I − s d dᵀ) H (I − s d dᵀ).
+    pub(crate) fn project(&mut self, d: &[f64], s: f64, room: &mut [f64]) {
+        let n = d.len();
+        for i in 0..n {
+            room[i] = (0..n).map(|j| self.matrix[(i, j)] * d[j]).sum();
+        }
+        let along: f64 = room.iter().zip(d).map(|(a, b)| a * b).sum();
+        for i in 0..n {
+            for j in 0..n {
+                self.matrix[(i, j)] += s * s * along * d[i] * d[j] - s * (room[i] * d[j] + d[i] * room[j]);
+            }
+        }
+    }
+
+    pub(crate) fn add_scaled(&mut self, other: &Self, factor: f64) {
+        self.is_zero = false;
+        self.matrix.iter_mut().zip(other.matrix.iter()).for_each(|(a, b)| *a += factor * b);
+    }
+
     /// Adds that of a frame's position, `missing` \[m\] in the axes of the Jacobian: with joint i before
     /// joint j, ∂²p/∂qᵢ∂qⱼ = J_ω,ᵢ × J_v,ⱼ.
     pub(crate) fn add_position(&mut self, jacobian: &Matrix6xX<f64>, missing: &Vector3<f64>) {

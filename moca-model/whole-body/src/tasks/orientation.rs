@@ -3,7 +3,7 @@
 use ahqp_core::rotation_log;
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::bend::second_derivative;
+use super::curvature::Curvature;
 use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::rows::TaskRows;
@@ -64,24 +64,15 @@ impl VectorQuantity for FrameOrientation {
         Ok(())
     }
 
-    fn second_derivative(
-        &self,
-        input: &mut TaskInput<'_, '_>,
-        direction: &[f64],
-    ) -> Result<Option<Vector3<f64>>, Error> {
-        let bend = second_derivative(input.jacobian(self.0, Axes::World)?, direction);
-        Ok(Some(bend.fixed_rows::<3>(3).into_owned()))
-    }
-
     const HAS_CURVATURE: bool = true;
 
     fn add_curvature(
         &self,
         missing: &Vector3<f64>,
         input: &mut TaskInput<'_, '_>,
-        rows: &mut TaskRows<'_>,
+        curvature: &mut Curvature,
     ) -> Result<(), Error> {
-        rows.add_orientation_curvature(input.jacobian(self.0, Axes::World)?, missing);
+        curvature.add_orientation(input.jacobian(self.0, Axes::World)?, missing);
         Ok(())
     }
 }

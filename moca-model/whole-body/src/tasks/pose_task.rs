@@ -9,7 +9,7 @@ use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::mask::check_weights;
 use super::rows::TaskRows;
-use super::shortfall::Shortfall;
+use super::curvature::Curvature;
 use super::task::Task;
 use crate::error::{Error, check_finite};
 use crate::robot::model::Model;
@@ -42,19 +42,6 @@ pub trait PoseQuantity: Clone + Debug + Send + Sync + 'static {
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error>;
 
-    /// Its second derivative along a direction of the joints, in the axes of the rows; none if it is not known. See
-    /// [`Task::second_derivative`].
-    ///
-    /// # Errors
-    /// An id of another robot.
-    fn second_derivative(
-        &self,
-        _input: &mut TaskInput<'_, '_>,
-        _direction: &[f64],
-    ) -> Result<Option<Vector6<f64>>, Error> {
-        Ok(None)
-    }
-
     /// Whether it adds its curvature; see [`Task::has_curvature`].
     const HAS_CURVATURE: bool = false;
 
@@ -66,7 +53,7 @@ pub trait PoseQuantity: Clone + Debug + Send + Sync + 'static {
         &self,
         _missing: [&Vector3<f64>; 2],
         _input: &mut TaskInput<'_, '_>,
-        _rows: &mut TaskRows<'_>,
+        _curvature: &mut Curvature,
     ) -> Result<(), Error> {
         Ok(())
     }
@@ -84,8 +71,6 @@ pub struct PoseTask<Q: PoseQuantity> {
     angular: Feedback,
     pub(super) coordinates: PoseAxes,
     weights: Vector6<f64>,
-    /// Of the linear and the angular part.
-    shortfalls: [Shortfall; 2],
 }
 
 impl<Q: PoseQuantity> PoseTask<Q> {
@@ -97,7 +82,6 @@ impl<Q: PoseQuantity> PoseTask<Q> {
             angular: Feedback::ANGULAR,
             coordinates: PoseAxes::ALL,
             weights: Vector6::repeat(1.0),
-            shortfalls: [Shortfall::default(); 2],
         }
     }
 
@@ -155,29 +139,6 @@ impl<Q: PoseQuantity> PoseTask<Q> {
         chosen
     }
 
-    /// What to ask for of a twist that is wanted. Adds the curvature of what cannot be had.
-    fn ask(
-        &mut self,
-        wanted: &Vector6<f64>,
-        input: &mut TaskInput<'_, '_>,
-        rows: &mut TaskRows<'_>,
-    ) -> Result<Vector6<f64>, Error> {
-        let mut got = Vector6::zeros();
-        for (row, axis) in self.coordinates.iter().enumerate() {
-            got[axis] = rows.value(row, input.velocity());
-        }
-        let part = |vector: &Vector6<f64>, first| vector.fixed_rows::<3>(first).into_owned();
-        let (period, [linear, angular]) = (input.period(), &mut self.shortfalls);
-        let linear = linear.ask(&part(wanted, 0), &part(&got, 0), period);
-        let angular = angular.ask(&part(wanted, 3), &part(&got, 3), period);
-        if linear.missing != Vector3::zeros() || angular.missing != Vector3::zeros() {
-            let place = linear.missing.component_mul(&part(&self.weights, 0)) / self.linear.gain;
-            let turn = angular.missing.component_mul(&part(&self.weights, 3)) / self.angular.gain;
-            self.quantity.add_curvature([&place, &turn], input, rows)?;
-        }
-        let (v, w) = (linear.velocity, angular.velocity);
-        Ok(Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z))
-    }
 
     /// The twist that takes an error away.
     fn twist(&self, chosen: &Vector6<f64>) -> Vector6<f64> {
@@ -199,19 +160,22 @@ impl<Q: PoseQuantity> Task for PoseTask<Q> {
         self.quantity.validate(model)
     }
 
-    fn second_derivative(
+    fn add_curvature(
         &self,
+        factors: &[f64],
         input: &mut TaskInput<'_, '_>,
-        direction: &[f64],
-        out: &mut [f64],
+        curvature: &mut Curvature,
     ) -> Result<bool, Error> {
-        let found = self.quantity.second_derivative(input, direction)?;
-        if let Some(found) = found {
-            for (out, axis) in out.iter_mut().zip(self.coordinates.iter()) {
-                *out = found[axis];
-            }
+        if !Q::HAS_CURVATURE {
+            return Ok(false);
         }
-        Ok(found.is_some())
+        let mut all = Vector6::zeros();
+        for (factor, axis) in factors.iter().zip(self.coordinates.iter()) {
+            all[axis] = *factor;
+        }
+        let [place, turn] = [0, 3].map(|first| all.fixed_rows::<3>(first).into_owned());
+        self.quantity.add_curvature([&place, &turn], input, curvature)?;
+        Ok(true)
     }
 
     fn has_curvature(&self) -> bool {
@@ -239,9 +203,6 @@ impl<Q: PoseQuantity> Task for PoseTask<Q> {
         self.quantity.turn(&actual, &mut twist);
         twist = self.chosen(&twist) + self.twist(&self.chosen(&error));
         self.quantity.write_jacobian(self.coordinates, input, rows)?;
-        if Q::HAS_CURVATURE && rows.takes_curvature() {
-            twist = self.ask(&twist, input, rows)?;
-        }
         for (row, axis) in self.coordinates.iter().enumerate() {
             rows.set_target(row, twist[axis]);
             rows.set_weight(row, self.weights[axis]);

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::bend::second_derivative;
+use super::curvature::Curvature;
 use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::rows::TaskRows;
@@ -74,24 +74,15 @@ impl VectorQuantity for FramePosition {
         Ok(())
     }
 
-    fn second_derivative(
-        &self,
-        input: &mut TaskInput<'_, '_>,
-        direction: &[f64],
-    ) -> Result<Option<Vector3<f64>>, Error> {
-        let bend = second_derivative(input.jacobian(self.0, Axes::World)?, direction);
-        Ok(Some(bend.fixed_rows::<3>(0).into_owned()))
-    }
-
     const HAS_CURVATURE: bool = true;
 
     fn add_curvature(
         &self,
         missing: &Vector3<f64>,
         input: &mut TaskInput<'_, '_>,
-        rows: &mut TaskRows<'_>,
+        curvature: &mut Curvature,
     ) -> Result<(), Error> {
-        rows.add_position_curvature(input.jacobian(self.0, Axes::World)?, missing);
+        curvature.add_position(input.jacobian(self.0, Axes::World)?, missing);
         Ok(())
     }
 }

@@ -1,10 +1,8 @@
 //! The rows of one task within those of its level.
 
 use ahqp_core::Rows;
-use nalgebra::{Matrix6xX, Vector3};
+use nalgebra::Matrix6xX;
 
-use super::curvature::Curvature;
-use crate::vector::dot;
 
 /// Where a task writes its rows: a part of the rows of its level.
 ///
@@ -14,7 +12,6 @@ use crate::vector::dot;
 pub struct TaskRows<'a> {
     rows: &'a mut Rows,
     weights: &'a mut [f64],
-    curvature: Option<&'a mut Curvature>,
     first: usize,
     count: usize,
 }
@@ -23,11 +20,10 @@ impl<'a> TaskRows<'a> {
     pub(crate) fn new(
         rows: &'a mut Rows,
         weights: &'a mut [f64],
-        curvature: Option<&'a mut Curvature>,
-        first: usize,
+            first: usize,
         count: usize,
     ) -> Self {
-        Self { rows, weights, curvature, first, count }
+        Self { rows, weights, first, count }
     }
 
     /// Zero rows with targets of zero and weights of one.
@@ -94,34 +90,6 @@ impl<'a> TaskRows<'a> {
         let columns = jacobian.as_slice().as_chunks::<6>().0;
         for (own, column) in self.row_mut(row).iter_mut().zip(columns) {
             *own = column[axis];
-        }
-    }
-
-    /// What a row has at the velocity q̇.
-    pub(crate) fn value(&self, row: usize, velocity: &[f64]) -> f64 {
-        let index = if row < self.count { self.first + row } else { usize::MAX };
-        let own = self.rows.row(index).unwrap_or_default();
-        dot(own.get(..velocity.len()).unwrap_or_default(), velocity)
-    }
-
-    /// Whether the level comes to rest out of reach, and so needs the curvature of its tasks.
-    pub fn takes_curvature(&self) -> bool {
-        self.curvature.is_some()
-    }
-
-    /// Adds the curvature of a frame's position to that of the level: `missing` \[m\] is what is
-    /// missing to its target and cannot be taken away, in the axes of the Jacobian, times the task's
-    /// weights. Does nothing where the level does not [take it](Self::takes_curvature).
-    pub fn add_position_curvature(&mut self, jacobian: &Matrix6xX<f64>, missing: &Vector3<f64>) {
-        if let Some(curvature) = &mut self.curvature {
-            curvature.add_position(jacobian, missing);
-        }
-    }
-
-    /// The same for its orientation, `missing` \[rad\] being a rotation vector.
-    pub fn add_orientation_curvature(&mut self, jacobian: &Matrix6xX<f64>, missing: &Vector3<f64>) {
-        if let Some(curvature) = &mut self.curvature {
-            curvature.add_orientation(jacobian, missing);
         }
     }
 

@@ -3,6 +3,7 @@
 use std::any::Any;
 use std::fmt::Debug;
 
+use super::curvature::Curvature;
 use super::input::TaskInput;
 use super::rows::TaskRows;
 use crate::error::Error;
@@ -64,18 +65,16 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
         false
     }
 
-    /// Writes, for each row, the second derivative of what it controls while the joints move along `direction`, a
-    /// velocity of the size of q̇: J̇ d of q̇ = d, in the units of the row a second. Near singular configurations it
-    /// tells the end of the reach from places that the robot can leave. Returns false, the default, where it is not
-    /// known: all singular configurations are then treated as the end of the reach.
+    /// Adds −Σ λᵢ ∇²yᵢ, yᵢ being what row i controls and λᵢ its factor. Returns false, the default, where it is not
+    /// known.
     ///
     /// # Errors
     /// What makes the task impossible now.
-    fn second_derivative(
+    fn add_curvature(
         &self,
+        _factors: &[f64],
         _input: &mut TaskInput<'_, '_>,
-        _direction: &[f64],
-        _out: &mut [f64],
+        _curvature: &mut Curvature,
     ) -> Result<bool, Error> {
         Ok(false)
     }

@@ -8,7 +8,7 @@ use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::mask::{Axis, VectorMask};
 use super::rows::TaskRows;
-use super::shortfall::Shortfall;
+use super::curvature::Curvature;
 use super::task::Task;
 use crate::error::{Error, check_finite};
 use crate::robot::model::Model;
@@ -50,19 +50,6 @@ pub trait VectorQuantity: Clone + Debug + Send + Sync + 'static {
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error>;
 
-    /// Its second derivative along a direction of the joints; none if it is not known. See
-    /// [`Task::second_derivative`].
-    ///
-    /// # Errors
-    /// An id of another robot.
-    fn second_derivative(
-        &self,
-        _input: &mut TaskInput<'_, '_>,
-        _direction: &[f64],
-    ) -> Result<Option<Vector3<f64>>, Error> {
-        Ok(None)
-    }
-
     /// Whether it adds its curvature; see [`Task::has_curvature`].
     const HAS_CURVATURE: bool = false;
 
@@ -74,7 +61,7 @@ pub trait VectorQuantity: Clone + Debug + Send + Sync + 'static {
         &self,
         _missing: &Vector3<f64>,
         _input: &mut TaskInput<'_, '_>,
-        _rows: &mut TaskRows<'_>,
+        _curvature: &mut Curvature,
     ) -> Result<(), Error> {
         Ok(())
     }
@@ -89,14 +76,13 @@ pub struct VectorTask<Q: VectorQuantity> {
     target: Option<(Q::Value, Vector3<f64>)>,
     feedback: Feedback,
     mask: VectorMask,
-    shortfall: Shortfall,
 }
 
 impl<Q: VectorQuantity> VectorTask<Q> {
     /// Of this quantity, along all axes; the target is to be set before the first step.
     pub fn of(quantity: Q) -> Self {
         let (feedback, mask) = (Q::FEEDBACK, VectorMask::default());
-        Self { quantity, target: None, feedback, mask, shortfall: Shortfall::default() }
+        Self { quantity, target: None, feedback, mask }
     }
 
     /// With this gain \[1/s\].
@@ -155,24 +141,6 @@ impl<Q: VectorQuantity> VectorTask<Q> {
 }
 
 impl<Q: VectorQuantity> VectorTask<Q> {
-    /// What to ask for of a velocity that is wanted. Adds the curvature of what cannot be had.
-    fn ask(
-        &mut self,
-        wanted: &Vector3<f64>,
-        input: &mut TaskInput<'_, '_>,
-        rows: &mut TaskRows<'_>,
-    ) -> Result<Vector3<f64>, Error> {
-        let mut got = Vector3::zeros();
-        for (row, axis) in self.mask.iter().enumerate() {
-            got[axis] = rows.value(row, input.velocity());
-        }
-        let ask = self.shortfall.ask(wanted, &got, input.period());
-        if ask.missing != Vector3::zeros() {
-            let missing = ask.missing.component_mul(&self.mask.weights) / self.feedback.gain;
-            self.quantity.add_curvature(&missing, input, rows)?;
-        }
-        Ok(ask.velocity)
-    }
 }
 
 impl<Q: VectorQuantity> Task for VectorTask<Q> {
@@ -186,19 +154,21 @@ impl<Q: VectorQuantity> Task for VectorTask<Q> {
         self.quantity.validate(model)
     }
 
-    fn second_derivative(
+    fn add_curvature(
         &self,
+        factors: &[f64],
         input: &mut TaskInput<'_, '_>,
-        direction: &[f64],
-        out: &mut [f64],
+        curvature: &mut Curvature,
     ) -> Result<bool, Error> {
-        let found = self.quantity.second_derivative(input, direction)?;
-        if let Some(found) = found {
-            for (out, axis) in out.iter_mut().zip(self.mask.iter()) {
-                *out = found[axis];
-            }
+        if !Q::HAS_CURVATURE {
+            return Ok(false);
         }
-        Ok(found.is_some())
+        let mut missing = Vector3::zeros();
+        for (factor, axis) in factors.iter().zip(self.mask.iter()) {
+            missing[axis] = *factor;
+        }
+        self.quantity.add_curvature(&missing, input, curvature)?;
+        Ok(true)
     }
 
     fn has_curvature(&self) -> bool {
@@ -221,13 +191,8 @@ impl<Q: VectorQuantity> Task for VectorTask<Q> {
         self.feedback.check_period(input.period())?;
         let actual = self.quantity.value(input)?;
         let error = self.mask.apply(&Q::difference(&target, &actual));
-        let wanted = self.mask.apply(&velocity) + self.feedback.velocity(&error);
+        let velocity = self.mask.apply(&velocity) + self.feedback.velocity(&error);
         self.quantity.write_jacobian(self.mask.iter(), input, rows)?;
-        let velocity = if Q::HAS_CURVATURE && rows.takes_curvature() {
-            self.ask(&wanted, input, rows)?
-        } else {
-            wanted
-        };
         for (row, axis) in self.mask.iter().enumerate() {
             rows.set_target(row, velocity[axis]);
             rows.set_weight(row, self.mask.weights[axis]);

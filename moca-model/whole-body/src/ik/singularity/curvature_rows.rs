@@ -17,8 +17,6 @@ use crate::tasks::curvature::Curvature;
 #[derive(Debug, Clone)]
 pub(super) struct CurvatureRows {
     pub(super) curvature: Curvature,
-    /// Whether rows are written that are not free.
-    is_written: bool,
     /// The entries of q̇ that the curvature concerns, and its rows and columns of these.
     entries: Vec<usize>,
     block: Vec<f64>,
@@ -32,7 +30,6 @@ impl CurvatureRows {
     pub(super) fn new(velocities: usize) -> Self {
         Self {
             curvature: Curvature::new(velocities),
-            is_written: true,
             entries: Vec::with_capacity(velocities),
             block: vec![0.0; velocities * velocities],
             vectors: vec![0.0; velocities * velocities],
@@ -41,16 +38,12 @@ impl CurvatureRows {
 
     /// Writes the rows from `first` to the last.
     pub(super) fn write(&mut self, rows: &mut Rows, first: usize) {
-        if self.is_written {
             for index in first..rows.len() {
                 set_row(rows, index, [].into_iter(), f64::INFINITY);
             }
-            self.is_written = false;
-        }
         if self.curvature.is_zero() {
             return;
         }
-        self.is_written = true;
         let Self { curvature, entries, block, vectors, .. } = self;
         let matrix = curvature.matrix();
         entries.clear();
