@@ -94,6 +94,8 @@ pub struct Ik {
     heading: Option<f64>,
     /// By entry of q̇: the time in which accelerations fade, where limits of rows need that \[s\].
     fading: Vec<f64>,
+    /// By entry of q̇: one where it may move on, less near the end of its range.
+    free: Vec<f64>,
     /// A velocity that all limits admit.
     admitted: Vec<f64>,
     /// Of the rows of the limits.
@@ -137,6 +139,7 @@ impl Ik {
             fading: model.fading_times(),
             singularity: SingularityDamping::new(0.0, &[], stack.names().len(), rest.len()),
             asked: Vec::new(),
+            free: rest.clone(),
             admitted: rest,
             limit_values: Vec::new(),
             limits: if has_limits { stack.levels().next().map(|(id, _)| id) } else { None },
@@ -245,6 +248,20 @@ impl Ik {
         let solver = self.stack.solver_mut();
         write_bounds(solver.bounds_mut(), &self.intervals.cruising);
         write_bounds(solver.output_bounds_mut(), &self.intervals.now);
+        let last = self.stack.solution().map_or(&[][..], ahqp_core::Solution::best);
+        self.free.fill(1.0);
+        if crate::vector::p(5, 1.0) > 0.0 {
+            let v = crate::vector::p(6, 0.1);
+            let entries = self.free.iter_mut().zip(last).zip(&self.intervals.cruising);
+            for ((free, last), interval) in entries {
+                if *last >= interval.upper - 1e-6 {
+                    *free = (interval.upper / v).clamp(0.0, 1.0);
+                } else if *last <= interval.lower + 1e-6 {
+                    *free = (-interval.lower / v).clamp(0.0, 1.0);
+                }
+            }
+        }
+        let free = &self.free;
         self.singularity.begin();
         let (velocity, acceleration) = (&self.velocity, &self.acceleration);
         let (intervals, anticipation) = (&self.intervals, &mut self.anticipation);
@@ -266,7 +283,7 @@ impl Ik {
             } else if let Some(asked) = asked.get_mut(index)
                 && let Ok(rows) = level.rows_mut()
             {
-                asked.span = singularity.load(rows, asked.count);
+                asked.span = singularity.load(rows, asked.count, free);
             }
         })?;
         singularity.factorise();
@@ -279,7 +296,7 @@ impl Ik {
             };
             if is_singular {
                 let has_room = asked.rows.len() > asked.count;
-                singularity.bound(span, has_room, |factors, curvature| {
+                singularity.bound(span, has_room, free, |factors, curvature| {
                     self.stack.add_curvature(index, &mut posed, factors, curvature)
                 })?;
             }

@@ -137,10 +137,10 @@ impl SingularityDamping {
 
     /// Takes the next level, highest priority first, of whose rows the first `m` count; returns their
     /// places among the rows of all levels. A level with ranges has none, and is left as it is.
-    pub(super) fn load(&mut self, rows: &Rows, m: usize) -> Range<usize> {
+    pub(super) fn load(&mut self, rows: &Rows, m: usize, free: &[f64]) -> Range<usize> {
         let fits = self.threshold > 0.0 && m <= self.scales.len() && m <= rows.len();
         let equalities = rows.lower().iter().zip(rows.upper()).take(m).all(|(l, u)| l == u);
-        self.directions.push(rows, if fits && equalities { m } else { 0 })
+        self.directions.push(rows, if fits && equalities { m } else { 0 }, free)
     }
 
     /// Finds out what each level determines, when all are loaded.
@@ -179,6 +179,7 @@ impl SingularityDamping {
         &mut self,
         span: &Range<usize>,
         has_room: bool,
+        free: &[f64],
         mut add_curvature: impl FnMut(&[f64], &mut Curvature) -> Result<bool, Error>,
     ) -> Result<(), Error> {
         let m = span.len();
@@ -229,6 +230,7 @@ impl SingularityDamping {
                 self.parts[k] = part;
             }
         }
+        self.newton.curvature.scale(free);
         if p(4, 1.0) > 0.0 && !self.newton.curvature.is_zero() {
             for k in 0..m {
                 let kept = (self.sigmas[k] / self.threshold).powi(2).min(1.0);

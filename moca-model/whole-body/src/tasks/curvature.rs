@@ -53,6 +53,14 @@ impl Curvature {
         }
     }
 
+    pub(crate) fn scale(&mut self, d: &[f64]) {
+        for i in 0..d.len() {
+            for j in 0..d.len() {
+                self.matrix[(i, j)] *= d[i] * d[j];
+            }
+        }
+    }
+
     pub(crate) fn add_scaled(&mut self, other: &Self, factor: f64) {
         self.is_zero = false;
         self.matrix.iter_mut().zip(other.matrix.iter()).for_each(|(a, b)| *a += factor * b);

@@ -57,11 +57,12 @@ impl CurvatureRows {
         eigenvectors(block, size, vectors);
         let most = block.iter().step_by(size + 1).fold(0.0, |most: f64, value| most.max(*value));
         let pairs = vectors.chunks_exact(size.max(1)).zip(block.iter().step_by(size + 1));
-        let positive = pairs.filter(|(_, value)| **value > ROUNDING * most);
+        let positive = pairs.filter(|(_, value)| if crate::vector::p(9, 0.0) > 0.0 { value.abs() } else { **value } > ROUNDING * most);
         for ((vector, value), index) in positive.zip(first..) {
-            let root = value.sqrt();
+            let root = value.abs().sqrt();
             let scaled = entries.iter().zip(vector).map(|(j, part)| (*j, root * part));
-            set_row(rows, index, scaled, 0.0);
+            let speed = crate::vector::p(7, 0.0) * (crate::vector::p(8, 0.05) * most / value - 1.0).max(0.0);
+            set_row(rows, index, scaled, root * speed);
         }
     }
 }

@@ -69,13 +69,15 @@ impl Directions {
 
     /// Takes the first `m` rows of the next level and returns their places; none, where there is no
     /// room.
-    pub(super) fn push(&mut self, rows: &Rows, m: usize) -> Range<usize> {
+    pub(super) fn push(&mut self, rows: &Rows, m: usize, free: &[f64]) -> Range<usize> {
         let first = self.count;
         if first + m > self.rows.len() {
             return first..first;
         }
         for (index, (row, target, _)) in rows.iter().enumerate().take(m) {
-            self.rows.row_mut(first + index).unwrap_or_default().copy_from_slice(row);
+            let own = self.rows.row_mut(first + index).unwrap_or_default();
+            own.copy_from_slice(row);
+            own.iter_mut().zip(free).for_each(|(own, free)| *own *= free);
             self.residual.as_flattened_mut()[first + index] = target;
         }
         self.count += m;
