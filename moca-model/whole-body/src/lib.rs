@@ -169,3 +169,7 @@ pub use torque::support::{CompensatedBy, Compensation, SupportTorque, SupportedM
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// Experiment.
+#[doc(hidden)]
+pub fn set_trace(on: bool) { crate::vector::TRACE.store(on, std::sync::atomic::Ordering::Relaxed); }

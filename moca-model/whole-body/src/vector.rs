@@ -45,3 +45,6 @@ pub(crate) fn p(n: usize, default: f64) -> f64 {
     P.get_or_init(|| std::env::var("P").unwrap_or_default().split(',').map(|t| t.parse().ok()).collect())
         .get(n).copied().flatten().unwrap_or(default)
 }
+
+pub(crate) static TRACE: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
+pub(crate) fn trace() -> bool { TRACE.load(std::sync::atomic::Ordering::Relaxed) }

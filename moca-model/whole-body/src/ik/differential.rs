@@ -301,7 +301,7 @@ impl Ik {
                 })?;
             }
             if let Some(rows) = self.stack.rows_mut(index) {
-                asked.counts = singularity.damp(span, is_singular, rows, &mut asked.rows);
+                asked.counts = singularity.damp(span, is_singular, rows, &mut asked.rows, free);
             }
         }
         Ok(())

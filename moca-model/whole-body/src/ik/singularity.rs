@@ -63,6 +63,8 @@ pub(super) struct SingularityDamping {
     joints: Vec<f64>,
     /// By direction: what is given up along uₖ.
     parts: Vec<f64>,
+    /// The same without what the rows of curvature take.
+    reductions: Vec<f64>,
     /// That of one direction, and the rows of what takes the place of damping.
     curvature: Curvature,
     newton: CurvatureRows,
@@ -105,7 +107,8 @@ const FREE_SPEED: f64 = 0.05;
 impl SingularityDamping {
     /// For levels of so many rows each, over so many variables.
     pub(super) fn new(threshold: f64, levels: &[usize], columns: usize, velocities: usize) -> Self {
-        let (total, most) = (levels.iter().sum(), levels.iter().copied().max().unwrap_or(0));
+        let total = levels.iter().sum::<usize>() + levels.len() * velocities;
+        let (total, most) = (total, levels.iter().copied().max().unwrap_or(0));
         Self {
             threshold,
             directions: Directions::new(total, most, columns),
@@ -118,6 +121,7 @@ impl SingularityDamping {
             sigmas: vec![1.0; most],
             joints: vec![0.0; most * columns],
             parts: vec![0.0; most],
+            reductions: vec![0.0; most],
             curvature: Curvature::new(velocities),
             newton: CurvatureRows::new(velocities),
             velocities,
@@ -140,16 +144,21 @@ impl SingularityDamping {
     pub(super) fn load(&mut self, rows: &Rows, m: usize, free: &[f64]) -> Range<usize> {
         let fits = self.threshold > 0.0 && m <= self.scales.len() && m <= rows.len();
         let equalities = rows.lower().iter().zip(rows.upper()).take(m).all(|(l, u)| l == u);
-        self.directions.push(rows, if fits && equalities { m } else { 0 }, free)
+        let extra = rows.len().saturating_sub(m);
+        if !(fits && equalities) {
+            return self.directions.push(rows, 0, 0, free);
+        }
+        self.directions.push(rows, m, extra, free)
     }
 
     /// Finds out what each level determines, when all are loaded.
     pub(super) fn factorise(&mut self) {
-        self.directions.factorise();
+        self.directions.scale();
     }
 
     /// Looks at the next level, whose rows have these places, and returns true if it is singular.
     pub(super) fn examine(&mut self, span: &Range<usize>, rows: &Rows) -> bool {
+        self.directions.factorise(span);
         let trace = self.directions.inverse_trace(span);
         self.closeness = 1.0 / (trace * self.threshold * self.threshold);
         if self.closeness >= 1.0 {
@@ -191,7 +200,7 @@ impl SingularityDamping {
             let weighted = vector.iter().zip(self.directions.residual(span)).zip(&self.scales);
             let missing: f64 = weighted.map(|((u, r), scale)| u * r * scale).sum();
             let share = 1.0 - (sigma / self.threshold).powi(2);
-            self.parts[k] = 0.0;
+            (self.parts[k], self.reductions[k]) = (0.0, 0.0);
             if share <= 0.0 || missing == 0.0 {
                 continue;
             }
@@ -201,18 +210,20 @@ impl SingularityDamping {
             }
             self.curvature.clear();
             if !add_curvature(&self.given_up[..m], &mut self.curvature)? {
-                self.parts[k] = missing * (square / (square + sigma * sigma)).powi(ORDER);
+                let part = missing * (square / (square + sigma * sigma)).powi(ORDER);
+                (self.parts[k], self.reductions[k]) = (part, part);
                 continue;
             }
             let most = SPEED_AWAY.min(QUICKNESS * missing.abs()) / share;
             let joints = &self.joints[k * self.columns..][..self.velocities];
             let towards = self.curvature.along(joints) * missing.signum();
             if sigma > ROUNDING && towards <= 0.0 {
-                self.parts[k] = missing - missing.max(-most * sigma).min(most * sigma);
+                let part = missing - missing.max(-most * sigma).min(most * sigma);
+                (self.parts[k], self.reductions[k]) = (part, part);
                 continue;
             }
             if sigma <= ROUNDING && !has_room {
-                self.parts[k] = missing;
+                (self.parts[k], self.reductions[k]) = (missing, missing);
                 continue;
             }
             let time = 1.0 / p(1, 10.0);
@@ -223,13 +234,17 @@ impl SingularityDamping {
                 (speed, speed / distance)
             } else { (0.0, 1.0 / time) };
             let part = missing - missing.max(-speed * sigma).min(speed * sigma);
+            self.parts[k] = part;
             if has_room && p(0, 1.0) > 0.0 {
                 let rate = if p(3, 0.0) > 0.0 { 1.0 / time } else { rate };
                 self.newton.curvature.add_scaled(&self.curvature, part * self.heaviest / rate);
             } else {
-                self.parts[k] = part;
+                self.reductions[k] = part;
             }
         }
+        if crate::vector::trace() { eprintln!("  level at {} free {:?}", span.start, free.iter().map(|f| (f*100.0).round()/100.0).collect::<Vec<_>>());
+            for k in 0..m { let joints = &self.joints[k * self.columns..][..self.velocities];
+              eprintln!("   k {k} sigma {:.2e} part {:.3} red {:.3} Hvv {:.3} v {:.2?}", self.sigmas[k], self.parts[k], self.reductions[k], self.newton.curvature.along(joints), joints); } }
         self.newton.curvature.scale(free);
         if p(4, 1.0) > 0.0 && !self.newton.curvature.is_zero() {
             for k in 0..m {
@@ -249,6 +264,7 @@ impl SingularityDamping {
         is_singular: bool,
         rows: &mut Rows,
         asked: &mut Rows,
+        free: &[f64],
     ) -> bool {
         let is_singular = is_singular && asked.copy_from(rows).is_ok();
         if is_singular {
@@ -256,7 +272,11 @@ impl SingularityDamping {
         }
         if span.len() < rows.len() {
             if !is_singular { self.newton.curvature.clear(); }
-            self.newton.write(rows, span.len());
+            let count = self.newton.write(rows, span.len());
+            let end = span.end + rows.len() - span.len();
+            let written = (span.len()..).take(count).filter_map(|index| rows.row(index));
+            self.directions.append(span.end, written, free);
+            self.directions.factorise(&(span.end + count..end));
         }
         self.directions.take(span);
         is_singular
@@ -277,16 +297,22 @@ impl SingularityDamping {
     /// Gives up what takes large velocities.
     fn give_up(&mut self, span: &Range<usize>, rows: &mut Rows) {
         let m = span.len();
-        self.given_up[..m].fill(0.0);
-        for k in 0..m {
-            subtract(&mut self.given_up[..m], -self.parts[k], &self.vectors[k * m..][..m]);
+        for all in [true, false] {
+            let parts = if all { &self.parts } else { &self.reductions };
+            self.given_up[..m].fill(0.0);
+            for (k, part) in parts.iter().enumerate().take(m) {
+                subtract(&mut self.given_up[..m], -part, &self.vectors[k * m..][..m]);
+            }
+            let given_up = &mut self.given_up[..m];
+            given_up.iter_mut().zip(&self.scales).for_each(|(part, scale)| *part /= scale);
+            if all {
+                subtract(self.directions.residual_mut(span), 1.0, given_up);
+                continue;
+            }
+            given_up.iter_mut().zip(self.directions.norms(span)).for_each(|(part, norm)| *part *= norm);
+            subtract(&mut rows.lower_mut()[..m], 1.0, given_up);
+            subtract(&mut rows.upper_mut()[..m], 1.0, given_up);
         }
-        let given_up = &mut self.given_up[..m];
-        given_up.iter_mut().zip(&self.scales).for_each(|(part, scale)| *part /= scale);
-        subtract(self.directions.residual_mut(span), 1.0, given_up);
-        given_up.iter_mut().zip(self.directions.norms(span)).for_each(|(part, norm)| *part *= norm);
-        subtract(&mut rows.lower_mut()[..m], 1.0, given_up);
-        subtract(&mut rows.upper_mut()[..m], 1.0, given_up);
         let lost = self.closeness / (GATE * HANDOVER).powi(2);
         if lost < 1.0 && (0..m).all(|row| rows.weight(row) > 0.0) {
             let share = (1.0 - lost) * GATE * GATE / (GATE * GATE - 1.0);

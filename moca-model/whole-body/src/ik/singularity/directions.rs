@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use ahqp_core::Rows;
 
-use crate::vector::subtract;
+use crate::vector::{dot, subtract};
 
 /// The rows of all levels, scaled to norm one, and the orthonormal directions that they take in turn.
 ///
@@ -69,9 +69,9 @@ impl Directions {
 
     /// Takes the first `m` rows of the next level and returns their places; none, where there is no
     /// room.
-    pub(super) fn push(&mut self, rows: &Rows, m: usize, free: &[f64]) -> Range<usize> {
+    pub(super) fn push(&mut self, rows: &Rows, m: usize, extra: usize, free: &[f64]) -> Range<usize> {
         let first = self.count;
-        if first + m > self.rows.len() {
+        if first + m + extra > self.rows.len() {
             return first..first;
         }
         for (index, (row, target, _)) in rows.iter().enumerate().take(m) {
@@ -80,40 +80,88 @@ impl Directions {
             own.iter_mut().zip(free).for_each(|(own, free)| *own *= free);
             self.residual.as_flattened_mut()[first + index] = target;
         }
-        self.count += m;
-        first..self.count
+        let mut most = 0.0_f64;
+        for index in first..first + m {
+            let own = self.rows.row(index).unwrap_or_default();
+            self.norms[index] = dot(own, own).sqrt();
+            most = most.max(self.norms[index]);
+        }
+        let least = crate::vector::p(10, 0.3) * most;
+        let least = if least > 0.0 { least } else { 1.0 };
+        self.norms[first..first + m].iter_mut().for_each(|norm| *norm = norm.max(least));
+        self.norms[first + m..first + m + extra].fill(1.0);
+        for index in first + m..first + m + extra {
+            self.rows.row_mut(index).unwrap_or_default().fill(0.0);
+            self.residual.as_flattened_mut()[index] = 0.0;
+        }
+        self.count += m + extra;
+        first..first + m
     }
 
-    /// Computes the directions of all rows.
-    pub(super) fn factorise(&mut self) {
-        let (width, n) = (self.width, self.count);
+    /// Computes the norms of all rows.
+    pub(super) fn scale(&mut self) {
+        let n = self.count;
         let scales = self.scales.as_flattened_mut();
         scales[n..].fill(0.0);
         for (i, scale) in scales[..n].iter_mut().enumerate() {
-            let products = &mut self.products[i * width..][..width].as_flattened_mut()[i..n];
-            let own = self.rows.row(i).unwrap_or_default();
-            // Of rows that there are: no error is possible.
-            let _ = self.rows.multiply_into(i, own, products);
-            let norm = products[0].sqrt();
-            self.norms[i] = if norm > 0.0 { norm } else { 1.0 };
             *scale = 1.0 / self.norms[i];
             self.residual.as_flattened_mut()[i] *= *scale;
         }
-        for i in 0..n {
+    }
+
+    /// Computes the directions of rows, those above being known.
+    pub(super) fn factorise(&mut self, span: &Range<usize>) {
+        let (width, n) = (self.width, self.count);
+        for i in span.clone() {
             let scale = self.scales.as_flattened()[i];
-            let products = &mut self.products[i * width..][..width];
             let (above, own) = self.coordinates.split_at_mut(i * width);
             let own = &mut own[..width];
-            let scaled = products.as_flattened_mut().iter_mut().zip(self.scales.as_flattened());
-            scaled.for_each(|(product, other)| *product *= scale * other);
-            own.copy_from_slice(products);
-            for above in above.chunks_exact(width) {
-                subtract_fours(&mut own[i / 4..], above[i / 4][i % 4], &above[i / 4..]);
+            let row = self.rows.row(i).unwrap_or_default();
+            // Of rows that there are: no error is possible.
+            let _ = self.rows.multiply_into(i, row, &mut own.as_flattened_mut()[i..n]);
+            let scaled = own.as_flattened_mut().iter_mut().zip(self.scales.as_flattened());
+            scaled.skip(i).for_each(|(product, other)| *product *= scale * other);
+            for (product, to) in own.iter().zip(&mut self.products[i * width..]) {
+                *to = *product;
+            }
+            for (above, reciprocal) in above.chunks_exact(width).zip(&self.reciprocals) {
+                if *reciprocal != 0.0 {
+                    subtract_fours(&mut own[i / 4..], above[i / 4][i % 4], &above[i / 4..]);
+                }
             }
             let left = own.as_flattened()[i];
             let reciprocal = if left > NOTHING { 1.0 / left.sqrt() } else { 0.0 };
             self.reciprocals[i] = reciprocal;
             own.as_flattened_mut().iter_mut().for_each(|entry| *entry *= reciprocal);
+        }
+    }
+
+    /// Takes rows of equality behind those of a level, which are then its own.
+    pub(super) fn append<'a>(&mut self, first: usize, rows: impl Iterator<Item = &'a [f64]>, free: &[f64]) {
+        let size = 4 * self.width;
+        for (place, row) in (first..).zip(rows) {
+            let own = self.rows.row_mut(place).unwrap_or_default();
+            own.copy_from_slice(row);
+            own.iter_mut().zip(free).for_each(|(own, free)| *own *= free);
+            let norm = dot(own, own).sqrt();
+            self.norms[place] = if norm > 0.0 { norm } else { 1.0 };
+            let scale = 1.0 / self.norms[place];
+            self.scales.as_flattened_mut()[place] = scale;
+            let own = self.rows.row(place).unwrap_or_default();
+            let coordinates = self.coordinates.as_flattened_mut();
+            for above in 0..place {
+                if self.reciprocals[above] == 0.0 {
+                    coordinates[above * size + place] = 0.0;
+                    continue;
+                }
+                let other = self.rows.row(above).unwrap_or_default();
+                let mut product = scale * self.scales.as_flattened()[above] * dot(own, other);
+                for higher in 0..above {
+                    product -= coordinates[higher * size + above] * coordinates[higher * size + place];
+                }
+                coordinates[above * size + place] = product * self.reciprocals[above];
+            }
+            self.factorise(&(place..place + 1));
         }
     }
 
