@@ -236,7 +236,7 @@ impl SingularityDamping {
             let part = missing - missing.max(-speed * sigma).min(speed * sigma);
             self.parts[k] = part;
             if has_room && p(0, 1.0) > 0.0 {
-                let rate = if p(3, 0.0) > 0.0 { 1.0 / time } else { rate };
+                let rate = if p(3, 1.0) > 0.0 { 1.0 / time } else { rate };
                 self.newton.curvature.add_scaled(&self.curvature, part * self.heaviest / rate);
             } else {
                 self.reductions[k] = part;
@@ -246,7 +246,7 @@ impl SingularityDamping {
             for k in 0..m { let joints = &self.joints[k * self.columns..][..self.velocities];
               eprintln!("   k {k} sigma {:.2e} part {:.3} red {:.3} Hvv {:.3} v {:.2?}", self.sigmas[k], self.parts[k], self.reductions[k], self.newton.curvature.along(joints), joints); } }
         self.newton.curvature.scale(free);
-        if p(4, 1.0) > 0.0 && !self.newton.curvature.is_zero() {
+        if p(4, 0.0) > 0.0 && !self.newton.curvature.is_zero() {
             for k in 0..m {
                 let kept = (self.sigmas[k] / self.threshold).powi(2).min(1.0);
                 let joints = &self.joints[k * self.columns..][..self.velocities];

@@ -20,6 +20,7 @@ pub(super) struct RowTasks {
     count: usize,
     /// Of all rows, those of the curvature among them.
     weights: Vec<f64>,
+    rests: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -49,10 +50,10 @@ impl RowTasks {
         }
         let mut tasks = entries.iter().map(|entry: &TaskEntry| &entry.named.task);
         let has_curvature =
-            out_of_reach == OutOfReach::Rest && tasks.any(|task| task.has_curvature());
+            crate::vector::p(12, 1.0) > 0.0 && tasks.any(|task| task.has_curvature());
         let velocities = model.velocity_count();
         let rows = first + if has_curvature { velocities } else { 0 };
-        Ok(Self { entries, count: first, weights: vec![1.0; rows] })
+        Ok(Self { entries, count: first, weights: vec![1.0; rows], rests: out_of_reach == OutOfReach::Rest })
     }
 
     /// How many rows the tasks have. Behind them there may be more, of their curvature.
@@ -107,7 +108,7 @@ impl RowTasks {
         for entry in &mut self.entries {
             let (first, count) = (entry.first, entry.count);
             let writes_all = entry.named.task.writes_all(rows.columns());
-            let mut own = TaskRows::new(rows, &mut self.weights, first, count);
+            let mut own = TaskRows::new(rows, &mut self.weights, first, count, self.rests);
             if !writes_all {
                 own.clear();
             }

@@ -10,6 +10,7 @@ use super::input::TaskInput;
 use super::mask::check_weights;
 use super::rows::TaskRows;
 use super::curvature::Curvature;
+use super::shortfall::Shortfall;
 use super::task::Task;
 use crate::error::{Error, check_finite};
 use crate::robot::model::Model;
@@ -71,6 +72,8 @@ pub struct PoseTask<Q: PoseQuantity> {
     angular: Feedback,
     pub(super) coordinates: PoseAxes,
     weights: Vector6<f64>,
+    /// Of the linear and the angular part.
+    shortfalls: [Shortfall; 2],
 }
 
 impl<Q: PoseQuantity> PoseTask<Q> {
@@ -82,6 +85,7 @@ impl<Q: PoseQuantity> PoseTask<Q> {
             angular: Feedback::ANGULAR,
             coordinates: PoseAxes::ALL,
             weights: Vector6::repeat(1.0),
+            shortfalls: [Shortfall::default(); 2],
         }
     }
 
@@ -203,6 +207,17 @@ impl<Q: PoseQuantity> Task for PoseTask<Q> {
         self.quantity.turn(&actual, &mut twist);
         twist = self.chosen(&twist) + self.twist(&self.chosen(&error));
         self.quantity.write_jacobian(self.coordinates, input, rows)?;
+        if rows.comes_to_rest() && Q::HAS_CURVATURE {
+            let mut got = Vector6::zeros();
+            for (row, axis) in self.coordinates.iter().enumerate() {
+                got[axis] = rows.value(row, input.velocity());
+            }
+            for (first, shortfall) in [0, 3].into_iter().zip(&mut self.shortfalls) {
+                let [wanted, got] = [&twist, &got].map(|v| v.fixed_rows::<3>(first).into_owned());
+                let ask = shortfall.ask(&wanted, &got, input.period());
+                twist.fixed_rows_mut::<3>(first).copy_from(&ask.velocity);
+            }
+        }
         for (row, axis) in self.coordinates.iter().enumerate() {
             rows.set_target(row, twist[axis]);
             rows.set_weight(row, self.weights[axis]);

@@ -3,6 +3,8 @@
 use ahqp_core::Rows;
 use nalgebra::Matrix6xX;
 
+use crate::vector::dot;
+
 
 /// Where a task writes its rows: a part of the rows of its level.
 ///
@@ -14,6 +16,7 @@ pub struct TaskRows<'a> {
     weights: &'a mut [f64],
     first: usize,
     count: usize,
+    rests: bool,
 }
 
 impl<'a> TaskRows<'a> {
@@ -22,8 +25,9 @@ impl<'a> TaskRows<'a> {
         weights: &'a mut [f64],
             first: usize,
         count: usize,
+        rests: bool,
     ) -> Self {
-        Self { rows, weights, first, count }
+        Self { rows, weights, first, count, rests }
     }
 
     /// Zero rows with targets of zero and weights of one.
@@ -91,6 +95,18 @@ impl<'a> TaskRows<'a> {
         for (own, column) in self.row_mut(row).iter_mut().zip(columns) {
             *own = column[axis];
         }
+    }
+
+    /// What a row has at the velocity q̇.
+    pub(crate) fn value(&self, row: usize, velocity: &[f64]) -> f64 {
+        let index = if row < self.count { self.first + row } else { usize::MAX };
+        let own = self.rows.row(index).unwrap_or_default();
+        dot(own.get(..velocity.len()).unwrap_or_default(), velocity)
+    }
+
+    /// Whether the level comes to rest out of reach.
+    pub(crate) fn comes_to_rest(&self) -> bool {
+        self.rests
     }
 
     /// Makes a row an equality `a q̇ = target`.

@@ -9,6 +9,7 @@ use super::input::TaskInput;
 use super::mask::{Axis, VectorMask};
 use super::rows::TaskRows;
 use super::curvature::Curvature;
+use super::shortfall::Shortfall;
 use super::task::Task;
 use crate::error::{Error, check_finite};
 use crate::robot::model::Model;
@@ -76,13 +77,14 @@ pub struct VectorTask<Q: VectorQuantity> {
     target: Option<(Q::Value, Vector3<f64>)>,
     feedback: Feedback,
     mask: VectorMask,
+    shortfall: Shortfall,
 }
 
 impl<Q: VectorQuantity> VectorTask<Q> {
     /// Of this quantity, along all axes; the target is to be set before the first step.
     pub fn of(quantity: Q) -> Self {
         let (feedback, mask) = (Q::FEEDBACK, VectorMask::default());
-        Self { quantity, target: None, feedback, mask }
+        Self { quantity, target: None, feedback, mask, shortfall: Shortfall::default() }
     }
 
     /// With this gain \[1/s\].
@@ -193,6 +195,15 @@ impl<Q: VectorQuantity> Task for VectorTask<Q> {
         let error = self.mask.apply(&Q::difference(&target, &actual));
         let velocity = self.mask.apply(&velocity) + self.feedback.velocity(&error);
         self.quantity.write_jacobian(self.mask.iter(), input, rows)?;
+        let velocity = if rows.comes_to_rest() && Q::HAS_CURVATURE {
+            let mut got = Vector3::zeros();
+            for (row, axis) in self.mask.iter().enumerate() {
+                got[axis] = rows.value(row, input.velocity());
+            }
+            self.shortfall.ask(&velocity, &got, input.period()).velocity
+        } else {
+            velocity
+        };
         for (row, axis) in self.mask.iter().enumerate() {
             rows.set_target(row, velocity[axis]);
             rows.set_weight(row, self.mask.weights[axis]);

@@ -63,7 +63,7 @@ impl CurvatureRows {
         for ((vector, value), index) in positive.zip(first..) {
             let root = value.abs().sqrt();
             let scaled = entries.iter().zip(vector).map(|(j, part)| (*j, root * part));
-            let speed = crate::vector::p(7, 0.0) * (crate::vector::p(8, 0.05) * most / value - 1.0).max(0.0);
+            let speed = crate::vector::p(7, 0.0) * (crate::vector::p(8, 0.0) * most / value - 1.0).max(0.0);
             set_row(rows, index, scaled, root * speed);
             count += 1;
         }

@@ -9,20 +9,19 @@ use super::*;
 /// asked of them.
 fn damp(levels: &mut [Rows], columns: usize) -> Vec<(bool, Rows)> {
     let counts: Vec<usize> = levels.iter().map(Rows::len).collect();
-    let mut damping = SingularityDamping::new(0.1, &counts, columns).clone();
+    let mut damping = SingularityDamping::new(0.1, &counts, columns, columns).clone();
     damping.begin();
-    let spans: Vec<_> = levels.iter().map(|rows| damping.load(rows, rows.len())).collect();
+    let free = vec![1.0; columns];
+    let spans: Vec<_> = levels.iter().map(|rows| damping.load(rows, rows.len(), &free)).collect();
     damping.factorise();
     let levels = levels.iter_mut().zip(spans);
     let damped = levels.map(|(rows, span)| {
         let mut asked = rows.clone();
         let is_singular = damping.examine(&span, rows);
-        for k in 0..if is_singular { span.len() } else { 0 } {
-            if let Some((_, bends)) = damping.lost(&span, k) {
-                bends.fill(f64::NAN);
-            }
+        if is_singular {
+            damping.bound(&span, false, &free, |_, _| Ok(false)).unwrap();
         }
-        (damping.damp(&span, is_singular, rows, &mut asked), asked)
+        (damping.damp(&span, is_singular, rows, &mut asked, &free), asked)
     });
     damped.collect()
 }
