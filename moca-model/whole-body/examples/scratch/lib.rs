@@ -325,7 +325,7 @@ fn trace_out(i: usize) {
             let now = pose(&arm.model, &q, arm.hand);
             println!("{t} e {:.5} q {:.3?} v {:.3?}", (target - now.translation.vector).norm(), q, ik.velocity().to_vec());
         }
-        let detail = t >= 11500 && t % 20 < 2;
+        let detail = t >= 11400;
         if detail { eprintln!("tick {t} q {q:.3?} v {:.3?}", ik.velocity()); }
         whole_body::set_trace(detail);
         ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();

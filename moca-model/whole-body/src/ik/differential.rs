@@ -139,7 +139,7 @@ impl Ik {
             fading: model.fading_times(),
             singularity: SingularityDamping::new(0.0, &[], stack.names().len(), rest.len()),
             asked: Vec::new(),
-            free: rest.clone(),
+            free: vec![1.0; rest.len()],
             admitted: rest,
             limit_values: Vec::new(),
             limits: if has_limits { stack.levels().next().map(|(id, _)| id) } else { None },
@@ -249,17 +249,19 @@ impl Ik {
         write_bounds(solver.bounds_mut(), &self.intervals.cruising);
         write_bounds(solver.output_bounds_mut(), &self.intervals.now);
         let last = self.stack.solution().map_or(&[][..], ahqp_core::Solution::best);
-        self.free.fill(1.0);
-        if crate::vector::p(5, 1.0) > 0.0 {
-            let v = crate::vector::p(6, 0.1);
-            let entries = self.free.iter_mut().zip(last).zip(&self.intervals.cruising);
-            for ((free, last), interval) in entries {
-                if *last >= interval.upper - 1e-6 {
-                    *free = (interval.upper / v).clamp(0.0, 1.0);
-                } else if *last <= interval.lower + 1e-6 {
-                    *free = (-interval.lower / v).clamp(0.0, 1.0);
-                }
-            }
+        let v = crate::vector::p(6, 0.1);
+        let back = period / (period + crate::vector::p(13, 0.2));
+        let entries = self.free.iter_mut().zip(last).zip(&self.intervals.cruising);
+        for ((free, last), interval) in entries {
+            let now = if crate::vector::p(5, 1.0) == 0.0 { 1.0 } else if *last >= interval.upper - 1e-6 {
+                (interval.upper / v).clamp(0.0, 1.0)
+            } else if *last <= interval.lower + 1e-6 {
+                (-interval.lower / v).clamp(0.0, 1.0)
+            } else {
+                1.0
+            };
+            *free = now.min(*free + (1.0 - *free) * back);
+            if *free < crate::vector::p(15, 1e-3) { *free = 0.0; }
         }
         let free = &self.free;
         self.singularity.begin();

@@ -217,17 +217,17 @@ impl SingularityDamping {
             let most = SPEED_AWAY.min(QUICKNESS * missing.abs()) / share;
             let joints = &self.joints[k * self.columns..][..self.velocities];
             let towards = self.curvature.along(joints) * missing.signum();
-            if sigma > ROUNDING && towards <= 0.0 {
+            if sigma > crate::vector::p(14, 1e-12) && towards <= 0.0 {
                 let part = missing - missing.max(-most * sigma).min(most * sigma);
                 (self.parts[k], self.reductions[k]) = (part, part);
                 continue;
             }
-            if sigma <= ROUNDING && !has_room {
+            if sigma <= crate::vector::p(14, 1e-12) && !has_room {
                 (self.parts[k], self.reductions[k]) = (missing, missing);
                 continue;
             }
             let time = 1.0 / p(1, 10.0);
-            let (speed, rate) = if sigma > ROUNDING {
+            let (speed, rate) = if sigma > crate::vector::p(14, 1e-12) {
                 let distance = sigma / towards;
                 let speed = 2.0 * distance / (time + (time * time + 2.0 * distance / p(2, 5.0)).sqrt());
                 let speed = most.min(speed / share);
@@ -275,8 +275,8 @@ impl SingularityDamping {
             let count = self.newton.write(rows, span.len());
             let end = span.end + rows.len() - span.len();
             let written = (span.len()..).take(count).filter_map(|index| rows.row(index));
-            self.directions.append(span.end, written, free);
-            self.directions.factorise(&(span.end + count..end));
+            if crate::vector::p(16, 1.0) > 0.0 { self.directions.append(span.end, written, free); }
+            let count = if crate::vector::p(16, 1.0) > 0.0 { count } else { 0 }; self.directions.factorise(&(span.end + count..end));
         }
         self.directions.take(span);
         is_singular
@@ -346,7 +346,7 @@ impl SingularityDamping {
                 row.copy_from_slice(&self.turned[k * columns..][..columns]);
             }
             let mut target = self.turned_targets[k];
-            if sigma <= ROUNDING {
+            if sigma <= crate::vector::p(14, 1e-12) {
                 rows.row_mut(k).unwrap_or_default().fill(0.0);
                 target = 0.0;
             }
