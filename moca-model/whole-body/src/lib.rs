@@ -137,6 +137,7 @@ pub use state::posed::Posed;
 pub use tasks::augmented_frame::AugmentedFrameTask;
 pub use tasks::axis::AxisTask;
 pub use tasks::centre_of_mass::{CentreOfMass, CentreOfMassTask};
+pub use tasks::curvature::Curvature;
 pub use tasks::damping::DampingTask;
 pub use tasks::feedback::Feedback;
 pub use tasks::frame_pose::{FramePose, FrameTask};
@@ -169,7 +170,3 @@ pub use torque::support::{CompensatedBy, Compensation, SupportTorque, SupportedM
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
-
-/// Experiment.
-#[doc(hidden)]
-pub fn set_trace(on: bool) { crate::vector::TRACE.store(on, std::sync::atomic::Ordering::Relaxed); }

@@ -33,18 +33,3 @@ pub(crate) fn subtract(a: &mut [f64], factor: f64, b: &[f64]) {
     debug_assert_eq!(a.len(), b.len());
     a.iter_mut().zip(b).for_each(|(a, b)| *a -= factor * b);
 }
-
-pub(crate) fn law() -> f64 {
-    static P: std::sync::OnceLock<f64> = std::sync::OnceLock::new();
-    *P.get_or_init(|| std::env::var("LAW").ok().and_then(|t| t.parse().ok()).unwrap_or(1.0))
-}
-
-/// Experiments: the n-th number of the environment variable P.
-pub(crate) fn p(n: usize, default: f64) -> f64 {
-    static P: std::sync::OnceLock<Vec<Option<f64>>> = std::sync::OnceLock::new();
-    P.get_or_init(|| std::env::var("P").unwrap_or_default().split(',').map(|t| t.parse().ok()).collect())
-        .get(n).copied().flatten().unwrap_or(default)
-}
-
-pub(crate) static TRACE: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
-pub(crate) fn trace() -> bool { TRACE.load(std::sync::atomic::Ordering::Relaxed) }

@@ -17,6 +17,7 @@ use crate::limits::common_point::widen;
 use crate::limits::joint_intervals::JointIntervals;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
+use crate::stack::level_tasks::StackedLevel;
 use crate::stack::task_level::TaskId;
 use crate::stack::task_stack::TaskStack;
 use crate::state::data::Data;
@@ -94,8 +95,6 @@ pub struct Ik {
     heading: Option<f64>,
     /// By entry of q̇: the time in which accelerations fade, where limits of rows need that \[s\].
     fading: Vec<f64>,
-    /// By entry of q̇: one where it may move on, less near the end of its range.
-    free: Vec<f64>,
     /// A velocity that all limits admit.
     admitted: Vec<f64>,
     /// Of the rows of the limits.
@@ -111,6 +110,8 @@ pub(super) struct AskedRows {
     /// Where they stand among the rows that are damped.
     span: Range<usize>,
     counts: bool,
+    /// Whether rows of curvature stand behind them.
+    bends: bool,
 }
 
 impl Ik {
@@ -139,7 +140,6 @@ impl Ik {
             fading: model.fading_times(),
             singularity: SingularityDamping::new(0.0, &[], stack.names().len(), rest.len()),
             asked: Vec::new(),
-            free: vec![1.0; rest.len()],
             admitted: rest,
             limit_values: Vec::new(),
             limits: if has_limits { stack.levels().next().map(|(id, _)| id) } else { None },
@@ -164,17 +164,20 @@ impl Ik {
         let damped = self.stack.stacked().map(|(level, _)| level.tasks.is_damped);
         let last = damped.enumerate().filter(|(_, is)| *is).last().map_or(0, |(last, _)| last + 1);
         let levels = self.stack.stacked().take(last);
-        let sizes: Vec<[usize; 2]> = levels
-            .map(|(level, _)| [level.tasks.row_count(), level.tasks.rows_with_curvature()])
+        let sizes: Vec<_> = levels
+            .map(|(StackedLevel { tasks, .. }, _)| {
+                (tasks.row_count(), tasks.rows_with_curvature(), tasks.bends())
+            })
             .collect();
-        let counts: Vec<usize> = sizes.iter().map(|[count, _]| *count).collect();
+        let counts: Vec<usize> = sizes.iter().map(|(count, ..)| *count).collect();
         let (threshold, columns) = (self.settings.singularity_threshold, self.stack.names().len());
-        self.singularity = SingularityDamping::new(threshold, &counts, columns, self.velocity.len());
-        let asked = sizes.into_iter().map(|[count, all]| {
+        self.singularity =
+            SingularityDamping::new(threshold, &counts, columns, self.velocity.len());
+        let asked = sizes.into_iter().map(|(count, all, bends)| {
             let mut rows = Rows::zeros(all, columns);
             // Of the right size and positive: no error is possible. The room for them is there then.
             let _ = rows.set_weights(&vec![1.0; all]);
-            AskedRows { rows, count, span: 0..0, counts: false }
+            AskedRows { rows, count, span: 0..0, counts: false, bends }
         });
         self.asked = asked.collect();
     }
@@ -248,22 +251,6 @@ impl Ik {
         let solver = self.stack.solver_mut();
         write_bounds(solver.bounds_mut(), &self.intervals.cruising);
         write_bounds(solver.output_bounds_mut(), &self.intervals.now);
-        let last = self.stack.solution().map_or(&[][..], ahqp_core::Solution::best);
-        let v = crate::vector::p(6, 0.1);
-        let back = period / (period + crate::vector::p(13, 0.2));
-        let entries = self.free.iter_mut().zip(last).zip(&self.intervals.cruising);
-        for ((free, last), interval) in entries {
-            let now = if crate::vector::p(5, 1.0) == 0.0 { 1.0 } else if *last >= interval.upper - 1e-6 {
-                (interval.upper / v).clamp(0.0, 1.0)
-            } else if *last <= interval.lower + 1e-6 {
-                (-interval.lower / v).clamp(0.0, 1.0)
-            } else {
-                1.0
-            };
-            *free = now.min(*free + (1.0 - *free) * back);
-            if *free < crate::vector::p(15, 1e-3) { *free = 0.0; }
-        }
-        let free = &self.free;
         self.singularity.begin();
         let (velocity, acceleration) = (&self.velocity, &self.acceleration);
         let (intervals, anticipation) = (&self.intervals, &mut self.anticipation);
@@ -285,26 +272,32 @@ impl Ik {
             } else if let Some(asked) = asked.get_mut(index)
                 && let Ok(rows) = level.rows_mut()
             {
-                asked.span = singularity.load(rows, asked.count, free);
+                asked.span = singularity.load(rows, asked.count);
             }
         })?;
         singularity.factorise();
         for (index, asked) in asked.iter_mut().enumerate() {
-            asked.counts = false;
-            let span = &asked.span;
-            let examined = if span.is_empty() { None } else { self.stack.rows_mut(index) };
-            let Some(is_singular) = examined.map(|rows| singularity.examine(span, rows)) else {
-                continue;
-            };
-            if is_singular {
-                let has_room = asked.rows.len() > asked.count;
-                singularity.bound(span, has_room, free, |factors, curvature| {
+            let (span, counts) = (&asked.span, &mut asked.counts);
+            *counts = false;
+            let Some(rows) = self.stack.rows_mut(index) else { continue };
+            if !span.is_empty() && singularity.examine(span, rows) {
+                *counts = asked.rows.copy_from(rows).is_ok();
+            }
+            if *counts && asked.bends {
+                singularity.bound(span, |factors, curvature| {
                     self.stack.add_curvature(index, &mut posed, factors, curvature)
                 })?;
+            } else if *counts {
+                singularity.damp(span);
             }
-            if let Some(rows) = self.stack.rows_mut(index) {
-                asked.counts = singularity.damp(span, is_singular, rows, &mut asked.rows, free);
+            let Some(rows) = self.stack.rows_mut(index) else { continue };
+            if *counts {
+                singularity.give_up(span, rows);
             }
+            if asked.bends {
+                singularity.write_curvature(rows, asked.count);
+            }
+            singularity.take(span);
         }
         Ok(())
     }

@@ -116,13 +116,18 @@ impl LevelTasks {
         Ok(())
     }
 
-    /// As of [`RowTasks::add_curvature`], of the rows that it minimises.
+    /// Whether it approaches what is out of reach, and all its tasks know their curvature.
+    pub(crate) fn bends(&self) -> bool {
+        self.rows.bends()
+    }
+
+    /// Adds the curvature of what its rows control, each times its factor.
     pub(super) fn add_curvature(
         &self,
         factors: &[f64],
         input: &mut TaskInput<'_, '_>,
         curvature: &mut Curvature,
-    ) -> Result<bool, Error> {
+    ) -> Result<(), Error> {
         self.rows.add_curvature(&self.name, factors, input, curvature)
     }
 

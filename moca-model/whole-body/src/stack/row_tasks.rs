@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use ahqp_core::Rows;
 
+use super::curvature_rows::CurvatureRows;
 use super::task_level::{Named, OutOfReach};
 use crate::error::Error;
 use crate::robot::model::Model;
@@ -20,7 +21,10 @@ pub(super) struct RowTasks {
     count: usize,
     /// Of all rows, those of the curvature among them.
     weights: Vec<f64>,
-    rests: bool,
+    /// Of tasks whose errors may remain.
+    curvature: Option<CurvatureRows>,
+    /// Whether the rows behind are those of what is given up near singular configurations.
+    bends: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -48,12 +52,14 @@ impl RowTasks {
             entries.push(TaskEntry { named, first, count });
             first += count;
         }
-        let mut tasks = entries.iter().map(|entry: &TaskEntry| &entry.named.task);
-        let has_curvature =
-            crate::vector::p(12, 1.0) > 0.0 && tasks.any(|task| task.has_curvature());
+        let mut known = entries.iter().map(|entry: &TaskEntry| entry.named.task.has_curvature());
+        let rests = out_of_reach == OutOfReach::Rest && known.any(|known| known);
+        let mut known = entries.iter().map(|entry: &TaskEntry| entry.named.task.has_curvature());
+        let bends = out_of_reach == OutOfReach::Approach && first > 0 && known.all(|known| known);
         let velocities = model.velocity_count();
-        let rows = first + if has_curvature { velocities } else { 0 };
-        Ok(Self { entries, count: first, weights: vec![1.0; rows], rests: out_of_reach == OutOfReach::Rest })
+        let curvature = rests.then(|| CurvatureRows::new(velocities));
+        let rows = first + if rests || bends { velocities } else { 0 };
+        Ok(Self { entries, count: first, weights: vec![1.0; rows], curvature, bends })
     }
 
     /// How many rows the tasks have. Behind them there may be more, of their curvature.
@@ -105,10 +111,14 @@ impl RowTasks {
         input: &mut TaskInput<'_, '_>,
         rows: &mut Rows,
     ) -> Result<(), Error> {
+        if let Some(rows) = &mut self.curvature {
+            rows.curvature.clear();
+        }
         for entry in &mut self.entries {
+            let curvature = self.curvature.as_mut().map(|rows| &mut rows.curvature);
             let (first, count) = (entry.first, entry.count);
             let writes_all = entry.named.task.writes_all(rows.columns());
-            let mut own = TaskRows::new(rows, &mut self.weights, first, count, self.rests);
+            let mut own = TaskRows::new(rows, &mut self.weights, curvature, first, count);
             if !writes_all {
                 own.clear();
             }
@@ -122,29 +132,31 @@ impl RowTasks {
         if !is_written {
             rows.set_weights(&self.weights)?;
         }
+        if let Some(curvature) = &mut self.curvature {
+            curvature.write(rows, self.count);
+        }
         Ok(())
     }
 
-    /// Adds the curvature of what the rows control, each with a factor; false where that is not known.
+    /// Whether it approaches what is out of reach, and all its tasks know their curvature.
+    pub(super) fn bends(&self) -> bool {
+        self.bends
+    }
+
+    /// Adds the curvature of what the rows control, each times its factor.
     pub(super) fn add_curvature(
         &self,
         level: &str,
         factors: &[f64],
         input: &mut TaskInput<'_, '_>,
         curvature: &mut Curvature,
-    ) -> Result<bool, Error> {
+    ) -> Result<(), Error> {
         for TaskEntry { named, first, count } in &self.entries {
             let own = factors.get(*first..first + count).unwrap_or_default();
-            let known = own.iter().all(|factor| *factor == 0.0)
-                || named
-                    .task
-                    .add_curvature(own, input, curvature)
-                    .map_err(|error| in_task(error, &named.name, level))?;
-            if !known {
-                return Ok(false);
-            }
+            let added = named.task.add_curvature(own, input, curvature);
+            added.map_err(|error| in_task(error, &named.name, level))?;
         }
-        Ok(true)
+        Ok(())
     }
 
     pub(super) fn hold(&mut self, level: &str, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {

@@ -196,18 +196,18 @@ impl TaskStack {
         self.solver.level_mut(id).ok()?.rows_mut().ok()
     }
 
-    /// Adds −Σ λᵢ ∇²yᵢ of what the rows of a level control, λᵢ being their factors, for the robot where the tasks
-    /// were written last; false where that is not known.
+    /// Adds the curvature of what the rows of a level control, each times its factor, for the robot
+    /// where the tasks were written last.
     pub(crate) fn add_curvature(
         &mut self,
         index: usize,
         posed: &mut Posed<'_>,
         factors: &[f64],
         curvature: &mut Curvature,
-    ) -> Result<bool, Error> {
+    ) -> Result<(), Error> {
         let mut input = TaskInput::new(posed, &[], 0.0, &mut self.jacobian);
-        let Some(level) = self.levels.get(index) else { return Ok(false) };
-        level.tasks.add_curvature(factors, &mut input, curvature)
+        let level = self.levels.get(index);
+        level.map_or(Ok(()), |level| level.tasks.add_curvature(factors, &mut input, curvature))
     }
 
     pub(crate) fn solver_mut(&mut self) -> &mut ContinuousStack {

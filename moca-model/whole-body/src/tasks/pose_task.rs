@@ -5,11 +5,11 @@ use std::fmt::Debug;
 use ahqp_core::{PoseAxes, pose_error};
 use nalgebra::{Isometry3, Vector3, Vector6};
 
+use super::curvature::Curvature;
 use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::mask::check_weights;
 use super::rows::TaskRows;
-use super::curvature::Curvature;
 use super::shortfall::Shortfall;
 use super::task::Task;
 use crate::error::{Error, check_finite};
@@ -143,6 +143,31 @@ impl<Q: PoseQuantity> PoseTask<Q> {
         chosen
     }
 
+    /// What to ask for of a twist that is wanted. Adds the curvature of what cannot be had.
+    fn ask(
+        &mut self,
+        wanted: &Vector6<f64>,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<Vector6<f64>, Error> {
+        let mut got = Vector6::zeros();
+        for (row, axis) in self.coordinates.iter().enumerate() {
+            got[axis] = rows.value(row, input.velocity());
+        }
+        let part = |vector: &Vector6<f64>, first| vector.fixed_rows::<3>(first).into_owned();
+        let (period, [linear, angular]) = (input.period(), &mut self.shortfalls);
+        let linear = linear.ask(&part(wanted, 0), &part(&got, 0), period);
+        let angular = angular.ask(&part(wanted, 3), &part(&got, 3), period);
+        if linear.missing != Vector3::zeros() || angular.missing != Vector3::zeros() {
+            let place = linear.missing.component_mul(&part(&self.weights, 0)) / self.linear.gain;
+            let turn = angular.missing.component_mul(&part(&self.weights, 3)) / self.angular.gain;
+            if let Some(curvature) = rows.curvature() {
+                self.quantity.add_curvature([&place, &turn], input, curvature)?;
+            }
+        }
+        let (v, w) = (linear.velocity, angular.velocity);
+        Ok(Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z))
+    }
 
     /// The twist that takes an error away.
     fn twist(&self, chosen: &Vector6<f64>) -> Vector6<f64> {
@@ -164,26 +189,23 @@ impl<Q: PoseQuantity> Task for PoseTask<Q> {
         self.quantity.validate(model)
     }
 
+    fn has_curvature(&self) -> bool {
+        Q::HAS_CURVATURE
+    }
+
     fn add_curvature(
         &self,
         factors: &[f64],
         input: &mut TaskInput<'_, '_>,
         curvature: &mut Curvature,
-    ) -> Result<bool, Error> {
-        if !Q::HAS_CURVATURE {
-            return Ok(false);
-        }
+    ) -> Result<(), Error> {
         let mut all = Vector6::zeros();
         for (factor, axis) in factors.iter().zip(self.coordinates.iter()) {
             all[axis] = *factor;
         }
         let [place, turn] = [0, 3].map(|first| all.fixed_rows::<3>(first).into_owned());
         self.quantity.add_curvature([&place, &turn], input, curvature)?;
-        Ok(true)
-    }
-
-    fn has_curvature(&self) -> bool {
-        Q::HAS_CURVATURE
+        Ok(())
     }
 
     fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
@@ -207,16 +229,8 @@ impl<Q: PoseQuantity> Task for PoseTask<Q> {
         self.quantity.turn(&actual, &mut twist);
         twist = self.chosen(&twist) + self.twist(&self.chosen(&error));
         self.quantity.write_jacobian(self.coordinates, input, rows)?;
-        if rows.comes_to_rest() && Q::HAS_CURVATURE {
-            let mut got = Vector6::zeros();
-            for (row, axis) in self.coordinates.iter().enumerate() {
-                got[axis] = rows.value(row, input.velocity());
-            }
-            for (first, shortfall) in [0, 3].into_iter().zip(&mut self.shortfalls) {
-                let [wanted, got] = [&twist, &got].map(|v| v.fixed_rows::<3>(first).into_owned());
-                let ask = shortfall.ask(&wanted, &got, input.period());
-                twist.fixed_rows_mut::<3>(first).copy_from(&ask.velocity);
-            }
+        if Q::HAS_CURVATURE && rows.curvature().is_some() {
+            twist = self.ask(&twist, input, rows)?;
         }
         for (row, axis) in self.coordinates.iter().enumerate() {
             rows.set_target(row, twist[axis]);

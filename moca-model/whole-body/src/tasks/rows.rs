@@ -3,8 +3,8 @@
 use ahqp_core::Rows;
 use nalgebra::Matrix6xX;
 
+use super::curvature::Curvature;
 use crate::vector::dot;
-
 
 /// Where a task writes its rows: a part of the rows of its level.
 ///
@@ -14,20 +14,20 @@ use crate::vector::dot;
 pub struct TaskRows<'a> {
     rows: &'a mut Rows,
     weights: &'a mut [f64],
+    curvature: Option<&'a mut Curvature>,
     first: usize,
     count: usize,
-    rests: bool,
 }
 
 impl<'a> TaskRows<'a> {
     pub(crate) fn new(
         rows: &'a mut Rows,
         weights: &'a mut [f64],
-            first: usize,
+        curvature: Option<&'a mut Curvature>,
+        first: usize,
         count: usize,
-        rests: bool,
     ) -> Self {
-        Self { rows, weights, first, count, rests }
+        Self { rows, weights, curvature, first, count }
     }
 
     /// Zero rows with targets of zero and weights of one.
@@ -104,9 +104,10 @@ impl<'a> TaskRows<'a> {
         dot(own.get(..velocity.len()).unwrap_or_default(), velocity)
     }
 
-    /// Whether the level comes to rest out of reach.
-    pub(crate) fn comes_to_rest(&self) -> bool {
-        self.rests
+    /// The curvature of the level where it comes to rest out of reach: of what is missing to the
+    /// task's targets and cannot be taken away, times the task's weights.
+    pub fn curvature(&mut self) -> Option<&mut Curvature> {
+        self.curvature.as_deref_mut()
     }
 
     /// Makes a row an equality `a q̇ = target`.

@@ -65,8 +65,14 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
         false
     }
 
-    /// Adds −Σ λᵢ ∇²yᵢ, yᵢ being what row i controls and λᵢ its factor. Returns false, the default, where it is not
-    /// known.
+    /// Whether it [adds its curvature](Self::add_curvature). Levels of tasks that all do take the
+    /// ends of their reach for what they are; others treat all singular configurations as such ends.
+    fn has_curvature(&self) -> bool {
+        false
+    }
+
+    /// Adds −Σ λᵢ ∇²yᵢ, yᵢ being what row i controls and λᵢ its factor, for the robot where the rows
+    /// were written last.
     ///
     /// # Errors
     /// What makes the task impossible now.
@@ -75,14 +81,8 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
         _factors: &[f64],
         _input: &mut TaskInput<'_, '_>,
         _curvature: &mut Curvature,
-    ) -> Result<bool, Error> {
-        Ok(false)
-    }
-
-    /// Whether it adds its curvature to a level where its error remains:
-    /// [`TaskRows::add_position_curvature`], [`TaskRows::add_orientation_curvature`].
-    fn has_curvature(&self) -> bool {
-        false
+    ) -> Result<(), Error> {
+        Ok(())
     }
 
     /// Whether it writes every coefficient, bound and weight of rows over so many variables. They may then be

@@ -4,11 +4,11 @@ use std::fmt::Debug;
 
 use nalgebra::Vector3;
 
+use super::curvature::Curvature;
 use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::mask::{Axis, VectorMask};
 use super::rows::TaskRows;
-use super::curvature::Curvature;
 use super::shortfall::Shortfall;
 use super::task::Task;
 use crate::error::{Error, check_finite};
@@ -143,6 +143,26 @@ impl<Q: VectorQuantity> VectorTask<Q> {
 }
 
 impl<Q: VectorQuantity> VectorTask<Q> {
+    /// What to ask for of a velocity that is wanted. Adds the curvature of what cannot be had.
+    fn ask(
+        &mut self,
+        wanted: &Vector3<f64>,
+        input: &mut TaskInput<'_, '_>,
+        rows: &mut TaskRows<'_>,
+    ) -> Result<Vector3<f64>, Error> {
+        let mut got = Vector3::zeros();
+        for (row, axis) in self.mask.iter().enumerate() {
+            got[axis] = rows.value(row, input.velocity());
+        }
+        let ask = self.shortfall.ask(wanted, &got, input.period());
+        if ask.missing != Vector3::zeros() {
+            let missing = ask.missing.component_mul(&self.mask.weights) / self.feedback.gain;
+            if let Some(curvature) = rows.curvature() {
+                self.quantity.add_curvature(&missing, input, curvature)?;
+            }
+        }
+        Ok(ask.velocity)
+    }
 }
 
 impl<Q: VectorQuantity> Task for VectorTask<Q> {
@@ -156,25 +176,22 @@ impl<Q: VectorQuantity> Task for VectorTask<Q> {
         self.quantity.validate(model)
     }
 
+    fn has_curvature(&self) -> bool {
+        Q::HAS_CURVATURE
+    }
+
     fn add_curvature(
         &self,
         factors: &[f64],
         input: &mut TaskInput<'_, '_>,
         curvature: &mut Curvature,
-    ) -> Result<bool, Error> {
-        if !Q::HAS_CURVATURE {
-            return Ok(false);
-        }
-        let mut missing = Vector3::zeros();
+    ) -> Result<(), Error> {
+        let mut all = Vector3::zeros();
         for (factor, axis) in factors.iter().zip(self.mask.iter()) {
-            missing[axis] = *factor;
+            all[axis] = *factor;
         }
-        self.quantity.add_curvature(&missing, input, curvature)?;
-        Ok(true)
-    }
-
-    fn has_curvature(&self) -> bool {
-        Q::HAS_CURVATURE
+        self.quantity.add_curvature(&all, input, curvature)?;
+        Ok(())
     }
 
     fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
@@ -193,16 +210,12 @@ impl<Q: VectorQuantity> Task for VectorTask<Q> {
         self.feedback.check_period(input.period())?;
         let actual = self.quantity.value(input)?;
         let error = self.mask.apply(&Q::difference(&target, &actual));
-        let velocity = self.mask.apply(&velocity) + self.feedback.velocity(&error);
+        let wanted = self.mask.apply(&velocity) + self.feedback.velocity(&error);
         self.quantity.write_jacobian(self.mask.iter(), input, rows)?;
-        let velocity = if rows.comes_to_rest() && Q::HAS_CURVATURE {
-            let mut got = Vector3::zeros();
-            for (row, axis) in self.mask.iter().enumerate() {
-                got[axis] = rows.value(row, input.velocity());
-            }
-            self.shortfall.ask(&velocity, &got, input.period()).velocity
+        let velocity = if Q::HAS_CURVATURE && rows.curvature().is_some() {
+            self.ask(&wanted, input, rows)?
         } else {
-            velocity
+            wanted
         };
         for (row, axis) in self.mask.iter().enumerate() {
             rows.set_target(row, velocity[axis]);

@@ -6,7 +6,7 @@ use ahqp_core::Rows;
 
 use crate::vector::{dot, subtract};
 
-/// The rows of all levels, scaled to norm one, and the orthonormal directions that they take in turn.
+/// The rows of all levels, scaled to norm one or less, and the orthonormal directions that they take in turn.
 ///
 /// Of the directions only the coordinates of the rows along them are computed: they are the Cholesky
 /// factor of all rows' products with each other (Golub and Van Loan, *Matrix Computations*, 4th ed.,
@@ -42,6 +42,9 @@ type Four = [f64; 4];
 
 /// A row of which less than the root of this is left belongs to the levels below.
 const NOTHING: f64 = 1e-12;
+/// Of the largest norm of a level's rows, the least that a row is scaled by: a row that has nearly
+/// vanished is one that is lost.
+const SMALLEST: f64 = 0.3;
 
 impl Directions {
     /// With room for so many rows over so many variables, `most` of them on one level.
@@ -69,99 +72,51 @@ impl Directions {
 
     /// Takes the first `m` rows of the next level and returns their places; none, where there is no
     /// room.
-    pub(super) fn push(&mut self, rows: &Rows, m: usize, extra: usize, free: &[f64]) -> Range<usize> {
+    pub(super) fn push(&mut self, rows: &Rows, m: usize) -> Range<usize> {
         let first = self.count;
-        if first + m + extra > self.rows.len() {
+        if first + m > self.rows.len() {
             return first..first;
         }
         for (index, (row, target, _)) in rows.iter().enumerate().take(m) {
-            let own = self.rows.row_mut(first + index).unwrap_or_default();
-            own.copy_from_slice(row);
-            own.iter_mut().zip(free).for_each(|(own, free)| *own *= free);
+            self.rows.row_mut(first + index).unwrap_or_default().copy_from_slice(row);
             self.residual.as_flattened_mut()[first + index] = target;
+            self.norms[first + index] = dot(row, row).sqrt();
         }
-        let mut most = 0.0_f64;
-        for index in first..first + m {
-            let own = self.rows.row(index).unwrap_or_default();
-            self.norms[index] = dot(own, own).sqrt();
-            most = most.max(self.norms[index]);
-        }
-        let least = crate::vector::p(10, 0.3) * most;
-        let least = if least > 0.0 { least } else { 1.0 };
-        self.norms[first..first + m].iter_mut().for_each(|norm| *norm = norm.max(least));
-        self.norms[first + m..first + m + extra].fill(1.0);
-        for index in first + m..first + m + extra {
-            self.rows.row_mut(index).unwrap_or_default().fill(0.0);
-            self.residual.as_flattened_mut()[index] = 0.0;
-        }
-        self.count += m + extra;
-        first..first + m
+        let norms = &mut self.norms[first..first + m];
+        let least = SMALLEST * norms.iter().fold(0.0_f64, |most, norm| most.max(*norm));
+        norms.iter_mut().for_each(|norm| *norm = if least > 0.0 { norm.max(least) } else { 1.0 });
+        self.count += m;
+        first..self.count
     }
 
-    /// Computes the norms of all rows.
-    pub(super) fn scale(&mut self) {
-        let n = self.count;
+    /// Computes the directions of all rows.
+    pub(super) fn factorise(&mut self) {
+        let (width, n) = (self.width, self.count);
         let scales = self.scales.as_flattened_mut();
         scales[n..].fill(0.0);
         for (i, scale) in scales[..n].iter_mut().enumerate() {
+            let products = &mut self.products[i * width..][..width].as_flattened_mut()[i..n];
+            let own = self.rows.row(i).unwrap_or_default();
+            // Of rows that there are: no error is possible.
+            let _ = self.rows.multiply_into(i, own, products);
             *scale = 1.0 / self.norms[i];
             self.residual.as_flattened_mut()[i] *= *scale;
         }
-    }
-
-    /// Computes the directions of rows, those above being known.
-    pub(super) fn factorise(&mut self, span: &Range<usize>) {
-        let (width, n) = (self.width, self.count);
-        for i in span.clone() {
+        for i in 0..n {
             let scale = self.scales.as_flattened()[i];
+            let products = &mut self.products[i * width..][..width];
             let (above, own) = self.coordinates.split_at_mut(i * width);
             let own = &mut own[..width];
-            let row = self.rows.row(i).unwrap_or_default();
-            // Of rows that there are: no error is possible.
-            let _ = self.rows.multiply_into(i, row, &mut own.as_flattened_mut()[i..n]);
-            let scaled = own.as_flattened_mut().iter_mut().zip(self.scales.as_flattened());
-            scaled.skip(i).for_each(|(product, other)| *product *= scale * other);
-            for (product, to) in own.iter().zip(&mut self.products[i * width..]) {
-                *to = *product;
-            }
-            for (above, reciprocal) in above.chunks_exact(width).zip(&self.reciprocals) {
-                if *reciprocal != 0.0 {
-                    subtract_fours(&mut own[i / 4..], above[i / 4][i % 4], &above[i / 4..]);
-                }
+            let scaled = products.as_flattened_mut().iter_mut().zip(self.scales.as_flattened());
+            scaled.for_each(|(product, other)| *product *= scale * other);
+            own.copy_from_slice(products);
+            for above in above.chunks_exact(width) {
+                subtract_fours(&mut own[i / 4..], above[i / 4][i % 4], &above[i / 4..]);
             }
             let left = own.as_flattened()[i];
             let reciprocal = if left > NOTHING { 1.0 / left.sqrt() } else { 0.0 };
             self.reciprocals[i] = reciprocal;
             own.as_flattened_mut().iter_mut().for_each(|entry| *entry *= reciprocal);
-        }
-    }
-
-    /// Takes rows of equality behind those of a level, which are then its own.
-    pub(super) fn append<'a>(&mut self, first: usize, rows: impl Iterator<Item = &'a [f64]>, free: &[f64]) {
-        let size = 4 * self.width;
-        for (place, row) in (first..).zip(rows) {
-            let own = self.rows.row_mut(place).unwrap_or_default();
-            own.copy_from_slice(row);
-            own.iter_mut().zip(free).for_each(|(own, free)| *own *= free);
-            let norm = dot(own, own).sqrt();
-            self.norms[place] = if norm > 0.0 { norm } else { 1.0 };
-            let scale = 1.0 / self.norms[place];
-            self.scales.as_flattened_mut()[place] = scale;
-            let own = self.rows.row(place).unwrap_or_default();
-            let coordinates = self.coordinates.as_flattened_mut();
-            for above in 0..place {
-                if self.reciprocals[above] == 0.0 {
-                    coordinates[above * size + place] = 0.0;
-                    continue;
-                }
-                let other = self.rows.row(above).unwrap_or_default();
-                let mut product = scale * self.scales.as_flattened()[above] * dot(own, other);
-                for higher in 0..above {
-                    product -= coordinates[higher * size + above] * coordinates[higher * size + place];
-                }
-                coordinates[above * size + place] = product * self.reciprocals[above];
-            }
-            self.factorise(&(place..place + 1));
         }
     }
 
@@ -208,7 +163,8 @@ impl Directions {
         }
     }
 
-    /// Writes the sum of a level's scaled rows, freed of what the rows above determine, with these factors.
+    /// Writes the sum of a level's scaled rows, freed of what the rows above determine, with these
+    /// factors.
     pub(super) fn combine(&mut self, span: &Range<usize>, factors: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         let size = 4 * self.width;
@@ -216,14 +172,14 @@ impl Directions {
         for (factor, index) in factors.iter().zip(span.clone()) {
             subtract(out, -factor * scales[index], self.rows.row(index).unwrap_or_default());
         }
-        // Of the rows above, the sum that has the same coordinates along their directions.
+        // Those above in the sum that has the same coordinates along their directions.
         let coordinates = self.coordinates.as_flattened();
         for above in (0..span.start).rev() {
             let own = &coordinates[above * size..][..size];
-            let of_level: f64 = own[span.clone()].iter().zip(factors).map(|(a, b)| a * b).sum();
+            let level: f64 = own[span.clone()].iter().zip(factors).map(|(a, b)| a * b).sum();
             let later = own[above + 1..span.start].iter().zip(&self.above[above + 1..span.start]);
-            let of_later: f64 = later.map(|(a, b)| a * b).sum();
-            let part = (of_level - of_later) * self.reciprocals[above];
+            let later: f64 = later.map(|(a, b)| a * b).sum();
+            let part = (level - later) * self.reciprocals[above];
             self.above[above] = part;
             subtract(out, part * scales[above], self.rows.row(above).unwrap_or_default());
         }

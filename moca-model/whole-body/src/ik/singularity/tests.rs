@@ -11,17 +11,17 @@ fn damp(levels: &mut [Rows], columns: usize) -> Vec<(bool, Rows)> {
     let counts: Vec<usize> = levels.iter().map(Rows::len).collect();
     let mut damping = SingularityDamping::new(0.1, &counts, columns, columns).clone();
     damping.begin();
-    let free = vec![1.0; columns];
-    let spans: Vec<_> = levels.iter().map(|rows| damping.load(rows, rows.len(), &free)).collect();
+    let spans: Vec<_> = levels.iter().map(|rows| damping.load(rows, rows.len())).collect();
     damping.factorise();
     let levels = levels.iter_mut().zip(spans);
     let damped = levels.map(|(rows, span)| {
-        let mut asked = rows.clone();
-        let is_singular = damping.examine(&span, rows);
+        let (asked, is_singular) = (rows.clone(), damping.examine(&span, rows));
         if is_singular {
-            damping.bound(&span, false, &free, |_, _| Ok(false)).unwrap();
+            damping.damp(&span);
+            damping.give_up(&span, rows);
         }
-        (damping.damp(&span, is_singular, rows, &mut asked, &free), asked)
+        damping.take(&span);
+        (is_singular, asked)
     });
     damped.collect()
 }

@@ -15,8 +15,8 @@ use crate::tasks::curvature::Curvature;
 /// reaches they take the joints that would lead away from there from the levels below, and leave those
 /// that would not. Rows of no curvature are free.
 #[derive(Debug, Clone)]
-pub(super) struct CurvatureRows {
-    pub(super) curvature: Curvature,
+pub(crate) struct CurvatureRows {
+    pub(crate) curvature: Curvature,
     /// The entries of q̇ that the curvature concerns, and its rows and columns of these.
     entries: Vec<usize>,
     block: Vec<f64>,
@@ -27,7 +27,7 @@ pub(super) struct CurvatureRows {
 const ROUNDING: f64 = 1e-9;
 
 impl CurvatureRows {
-    pub(super) fn new(velocities: usize) -> Self {
+    pub(crate) fn new(velocities: usize) -> Self {
         Self {
             curvature: Curvature::new(velocities),
             entries: Vec::with_capacity(velocities),
@@ -37,12 +37,12 @@ impl CurvatureRows {
     }
 
     /// Writes the rows from `first` to the last.
-    pub(super) fn write(&mut self, rows: &mut Rows, first: usize) -> usize {
-            for index in first..rows.len() {
-                set_row(rows, index, [].into_iter(), f64::INFINITY);
-            }
+    pub(crate) fn write(&mut self, rows: &mut Rows, first: usize) {
+        for index in first..rows.len() {
+            set_row(rows, index, [].into_iter(), f64::INFINITY);
+        }
         if self.curvature.is_zero() {
-            return 0;
+            return;
         }
         let Self { curvature, entries, block, vectors, .. } = self;
         let matrix = curvature.matrix();
@@ -56,18 +56,13 @@ impl CurvatureRows {
         let (block, vectors) = (&mut block[..size * size], &mut vectors[..size * size]);
         eigenvectors(block, size, vectors);
         let most = block.iter().step_by(size + 1).fold(0.0, |most: f64, value| most.max(*value));
-        if crate::vector::trace() { eprintln!("    eig {:.3?}", block.iter().step_by(size+1).collect::<Vec<_>>()); }
         let pairs = vectors.chunks_exact(size.max(1)).zip(block.iter().step_by(size + 1));
-        let positive = pairs.filter(|(_, value)| if crate::vector::p(9, 0.0) > 0.0 { value.abs() } else { **value } > ROUNDING * most);
-        let mut count = 0;
+        let positive = pairs.filter(|(_, value)| **value > ROUNDING * most);
         for ((vector, value), index) in positive.zip(first..) {
-            let root = value.abs().sqrt();
+            let root = value.sqrt();
             let scaled = entries.iter().zip(vector).map(|(j, part)| (*j, root * part));
-            let speed = crate::vector::p(7, 0.0) * (crate::vector::p(8, 0.0) * most / value - 1.0).max(0.0);
-            set_row(rows, index, scaled, root * speed);
-            count += 1;
+            set_row(rows, index, scaled, 0.0);
         }
-        count
     }
 }
 
