@@ -137,6 +137,7 @@ pub use state::posed::Posed;
 pub use tasks::augmented_frame::AugmentedFrameTask;
 pub use tasks::axis::AxisTask;
 pub use tasks::centre_of_mass::{CentreOfMass, CentreOfMassTask};
+pub use tasks::curvature::Curvature;
 pub use tasks::damping::DampingTask;
 pub use tasks::feedback::Feedback;
 pub use tasks::frame_pose::{FramePose, FrameTask};

@@ -17,6 +17,7 @@ use crate::limits::common_point::widen;
 use crate::limits::joint_intervals::JointIntervals;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
+use crate::stack::level_tasks::StackedLevel;
 use crate::stack::task_level::TaskId;
 use crate::stack::task_stack::TaskStack;
 use crate::state::data::Data;
@@ -109,6 +110,8 @@ pub(super) struct AskedRows {
     /// Where they stand among the rows that are damped.
     span: Range<usize>,
     counts: bool,
+    /// Whether rows of curvature stand behind them.
+    bends: bool,
 }
 
 impl Ik {
@@ -135,7 +138,7 @@ impl Ik {
             anticipation: Anticipation::new(rest.len(), Vec::new()),
             heading: None,
             fading: model.fading_times(),
-            singularity: SingularityDamping::new(0.0, &[], stack.names().len()),
+            singularity: SingularityDamping::new(0.0, &[], stack.names().len(), rest.len()),
             asked: Vec::new(),
             admitted: rest,
             limit_values: Vec::new(),
@@ -161,17 +164,20 @@ impl Ik {
         let damped = self.stack.stacked().map(|(level, _)| level.tasks.is_damped);
         let last = damped.enumerate().filter(|(_, is)| *is).last().map_or(0, |(last, _)| last + 1);
         let levels = self.stack.stacked().take(last);
-        let sizes: Vec<[usize; 2]> = levels
-            .map(|(level, _)| [level.tasks.row_count(), level.tasks.rows_with_curvature()])
+        let sizes: Vec<_> = levels
+            .map(|(StackedLevel { tasks, .. }, _)| {
+                (tasks.row_count(), tasks.rows_with_curvature(), tasks.bends())
+            })
             .collect();
-        let counts: Vec<usize> = sizes.iter().map(|[count, _]| *count).collect();
+        let counts: Vec<usize> = sizes.iter().map(|(count, ..)| *count).collect();
         let (threshold, columns) = (self.settings.singularity_threshold, self.stack.names().len());
-        self.singularity = SingularityDamping::new(threshold, &counts, columns);
-        let asked = sizes.into_iter().map(|[count, all]| {
+        self.singularity =
+            SingularityDamping::new(threshold, &counts, columns, self.velocity.len());
+        let asked = sizes.into_iter().map(|(count, all, bends)| {
             let mut rows = Rows::zeros(all, columns);
             // Of the right size and positive: no error is possible. The room for them is there then.
             let _ = rows.set_weights(&vec![1.0; all]);
-            AskedRows { rows, count, span: 0..0, counts: false }
+            AskedRows { rows, count, span: 0..0, counts: false, bends }
         });
         self.asked = asked.collect();
     }
@@ -271,9 +277,27 @@ impl Ik {
         })?;
         singularity.factorise();
         for (index, asked) in asked.iter_mut().enumerate() {
-            let damped = if asked.span.is_empty() { None } else { self.stack.rows_mut(index) };
-            asked.counts =
-                damped.is_some_and(|rows| singularity.damp(&asked.span, rows, &mut asked.rows));
+            let (span, counts) = (&asked.span, &mut asked.counts);
+            *counts = false;
+            let Some(rows) = self.stack.rows_mut(index) else { continue };
+            if !span.is_empty() && singularity.examine(span, rows) {
+                *counts = asked.rows.copy_from(rows).is_ok();
+            }
+            if *counts && asked.bends {
+                singularity.bound(span, |factors, curvature| {
+                    self.stack.add_curvature(index, &mut posed, factors, curvature)
+                })?;
+            } else if *counts {
+                singularity.damp(span);
+            }
+            let Some(rows) = self.stack.rows_mut(index) else { continue };
+            if *counts {
+                singularity.give_up(span, rows);
+            }
+            if asked.bends {
+                singularity.write_curvature(rows, asked.count);
+            }
+            singularity.take(span);
         }
         Ok(())
     }

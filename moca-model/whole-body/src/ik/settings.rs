@@ -12,7 +12,7 @@ pub struct IkSettings {
     pub solver: Settings,
     /// What one step may cost. Default: the solver's iterations, in any time.
     pub budget: Budget,
-    /// Singular value below which targets are damped, from 0 (never) to 1 \[-\]. It is one of the
+    /// Singular value below which speeds are bounded, from 0 (never) to 1 \[-\]. It is one of the
     /// rows of a level, scaled to norm one and without what the levels above decide: 1 where the
     /// rows are at right angles to each other and to those above, 0 where one cannot be met.
     /// Default 0.1.

@@ -10,45 +10,72 @@ use ahqp_core::Rows;
 
 use self::directions::Directions;
 use crate::eigen::eigenvectors;
+use crate::error::Error;
+use crate::stack::curvature_rows::CurvatureRows;
+use crate::tasks::curvature::Curvature;
+use crate::tasks::feedback::Feedback;
 use crate::vector::{dot, subtract};
 
 /// Takes from the targets of levels what their rows reach only by very large velocities, and hands
 /// directions that a level loses over to the levels below.
 ///
-/// Level by level, highest priority first, the rows are scaled to norm one and freed of what the
-/// rows above determine; G = P Pᵀ then has the squared singular values σ² of what is left to the
-/// level, and p² = 1/tr G⁻¹ is a lower bound of the least. Where p is above the threshold σ₀ nothing
-/// changes. Below, with W the weights of the scaled rows over the largest and uₖ, σₖ² the eigenvectors
-/// and eigenvalues of W^½ G W^½, of what is missing to the targets along uₖ the part
-/// (μ²/(σₖ² + μ²))³ is given up: damped least squares (Nakamura and Hanafusa, Journal of Dynamic
-/// Systems, Measurement and Control 108, 1986), iterated twice so that well-conditioned directions
-/// keep all but (μ/σ)⁶ of their targets (King and Chillingworth, Numerical Functional Analysis and
-/// Optimization 1(5), 1979), and
+/// Level by level, highest priority first, the rows are scaled to norm one (small ones to less) and
+/// freed of what the rows above determine; G = P Pᵀ then has the squared singular values σ² of what is
+/// left to the level, and p² = 1/tr G⁻¹ is a lower bound of the least. Where p is above the threshold
+/// σ₀ nothing changes. Below, with W the weights of the scaled rows over the largest, uₖ, σₖ² and vₖ
+/// are the eigenvectors and eigenvalues of W^½ G W^½ and the directions of the joints that belong to
+/// them, rₖ is what is missing to the targets along uₖ, and cₖ = −uₖ · y″(vₖ, vₖ) sign rₖ, y being what
+/// the rows control. Along each uₖ by itself the joints move at up to
+///
+/// > min(5 rad/s, 100 |rₖ|) / (1 − σₖ²/σ₀²)
+///
+/// and the rest of rₖ is given up, where they leave the singular configuration (cₖ ≤ 0). Where they
+/// come to the end of the reach (cₖ > 0) they move no faster than they can stop within σₖ/cₖ, at 10 1/s
+/// and 5 rad/s². There the rest gₖ is not given up: rows √λ dᵀ q̇ = 0 stand against it, λ and d being
+/// the positive eigenvalues and the eigenvectors of −Σ gₖ uₖ · y″ / (10 1/s). That is Newton's step
+/// towards the least distance, at which the level stands without swinging.
+///
+/// Where y″ is not known, or the level comes to rest in another way, the part (μ²/(σₖ² + μ²))³ of rₖ
+/// is given up: damped least squares (Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement
+/// and Control 108, 1986), iterated twice so that well-conditioned directions keep all but (μ/σ)⁶ of
+/// their targets (King and Chillingworth, Numerical Functional Analysis and Optimization 1(5), 1979),
 ///
 /// > μ² = ((σ₀/12)² + ((‖r‖/2v)² + ‖r‖/κ) max(0, 1 − v²/s²)) (1 − p²/σ₀²),
 ///
-/// r being what is missing to the scaled targets, s = ‖L⁻¹r‖ the speed that they take and v = 1
-/// rad/s: near a singular configuration a fast target is given up to where joints need not go
-/// faster than about v, and κ = 5 1/s bounds how fast their velocities change with the configuration,
-/// so that they can stop there. Rows that contradict each other keep their weighted compromise.
+/// r being what is missing to the scaled targets, s = ‖L⁻¹r‖ the speed that they take, v = 1 rad/s and
+/// κ = 5 1/s. Rows that contradict each other keep their weighted compromise.
 ///
 /// A level that keeps a direction as an equality up to σ = 0 would let go of it at once there, and
 /// take it back as soon as the levels below have moved: the robot trembles. So where p < 3σ₀/10 the
 /// rows are turned along the uₖ, which leaves the weighted squares as they are, and those of σₖ < σ₀/10
 /// become ranges, within which the levels below move at up to v_f (1 − 10 σₖ/σ₀), v_f = 0.05 rad/s,
-/// times min(1, (9 − 100 p²/σ₀²)/8). All is continuous in the configuration.
+/// times min(1, (9 − 100 p²/σ₀²)/8). Nothing here remembers an earlier step.
 ///
 /// The levels stay rows with other targets: priorities and limits are not touched.
 #[derive(Debug, Clone)]
 pub(super) struct SingularityDamping {
     threshold: f64,
     directions: Directions,
+    /// p²/σ₀² of the level at hand: below one where it is singular.
+    closeness: f64,
+    /// The largest weight of its scaled rows.
+    heaviest: f64,
     /// √(weight · norm² over the largest).
     scales: Vec<f64>,
     gram: Vec<f64>,
     given_up: Vec<f64>,
     /// By direction uₖ: its coordinates along the rows.
     vectors: Vec<f64>,
+    /// By direction: σₖ, and the direction vₖ of the joints.
+    sigmas: Vec<f64>,
+    joints: Vec<f64>,
+    columns: usize,
+    /// By direction: what is not had along uₖ, and the part of it that is given up.
+    parts: Vec<f64>,
+    given_up_parts: Vec<f64>,
+    /// What the rows control, along one direction; and the rows of all.
+    curvature: Curvature,
+    bent: CurvatureRows,
     /// The rows along the directions uₖ, and their targets.
     turned: Vec<f64>,
     turned_targets: Vec<f64>,
@@ -67,6 +94,15 @@ const RATE: f64 = 5.0;
 const LEAST: f64 = 1.0 / 12.0;
 /// How often the damping is applied.
 const ORDER: i32 = 3;
+/// How fast joints leave a singular configuration at most \[rad/s, m/s\].
+const SPEED_AWAY: f64 = 5.0;
+/// The same over what is missing: what is nearly there does not make joints race.
+const QUICKNESS: f64 = 100.0;
+/// How fast they come to rest at the end of the reach.
+const END: Feedback = Feedback { gain: 10.0, deceleration: 5.0 };
+/// A singular value below which the way away is not known, and one below which there is none.
+const UNKNOWN: f64 = 1e-9;
+const NONE: f64 = 1e-12;
 /// Of the threshold, the singular value below which a direction is handed over.
 const HANDOVER: f64 = 0.1;
 /// Of that, where p is when rows begin to be turned.
@@ -76,15 +112,24 @@ const FREE_SPEED: f64 = 0.05;
 
 impl SingularityDamping {
     /// For levels of so many rows each, over so many variables.
-    pub(super) fn new(threshold: f64, levels: &[usize], columns: usize) -> Self {
+    pub(super) fn new(threshold: f64, levels: &[usize], columns: usize, velocities: usize) -> Self {
         let (total, most) = (levels.iter().sum(), levels.iter().copied().max().unwrap_or(0));
         Self {
             threshold,
             directions: Directions::new(total, most, columns),
+            closeness: f64::INFINITY,
+            heaviest: 1.0,
             scales: vec![1.0; most],
             gram: vec![0.0; most * most],
             given_up: vec![0.0; most],
             vectors: vec![0.0; most * most],
+            sigmas: vec![1.0; most],
+            joints: vec![0.0; most * columns],
+            columns,
+            parts: vec![0.0; most],
+            given_up_parts: vec![0.0; most],
+            curvature: Curvature::new(velocities),
+            bent: CurvatureRows::new(velocities),
             turned: vec![0.0; most * columns],
             turned_targets: vec![0.0; most],
             // A level has at most as many further rows as there are variables.
@@ -95,6 +140,7 @@ impl SingularityDamping {
     /// Forgets all levels.
     pub(super) fn begin(&mut self) {
         self.directions.clear();
+        self.bent.curvature.clear();
     }
 
     /// Takes the next level, highest priority first, of whose rows the first `m` count; returns their
@@ -110,17 +156,131 @@ impl SingularityDamping {
         self.directions.factorise();
     }
 
-    /// Damps the targets of a level whose rows have these places, highest priority first. Returns true
-    /// if that changed them; what was asked is in `asked`, rows of the same size, then.
-    pub(super) fn damp(&mut self, span: &Range<usize>, rows: &mut Rows, asked: &mut Rows) -> bool {
+    /// Looks at the next level, highest priority first, whose rows have these places. Returns true if
+    /// it is singular.
+    pub(super) fn examine(&mut self, span: &Range<usize>, rows: &Rows) -> bool {
         let trace = self.directions.inverse_trace(span);
-        let closeness = 1.0 / (trace * self.threshold * self.threshold);
-        let is_singular = closeness < 1.0 && asked.copy_from(rows).is_ok();
-        if is_singular {
-            self.give_up(span, closeness, rows);
+        self.closeness = 1.0 / (trace * self.threshold * self.threshold);
+        if self.closeness >= 1.0 {
+            return false;
         }
+        let m = span.len();
+        self.directions.gram_into(span, &mut self.gram[..m * m]);
+        self.heaviest = self.weigh(span, rows);
+        eigenvectors(&mut self.gram[..m * m], m, &mut self.vectors[..m * m]);
+        for k in 0..m {
+            let vector = &self.vectors[k * m..][..m];
+            let factors = self.given_up.iter_mut().zip(vector).zip(&self.scales);
+            factors.for_each(|((factor, part), scale)| *factor = part * scale);
+            let joints = &mut self.joints[k * self.columns..][..self.columns];
+            self.directions.combine(span, &self.given_up[..m], joints);
+            // More exact than the root of the eigenvalue.
+            let norm = dot(joints, joints).sqrt();
+            self.sigmas[k] = norm;
+            let scale = if norm > NONE { 1.0 / norm } else { 0.0 };
+            joints.iter_mut().for_each(|part| *part *= scale);
+        }
+        true
+    }
+
+    /// Of what is missing to a level that was [examined](Self::examine): the part along uₖ.
+    fn missing(&self, span: &Range<usize>, k: usize) -> f64 {
+        let vector = &self.vectors[k * span.len()..][..span.len()];
+        let weighted = vector.iter().zip(self.directions.residual(span)).zip(&self.scales);
+        weighted.map(|((u, r), scale)| u * r * scale).sum()
+    }
+
+    /// Damps a level that is singular, all directions alike.
+    pub(super) fn damp(&mut self, span: &Range<usize>) {
+        let square = self.damping(span) * (1.0 - self.closeness);
+        for k in 0..span.len() {
+            let share = square / (square + self.sigmas[k] * self.sigmas[k]);
+            let part = self.missing(span, k) * share.powi(ORDER);
+            (self.parts[k], self.given_up_parts[k]) = (part, part);
+        }
+    }
+
+    /// Bounds the speeds of a level that is singular, each direction by itself, by the curvature that
+    /// `add_curvature` adds for factors of its rows.
+    pub(super) fn bound(
+        &mut self,
+        span: &Range<usize>,
+        mut add_curvature: impl FnMut(&[f64], &mut Curvature) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let m = span.len();
+        for k in 0..m {
+            let (sigma, missing) = (self.sigmas[k], self.missing(span, k));
+            let share = 1.0 - (sigma / self.threshold).powi(2);
+            (self.parts[k], self.given_up_parts[k]) = (0.0, 0.0);
+            if share <= 0.0 || missing == 0.0 {
+                continue;
+            }
+            let vector = self.vectors[k * m..][..m].iter().zip(&self.scales);
+            let factors = self.given_up.iter_mut().zip(vector);
+            for ((factor, (u, scale)), norm) in factors.zip(self.directions.norms(span)) {
+                *factor = u * scale / norm;
+            }
+            self.curvature.clear();
+            add_curvature(&self.given_up[..m], &mut self.curvature)?;
+            let joints = &self.joints[k * self.columns..][..self.columns];
+            let towards = self.curvature.along(joints) * missing.signum();
+            let mut speed = SPEED_AWAY.min(QUICKNESS * missing.abs()) / share;
+            let ends = sigma <= UNKNOWN || towards > 0.0;
+            if sigma <= UNKNOWN {
+                speed = 0.0;
+            } else if ends {
+                speed = speed.min(END.speed(sigma / towards) / share);
+            }
+            let part = missing.signum() * (missing.abs() - speed * sigma).max(0.0);
+            self.parts[k] = part;
+            if ends {
+                let factor = part * self.heaviest / END.gain;
+                self.bent.curvature.add_scaled(&self.curvature, factor);
+            } else {
+                self.given_up_parts[k] = part;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes what was found for a level that was [examined](Self::examine) and is singular.
+    pub(super) fn give_up(&mut self, span: &Range<usize>, rows: &mut Rows) {
+        let m = span.len();
+        self.sum(span, false);
+        subtract(self.directions.residual_mut(span), 1.0, &self.given_up[..m]);
+        self.sum(span, true);
+        let given_up = &mut self.given_up[..m];
+        given_up.iter_mut().zip(self.directions.norms(span)).for_each(|(part, norm)| *part *= norm);
+        subtract(&mut rows.lower_mut()[..m], 1.0, given_up);
+        subtract(&mut rows.upper_mut()[..m], 1.0, given_up);
+        let lost = self.closeness / (GATE * HANDOVER).powi(2);
+        if lost < 1.0 && (0..m).all(|row| rows.weight(row) > 0.0) {
+            let share = (1.0 - lost) * GATE * GATE / (GATE * GATE - 1.0);
+            self.hand_over(span, self.heaviest, share.min(1.0), rows);
+        }
+    }
+
+    /// What is not had, or the part of that which is given up, by scaled row.
+    fn sum(&mut self, span: &Range<usize>, is_given_up: bool) {
+        let m = span.len();
+        let parts = if is_given_up { &self.given_up_parts } else { &self.parts };
+        let given_up = &mut self.given_up[..m];
+        given_up.fill(0.0);
+        for (part, vector) in parts.iter().zip(self.vectors[..m * m].chunks_exact(m.max(1))) {
+            subtract(given_up, -part, vector);
+        }
+        given_up.iter_mut().zip(&self.scales).for_each(|(part, scale)| *part /= scale);
+    }
+
+    /// Writes the rows of curvature of the level that was examined last, from `first` on.
+    pub(super) fn write_curvature(&mut self, rows: &mut Rows, first: usize) {
+        self.bent.write(rows, first);
+        self.bent.curvature.clear();
+    }
+
+    /// Takes from the targets below what a level does by itself.
+    pub(super) fn take(&mut self, span: &Range<usize>) {
         self.directions.take(span);
-        is_singular
     }
 
     /// μ² of a level that is singular.
@@ -133,61 +293,6 @@ impl SingularityDamping {
         let bound = 0.25 * square / (SPEED * SPEED) + square.sqrt() / RATE;
         let least = LEAST * self.threshold;
         least * least + bound * (1.0 - 1.0 / excess.max(1.0))
-    }
-
-    /// Gives up what takes large velocities.
-    fn give_up(&mut self, span: &Range<usize>, closeness: f64, rows: &mut Rows) {
-        let m = span.len();
-        self.directions.gram_into(span, &mut self.gram[..m * m]);
-        let heaviest = self.weigh(span, rows);
-        let square = self.damping(span) * (1.0 - closeness);
-        let lost = closeness / (GATE * HANDOVER).powi(2);
-        let is_lost = lost < 1.0 && (0..m).all(|row| rows.weight(row) > 0.0);
-        if is_lost {
-            eigenvectors(&mut self.gram[..m * m], m, &mut self.vectors[..m * m]);
-            self.damp_along_vectors(span, square);
-        } else {
-            self.damp_by_factor(span, square);
-        }
-        let given_up = &mut self.given_up[..m];
-        given_up.iter_mut().zip(&self.scales).for_each(|(part, scale)| *part /= scale);
-        subtract(self.directions.residual_mut(span), 1.0, given_up);
-        given_up.iter_mut().zip(self.directions.norms(span)).for_each(|(part, norm)| *part *= norm);
-        subtract(&mut rows.lower_mut()[..m], 1.0, given_up);
-        subtract(&mut rows.upper_mut()[..m], 1.0, given_up);
-        if is_lost {
-            let share = (1.0 - lost) * GATE * GATE / (GATE * GATE - 1.0);
-            self.hand_over(span, heaviest, share.min(1.0), rows);
-        }
-    }
-
-    /// What is given up, by (μ² (W^½ G W^½ + μ²)⁻¹)³.
-    fn damp_by_factor(&mut self, span: &Range<usize>, square: f64) {
-        let m = span.len();
-        let (system, missing) = (&mut self.gram[..m * m], &mut self.given_up[..m]);
-        system.iter_mut().step_by(m + 1).for_each(|entry| *entry += square);
-        factorise(system, m);
-        let scaled = self.directions.residual(span).iter().zip(&self.scales);
-        missing.iter_mut().zip(scaled).for_each(|(missing, (r, scale))| *missing = r * scale);
-        for _ in 0..ORDER {
-            solve(system, missing);
-            for part in missing.iter_mut() {
-                *part *= square;
-            }
-        }
-    }
-
-    /// The same where the eigenvectors are known.
-    fn damp_along_vectors(&mut self, span: &Range<usize>, square: f64) {
-        let (m, residual) = (span.len(), self.directions.residual(span));
-        self.given_up[..m].fill(0.0);
-        for (k, vector) in self.vectors[..m * m].chunks_exact(m).enumerate() {
-            let weighted = vector.iter().zip(residual).zip(&self.scales);
-            let missing: f64 = weighted.map(|((u, r), scale)| u * r * scale).sum();
-            let eigenvalue = self.gram[k * m + k].max(0.0);
-            let part = missing * (square / (square + eigenvalue)).powi(ORDER);
-            subtract(&mut self.given_up[..m], -part, vector);
-        }
     }
 
     /// Turns the rows along the directions, and makes ranges of those that are lost, so wide as a
@@ -210,12 +315,16 @@ impl SingularityDamping {
         }
         let handover = HANDOVER * self.threshold;
         for k in 0..m {
-            let sigma = self.gram[k * m + k].max(0.0).sqrt();
+            let sigma = self.sigmas[k];
             let room = root * FREE_SPEED * share * (1.0 - sigma / handover).max(0.0) * sigma;
             if let Ok(row) = rows.row_mut(k) {
                 row.copy_from_slice(&self.turned[k * columns..][..columns]);
             }
-            let target = self.turned_targets[k];
+            let mut target = self.turned_targets[k];
+            if sigma <= NONE {
+                rows.row_mut(k).unwrap_or_default().fill(0.0);
+                target = 0.0;
+            }
             (rows.lower_mut()[k], rows.upper_mut()[k]) = (target - room, target + room);
         }
         // Of the size of the rows, and positive: no error is possible.
@@ -237,30 +346,5 @@ impl SingularityDamping {
             }
         }
         largest
-    }
-}
-
-/// The Cholesky factor of a positive matrix, in its lower half.
-fn factorise(matrix: &mut [f64], m: usize) {
-    for i in 0..m {
-        let (done, rest) = matrix.split_at_mut(i * m);
-        let row = &mut rest[..m];
-        for (j, other) in done.chunks_exact(m).enumerate() {
-            row[j] = (row[j] - dot(&row[..j], &other[..j])) / other[j];
-        }
-        row[i] = (row[i] - dot(&row[..i], &row[..i])).max(f64::MIN_POSITIVE).sqrt();
-    }
-}
-
-/// Solves L Lᵀ x = b in place.
-fn solve(factor: &[f64], b: &mut [f64]) {
-    let m = b.len();
-    for (i, row) in factor.chunks_exact(m).enumerate() {
-        b[i] = (b[i] - dot(&row[..i], &b[..i])) / row[i];
-    }
-    for (i, row) in factor.chunks_exact(m).enumerate().rev() {
-        let (before, own) = b.split_at_mut(i);
-        own[0] /= row[i];
-        subtract(before, own[0], &row[..i]);
     }
 }

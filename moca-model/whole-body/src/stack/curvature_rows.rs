@@ -15,10 +15,8 @@ use crate::tasks::curvature::Curvature;
 /// reaches they take the joints that would lead away from there from the levels below, and leave those
 /// that would not. Rows of no curvature are free.
 #[derive(Debug, Clone)]
-pub(super) struct CurvatureRows {
-    pub(super) curvature: Curvature,
-    /// Whether rows are written that are not free.
-    is_written: bool,
+pub(crate) struct CurvatureRows {
+    pub(crate) curvature: Curvature,
     /// The entries of q̇ that the curvature concerns, and its rows and columns of these.
     entries: Vec<usize>,
     block: Vec<f64>,
@@ -29,10 +27,9 @@ pub(super) struct CurvatureRows {
 const ROUNDING: f64 = 1e-9;
 
 impl CurvatureRows {
-    pub(super) fn new(velocities: usize) -> Self {
+    pub(crate) fn new(velocities: usize) -> Self {
         Self {
             curvature: Curvature::new(velocities),
-            is_written: true,
             entries: Vec::with_capacity(velocities),
             block: vec![0.0; velocities * velocities],
             vectors: vec![0.0; velocities * velocities],
@@ -40,17 +37,13 @@ impl CurvatureRows {
     }
 
     /// Writes the rows from `first` to the last.
-    pub(super) fn write(&mut self, rows: &mut Rows, first: usize) {
-        if self.is_written {
-            for index in first..rows.len() {
-                set_row(rows, index, [].into_iter(), f64::INFINITY);
-            }
-            self.is_written = false;
+    pub(crate) fn write(&mut self, rows: &mut Rows, first: usize) {
+        for index in first..rows.len() {
+            set_row(rows, index, [].into_iter(), f64::INFINITY);
         }
         if self.curvature.is_zero() {
             return;
         }
-        self.is_written = true;
         let Self { curvature, entries, block, vectors, .. } = self;
         let matrix = curvature.matrix();
         entries.clear();

@@ -11,6 +11,7 @@ use super::row_tasks::{RowTasks, in_task};
 use super::task_level::{Named, OutOfReach, TaskLevel};
 use crate::error::Error;
 use crate::robot::model::Model;
+use crate::tasks::curvature::Curvature;
 use crate::tasks::input::TaskInput;
 use crate::tasks::quadratic::{QuadraticTask, TaskQuadratic};
 
@@ -113,6 +114,21 @@ impl LevelTasks {
             written.map_err(|error| in_task(error, &named.name, &self.name))?;
         }
         Ok(())
+    }
+
+    /// Whether it approaches what is out of reach, and all its tasks know their curvature.
+    pub(crate) fn bends(&self) -> bool {
+        self.rows.bends()
+    }
+
+    /// Adds the curvature of what its rows control, each times its factor.
+    pub(super) fn add_curvature(
+        &self,
+        factors: &[f64],
+        input: &mut TaskInput<'_, '_>,
+        curvature: &mut Curvature,
+    ) -> Result<(), Error> {
+        self.rows.add_curvature(&self.name, factors, input, curvature)
     }
 
     /// Lets tasks without a target keep what they find.

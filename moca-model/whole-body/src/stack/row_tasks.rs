@@ -9,6 +9,7 @@ use super::curvature_rows::CurvatureRows;
 use super::task_level::{Named, OutOfReach};
 use crate::error::Error;
 use crate::robot::model::Model;
+use crate::tasks::curvature::Curvature;
 use crate::tasks::input::TaskInput;
 use crate::tasks::rows::TaskRows;
 use crate::tasks::task::Task;
@@ -22,6 +23,8 @@ pub(super) struct RowTasks {
     weights: Vec<f64>,
     /// Of tasks whose errors may remain.
     curvature: Option<CurvatureRows>,
+    /// Whether the rows behind are those of what is given up near singular configurations.
+    bends: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -49,13 +52,14 @@ impl RowTasks {
             entries.push(TaskEntry { named, first, count });
             first += count;
         }
-        let mut tasks = entries.iter().map(|entry: &TaskEntry| &entry.named.task);
-        let has_curvature =
-            out_of_reach == OutOfReach::Rest && tasks.any(|task| task.has_curvature());
+        let mut known = entries.iter().map(|entry: &TaskEntry| entry.named.task.has_curvature());
+        let rests = out_of_reach == OutOfReach::Rest && known.any(|known| known);
+        let mut known = entries.iter().map(|entry: &TaskEntry| entry.named.task.has_curvature());
+        let bends = out_of_reach == OutOfReach::Approach && first > 0 && known.all(|known| known);
         let velocities = model.velocity_count();
-        let curvature = has_curvature.then(|| CurvatureRows::new(velocities));
-        let rows = first + if has_curvature { velocities } else { 0 };
-        Ok(Self { entries, count: first, weights: vec![1.0; rows], curvature })
+        let curvature = rests.then(|| CurvatureRows::new(velocities));
+        let rows = first + if rests || bends { velocities } else { 0 };
+        Ok(Self { entries, count: first, weights: vec![1.0; rows], curvature, bends })
     }
 
     /// How many rows the tasks have. Behind them there may be more, of their curvature.
@@ -130,6 +134,27 @@ impl RowTasks {
         }
         if let Some(curvature) = &mut self.curvature {
             curvature.write(rows, self.count);
+        }
+        Ok(())
+    }
+
+    /// Whether it approaches what is out of reach, and all its tasks know their curvature.
+    pub(super) fn bends(&self) -> bool {
+        self.bends
+    }
+
+    /// Adds the curvature of what the rows control, each times its factor.
+    pub(super) fn add_curvature(
+        &self,
+        level: &str,
+        factors: &[f64],
+        input: &mut TaskInput<'_, '_>,
+        curvature: &mut Curvature,
+    ) -> Result<(), Error> {
+        for TaskEntry { named, first, count } in &self.entries {
+            let own = factors.get(*first..first + count).unwrap_or_default();
+            let added = named.task.add_curvature(own, input, curvature);
+            added.map_err(|error| in_task(error, &named.name, level))?;
         }
         Ok(())
     }

@@ -39,13 +39,14 @@ pub struct TaskLevel {
 /// What a level does about targets that the robot cannot reach.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum OutOfReach {
-    /// It goes on approaching them: the hand stands, but the joints of a stretched arm may swing.
+    /// It goes on approaching them. Second derivatives hold the joints of a stretched arm, which may
+    /// swing where others are at their limits. Nothing is given up that can be had later.
     #[default]
     Approach,
     /// It comes to rest as near to them as it can. Second derivatives of positions, orientations and
     /// poses of frames count where their errors remain, for which the level has one more row for each
     /// entry of q̇; and what has been missing for half a second is asked for less and less, until it can
-    /// be had again. A step takes longer: that of a Panda by a sixth, of many levels by two fifths.
+    /// be had again. Near singular configurations such a level may stay short of what it can reach.
     Rest,
 }
 

@@ -11,6 +11,7 @@ use super::task_level::{TaskId, TaskLevel};
 use crate::error::Error;
 use crate::robot::model::Model;
 use crate::state::posed::Posed;
+use crate::tasks::curvature::Curvature;
 use crate::tasks::input::{JacobianMemory, TaskInput};
 use crate::tasks::variables::VariableLayout;
 
@@ -193,6 +194,20 @@ impl TaskStack {
     pub(crate) fn rows_mut(&mut self, index: usize) -> Option<&mut Rows> {
         let id = self.levels.get(index)?.id;
         self.solver.level_mut(id).ok()?.rows_mut().ok()
+    }
+
+    /// Adds the curvature of what the rows of a level control, each times its factor, for the robot
+    /// where the tasks were written last.
+    pub(crate) fn add_curvature(
+        &mut self,
+        index: usize,
+        posed: &mut Posed<'_>,
+        factors: &[f64],
+        curvature: &mut Curvature,
+    ) -> Result<(), Error> {
+        let mut input = TaskInput::new(posed, &[], 0.0, &mut self.jacobian);
+        let level = self.levels.get(index);
+        level.map_or(Ok(()), |level| level.tasks.add_curvature(factors, &mut input, curvature))
     }
 
     pub(crate) fn solver_mut(&mut self) -> &mut ContinuousStack {

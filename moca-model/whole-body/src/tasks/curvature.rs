@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, Matrix6xX, Vector3};
 /// That is what Gauss and Newton's Hessian Jᵀ J of ½ ‖y_d − y‖² leaves out (Nocedal and Wright,
 /// *Numerical Optimization*, 2nd ed., Sec. 10.2). It matters where errors remain.
 #[derive(Debug, Clone)]
-pub(crate) struct Curvature {
+pub struct Curvature {
     matrix: DMatrix<f64>,
     is_zero: bool,
 }
@@ -33,15 +33,27 @@ impl Curvature {
         &self.matrix
     }
 
+    /// dᵀ H d of a direction d of the joints.
+    pub(crate) fn along(&self, direction: &[f64]) -> f64 {
+        let columns = self.matrix.column_iter().zip(direction);
+        columns.map(|(c, d)| d * c.iter().zip(direction).map(|(h, d)| h * d).sum::<f64>()).sum()
+    }
+
+    /// Adds another one so many times.
+    pub(crate) fn add_scaled(&mut self, other: &Self, factor: f64) {
+        self.is_zero = false;
+        self.matrix.iter_mut().zip(&other.matrix).for_each(|(own, other)| *own += factor * other);
+    }
+
     /// Adds that of a frame's position, `missing` \[m\] in the axes of the Jacobian: with joint i before
     /// joint j, ∂²p/∂qᵢ∂qⱼ = J_ω,ᵢ × J_v,ⱼ.
-    pub(crate) fn add_position(&mut self, jacobian: &Matrix6xX<f64>, missing: &Vector3<f64>) {
+    pub fn add_position(&mut self, jacobian: &Matrix6xX<f64>, missing: &Vector3<f64>) {
         self.add(jacobian, 0, missing);
     }
 
     /// Adds that of a frame's orientation, `missing` \[rad\] being a rotation vector: the symmetric part
     /// of ∂J_ω,ⱼ/∂qᵢ = J_ω,ᵢ × J_ω,ⱼ, the other one being that of the rotation vector itself.
-    pub(crate) fn add_orientation(&mut self, jacobian: &Matrix6xX<f64>, missing: &Vector3<f64>) {
+    pub fn add_orientation(&mut self, jacobian: &Matrix6xX<f64>, missing: &Vector3<f64>) {
         self.add(jacobian, 3, &(0.5 * missing));
     }
 

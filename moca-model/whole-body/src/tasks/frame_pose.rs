@@ -3,6 +3,7 @@
 use ahqp_core::PoseAxes;
 use nalgebra::{Isometry3, Vector3, Vector6};
 
+use super::curvature::Curvature;
 use super::input::TaskInput;
 use super::pose_task::{PoseQuantity, PoseTask};
 use super::rows::TaskRows;
@@ -78,11 +79,11 @@ impl PoseQuantity for FramePose {
         &self,
         [place, turn]: [&Vector3<f64>; 2],
         input: &mut TaskInput<'_, '_>,
-        rows: &mut TaskRows<'_>,
+        curvature: &mut Curvature,
     ) -> Result<(), Error> {
         let jacobian = input.jacobian(self.frame, self.axes)?;
-        rows.add_position_curvature(jacobian, place);
-        rows.add_orientation_curvature(jacobian, turn);
+        curvature.add_position(jacobian, place);
+        curvature.add_orientation(jacobian, turn);
         Ok(())
     }
 }

@@ -3,6 +3,7 @@
 use ahqp_core::rotation_log;
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::curvature::Curvature;
 use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::rows::TaskRows;
@@ -69,9 +70,9 @@ impl VectorQuantity for FrameOrientation {
         &self,
         missing: &Vector3<f64>,
         input: &mut TaskInput<'_, '_>,
-        rows: &mut TaskRows<'_>,
+        curvature: &mut Curvature,
     ) -> Result<(), Error> {
-        rows.add_orientation_curvature(input.jacobian(self.0, Axes::World)?, missing);
+        curvature.add_orientation(input.jacobian(self.0, Axes::World)?, missing);
         Ok(())
     }
 }

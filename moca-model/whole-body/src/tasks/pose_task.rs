@@ -5,6 +5,7 @@ use std::fmt::Debug;
 use ahqp_core::{PoseAxes, pose_error};
 use nalgebra::{Isometry3, Vector3, Vector6};
 
+use super::curvature::Curvature;
 use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::mask::check_weights;
@@ -53,7 +54,7 @@ pub trait PoseQuantity: Clone + Debug + Send + Sync + 'static {
         &self,
         _missing: [&Vector3<f64>; 2],
         _input: &mut TaskInput<'_, '_>,
-        _rows: &mut TaskRows<'_>,
+        _curvature: &mut Curvature,
     ) -> Result<(), Error> {
         Ok(())
     }
@@ -160,7 +161,9 @@ impl<Q: PoseQuantity> PoseTask<Q> {
         if linear.missing != Vector3::zeros() || angular.missing != Vector3::zeros() {
             let place = linear.missing.component_mul(&part(&self.weights, 0)) / self.linear.gain;
             let turn = angular.missing.component_mul(&part(&self.weights, 3)) / self.angular.gain;
-            self.quantity.add_curvature([&place, &turn], input, rows)?;
+            if let Some(curvature) = rows.curvature() {
+                self.quantity.add_curvature([&place, &turn], input, curvature)?;
+            }
         }
         let (v, w) = (linear.velocity, angular.velocity);
         Ok(Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z))
@@ -190,6 +193,21 @@ impl<Q: PoseQuantity> Task for PoseTask<Q> {
         Q::HAS_CURVATURE
     }
 
+    fn add_curvature(
+        &self,
+        factors: &[f64],
+        input: &mut TaskInput<'_, '_>,
+        curvature: &mut Curvature,
+    ) -> Result<(), Error> {
+        let mut all = Vector6::zeros();
+        for (factor, axis) in factors.iter().zip(self.coordinates.iter()) {
+            all[axis] = *factor;
+        }
+        let [place, turn] = [0, 3].map(|first| all.fixed_rows::<3>(first).into_owned());
+        self.quantity.add_curvature([&place, &turn], input, curvature)?;
+        Ok(())
+    }
+
     fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
         if self.target.is_none() {
             self.target = Some((self.quantity.value(input)?, Vector6::zeros()));
@@ -211,7 +229,7 @@ impl<Q: PoseQuantity> Task for PoseTask<Q> {
         self.quantity.turn(&actual, &mut twist);
         twist = self.chosen(&twist) + self.twist(&self.chosen(&error));
         self.quantity.write_jacobian(self.coordinates, input, rows)?;
-        if Q::HAS_CURVATURE && rows.takes_curvature() {
+        if Q::HAS_CURVATURE && rows.curvature().is_some() {
             twist = self.ask(&twist, input, rows)?;
         }
         for (row, axis) in self.coordinates.iter().enumerate() {

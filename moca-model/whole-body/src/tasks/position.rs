@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::curvature::Curvature;
 use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::rows::TaskRows;
@@ -79,9 +80,9 @@ impl VectorQuantity for FramePosition {
         &self,
         missing: &Vector3<f64>,
         input: &mut TaskInput<'_, '_>,
-        rows: &mut TaskRows<'_>,
+        curvature: &mut Curvature,
     ) -> Result<(), Error> {
-        rows.add_position_curvature(input.jacobian(self.0, Axes::World)?, missing);
+        curvature.add_position(input.jacobian(self.0, Axes::World)?, missing);
         Ok(())
     }
 }

@@ -1,7 +1,7 @@
 //! The rows of one task within those of its level.
 
 use ahqp_core::Rows;
-use nalgebra::{Matrix6xX, Vector3};
+use nalgebra::Matrix6xX;
 
 use super::curvature::Curvature;
 use crate::vector::dot;
@@ -104,25 +104,10 @@ impl<'a> TaskRows<'a> {
         dot(own.get(..velocity.len()).unwrap_or_default(), velocity)
     }
 
-    /// Whether the level comes to rest out of reach, and so needs the curvature of its tasks.
-    pub fn takes_curvature(&self) -> bool {
-        self.curvature.is_some()
-    }
-
-    /// Adds the curvature of a frame's position to that of the level: `missing` \[m\] is what is
-    /// missing to its target and cannot be taken away, in the axes of the Jacobian, times the task's
-    /// weights. Does nothing where the level does not [take it](Self::takes_curvature).
-    pub fn add_position_curvature(&mut self, jacobian: &Matrix6xX<f64>, missing: &Vector3<f64>) {
-        if let Some(curvature) = &mut self.curvature {
-            curvature.add_position(jacobian, missing);
-        }
-    }
-
-    /// The same for its orientation, `missing` \[rad\] being a rotation vector.
-    pub fn add_orientation_curvature(&mut self, jacobian: &Matrix6xX<f64>, missing: &Vector3<f64>) {
-        if let Some(curvature) = &mut self.curvature {
-            curvature.add_orientation(jacobian, missing);
-        }
+    /// The curvature of the level where it comes to rest out of reach: of what is missing to the
+    /// task's targets and cannot be taken away, times the task's weights.
+    pub fn curvature(&mut self) -> Option<&mut Curvature> {
+        self.curvature.as_deref_mut()
     }
 
     /// Makes a row an equality `a q̇ = target`.

@@ -3,6 +3,7 @@
 use std::any::Any;
 use std::fmt::Debug;
 
+use super::curvature::Curvature;
 use super::input::TaskInput;
 use super::rows::TaskRows;
 use crate::error::Error;
@@ -64,10 +65,24 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
         false
     }
 
-    /// Whether it adds its curvature to a level where its error remains:
-    /// [`TaskRows::add_position_curvature`], [`TaskRows::add_orientation_curvature`].
+    /// Whether it [adds its curvature](Self::add_curvature). Levels of tasks that all do take the
+    /// ends of their reach for what they are; others treat all singular configurations as such ends.
     fn has_curvature(&self) -> bool {
         false
+    }
+
+    /// Adds −Σ λᵢ ∇²yᵢ, yᵢ being what row i controls and λᵢ its factor, for the robot where the rows
+    /// were written last.
+    ///
+    /// # Errors
+    /// What makes the task impossible now.
+    fn add_curvature(
+        &self,
+        _factors: &[f64],
+        _input: &mut TaskInput<'_, '_>,
+        _curvature: &mut Curvature,
+    ) -> Result<(), Error> {
+        Ok(())
     }
 
     /// Whether it writes every coefficient, bound and weight of rows over so many variables. They may then be

@@ -4,6 +4,7 @@ use std::fmt::Debug;
 
 use nalgebra::Vector3;
 
+use super::curvature::Curvature;
 use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::mask::{Axis, VectorMask};
@@ -61,7 +62,7 @@ pub trait VectorQuantity: Clone + Debug + Send + Sync + 'static {
         &self,
         _missing: &Vector3<f64>,
         _input: &mut TaskInput<'_, '_>,
-        _rows: &mut TaskRows<'_>,
+        _curvature: &mut Curvature,
     ) -> Result<(), Error> {
         Ok(())
     }
@@ -156,7 +157,9 @@ impl<Q: VectorQuantity> VectorTask<Q> {
         let ask = self.shortfall.ask(wanted, &got, input.period());
         if ask.missing != Vector3::zeros() {
             let missing = ask.missing.component_mul(&self.mask.weights) / self.feedback.gain;
-            self.quantity.add_curvature(&missing, input, rows)?;
+            if let Some(curvature) = rows.curvature() {
+                self.quantity.add_curvature(&missing, input, curvature)?;
+            }
         }
         Ok(ask.velocity)
     }
@@ -177,6 +180,20 @@ impl<Q: VectorQuantity> Task for VectorTask<Q> {
         Q::HAS_CURVATURE
     }
 
+    fn add_curvature(
+        &self,
+        factors: &[f64],
+        input: &mut TaskInput<'_, '_>,
+        curvature: &mut Curvature,
+    ) -> Result<(), Error> {
+        let mut all = Vector3::zeros();
+        for (factor, axis) in factors.iter().zip(self.mask.iter()) {
+            all[axis] = *factor;
+        }
+        self.quantity.add_curvature(&all, input, curvature)?;
+        Ok(())
+    }
+
     fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
         if self.target.is_none() {
             self.target = Some((self.quantity.value(input)?, Vector3::zeros()));
@@ -195,7 +212,7 @@ impl<Q: VectorQuantity> Task for VectorTask<Q> {
         let error = self.mask.apply(&Q::difference(&target, &actual));
         let wanted = self.mask.apply(&velocity) + self.feedback.velocity(&error);
         self.quantity.write_jacobian(self.mask.iter(), input, rows)?;
-        let velocity = if Q::HAS_CURVATURE && rows.takes_curvature() {
+        let velocity = if Q::HAS_CURVATURE && rows.curvature().is_some() {
             self.ask(&wanted, input, rows)?
         } else {
             wanted

@@ -25,6 +25,7 @@ mod out_of_reach;
 mod parsed;
 mod placement;
 mod simulation;
+mod singular_arms;
 mod support;
 mod tasks;
 mod torque_control;

@@ -1,5 +1,6 @@
 //! Random trees, written as URDF, with states.
 
+pub(crate) mod arms;
 pub(crate) mod monitor;
 pub(crate) mod stacks;
 

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use ahqp_core::Rows;
 
-use crate::vector::subtract;
+use crate::vector::{dot, subtract};
 
-/// The rows of all levels, scaled to norm one, and the orthonormal directions that they take in turn.
+/// The rows of all levels, scaled to norm one or less, and the orthonormal directions that they take in turn.
 ///
 /// Of the directions only the coordinates of the rows along them are computed: they are the Cholesky
 /// factor of all rows' products with each other (Golub and Van Loan, *Matrix Computations*, 4th ed.,
@@ -34,12 +34,17 @@ pub(super) struct Directions {
     reciprocals: Vec<f64>,
     /// The transposed inverse of a level's coordinates.
     inverse: Vec<Four>,
+    /// Factors of the rows above a level.
+    above: Vec<f64>,
 }
 
 type Four = [f64; 4];
 
 /// A row of which less than the root of this is left belongs to the levels below.
 const NOTHING: f64 = 1e-12;
+/// Of the largest norm of a level's rows, the least that a row is scaled by: a row that has nearly
+/// vanished is one that is lost.
+const SMALLEST: f64 = 0.3;
 
 impl Directions {
     /// With room for so many rows over so many variables, `most` of them on one level.
@@ -56,6 +61,7 @@ impl Directions {
             coordinates: vec![none; room * width],
             reciprocals: vec![0.0; room],
             inverse: vec![none; most * most.div_ceil(4)],
+            above: vec![0.0; room],
         }
     }
 
@@ -74,7 +80,11 @@ impl Directions {
         for (index, (row, target, _)) in rows.iter().enumerate().take(m) {
             self.rows.row_mut(first + index).unwrap_or_default().copy_from_slice(row);
             self.residual.as_flattened_mut()[first + index] = target;
+            self.norms[first + index] = dot(row, row).sqrt();
         }
+        let norms = &mut self.norms[first..first + m];
+        let least = SMALLEST * norms.iter().fold(0.0_f64, |most, norm| most.max(*norm));
+        norms.iter_mut().for_each(|norm| *norm = if least > 0.0 { norm.max(least) } else { 1.0 });
         self.count += m;
         first..self.count
     }
@@ -89,8 +99,6 @@ impl Directions {
             let own = self.rows.row(i).unwrap_or_default();
             // Of rows that there are: no error is possible.
             let _ = self.rows.multiply_into(i, own, products);
-            let norm = products[0].sqrt();
-            self.norms[i] = if norm > 0.0 { norm } else { 1.0 };
             *scale = 1.0 / self.norms[i];
             self.residual.as_flattened_mut()[i] *= *scale;
         }
@@ -152,6 +160,28 @@ impl Directions {
             for b in 0..a {
                 gram[a * m + b] = gram[b * m + a];
             }
+        }
+    }
+
+    /// Writes the sum of a level's scaled rows, freed of what the rows above determine, with these
+    /// factors.
+    pub(super) fn combine(&mut self, span: &Range<usize>, factors: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        let size = 4 * self.width;
+        let scales = self.scales.as_flattened();
+        for (factor, index) in factors.iter().zip(span.clone()) {
+            subtract(out, -factor * scales[index], self.rows.row(index).unwrap_or_default());
+        }
+        // Those above in the sum that has the same coordinates along their directions.
+        let coordinates = self.coordinates.as_flattened();
+        for above in (0..span.start).rev() {
+            let own = &coordinates[above * size..][..size];
+            let level: f64 = own[span.clone()].iter().zip(factors).map(|(a, b)| a * b).sum();
+            let later = own[above + 1..span.start].iter().zip(&self.above[above + 1..span.start]);
+            let later: f64 = later.map(|(a, b)| a * b).sum();
+            let part = (level - later) * self.reciprocals[above];
+            self.above[above] = part;
+            subtract(out, part * scales[above], self.rows.row(above).unwrap_or_default());
         }
     }
 

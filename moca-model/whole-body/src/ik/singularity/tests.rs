@@ -9,14 +9,19 @@ use super::*;
 /// asked of them.
 fn damp(levels: &mut [Rows], columns: usize) -> Vec<(bool, Rows)> {
     let counts: Vec<usize> = levels.iter().map(Rows::len).collect();
-    let mut damping = SingularityDamping::new(0.1, &counts, columns).clone();
+    let mut damping = SingularityDamping::new(0.1, &counts, columns, columns).clone();
     damping.begin();
     let spans: Vec<_> = levels.iter().map(|rows| damping.load(rows, rows.len())).collect();
     damping.factorise();
     let levels = levels.iter_mut().zip(spans);
     let damped = levels.map(|(rows, span)| {
-        let mut asked = rows.clone();
-        (damping.damp(&span, rows, &mut asked), asked)
+        let (asked, is_singular) = (rows.clone(), damping.examine(&span, rows));
+        if is_singular {
+            damping.damp(&span);
+            damping.give_up(&span, rows);
+        }
+        damping.take(&span);
+        (is_singular, asked)
     });
     damped.collect()
 }

@@ -1,0 +1,146 @@
+//! Arms that start at or near singular configurations, with targets within their reach.
+
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use whole_body::{FrameTask, Ik, Model, OrientationTask, PositionTask, PostureTask};
+
+use crate::support::arms::{arm, arms};
+use crate::support::monitor::Monitor;
+use crate::support::stacks::{PERIOD, panda};
+use crate::support::{last_frame, pose};
+
+/// 200 starts over 12 arms, with targets 3 and 10 cm away that are in reach by more than 1 %. By line:
+/// the arm, the target (position, then the quaternion's i, j, k, w), the time to it without damping
+/// \[s\], `inf` where it is not reached, and the start.
+const STARTS: &str = include_str!("singular_starts.txt");
+
+fn apart(target: &Isometry3<f64>, now: &Isometry3<f64>) -> f64 {
+    (target.translation.vector - now.translation.vector).norm()
+}
+
+fn ik(model: &Model, q: &[f64], target: Isometry3<f64>) -> Ik {
+    let mut builder = Ik::builder(model);
+    let task = builder.push("pose", FrameTask::new(last_frame(model)));
+    builder.push("posture", PostureTask::new());
+    let mut ik = builder.build_at(q).unwrap();
+    ik.task_mut(task).unwrap().set_target(target).unwrap();
+    ik
+}
+
+/// When the tool is within 1 mm of its place, and the fastest joint a second later; nothing if it is
+/// not there in ten seconds, or does not stay. Limits hold on the way.
+fn arrival(model: &Model, start: &[f64], target: Isometry3<f64>) -> Option<[f64; 2]> {
+    let (tool, mut q) = (last_frame(model), start.to_vec());
+    let mut ik = ik(model, start, target);
+    let mut monitor = Monitor::new(model, &q);
+    let mut arrived = None;
+    for tick in 0..10_000_u32 {
+        if arrived.is_none() && apart(&target, &pose(model, &q, tool)) < 1e-3 {
+            arrived = Some(tick);
+        }
+        if arrived.is_some_and(|since| tick > since + 1000) {
+            break;
+        }
+        ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
+        monitor.check(&q);
+    }
+    let fastest = ik.velocity().iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let stays = apart(&target, &pose(model, &q, tool)) < 1e-3;
+    arrived.filter(|_| stays).map(|tick| [f64::from(tick) * PERIOD, fastest])
+}
+
+/// Of the three that do not arrive, the arm does not without damping either. What moves after a second
+/// are joints that are left over, on their way to the posture.
+#[test]
+fn nearly_all_arrive_and_most_as_fast_as_without_damping() {
+    let arms = arms();
+    let (mut missed, mut late, mut moving) = (Vec::new(), Vec::new(), 0);
+    for (number, line) in STARTS.lines().enumerate() {
+        let numbers: Vec<f64> = line.split(' ').map(|text| text.parse().unwrap()).collect();
+        let (arm, numbers) = (numbers[0] as usize, &numbers[1..]);
+        let turn = Quaternion::new(numbers[6], numbers[3], numbers[4], numbers[5]);
+        let target = Isometry3::from_parts(
+            Translation3::new(numbers[0], numbers[1], numbers[2]),
+            UnitQuaternion::new_unchecked(turn),
+        );
+        let (undamped, start) = (numbers[7], &numbers[8..]);
+        match arrival(&arms[arm], start, target) {
+            Some([time, speed]) => {
+                if time > 1.5 * undamped.max(0.1) {
+                    late.push(number);
+                }
+                moving += usize::from(speed > 0.01 && arms[arm].velocity_count() == 6);
+            }
+            None => {
+                assert!(undamped.is_infinite(), "{number} is reached without damping");
+                missed.push(number);
+            }
+        }
+    }
+    assert!(missed.len() <= 3, "not reached: {missed:?}");
+    assert!(late.len() <= 17, "late: {late:?}");
+    assert!(moving <= 2, "{moving} arms without joints left over move on");
+}
+
+/// ABB IRB 1600 in the middle of its range, 3 cm down.
+#[test]
+fn an_elbow_over_the_first_axis_comes_back() {
+    let model = arm("irb1600");
+    let q = vec![0.0; 6];
+    let mut target = pose(&model, &q, last_frame(&model));
+    target.translation.vector.z -= 0.03;
+    let [time, speed] = arrival(&model, &q, target).unwrap();
+    assert!(time < 0.3 && speed < 0.01, "{time} s, {speed} rad/s");
+}
+
+/// UR5 with its wrist stretched, along a direction that it has.
+#[test]
+fn a_way_beside_the_lost_direction_takes_no_longer() {
+    let model = arm("ur5");
+    for (wrist, elbow) in [(0.0, 1.6), (0.0, 1.0), (0.02, 1.0)] {
+        let q = vec![0.0, -0.6, elbow, 0.2, wrist, 0.0];
+        let mut target = pose(&model, &q, last_frame(&model));
+        target.translation.vector.x -= 0.1;
+        let [time, speed] = arrival(&model, &q, target).unwrap();
+        assert!(time < 0.7 && speed < 0.01, "{wrist} {elbow}: {time} s, {speed} rad/s");
+    }
+}
+
+/// The way leads through singular configurations; nothing is given up for good.
+#[test]
+fn a_panda_arrives_far_away() {
+    let model = panda();
+    let there = [1.3003, -0.7164, 1.533, -1.6466, 1.2488, 2.6647, 1.6661];
+    let target = pose(&model, &there, last_frame(&model));
+    let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
+    let mut ik = ik(&model, &q, target);
+    for _ in 0..5000 {
+        ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
+    }
+    let end = pose(&model, &q, last_frame(&model));
+    let turn = end.rotation.angle_to(&target.rotation);
+    assert!(apart(&target, &end) < 1e-6 && turn < 1e-6, "{} m", apart(&target, &end));
+}
+
+/// Out of reach the arm comes to rest by itself, and leaves when the target comes back.
+#[test]
+fn a_target_that_comes_back_is_reached_from_rest() {
+    let model = panda();
+    let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
+    let tool = last_frame(&model);
+    let mut builder = Ik::builder(&model);
+    let task = builder.push("position", PositionTask::new(tool));
+    builder.push("orientation", OrientationTask::new(tool));
+    builder.push("posture", PostureTask::new());
+    let mut ik = builder.build_at(&q).unwrap();
+    let near = pose(&model, &q, tool).translation.vector + Vector3::new(0.1, 0.1, 0.1);
+    for target in [Vector3::new(1.5, 0.3, 0.5), near] {
+        ik.task_mut(task).unwrap().set_target(Point3::from(target)).unwrap();
+        for _ in 0..10_000 {
+            ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
+        }
+        let fastest = ik.velocity().iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        assert!(fastest < 0.01, "{target}: {fastest} rad/s");
+    }
+    let end = (pose(&model, &q, tool).translation.vector - near).norm();
+    assert!(end < 1e-6, "{end} m");
+}
