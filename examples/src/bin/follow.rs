@@ -29,6 +29,8 @@ use moca_replay::page::page;
 use moca_replay::picture::{animation, still};
 use moca_replay::recorded::Replay;
 use moca_replay::report::{MOCA_COLUMNS, RunLog, TickRow, TickTable, figure};
+use moca_simulation::experiment::{Sight, Walk};
+use moca_simulation::people::WalkerSettings;
 use moca_simulation::run::{Comparison, Run, Scenario, Summary, TrueMotion};
 use percept_recording::{self, Completeness, Header, IfPartial, Recording, RecordingError};
 
@@ -245,6 +247,10 @@ impl Options {
         scenario.posture = self.posture.settings()?;
         scenario.truth = match &self.truth {
             Some(path) => Some(TrueMotion::read(path)?),
+            // The recording that is built in is of the person who walks by default.
+            None if self.recording.is_none() => {
+                Walk::new(WalkerSettings::default(), Sight::default())?.motion
+            }
             None => None,
         };
         let scenario = match self.settings()? {

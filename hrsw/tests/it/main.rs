@@ -7,6 +7,7 @@ mod closed_loop;
 mod contact;
 mod culling;
 mod headway;
+mod held_frame;
 mod motion;
 mod nearness;
 mod properties;

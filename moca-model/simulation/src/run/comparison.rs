@@ -8,6 +8,7 @@ use serde::{Serialize, Serializer};
 
 use super::summary::Summary;
 use crate::Error;
+use crate::judges::Calmness;
 
 /// Ergonomics on and off, side by side.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +41,8 @@ struct Line {
     truth: bool,
     contact_speed_p999: Option<f64>,
     tracking_error_rms_mm: f64,
+    /// With ergonomics; none where nobody knows where the person truly was.
+    calmness: Calmness,
     limit_violations: u64,
     jerk_violations: u64,
     /// None for a robot without torques.
@@ -124,6 +127,7 @@ impl Serialize for Comparison {
             truth: self.on.truth,
             contact_speed_p999: self.runs().filter_map(|run| run.contact_speed).reduce(f64::max),
             tracking_error_rms_mm: worst(|run| run.tracking_error_rms_mm),
+            calmness: self.on.calmness,
             limit_violations: sum(|run| run.limit_violations),
             jerk_violations: sum(|run| run.jerk_violations),
             torque_violations: self.runs().map(|run| run.torque_violations).sum(),
@@ -143,7 +147,7 @@ impl Serialize for Comparison {
 /// One row of the table: what it says, its digits, and where the number comes from.
 type Row = (&'static str, usize, fn(&Summary) -> f64);
 
-const ROWS: [Row; 24] = [
+const ROWS: [Row; 30] = [
     ("e_s mean (0 good, 4.25 bad)", 2, |run| run.score_mean),
     ("e_s maximum", 2, |run| run.score_max),
     ("REBA predicted, mean (1 good, 15 bad)", 1, |run| run.reba_mean),
@@ -156,6 +160,24 @@ const ROWS: [Row; 24] = [
     ("working together [s]", 1, |run| run.together),
     ("  of it outside the shared workspace [s]", 1, |run| run.outside),
     ("  of it tool out of reach [s]", 1, |run| run.out_of_reach),
+    ("standing: workpiece, root mean square [mm/s]", 1, |run| {
+        run.calmness.standing.map_or(f64::NAN, |motion| 1e3 * motion.workpiece)
+    }),
+    ("  workpiece, 99 % [mm/s]", 1, |run| {
+        run.calmness.standing.map_or(f64::NAN, |motion| 1e3 * motion.workpiece_p99)
+    }),
+    ("  base at rest [%]", 1, |run| {
+        run.calmness.standing.map_or(f64::NAN, |motion| 1e2 * motion.base_at_rest)
+    }),
+    ("  base at its acceleration limit [%]", 1, |run| {
+        run.calmness.standing.map_or(f64::NAN, |motion| 1e2 * motion.base_at_limit)
+    }),
+    ("walking: workpiece, 99 % [mm/s]", 1, |run| {
+        run.calmness.walking.map_or(f64::NAN, |motion| 1e3 * motion.workpiece_p99)
+    }),
+    ("  base at its acceleration limit [%]", 1, |run| {
+        run.calmness.walking.map_or(f64::NAN, |motion| 1e2 * motion.base_at_limit)
+    }),
     ("worst position margin [%]", 1, |run| 100.0 * run.margins.position),
     ("worst velocity margin [%]", 1, |run| 100.0 * run.margins.velocity),
     ("worst acceleration margin [%]", 1, |run| 100.0 * run.margins.acceleration),

@@ -8,6 +8,7 @@
 )]
 
 mod calm;
+mod calmness;
 mod experiment;
 mod experiment_recordings;
 mod limits;

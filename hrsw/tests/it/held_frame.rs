@@ -1,0 +1,122 @@
+//! A frame that is held while a person stands.
+
+use hrsw::{FloorMotion, FollowerSettings, FrameFollower, HeldFrame, HoldSettings};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector2, Vector3, Vector6};
+use proptest::prelude::*;
+
+const PERIOD: f64 = 1e-3;
+
+/// A held frame with what follows it.
+struct Held {
+    frame: HeldFrame,
+    follower: FrameFollower,
+}
+
+impl Held {
+    fn at(start: FloorMotion) -> Self {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), start.heading);
+        let pose = Isometry3::from_parts(Translation3::from(start.position.push(0.0)), turn);
+        Self {
+            frame: HeldFrame::new(HoldSettings::default()).unwrap(),
+            follower: FrameFollower::new(pose, FollowerSettings::default()).unwrap(),
+        }
+    }
+
+    fn step(&mut self, seen: FloorMotion, rate: FloorMotion, walks: bool) {
+        let stops = floor(&self.follower.stopping_pose());
+        let (target, rate) = self.frame.advance(seen, rate, stops, walks, PERIOD);
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), target.heading);
+        let pose = Isometry3::from_parts(Translation3::from(target.position.push(0.0)), turn);
+        let v = rate.position;
+        let twist = Vector6::new(v.x, v.y, 0.0, 0.0, 0.0, rate.heading);
+        self.follower.retarget(pose, twist).unwrap();
+        self.follower.advance(PERIOD);
+    }
+
+    fn speed(&self) -> f64 {
+        self.follower.twist().norm()
+    }
+}
+
+fn floor(pose: &Isometry3<f64>) -> FloorMotion {
+    let forward = pose.rotation * Vector3::x();
+    FloorMotion { position: pose.translation.vector.xy(), heading: forward.y.atan2(forward.x) }
+}
+
+fn at(x: f64, y: f64, heading: f64) -> FloorMotion {
+    FloorMotion { position: Vector2::new(x, y), heading }
+}
+
+const REST: FloorMotion = FloorMotion { position: Vector2::new(0.0, 0.0), heading: 0.0 };
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 32, ..ProptestConfig::default() })]
+
+    /// Whoever sways by a few centimetres and degrees does not move it, in any branch of the heading.
+    #[test]
+    fn swaying_does_not_move_it(
+        heading in -3.2..3.2_f64, sway in 0.0..0.05_f64, turn in 0.0..0.09_f64, rate in 0.2..2.0_f64,
+    ) {
+        let mut held = Held::at(at(1.0, 0.5, heading));
+        for tick in 0..8000 {
+            let time = f64::from(tick) * PERIOD;
+            let (sine, cosine) = (rate * time).sin_cos();
+            let seen = at(1.0 + sway * sine, 0.5, heading + turn * sine);
+            let moves = at(sway * rate * cosine, 0.0, turn * rate * cosine);
+            held.step(seen, moves, false);
+            if tick > 2000 {
+                prop_assert!(held.frame.is_held());
+                prop_assert!(held.speed() < 1e-9, "{} at {time} s", held.speed());
+            }
+        }
+    }
+
+    /// Along with who walks, and at rest soon after they stop; never farther off than the zone.
+    #[test]
+    fn it_goes_along_with_who_walks(direction in -3.1..3.1_f64, speed in 0.3..0.9_f64) {
+        let mut held = Held::at(REST);
+        let way = Vector2::new(direction.cos(), direction.sin());
+        let mut place = Vector2::zeros();
+        for tick in 0..9000 {
+            let time = f64::from(tick) * PERIOD;
+            let walks = (2.0..5.0).contains(&time);
+            let velocity = if walks { way * speed } else { Vector2::zeros() };
+            place += velocity * PERIOD;
+            let rate = FloorMotion { position: velocity, heading: 0.0 };
+            held.step(FloorMotion { position: place, heading: 0.0 }, rate, walks);
+            let off = (floor(held.follower.pose()).position - place).norm();
+            if (4.0..5.0).contains(&time) {
+                prop_assert!(off < 0.03, "{off} m behind at {time} s");
+            }
+            if time > 6.5 {
+                prop_assert!(held.frame.is_held() && held.speed() < 0.06, "{}", held.speed());
+                prop_assert!(off < HoldSettings::default().position + 0.01, "{off} m off");
+            }
+        }
+    }
+}
+
+/// Who has gone, slowly, is gone after slowly.
+#[test]
+fn it_is_placed_anew_when_the_mean_place_has_left_the_zone() {
+    let settings = HoldSettings::default();
+    let mut held = Held::at(REST);
+    let mut fastest = 0.0_f64;
+    for tick in 0..20_000 {
+        let time = f64::from(tick) * PERIOD;
+        let x = (0.02 * (time - 2.0)).clamp(0.0, 0.15);
+        let rate = if x > 0.0 && x < 0.15 { 0.02 } else { 0.0 };
+        held.step(at(x, 0.0, 0.0), at(rate, 0.0, 0.0), false);
+        fastest = fastest.max(held.speed());
+    }
+    let off = (floor(held.follower.pose()).position.x - 0.15).abs();
+    assert!(off <= settings.position, "{off} m off");
+    assert!(fastest <= settings.placing + 0.03, "{fastest} m/s");
+}
+
+#[test]
+fn wrong_settings_are_refused_by_name() {
+    let wrong = HoldSettings { position: 0.0, ..HoldSettings::default() };
+    let error = HeldFrame::new(wrong).unwrap_err().to_string();
+    assert!(error.contains("zone of positions"), "{error}");
+}

@@ -1,0 +1,76 @@
+//! The judge of calmness, on motions of which the answer is known.
+
+use moca_model::{BaseMotion, Command, Controller, ControllerSettings, MOCA_HOME, moca};
+use moca_simulation::judges::{Calmness, CalmnessMonitor};
+use moca_simulation::people::Joints;
+use nalgebra::{Matrix3, Point3, Vector3};
+
+const PERIOD: f64 = 1e-3;
+
+/// Twelve seconds with somebody who stands for eight and then walks at .3 m/s, and a robot that moves so.
+fn judge(workpiece: impl Fn(f64) -> f64, base: impl Fn(f64) -> f64) -> Calmness {
+    let comfort =
+        ergo_map::ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+    let settings = ControllerSettings::default();
+    let controller = Controller::new(moca().unwrap(), comfort, settings, &MOCA_HOME).unwrap();
+    let mut monitor = CalmnessMonitor::new(&moca().unwrap(), 3, PERIOD);
+    let mut command: Command = controller.command().clone();
+    for tick in 0..14_000 {
+        let time = f64::from(tick) * PERIOD;
+        command.joint_velocity[0] = base(time);
+        monitor.watch(&command, Vector3::new(workpiece(time), 0.0, 1.0), true);
+    }
+    let person = |time: f64| -> Option<Joints> {
+        let x = 0.3 * (time - 10.0).max(0.0);
+        let mut joints = [Point3::new(x, 0.0, 1.0); 25];
+        for (joint, y) in [(5, 0.2), (12, 0.15), (2, -0.2), (9, -0.15)] {
+            joints[joint].y = y;
+        }
+        Some(joints)
+    };
+    monitor.judge(person)
+}
+
+#[test]
+fn a_robot_at_rest_is_calm() {
+    let calm = judge(|_| 0.5, |_| 0.0);
+    let standing = calm.standing.unwrap();
+    assert!((standing.workpiece, standing.base_reversals) == (0.0, 0.0));
+    assert!((standing.base_at_rest - 1.0).abs() < 1e-12 && standing.base_at_limit == 0.0);
+    assert!(standing.person < 0.05, "{standing:?}");
+    // From 3 s of working together, 1 s later, to the first steps.
+    assert!((standing.duration - 5.7).abs() < 0.5, "{standing:?}");
+    let walking = calm.walking.unwrap();
+    assert!((walking.person - 0.3).abs() < 0.02, "{walking:?}");
+}
+
+#[test]
+fn a_swinging_workpiece_is_measured() {
+    // 20 mm at 1 Hz: 2π · 20/√2 = 88.9 mm/s, its fastest 125.7 mm/s.
+    let calm = judge(|time| 0.02 * (std::f64::consts::TAU * time).sin(), |_| 0.0);
+    let standing = calm.standing.unwrap();
+    assert!((standing.workpiece - 0.0889).abs() < 0.002, "{standing:?}");
+    assert!((standing.workpiece_p99 - 0.1257).abs() < 0.002, "{standing:?}");
+}
+
+#[test]
+fn a_base_that_answers_by_bang_bang_is_counted() {
+    // A triangle between ± 15 mm/s at the limit of .6 m/s², 10 times a second.
+    let triangle = |time: f64| 0.03 * (2.0 * ((10.0 * time).rem_euclid(1.0) - 0.5).abs() - 0.5);
+    let calm = judge(|_| 0.5, triangle);
+    let standing = calm.standing.unwrap();
+    assert!(standing.base_at_limit > 0.95, "{standing:?}");
+    assert!((standing.base_reversals - 20.0).abs() < 1.0, "{standing:?}");
+    assert!(standing.base_at_rest < 0.1, "{standing:?}");
+    assert!((standing.base - 0.015 / 3.0_f64.sqrt()).abs() < 1e-3, "{standing:?}");
+}
+
+#[test]
+fn a_command_says_why_the_base_moves() {
+    let comfort =
+        ergo_map::ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+    let settings = ControllerSettings::default();
+    let mut controller = Controller::new(moca().unwrap(), comfort, settings, &MOCA_HOME).unwrap();
+    let command = controller.step(PERIOD, &MOCA_HOME).unwrap();
+    assert!(matches!(command.base_motion, BaseMotion::Drives(_)), "nobody is there");
+}
