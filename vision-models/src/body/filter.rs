@@ -279,9 +279,11 @@ mod tests {
             let innovation = position - h * x;
             let s = h * p * h.transpose() + r * (1.0 - lasting);
             let inverse = s.try_inverse().unwrap_or_default();
-            let expected = -0.5 * (innovation.dot(&(inverse * innovation)) + s.determinant().ln());
+            let distance = innovation.dot(&(inverse * innovation));
+            let doubt = (distance.sqrt() / LIKELY).max(1.0);
+            let expected = -0.5 * (distance / doubt + (s * doubt).determinant().ln());
             assert!((likely - expected).abs() < 1e-9, "{likely} {expected}");
-            let gain = p * h.transpose() * inverse;
+            let gain = p * h.transpose() * inverse / doubt;
             x += gain * innovation;
             p = (Matrix6::identity() - gain * h) * p;
             assert!((filter.position() - x.fixed_rows::<2>(0)).norm() < 1e-12);

@@ -55,6 +55,7 @@ struct Followed {
 }
 
 impl JointFilter {
+    #[expect(clippy::large_stack_arrays, reason = "following people allocates nothing")]
     pub(super) fn new() -> Self {
         Self { joints: [None; Body25::COUNT] }
     }

@@ -65,7 +65,7 @@ impl Motion {
     }
 
     fn place(&self, frame: i64, joint: usize) -> Vector3<f64> {
-        let last = self.clip.frames.len() as i64 - 1;
+        let last = i64::try_from(self.clip.frames.len()).unwrap() - 1;
         let (turns, frame) = match self.turn {
             Some(_) => (frame.div_euclid(last), frame.rem_euclid(last)),
             None => (0, frame.clamp(0, last)),
@@ -223,6 +223,7 @@ impl Claim {
         (self.errors / self.frames).sqrt()
     }
 
+    #[allow(clippy::print_stdout)] // Figures of the tests.
     fn say(&self, what: &str) {
         let (beyond, ratio) = (100.0 * self.beyond(), self.ratio());
         println!(
