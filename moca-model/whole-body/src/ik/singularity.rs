@@ -178,7 +178,9 @@ impl SingularityDamping {
             let norm = dot(joints, joints).sqrt();
             self.sigmas[k] = norm;
             let scale = if norm > NONE { 1.0 / norm } else { 0.0 };
-            joints.iter_mut().for_each(|part| *part *= scale);
+            for part in joints {
+                *part *= scale;
+            }
         }
         true
     }

@@ -52,10 +52,11 @@ impl RowTasks {
             entries.push(TaskEntry { named, first, count });
             first += count;
         }
-        let mut known = entries.iter().map(|entry: &TaskEntry| entry.named.task.has_curvature());
-        let rests = out_of_reach == OutOfReach::Rest && known.any(|known| known);
-        let mut known = entries.iter().map(|entry: &TaskEntry| entry.named.task.has_curvature());
-        let bends = out_of_reach == OutOfReach::Approach && first > 0 && known.all(|known| known);
+        let has_curvature = |entry: &TaskEntry| entry.named.task.has_curvature();
+        let rests = out_of_reach == OutOfReach::Rest && entries.iter().any(has_curvature);
+        let bends = out_of_reach == OutOfReach::Approach
+            && !entries.is_empty()
+            && entries.iter().all(has_curvature);
         let velocities = model.velocity_count();
         let curvature = rests.then(|| CurvatureRows::new(velocities));
         let rows = first + if rests || bends { velocities } else { 0 };

@@ -55,25 +55,23 @@ fn nearly_all_arrive_and_most_as_fast_as_without_damping() {
     let arms = arms();
     let (mut missed, mut late, mut moving) = (Vec::new(), Vec::new(), 0);
     for (number, line) in STARTS.lines().enumerate() {
-        let numbers: Vec<f64> = line.split(' ').map(|text| text.parse().unwrap()).collect();
-        let (arm, numbers) = (numbers[0] as usize, &numbers[1..]);
+        let (arm, numbers) = line.split_once(' ').unwrap();
+        let model = &arms[arm.parse::<usize>().unwrap()];
+        let numbers: Vec<f64> = numbers.split(' ').map(|text| text.parse().unwrap()).collect();
         let turn = Quaternion::new(numbers[6], numbers[3], numbers[4], numbers[5]);
         let target = Isometry3::from_parts(
             Translation3::new(numbers[0], numbers[1], numbers[2]),
             UnitQuaternion::new_unchecked(turn),
         );
-        let (undamped, start) = (numbers[7], &numbers[8..]);
-        match arrival(&arms[arm], start, target) {
-            Some([time, speed]) => {
-                if time > 1.5 * undamped.max(0.1) {
-                    late.push(number);
-                }
-                moving += usize::from(speed > 0.01 && arms[arm].velocity_count() == 6);
+        let undamped = numbers[7];
+        if let Some([time, speed]) = arrival(model, &numbers[8..], target) {
+            if time > 1.5 * undamped.max(0.1) {
+                late.push(number);
             }
-            None => {
-                assert!(undamped.is_infinite(), "{number} is reached without damping");
-                missed.push(number);
-            }
+            moving += usize::from(speed > 0.01 && model.velocity_count() == 6);
+        } else {
+            assert!(undamped.is_infinite(), "{number} is reached without damping");
+            missed.push(number);
         }
     }
     assert!(missed.len() <= 3, "not reached: {missed:?}");

@@ -84,7 +84,9 @@ impl Directions {
         }
         let norms = &mut self.norms[first..first + m];
         let least = SMALLEST * norms.iter().fold(0.0_f64, |most, norm| most.max(*norm));
-        norms.iter_mut().for_each(|norm| *norm = if least > 0.0 { norm.max(least) } else { 1.0 });
+        for norm in norms {
+            *norm = if least > 0.0 { norm.max(least) } else { 1.0 };
+        }
         self.count += m;
         first..self.count
     }
