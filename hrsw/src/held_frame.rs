@@ -4,41 +4,34 @@ use nalgebra::{SVector, Vector1, Vector2};
 
 use crate::error::{Error, positive};
 
-/// When the frame of a person who stands is held, and when it is placed anew.
+/// Over how long the mean goes of where somebody is who stands \[s\]: some swings of the body.
+const MEAN: f64 = 1.0;
+/// Whoever is slower stands \[m/s\].
+const SLOW: f64 = 0.12;
+/// Whoever turns slower does not turn \[rad/s\].
+const SLOW_TURN: f64 = 0.15;
+/// For so long, before the frame is held \[s\]: four frames of a camera.
+const SETTLING: f64 = 0.2;
+/// A person leaves who is beyond [`LEAVES`] zones so much later, by their velocity \[s\].
+const AHEAD: f64 = 0.3;
+const LEAVES: f64 = 1.6;
+/// How fast a held frame goes to a new place \[zones/s\].
+const PLACING: f64 = 0.7;
+
+/// How far the mean frame of a person who stands may be from the held one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct HoldSettings {
-    /// How far the mean place of somebody who stands may be from the held one \[m\]. Default 0.07.
+    /// Over the floor \[m\]. Default 0.07.
     pub position: f64,
-    /// The same for their heading \[rad\]. Default 0.13.
+    /// In heading \[rad\]. Default 0.13.
     pub heading: f64,
-    /// Over how long that mean goes \[s\]. Default 1.0.
-    pub mean: f64,
-    /// Slower than this a person stands \[m/s\]. Default 0.12.
-    pub speed: f64,
-    /// Slower than this they do not turn \[rad/s\]. Default 0.15.
-    pub turn: f64,
-    /// For so long \[s\]. Default 0.2.
-    pub settling: f64,
-    /// The person leaves if by their velocity they are out of the zone so much later \[s\]. Default 0.3.
-    pub ahead: f64,
-    /// How fast a held frame goes to a new place \[m/s\]. Default 0.05.
-    pub placing: f64,
 }
 
 impl Default for HoldSettings {
     fn default() -> Self {
-        Self {
-            position: 0.07,
-            heading: 0.13,
-            mean: 1.0,
-            speed: 0.12,
-            turn: 0.15,
-            settling: 0.2,
-            ahead: 0.3,
-            placing: 0.05,
-        }
+        Self { position: 0.07, heading: 0.13 }
     }
 }
 
@@ -50,12 +43,6 @@ impl HoldSettings {
     pub fn validate(&self) -> Result<(), Error> {
         positive("the zone of positions of a held frame", self.position)?;
         positive("the zone of headings of a held frame", self.heading)?;
-        positive("the time of the mean of a held frame", self.mean)?;
-        positive("the speed of somebody who stands", self.speed)?;
-        positive("the turning of somebody who stands", self.turn)?;
-        positive("the settling time of a held frame", self.settling)?;
-        positive("the time ahead of a held frame", self.ahead)?;
-        positive("the placing speed of a held frame", self.placing)?;
         Ok(())
     }
 }
@@ -111,23 +98,17 @@ impl HeldFrame {
         walks: bool,
         period: f64,
     ) -> (FloorMotion, FloorMotion) {
-        let s = &self.settings;
-        let zone = Zone { width: s.position, slow: s.speed, placing: s.placing };
-        let (position, velocity) =
-            self.position.advance(seen.position, rate.position, stops.position, walks, &zone, s, period);
-        // The same in the branch of the heading that is seen.
+        let zone = Zone { width: self.settings.position, slow: SLOW };
+        let seen_at = Seen { place: seen.position, rate: rate.position, walks };
+        let (position, velocity) = self.position.advance(&seen_at, stops.position, &zone, period);
+        // Angles in the branch of the heading that is seen.
         let near = |angle: f64| seen.heading + wrapped(angle - seen.heading);
         self.heading.map(near);
-        let zone = Zone { width: s.heading, slow: s.turn, placing: s.placing * s.heading / s.position };
-        let (heading, turn) = self.heading.advance(
-            Vector1::new(seen.heading),
-            Vector1::new(rate.heading),
-            Vector1::new(near(stops.heading)),
-            walks,
-            &zone,
-            s,
-            period,
-        );
+        let zone = Zone { width: self.settings.heading, slow: SLOW_TURN };
+        let vector = |value: f64| Vector1::new(value);
+        let seen_at = Seen { place: vector(seen.heading), rate: vector(rate.heading), walks };
+        let stops = vector(near(stops.heading));
+        let (heading, turn) = self.heading.advance(&seen_at, stops, &zone, period);
         (
             FloorMotion { position, heading: heading.x },
             FloorMotion { position: velocity, heading: turn.x },
@@ -139,10 +120,17 @@ fn wrapped(angle: f64) -> f64 {
     angle.sin().atan2(angle.cos())
 }
 
+/// What holds a place or a heading.
 struct Zone {
     width: f64,
     slow: f64,
-    placing: f64,
+}
+
+/// Where somebody is, and how fast that changes.
+struct Seen<const N: usize> {
+    place: SVector<f64, N>,
+    rate: SVector<f64, N>,
+    walks: bool,
 }
 
 /// One of both.
@@ -172,45 +160,40 @@ impl<const N: usize> Hold<N> {
         self.place = self.place.map(|place| place.map(&by));
     }
 
-    #[expect(clippy::too_many_arguments, reason = "one caller")]
+    /// Goes on by `period` \[s\]; the target and how fast that moves.
     fn advance(
         &mut self,
-        seen: SVector<f64, N>,
-        rate: SVector<f64, N>,
+        seen: &Seen<N>,
         stops: SVector<f64, N>,
-        walks: bool,
         zone: &Zone,
-        settings: &HoldSettings,
         period: f64,
     ) -> (SVector<f64, N>, SVector<f64, N>) {
+        let Seen { place: seen, rate, walks } = *seen;
         let speed = rate.norm();
         if let Some(place) = self.place {
-            let passed = -(-period / settings.mean).exp_m1();
-            self.mean += (seen - self.mean) * passed;
-            let ahead = seen + rate * settings.ahead - place;
-            let leaves = ahead.norm() > 1.6 * zone.width && speed > zone.slow;
-            if leaves || (walks && speed > zone.slow) {
+            self.mean += (seen - self.mean) * -(-period / MEAN).exp_m1();
+            let ahead = seen + rate * AHEAD - place;
+            let leaves = walks || ahead.norm() > LEAVES * zone.width;
+            if leaves && speed > zone.slow {
                 self.place = None;
+                self.slow = 0.0;
             } else if (self.mean - place).norm() > zone.width {
                 self.place = Some(self.mean);
             }
         } else {
             self.slow = if speed < zone.slow && !walks { self.slow + period } else { 0.0 };
-            if self.slow >= settings.settling {
+            if self.slow >= SETTLING {
                 self.place = Some(stops);
                 (self.target, self.mean) = (stops, seen);
             }
         }
-        if let Some(place) = self.place {
-            let way = place - self.target;
-            let most = zone.placing * period;
-            let step = if way.norm() > most { way * (most / way.norm()) } else { way };
-            self.target += step;
-            (self.target, step / period)
-        } else {
+        let Some(place) = self.place else {
             // What is slow is mostly noise, and is left to the follower.
-            let certain = (speed / zone.slow - 1.0).clamp(0.0, 1.0);
-            (seen, rate * certain)
-        }
+            return (seen, rate * (speed / zone.slow - 1.0).clamp(0.0, 1.0));
+        };
+        let (way, most) = (place - self.target, PLACING * zone.width * period);
+        let step = if way.norm() > most { way * (most / way.norm()) } else { way };
+        self.target += step;
+        (self.target, step / period)
     }
 }

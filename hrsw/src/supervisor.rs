@@ -303,7 +303,8 @@ impl Supervisor {
             && self.undercut_for > 0.0
             && self.undercut_for < self.settings.retreat_after;
         let demanded = self.demand(observation, 0.0);
-        let demanded = demanded.filter(|(state, _)| !(is_glimpse && *state == SafetyState::Retreat));
+        let demanded =
+            demanded.filter(|(state, _)| !(is_glimpse && *state == SafetyState::Retreat));
         if self.state < SafetyState::Retreat {
             self.urgent = undercut.is_some_and(|pair| pair.approach > CREEP);
         }

@@ -154,7 +154,9 @@ impl Controller {
         let stack = CollaborationStack::new(&robot, &stack, safety.bound(&robot, &rest, &rest)?)?;
         robot.update(&settings.posture.configuration)?;
         let base_drive = match settings.base {
-            Some(_) => Some(BaseDrive::new(MOCA_BASE_JOINTS, &robot, &settings.posture.configuration)?),
+            Some(_) => {
+                Some(BaseDrive::new(MOCA_BASE_JOINTS, &robot, &settings.posture.configuration)?)
+            }
             None => None,
         };
         let usual = manipulability(robot.jacobian());
@@ -300,7 +302,8 @@ impl Controller {
         let joints = self.reference.iter_mut().zip(configuration).zip(&self.command.joint_velocity);
         for (index, ((reference, measured), velocity)) in joints.enumerate() {
             let expected = *reference + velocity * elapsed;
-            *reference = if index < base { expected + drawn * (measured - expected) } else { *measured };
+            *reference =
+                if index < base { expected + drawn * (measured - expected) } else { *measured };
         }
     }
 

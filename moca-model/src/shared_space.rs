@@ -2,8 +2,8 @@
 
 use ergo_map::PersonFrame;
 use hrsw::{
-    Attachment, Bounds, FloorMotion, FrameFollower, Headway, HeldFrame, MovingSettings, MovingWorkspace, OrientationShape,
-    PositionShape, Workspace,
+    Attachment, Bounds, FloorMotion, FrameFollower, Headway, HeldFrame, MovingSettings,
+    MovingWorkspace, OrientationShape, PositionShape, Workspace,
 };
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 use vision_models::{BodyTracker, Intention, Percept, StatureEstimate, TrackedPerson};

@@ -142,8 +142,9 @@ impl CollaborationStack {
             },
         };
         rest.push("posture", posture.task()?);
-        let mut levels =
-            vec![speed_cap, separation, own_bodies, returns, gentle, kinematics, workspace, goal, rest];
+        let mut levels = vec![
+            speed_cap, separation, own_bodies, returns, gentle, kinematics, workspace, goal, rest,
+        ];
         levels.retain(|level| !level.is_empty());
         Ok(Self {
             stack: TaskStack::new(model, &variables, levels, Settings::default())?,

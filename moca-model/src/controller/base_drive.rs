@@ -35,17 +35,19 @@ impl BaseDrive {
     ///
     /// # Errors
     /// None for limits of a robot.
-    pub(super) fn new(
-        base: usize,
-        robot: &Kinematics,
-        posture: &[f64],
-    ) -> Result<Self, Error> {
+    pub(super) fn new(base: usize, robot: &Kinematics, posture: &[f64]) -> Result<Self, Error> {
         let gentle = |limits: &JointLimits| {
             let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
             Ok(Limits::new(lower, upper, limits.velocity, GENTLE * limits.acceleration)?)
         };
         Ok(Self {
-            limits: robot.model().limits().iter().take(base).map(gentle).collect::<Result<_, Error>>()?,
+            limits: robot
+                .model()
+                .limits()
+                .iter()
+                .take(base)
+                .map(gentle)
+                .collect::<Result<_, Error>>()?,
             usual: manipulability_behind(robot.jacobian(), base),
             nominal: place(robot, posture),
             motion: BaseMotion::Drives(DriveReason::PersonMoves),

@@ -89,14 +89,16 @@ pub struct CalmnessMonitor {
 impl CalmnessMonitor {
     /// Begins with a robot at rest, whose first `base` joints are those of a base; ticks are `period` \[s\] apart.
     pub fn new(model: &Model, base: usize, period: f64) -> Self {
-        let limit = |axis: usize| model.limits().get(axis).map_or(f64::INFINITY, |l| l.acceleration);
+        let limit =
+            |axis: usize| model.limits().get(axis).map_or(f64::INFINITY, |l| l.acceleration);
         let most = Vector2::new(limit(0), limit(1)) * (AT_LIMIT * period);
         Self { period, base, most, ticks: Vec::new() }
     }
 
     /// Takes a tick: its command, where the workpiece truly is \[m\], and whether person and robot work together.
     pub fn watch(&mut self, command: &Command, workpiece: Vector3<f64>, together: bool) {
-        let (base, rest) = command.joint_velocity.split_at(self.base.min(command.joint_velocity.len()));
+        let (base, rest) =
+            command.joint_velocity.split_at(self.base.min(command.joint_velocity.len()));
         let base = match base {
             [x, y, ..] => Vector2::new(*x, *y),
             _ => Vector2::zeros(),
@@ -118,7 +120,8 @@ impl CalmnessMonitor {
         let Some(motion) = self.person(person) else { return Calmness::default() };
         let ticks = |time: f64| (time / self.period).round() as usize;
         // The robot's own way to the person does not count.
-        let together = stretches(self.ticks.iter().map(|tick| tick.together), ticks(4.0), ticks(3.0));
+        let together =
+            stretches(self.ticks.iter().map(|tick| tick.together), ticks(4.0), ticks(3.0));
         let all = || together.iter().zip(&motion);
         let stands = |settling: f64| {
             let stands = all().map(|(together, [speed, turn])| {
@@ -145,7 +148,8 @@ impl CalmnessMonitor {
         }
         let number = count as f64;
         let ticks = || self.ticks.iter().enumerate().filter(|(index, _)| chosen(*index));
-        let mean = |of: &dyn Fn(&Tick) -> f64| ticks().map(|(_, tick)| of(tick)).sum::<f64>() / number;
+        let mean =
+            |of: &dyn Fn(&Tick) -> f64| ticks().map(|(_, tick)| of(tick)).sum::<f64>() / number;
         let rms = |values: &mut dyn Iterator<Item = f64>| {
             (values.map(|value| value * value).sum::<f64>() / number).sqrt()
         };
@@ -210,7 +214,9 @@ impl CalmnessMonitor {
         let seen: Option<Vec<Joints>> = (0..steps).map(|step| person(step as f64 * STEP)).collect();
         let seen = seen?;
         let place = smooth(seen.iter().map(|joints| middle(joints, &TRUNK)).collect());
-        let across = smooth(seen.iter().map(|joints| middle(joints, &LEFT) - middle(joints, &RIGHT)).collect());
+        let across = smooth(
+            seen.iter().map(|joints| middle(joints, &LEFT) - middle(joints, &RIGHT)).collect(),
+        );
         let rates: Vec<[f64; 2]> = (0..steps)
             .map(|step| {
                 let (from, to) = (step.saturating_sub(1), (step + 1).min(steps - 1));
