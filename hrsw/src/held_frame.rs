@@ -15,6 +15,8 @@ const SETTLING: f64 = 0.2;
 /// A person leaves who is beyond [`LEAVES`] zones so much later, by their velocity \[s\].
 const AHEAD: f64 = 0.3;
 const LEAVES: f64 = 1.6;
+/// Whoever is farther from the held place is not swaying \[zones\].
+const ELSEWHERE: f64 = 3.0;
 /// How fast a held frame goes to a new place \[zones/s\].
 const PLACING: f64 = 0.7;
 
@@ -174,7 +176,8 @@ impl<const N: usize> Hold<N> {
             self.mean += (seen - self.mean) * -(-period / MEAN).exp_m1();
             let ahead = seen + rate * AHEAD - place;
             let leaves = walks || ahead.norm() > LEAVES * zone.width;
-            if leaves && speed > zone.slow {
+            let is_elsewhere = (seen - place).norm() > ELSEWHERE * zone.width;
+            if is_elsewhere || leaves && speed > zone.slow {
                 self.place = None;
                 self.slow = 0.0;
             } else if (self.mean - place).norm() > zone.width {
@@ -182,7 +185,7 @@ impl<const N: usize> Hold<N> {
             }
         } else {
             self.slow = if speed < zone.slow && !walks { self.slow + period } else { 0.0 };
-            if self.slow >= SETTLING {
+            if self.slow >= SETTLING && (stops - seen).norm() <= zone.width {
                 self.place = Some(stops);
                 (self.target, self.mean) = (stops, seen);
             }

@@ -302,9 +302,9 @@ impl Supervisor {
         let is_glimpse = self.state < SafetyState::Retreat
             && self.undercut_for > 0.0
             && self.undercut_for < self.settings.retreat_after;
+        let nearest = observation.nearest.filter(|_| !is_glimpse);
+        let observation = &Observation { nearest, ..*observation };
         let demanded = self.demand(observation, 0.0);
-        let demanded =
-            demanded.filter(|(state, _)| !(is_glimpse && *state == SafetyState::Retreat));
         if self.state < SafetyState::Retreat {
             self.urgent = undercut.is_some_and(|pair| pair.approach > CREEP);
         }

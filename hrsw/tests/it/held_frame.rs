@@ -64,7 +64,7 @@ proptest! {
             let seen = at(1.0 + sway * sine, 0.5, heading + turn * sine);
             let moves = at(sway * rate * cosine, 0.0, turn * rate * cosine);
             held.step(seen, moves, false);
-            if tick > 2000 {
+            if tick > 4000 {
                 prop_assert!(held.frame.is_held());
                 prop_assert!(held.speed() < 1e-9, "{} at {time} s", held.speed());
             }

@@ -101,7 +101,7 @@ fn the_tool_comes_to_the_best_place_and_stays_there_without_overshoot() {
     let best = Vector3::new(0.42, -0.1, 1.1);
     run.run(1000, |time| Some(percept(time, &person, Action::Using(Tool::Drill))));
     let mut nearest = (run.hand_in(&person) - best).norm();
-    for _ in 0..9000 {
+    for _ in 0..19_000 {
         run.run(1, |time| Some(percept(time, &person, Action::Using(Tool::Drill))));
         let distance = (run.hand_in(&person) - best).norm();
         assert!(distance < nearest + 1e-4, "moves away: {distance} after {nearest}");
@@ -202,8 +202,9 @@ fn a_jump_of_two_metres_is_followed_within_the_limits() {
     }
     let best = Vector3::new(0.42, -0.1, 1.1);
     // The frame is held where it came to rest, within its zone.
-    let zone = ControllerSettings::default().hold.position;
-    assert!((run.hand_in(&place(10.0)) - best).norm() < zone);
+    let zone = ControllerSettings::default().hold;
+    let off = (run.hand_in(&place(10.0)) - best).norm();
+    assert!(off < zone.position + zone.heading * best.norm(), "{off} m");
 }
 
 proptest! {

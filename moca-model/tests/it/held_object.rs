@@ -189,8 +189,8 @@ fn objects_that_are_none_are_named_and_change_nothing() {
 }
 
 /// How far the tool turns about the vertical while it shows the far side of the object to a person, who uses a tool
-/// for that, by a robot whose wrist is `turned` from home and whose base has so much room to turn either way \[rad\].
-fn half_turn(turned: f64, room: f64) -> f64 {
+/// for that, and how far it was turned when that began, by a robot whose wrist is `turned` from home and whose base has so much room to turn either way \[rad\].
+fn half_turn(turned: f64, room: f64) -> (f64, f64) {
     let mut description = moca_description();
     for (_, limits) in description.limits.iter_mut().filter(|(joint, _)| joint == "base_yaw") {
         limits.position = Some((-room, room));
@@ -213,7 +213,7 @@ fn half_turn(turned: f64, room: f64) -> f64 {
         let x = tool * Vector3::x();
         x.y.atan2(x.x)
     };
-    let (mut way, mut before) = (0.0, yaw(&start));
+    let (mut way, mut before, mut first) = (0.0, yaw(&start), None);
     let mut controller = controller.clone();
     for tick in 0..10_000_u32 {
         let now = f64::from(tick) * PERIOD;
@@ -226,25 +226,26 @@ fn half_turn(turned: f64, room: f64) -> f64 {
         robot.step(&controller.command().joint_velocity, PERIOD).unwrap();
         let yaw = yaw(robot.position());
         if now > 3.0 {
+            first.get_or_insert(before);
             way += (yaw - before + PI).rem_euclid(TAU) - PI;
         }
         before = yaw;
     }
     assert_eq!(controller.phase(), Phase::Working, "from {turned}");
     assert_eq!(controller.shown(), BoxSide::Back, "from {turned}");
-    way
+    (way, first.unwrap())
 }
 
 /// Of two ways to turn by half a turn the object goes the shorter one, if the wrist can or the base can help.
 #[test]
 fn half_a_turn_goes_the_shorter_way_if_it_can() {
     for turned in [-0.25, -0.1, 0.1, 0.25_f64] {
-        let way = half_turn(turned, f64::INFINITY);
-        assert_eq!(way.signum(), turned.signum(), "from {turned}: {way}");
+        let (way, first) = half_turn(turned, f64::INFINITY);
+        assert_eq!(way.signum(), first.signum(), "from {first}: {way}");
         // To the edge of the room for orientations, 0.35 rad, from where it stands.
         assert!(way.abs() < PI - 0.3, "from {turned}: {way}");
         // The wrist alone has room for that way only.
-        let way = half_turn(turned, 0.3);
+        let (way, _) = half_turn(turned, 0.3);
         assert!(way > 0.0 && way < PI, "from {turned}: {way}");
     }
 }

@@ -1,8 +1,8 @@
 //! How well the tracker knows the motion of real people, and how still who stands: joints of motion capture and film, with
 //! the errors of a real detector and of the shipped camera.
 //!
-//! The truth is the whole record, smoothed; what the tracker says has no part in it. Densities were chosen at other speeds
-//! of the gait and other errors than those that are judged here.
+//! The truth is the whole record, smoothed; what the tracker says has no part in it. Densities were chosen on these
+//! records too: there are no others.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;

@@ -118,7 +118,7 @@ impl CalmnessMonitor {
     /// What it came to for somebody whose joints are at `person` so long after the first tick \[s\].
     pub fn judge(&self, person: impl Fn(f64) -> Option<Joints>) -> Calmness {
         let Some(motion) = self.person(person) else { return Calmness::default() };
-        let ticks = |time: f64| (time / self.period).round() as usize;
+        let ticks = |time: f64| whole((time / self.period).round());
         // The robot's own way to the person does not count.
         let together =
             stretches(self.ticks.iter().map(|tick| tick.together), ticks(4.0), ticks(3.0));
@@ -184,7 +184,7 @@ impl CalmnessMonitor {
 
     /// How fast the workpiece is in each tick \[m/s\].
     fn workpiece_speeds(&self) -> Vec<f64> {
-        let side = (0.5 * AVERAGED / self.period).round() as usize;
+        let side = whole((0.5 * AVERAGED / self.period).round());
         let last = self.ticks.len().saturating_sub(1);
         let mut sums = vec![Vector3::zeros()];
         for tick in &self.ticks {
@@ -210,13 +210,13 @@ impl CalmnessMonitor {
     /// known.
     fn person(&self, person: impl Fn(f64) -> Option<Joints>) -> Option<Vec<[f64; 2]>> {
         let duration = self.ticks.len() as f64 * self.period;
-        let steps = (duration / STEP).ceil() as usize + 2;
+        let steps = whole((duration / STEP).ceil()) + 2;
         let seen: Option<Vec<Joints>> = (0..steps).map(|step| person(step as f64 * STEP)).collect();
         let seen = seen?;
-        let place = smooth(seen.iter().map(|joints| middle(joints, &TRUNK)).collect());
-        let across = smooth(
-            seen.iter().map(|joints| middle(joints, &LEFT) - middle(joints, &RIGHT)).collect(),
-        );
+        let trunk: Vec<_> = seen.iter().map(|joints| middle(joints, &TRUNK)).collect();
+        let place = smooth(&trunk);
+        let across = seen.iter().map(|joints| middle(joints, &LEFT) - middle(joints, &RIGHT));
+        let across = smooth(&across.collect::<Vec<_>>());
         let rates: Vec<[f64; 2]> = (0..steps)
             .map(|step| {
                 let (from, to) = (step.saturating_sub(1), (step + 1).min(steps - 1));
@@ -228,7 +228,7 @@ impl CalmnessMonitor {
         let at = |tick: usize| {
             let at = tick as f64 * self.period / STEP;
             let before = at.floor();
-            let (share, before) = (at - before, before as usize);
+            let (share, before) = (at - before, whole(before));
             let (from, to) = (rates[before], rates[before + 1]);
             [0, 1].map(|part| from[part] + (to[part] - from[part]) * share)
         };
@@ -254,7 +254,7 @@ fn middle(joints: &Joints, of: &[Body25]) -> Vector2<f64> {
 }
 
 /// A parabola fitted to each value and its neighbours (Savitzky and Golay, 1964); ends count as going on.
-fn smooth(values: Vec<Vector2<f64>>) -> Vec<Vector2<f64>> {
+fn smooth(values: &[Vector2<f64>]) -> Vec<Vector2<f64>> {
     let m = SIDE as f64;
     let weight = |offset: f64| {
         3.0 * (3.0 * m * m + 3.0 * m - 1.0 - 5.0 * offset * offset)
@@ -270,6 +270,16 @@ fn smooth(values: Vec<Vector2<f64>>) -> Vec<Vector2<f64>> {
             .sum()
     };
     (0..values.len()).map(at).collect()
+}
+
+/// A count that was computed; zero for what is none.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "ticks count far below 2^52"
+)]
+fn whole(count: f64) -> usize {
+    count.max(0.0) as usize
 }
 
 /// Where this holds for at least so many ticks, without the first of them.
