@@ -275,30 +275,6 @@ impl ApproachRows {
         keeps_rows && (self.undercut.is_left_by(motion, velocity, ROUNDING) || brakes())
     }
 
-    #[allow(missing_docs)]
-    pub fn dbg(&self, rows: &Rows, velocity: &[f64]) -> [f64; 6] {
-        let mut out = [0.0; 6];
-        for (candidate, row) in self.places.candidates().zip(rows.iter()) {
-            let Some(candidate) = candidate.and_then(|candidate| self.candidates.get(candidate))
-            else {
-                continue;
-            };
-            let (row, _, upper) = row;
-            let v: f64 = row.iter().zip(velocity).map(|(a, b)| a * b).sum();
-            if v > upper - 1e-6 {
-                out[0] += 1.0;
-                if out[0] == 1.0 {
-                    out[1] = candidate.id.robot as f64;
-                    out[2] = candidate.id.other as f64;
-                    out[3] = f64::from(u8::from(candidate.contact));
-                    out[4] = upper;
-                    out[5] = candidate.room;
-                }
-            }
-        }
-        out
-    }
-
     /// Returns true if a pair that may not touch is nearer than what is not known of both places: no
     /// direction is surely away then, and the robot must stand.
     pub fn is_too_near_to_tell(&self) -> bool {

@@ -10,7 +10,7 @@ const MEAN: f64 = 1.0;
 const SLOW: f64 = 0.12;
 /// Whoever turns slower does not turn \[rad/s\].
 const SLOW_TURN: f64 = 0.15;
-/// For so long, before the frame is held \[s\]: four frames of a camera.
+/// Time for which a person must be slow before the frame is held \[s\]: four frames of a camera.
 const SETTLING: f64 = 0.2;
 /// A person leaves who is beyond [`LEAVES`] zones so much later, by their velocity \[s\].
 const AHEAD: f64 = 0.3;
@@ -60,7 +60,7 @@ pub struct FloorMotion {
 
 /// The frame of a person that a robot works by: held in the world while they stand, along with them while they walk.
 ///
-/// Place and heading are held each for themselves. Who sways, or leans, does not move it. It is placed anew, slowly,
+/// Place and heading are held each by itself. A person who sways or leans does not move it. It is placed anew, slowly,
 /// when their mean place has left the zone around it, and follows again when they leave the zone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldFrame {
@@ -122,7 +122,7 @@ fn wrapped(angle: f64) -> f64 {
     angle.sin().atan2(angle.cos())
 }
 
-/// What holds a place or a heading.
+/// Within what a place or a heading is held.
 struct Zone {
     width: f64,
     slow: f64,
@@ -135,16 +135,16 @@ struct Seen<const N: usize> {
     walks: bool,
 }
 
-/// One of both.
+/// Holds a place or a heading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Hold<const N: usize> {
     /// Where it is held; none while it follows.
     place: Option<SVector<f64, N>>,
     /// The target on the way to a new place.
     target: SVector<f64, N>,
-    /// Of where the person is.
+    /// Slow mean of where the person is.
     mean: SVector<f64, N>,
-    /// For how long they have been slow \[s\].
+    /// Time for which the person has been slow \[s\].
     slow: f64,
 }
 

@@ -38,7 +38,7 @@ pub enum BaseMotion {
 pub enum DriveReason {
     /// The shared workspace moves, the object turns, or nobody is there whom the base stands for.
     PersonMoves,
-    /// The arm alone is too near to a singular configuration.
+    /// The tool is too far from its place at the posture, or the arm alone too near to a singular configuration.
     Reach,
     /// Somebody is nearer than they may be.
     Separation,

@@ -285,11 +285,6 @@ impl Safety {
         self.separation.is_kept_by(&motion, &self.separation_rows, velocity, braking)
     }
 
-    #[allow(missing_docs)]
-    pub fn dbg(&self, velocity: &[f64]) -> [f64; 6] {
-        self.separation.dbg(&self.separation_rows, velocity)
-    }
-
     /// The share of their speeds that the joints may use: at once zero in a stop for a fault, while the
     /// robot moves towards somebody who is too close, and where more pairs are at their limit than there
     /// are rows or one is nearer than can be told; else the supervisor's, in retreat more by the speed at

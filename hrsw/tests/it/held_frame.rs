@@ -96,7 +96,7 @@ proptest! {
     }
 }
 
-/// Who has gone, slowly, is gone after slowly.
+/// A person who moves off slowly is followed slowly.
 #[test]
 fn it_is_placed_anew_when_the_mean_place_has_left_the_zone() {
     let settings = HoldSettings::default();

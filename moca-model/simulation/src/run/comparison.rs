@@ -41,7 +41,7 @@ struct Line {
     truth: bool,
     contact_speed_p999: Option<f64>,
     tracking_error_rms_mm: f64,
-    /// With ergonomics; none where nobody knows where the person truly was.
+    /// Calmness with ergonomics; empty where nobody knows where the person truly was.
     calmness: Calmness,
     limit_violations: u64,
     jerk_violations: u64,
