@@ -247,32 +247,34 @@ impl ApproachRows {
         }
     }
 
-    /// Returns true if with `velocity`, n, no pair of the rows written last that may not touch comes nearer
-    /// faster than it may, and none that may touch does so faster than with `braking`, n, too. Of a person
-    /// who is nearer than a robot at rest should be it must surely come no nearer, wherever they are: they
-    /// have moved since they were seen, and may have done so otherwise than measured. Otherwise rows
-    /// contradict each other, as between two people, or the robot cannot brake in time: it should then brake
-    /// all that it can, and not weigh one distance against another.
-    pub fn is_kept_by(
+    /// The least share of the way from `velocity` to `braking`, each n, after which every pair of the rows written last
+    /// comes nearer no faster than it may, or than with `braking` \[-\]. Rows that contradict each other, as between two
+    /// people, are then not weighed against one another.
+    ///
+    /// If a person is nearer than a robot at rest should be, the robot must surely come no nearer, wherever they are:
+    /// they have moved since they were seen, and may have done so otherwise than measured. Where it would, all of the
+    /// way is needed.
+    pub fn braking_share(
         &self,
         motion: &JointMotion<'_>,
         rows: &Rows,
         velocity: &[f64],
         braking: &[f64],
-    ) -> bool {
-        let keeps_rows = self.places.candidates().zip(rows.iter()).all(|(candidate, row)| {
-            let Some(candidate) = candidate.and_then(|candidate| self.candidates.get(candidate))
-            else {
-                return true;
-            };
-            let (row, _, upper) = row;
+    ) -> f64 {
+        let mut share = 0.0_f64;
+        for (candidate, (row, _, upper)) in self.places.candidates().zip(rows.iter()) {
+            if candidate.is_none() {
+                continue;
+            }
             let along =
                 |velocity: &[f64]| -> f64 { row.iter().zip(velocity).map(|(a, b)| a * b).sum() };
-            let approach = along(velocity) - ROUNDING;
-            approach <= upper || candidate.contact && approach <= along(braking)
-        });
-        let brakes = || velocity.iter().zip(braking).all(|(v, braking)| v == braking);
-        keeps_rows && (self.undercut.is_left_by(motion, velocity, ROUNDING) || brakes())
+            let (approach, least) = (along(velocity) - ROUNDING, along(braking));
+            if approach > upper.max(least) {
+                share = share.max((approach - upper.max(least)) / (approach - least));
+            }
+        }
+        let is_left = self.undercut.is_left_by(motion, velocity, ROUNDING);
+        if is_left && (share == 0.0 || self.undercut.is_empty()) { share.min(1.0) } else { 1.0 }
     }
 
     /// Returns true if a pair that may not touch is nearer than what is not known of both places: no

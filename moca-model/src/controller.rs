@@ -450,12 +450,10 @@ impl Controller {
         self.command.joint_velocity.copy_from_slice(joints);
         self.command.desired_twist.copy_from_slice(desired);
         self.command.slack.copy_from_slice(slack);
-        // Where not all can be kept at their distances none is weighed against another.
         let velocity = &self.command.joint_velocity;
-        self.keeps_separation = self.safety.is_kept_by(&self.robot, velocity, &self.braking);
-        if !self.keeps_separation {
-            self.go_towards_rest();
-        }
+        let share = self.safety.braking_share(&self.robot, velocity, &self.braking);
+        self.keeps_separation = share == 0.0;
+        self.go_towards_rest(share);
         Ok(status)
     }
 

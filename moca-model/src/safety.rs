@@ -277,12 +277,11 @@ impl Safety {
         Ok(SafetyRows { cap, separation: &self.separation_rows, own })
     }
 
-    /// Returns true if with these velocities, n, no pair that may not touch comes nearer faster than it may,
-    /// surely no nearer where it is nearer than it should be, and none that may touch comes nearer faster
-    /// than with `braking`, n, too.
-    pub fn is_kept_by(&self, robot: &Kinematics, velocity: &[f64], braking: &[f64]) -> bool {
+    /// The share of the way from these velocities to `braking`, each n, that the distances ask for \[-\]. See
+    /// [`ApproachRows::braking_share`].
+    pub fn braking_share(&self, robot: &Kinematics, velocity: &[f64], braking: &[f64]) -> f64 {
         let motion = motion(robot, velocity, None);
-        self.separation.is_kept_by(&motion, &self.separation_rows, velocity, braking)
+        self.separation.braking_share(&motion, &self.separation_rows, velocity, braking)
     }
 
     /// The share of their speeds that the joints may use: at once zero in a stop for a fault, while the
@@ -326,6 +325,7 @@ impl Safety {
         self.person.placed()
     }
 
+    #[allow(missing_docs)]
     /// Those of everybody.
     pub fn all_bodies(&self) -> &[PersonBody] {
         &self.people

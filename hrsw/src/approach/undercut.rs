@@ -83,6 +83,11 @@ impl Undercut {
         });
     }
 
+    /// Returns true if nobody is nearer than a robot at rest should be.
+    pub(super) fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
     pub(super) fn overflows(&self) -> bool {
         self.overflows
     }

@@ -83,6 +83,44 @@ proptest! {
         }
     }
 
+    /// Velocities are drawn to braking just so far that each pair is as slow as it may be, or as with braking.
+    #[test]
+    fn velocities_are_drawn_to_braking_no_farther_than_needed(
+        robot in capsule(0.8), people in prop::array::uniform2(capsule(1.5)),
+        twist in prop::array::uniform6(-1.5..1.5_f64), braking in prop::array::uniform6(-0.2..0.2_f64),
+    ) {
+        let jacobian = Matrix6xX::identity(JOINTS);
+        let motion = flying(&jacobian, &twist);
+        let body = RobotBody { capsule: robot, joints: JOINTS };
+        let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
+        let people = people.map(|capsule| PersonBody {
+            assumed_speed: 1.6, capsule, velocity, age: 0.0, uncertainty: 0.0, contact: None,
+        });
+        let mut separation = ApproachRows::new(STATE, SeparationSettings::default(), 6).unwrap();
+        let mut rows = separation.rows();
+        separation.write(&motion, &[body], &people, &mut rows).unwrap();
+        let share = separation.braking_share(&motion, &rows, &twist, &braking);
+        prop_assert!((0.0..=1.0).contains(&share));
+        let most_too_fast = |share: f64| {
+            let along = |row: &[f64], velocity: [f64; JOINTS]| -> f64 {
+                row.iter().zip(&velocity).map(|(a, b)| a * b).sum()
+            };
+            let drawn = std::array::from_fn(|i| twist[i] + share * (braking[i] - twist[i]));
+            rows.iter()
+                .map(|(row, _, upper)| along(row, drawn) - upper.max(along(row, braking)))
+                .fold(f64::NEG_INFINITY, f64::max)
+        };
+        prop_assert!(most_too_fast(share) <= 1e-6);
+        // Somebody who is too near asks for all of it.
+        let is_too_near = people.iter().any(|part| {
+            let distance = proximity(&robot, &part.capsule).distance;
+            distance < SeparationSettings::default().protective_distance(0.0, 0.0)
+        });
+        if share > 1e-3 && !is_too_near {
+            prop_assert!(most_too_fast(share - 1e-3) > 0.0);
+        }
+    }
+
     /// A robot that is nearer than it may be comes no nearer wherever the person is: they have moved on since
     /// they were seen, at a speed known only so well, and were seen only so exactly.
     #[test]
@@ -113,7 +151,7 @@ proptest! {
         let mut separation = ApproachRows::new(STATE, settings, 3).unwrap();
         let mut rows = separation.rows();
         separation.write(&motion, &[body], &[part], &mut rows).unwrap();
-        prop_assume!(separation.is_kept_by(&motion, &rows, &twist, &[0.0; JOINTS]));
+        prop_assume!(separation.braking_share(&motion, &rows, &twist, &[0.0; JOINTS]) == 0.0);
 
         let (mean, spread) = match velocity {
             Some(v) => (v.mean * age, v.uncertainty * age),
@@ -147,7 +185,7 @@ fn a_direction_away_from_where_the_person_was_is_none_away_from_where_they_are()
         };
         let motion = flying(&jacobian, &twist);
         separation.write(&motion, &[robot], &[person], &mut rows).unwrap();
-        separation.is_kept_by(&motion, &rows, &twist, &[0.0; JOINTS])
+        separation.braking_share(&motion, &rows, &twist, &[0.0; JOINTS]) == 0.0
     };
     let aside = [0.1, 0.15, 0.0, 0.0, 0.0, 0.0];
     assert!(keeps(0.25, aside, 0.1), "farther than the protective distance of 0.16 m");

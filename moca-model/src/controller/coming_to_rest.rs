@@ -9,17 +9,22 @@ use crate::motion_limits::{TickTimes, brake, nearest_to_rest};
 impl Controller {
     /// Every joint, and the desired pose, as near to rest as its limits allow.
     pub(super) fn brake(&mut self) {
-        self.go_towards_rest();
+        self.go_towards_rest(1.0);
         self.command.outcome = Outcome::Braking;
     }
 
-    pub(super) fn go_towards_rest(&mut self) {
-        let (_, desired) = self.intervals.split_at(self.braking.len());
-        self.command.joint_velocity.copy_from_slice(&self.braking);
-        for (velocity, interval) in self.command.desired_twist.iter_mut().zip(desired) {
-            *velocity = nearest_to_rest(interval);
+    /// Goes this share of the way from the velocities to those nearest to rest.
+    pub(super) fn go_towards_rest(&mut self, share: f64) {
+        if share == 0.0 {
+            return;
         }
-        self.command.slack = Vector6::zeros();
+        let (_, desired) = self.intervals.split_at(self.braking.len());
+        let velocities = self.command.joint_velocity.iter_mut().zip(&self.braking);
+        velocities.for_each(|(velocity, braking)| *velocity += share * (braking - *velocity));
+        for (velocity, interval) in self.command.desired_twist.iter_mut().zip(desired) {
+            *velocity += share * (nearest_to_rest(interval) - *velocity);
+        }
+        self.command.slack *= 1.0 - share;
     }
 
     /// Brakes at the limits of acceleration, whatever else holds.
