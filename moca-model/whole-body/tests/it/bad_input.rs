@@ -112,7 +112,10 @@ fn payloads_that_are_none() {
     let payload =
         Payload { frame, mass: 1.0, centre: Point3::origin(), inertia: Matrix3::identity() };
     let negative = Payload { mass: -1.0, ..payload };
-    expect(data.attach(&model, &negative).unwrap_err(), &["payload", "-1 kg"]);
+    expect(
+        data.attach(&model, &negative).unwrap_err(),
+        &["payload", "-1; it must be zero or positive [kg]"],
+    );
     let nowhere = Payload { centre: Point3::new(f64::NAN, 0.0, 0.0), ..payload };
     expect(data.attach(&model, &nowhere).unwrap_err(), &["payload", "finite"]);
     for _ in 0..8 {

@@ -53,7 +53,10 @@ fn tasks_that_the_robot_cannot_do() {
     );
     expect(refused(&model, FrameTask::new(root)), &names);
     expect(refused(&model, RelativeFrameTask::new(link7, hand)), &["panda_link7", "panda_hand"]);
-    expect(refused(&model, PositionTask::new(hand).with_axes(&[])), &["controls nothing"]);
+    expect(
+        refused(&model, PositionTask::new(hand).with_axes(&[])),
+        &["controls no axis, joint or row"],
+    );
     expect(refused(&model, PositionTask::new(hand).with_gain(0.0)), &["gain", "positive"]);
     expect(refused(&model, PositionTask::new(hand).with_gain(f64::NAN)), &["gain", "NaN"]);
     let weights = Vector3::new(1.0, -1.0, 1.0);
@@ -62,7 +65,7 @@ fn tasks_that_the_robot_cannot_do() {
     expect(refused(&model, PostureTask::new().with_weights(&[1.0; 3])), &["weights", "3", "7"]);
     expect(refused(&model, DampingTask::new().with_weights(&[1.0; 9])), &["weights", "9", "7"]);
     expect(refused(&model, JointCouplingTask::new(&[])), &["coefficients"]);
-    expect(refused(&model, VelocityTask::new(0)), &["controls nothing"]);
+    expect(refused(&model, VelocityTask::new(0)), &["controls no axis, joint or row"]);
     expect(refused(&model, WheelLimit::mecanum(1.0, 0.5)), &["no planar base", "panda"]);
     let limit = FrameVelocityLimit::new(hand, Vector3::new(0.1, -1.0, 0.1), Vector3::repeat(1.0));
     expect(refused(&model, limit), &["limit", "-1", "positive"]);

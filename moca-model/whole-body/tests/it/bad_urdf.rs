@@ -182,7 +182,7 @@ fn elements_and_attributes_that_are_missing_or_wrong() {
         Error::Value { .. },
         "panda_link7",
         format!("line {}:", line - 2),
-        "-0.735522 kg"
+        "-0.735522; it must be zero or positive [kg]"
     );
     let (text, _) = changed("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 0 0\"/>");
     assert_error!(error_of(&text), Error::Urdf(UrdfError::ZeroAxis { .. }), "base_y", "direction");
