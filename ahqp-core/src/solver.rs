@@ -139,6 +139,11 @@ impl Solver {
         &self.conflict
     }
 
+    /// The solution of the last solve; none before the first, after an error, and once it is forgotten.
+    pub fn solution(&self) -> Option<&Solution> {
+        (self.memory != Memory::Nothing).then_some(&self.solution)
+    }
+
     /// The active set and the point of the last solve, if it ended at the optimum.
     pub(crate) fn at_optimum(&mut self) -> Option<(&mut ActiveSet, &[f64])> {
         (self.memory == Memory::Optimum).then_some((&mut self.set, &self.solution.x))

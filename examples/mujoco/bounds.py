@@ -200,17 +200,20 @@ def main():
         if options.places:
             return bench.write_places()
         times = moments(options.moments)
+        # All runs are begun before the first is judged, so that no core waits.
+        tasks, troubles = [], []
         if options.only in ("", "steady"):
-            note("carrying", judge_carrying(bench))
+            tasks.append(("carrying", pool.submit(judge_carrying, bench)))
             for what, judge, cases in (("steady", judge_steady, STEADY), ("refused", judge_refused, REFUSED)):
-                tasks = [pool.submit(judge, bench, *case, options.seconds) for case in cases]
-                for task in tasks:
-                    note(what, task.result())
+                tasks += [(what, pool.submit(judge, bench, *case, options.seconds)) for case in cases]
         for kind, lengths in TROUBLES:
             if options.only in ("", kind):
-                outcomes = list(pool.map(partial(suffer, bench, kind, lengths), times))
-                for ticks, of_one in zip(lengths, zip(*outcomes)):
-                    note("trouble", judge_trouble(kind, ticks, of_one))
+                troubles.append((kind, lengths, pool.map(partial(suffer, bench, kind, lengths), times)))
+        for what, task in tasks:
+            note(what, task.result())
+        for kind, lengths, outcomes in troubles:
+            for ticks, of_one in zip(lengths, zip(*outcomes)):
+                note("trouble", judge_trouble(kind, ticks, of_one))
     if options.rows:
         options.rows.write_text(json.dumps(rows, indent=1, default=float) + "\n")
     print(f"{failures} bounds do not hold" if failures else "all bounds hold")

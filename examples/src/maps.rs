@@ -4,7 +4,6 @@ use std::{fs::File, path::Path, sync::Arc};
 
 use anyhow::Context;
 use ergo_map::{ErgonomicsMap, MapOptions, Person};
-use ergo_report::maps::MapError;
 
 use crate::program::Session;
 
@@ -33,7 +32,7 @@ pub fn build_map(
         pool.install(|| ErgonomicsMap::build(&person, &options, Some(&report)))
     });
     progress.finish();
-    Ok(built?.map_err(MapError::from)?)
+    Ok(built?.map_err(ergo_report::Error::from)?)
 }
 
 /// Reads the map that `ergo_map` has saved in this file.

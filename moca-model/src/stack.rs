@@ -197,7 +197,7 @@ impl CollaborationStack {
             smoothness.set_range(row, *velocity, *velocity)?;
         }
         stack.write(&mut robot.posed()?, input.velocity, self.period)?;
-        Ok(stack.solve(self.period, self.budget)?)
+        Ok(stack.solve(self.budget)?)
     }
 
     fn set_bounds(&mut self, intervals: &[VelocityInterval]) {

@@ -372,13 +372,13 @@ proptest! {
 
 #[test]
 fn without_a_transition_the_same_changes_jump() {
-    let records = (0..20).map(record);
+    let records = (0..12).map(record);
     // Where a plain hierarchy jumps by itself, nothing is shown.
     let smooth = records.filter(|record| record.plain_rate * PERIOD < 0.02);
     let (farther, total) = smooth.fold((0, 0), |(farther, total), record| {
         (farther + usize::from(record.jump > 3.0 * record.bound()), total + 1)
     });
-    assert!(total >= 10 && 10 * farther >= 8 * total, "{farther} of {total}");
+    assert!(total >= 6 && 10 * farther >= 8 * total, "{farther} of {total}");
 }
 
 #[test]

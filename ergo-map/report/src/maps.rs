@@ -3,7 +3,6 @@
 mod assessment;
 mod body;
 mod contour;
-mod error;
 mod manikin;
 mod paint;
 mod report;
@@ -12,7 +11,6 @@ mod slices;
 mod study;
 
 pub use assessment::Assessment;
-pub use error::MapError;
 pub use manikin::manikin;
 pub use report::MapReport;
 pub use slices::slices;

@@ -1,7 +1,6 @@
 //! Filled-in sheets as a table, one a row: read, scored and written with the scores behind.
 
 mod column;
-mod error;
 mod form;
 mod header;
 mod lines;
@@ -11,7 +10,6 @@ mod sheet;
 mod table;
 
 pub use column::{Cell, Column};
-pub use error::{Instead, TableError};
 pub use header::Unknown;
 pub use sheet::{Elsewhere, Sheet};
 pub use table::SheetTable;

@@ -3,7 +3,6 @@
 
 mod comparison;
 mod condition;
-mod error;
 mod figure;
 mod quartiles;
 mod questionnaire;
@@ -12,7 +11,6 @@ mod study;
 
 pub use comparison::{Comparison, Tested};
 pub use condition::Condition;
-pub use error::{QuestionnaireError, WorkloadError};
 pub use figure::figure;
 pub use quartiles::Quartiles;
 pub use questionnaire::{Questionnaire, Scale};

@@ -250,7 +250,7 @@ mod tests {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             (state >> 11) as f64 / (1_u64 << 53) as f64
         };
-        for _ in 0..100 {
+        for _ in 0..50 {
             let place = Vector3::new(random(), random(), random());
             let position = Vector3::new(0.12, -0.28, 0.42)
                 + place.component_mul(&Vector3::new(0.3, 0.39, 0.5));
@@ -268,8 +268,8 @@ mod tests {
                 }
             }
         }
-        println!("{arrived} of 1000 hard-pulled searches arrived, {better} with less effort");
-        assert!(arrived > 500);
+        println!("{arrived} of 500 hard-pulled searches arrived, {better} with less effort");
+        assert!(arrived > 250);
         assert!(better * 100 <= arrived, "{better} of {arrived}");
     }
 

@@ -14,7 +14,7 @@ use ergo_map::{
     ErgonomicsMap, MapOptions, MeasuredOptions, MeasuredSample, Mode, Person, Segments, Side,
     read_samples,
 };
-use ergo_report::maps::{ACCEPTABLE, Assessment, MapError, MapReport, MapStudy, manikin, slices};
+use ergo_report::maps::{ACCEPTABLE, Assessment, MapReport, MapStudy, manikin, slices};
 use examples::maps::{build_map, read_map};
 use examples::program::{
     self, Ending, Json, OutputFile, Program, Quiet, Session, check_folder, thread_count,
@@ -110,7 +110,7 @@ impl Program for Options {
             Some(path) => {
                 let validated = study.map.validate(&samples(path)?);
                 let shown = || path.display().to_string();
-                Some(validated.map_err(MapError::from).with_context(shown)?)
+                Some(validated.map_err(ergo_report::Error::from).with_context(shown)?)
             }
             None => None,
         };
@@ -160,7 +160,7 @@ fn map(options: &Options, session: &Session) -> Result<ErgonomicsMap> {
         let radius = usual.radius * spacing / usual.spacing;
         let measured = MeasuredOptions { side, spacing, radius, ..usual };
         let made = ErgonomicsMap::from_samples_of(&person, &samples(path)?, &measured);
-        return made.map_err(MapError::from).with_context(|| path.display().to_string());
+        return made.map_err(ergo_report::Error::from).with_context(|| path.display().to_string());
     }
     let built = MapOptions { side, spacing, mode: Mode::Graded, ..MapOptions::default() };
     build_map(session, &person, &built, options.threads)
@@ -177,7 +177,7 @@ fn person(options: &Options, stature: f64) -> Result<Person> {
 fn samples(path: &Path) -> Result<Vec<MeasuredSample>> {
     let shown = path.display();
     let file = File::open(path).with_context(|| format!("cannot open {shown}"))?;
-    let read = read_samples(BufReader::new(file)).map_err(MapError::from);
+    let read = read_samples(BufReader::new(file)).map_err(ergo_report::Error::from);
     read.with_context(|| shown.to_string())
 }
 

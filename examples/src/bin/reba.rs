@@ -5,7 +5,7 @@ use std::{io::Write, ops::ControlFlow, process::ExitCode};
 use anyhow::{Context, Result};
 use clap::Parser;
 use ergo_map::{RulaWorksheet, Worksheet};
-use ergo_report::sheets::{Sheet, SheetTable, TableError, Unknown};
+use ergo_report::sheets::{Sheet, SheetTable, Unknown};
 use examples::program::{self, Ending, InputFile, Json, Program, Quiet, ResultFile, Session};
 use serde::Serialize;
 
@@ -88,7 +88,7 @@ impl Options {
             Ok(ControlFlow::Continue(())) => Ending::Complete,
             Ok(ControlFlow::Break(())) => Ending::Partial,
             // An interrupt ends standard input with an error.
-            Err(TableError::Read { .. }) if interrupt.requested() => Ending::Partial,
+            Err(ergo_report::Error::Read { .. }) if interrupt.requested() => Ending::Partial,
             Err(error) => return Err(anyhow::Error::from(error).context(shown())),
         };
         match (file, ending) {

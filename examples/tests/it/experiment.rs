@@ -19,13 +19,14 @@ const KINEMATIC: Conditions = Conditions { drive: Drive::Kinematic, sight: Sight
 #[test]
 fn merged_experiments_are_the_whole() {
     let go_on = || ControlFlow::Continue(());
-    let play = |mut case: Case| {
-        // The robot has turned the object once.
+    // In the first the robot has turned the object once.
+    let play = |(mut case, duration): (Case, f64)| {
         let Source::Simulated(person) = &mut case.person else { panic!("{case:?}") };
-        person.duration = 16.0;
+        person.duration = duration;
         case.play(coarse_map(), KINEMATIC, &mut Player::new(&go_on)).unwrap()
     };
-    let trials: Vec<Trial> = reorientation::cases(1, 2).into_iter().map(play).collect();
+    let trials: Vec<Trial> =
+        reorientation::cases(1, 2).into_iter().zip([16.0, 6.0]).map(play).collect();
     let whole = &ReorientationResult::new(trials.clone());
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();

@@ -90,7 +90,7 @@ fn configurations_that_are_none() {
         let error = robot.update(&q).unwrap_err();
         assert_error!(
             error,
-            Error::Robot(whole_body::Error::NotFinite { .. }),
+            Error::Robot(whole_body::Error::Value { .. }),
             "panda_joint4",
             "finite"
         );

@@ -143,7 +143,7 @@ fn people() -> impl Strategy<Value = (Person, Leg)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
 
     /// A leg that is not seen is within what stands for it, a thigh with its flesh.
     #[test]

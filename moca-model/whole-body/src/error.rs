@@ -111,24 +111,6 @@ pub enum Error {
         root: String,
     },
 
-    /// A number is NaN, infinite, or so large that results would be.
-    #[error("{what} is {value}; it must be a finite number of magnitude 1e12 at most")]
-    NotFinite {
-        /// Which number.
-        what: String,
-        /// Its value.
-        value: f64,
-    },
-
-    /// A mass is negative.
-    #[error("{what} is {mass} kg; a mass is zero or positive")]
-    NegativeMass {
-        /// Whose mass.
-        what: String,
-        /// Its value \[kg\].
-        mass: f64,
-    },
-
     /// A joint's range of positions is empty.
     #[error(
         "{}joint `{joint}` may move from {lower} to {upper}; the lower limit must be \
@@ -172,15 +154,6 @@ pub enum Error {
         joint: String,
     },
 
-    /// A parameter that must be positive is not.
-    #[error("{what} is {value}; it must be positive")]
-    NotPositive {
-        /// Which one.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
-
     /// A measured number is far beyond what the robot can reach.
     #[error("the {what} of {joint} is {value}, far beyond its {limit}; give {unit}")]
     Units {
@@ -194,16 +167,6 @@ pub enum Error {
         limit: f64,
         /// What it should be in, and what it may be in.
         unit: &'static str,
-    },
-
-    /// The quaternion of a floating base is none of a rotation.
-    #[error(
-        "the quaternion of the floating base has norm {norm}; it must be 1: integrate with the \
-         model's `integrate`, or normalise q[3..7]"
-    )]
-    Quaternion {
-        /// Its norm.
-        norm: f64,
     },
 
     /// A vector or matrix has the wrong size.
@@ -269,87 +232,31 @@ pub enum Error {
     #[error("its target was never set; set it before the first step, or hold what there is")]
     TargetMissing,
 
-    /// A task is about a frame that no joint moves.
-    #[error(
-        "no joint moves frame `{frame}`; name one beyond a joint that moves, or let the joints on \
-         the way to it move"
-    )]
-    FrameStandsStill {
-        /// The frame.
-        frame: String,
-    },
-
-    /// A task is about two frames that cannot move against each other.
-    #[error(
-        "no joint stands between frames `{reference}` and `{frame}`; name frames of two links that \
-         move against each other"
-    )]
-    FramesMoveTogether {
-        /// The frame that the other is seen from.
-        reference: String,
-        /// The other.
-        frame: String,
-    },
-
-    /// A joint of one degree of freedom is needed.
-    #[error("joint `{joint}` has six degrees of freedom; name joints that turn or slide")]
-    FloatingJoint {
-        /// The joint.
-        joint: String,
-    },
-
-    /// A mimic joint moves a frame at several places.
-    #[error(
-        "mimic joint `{joint}` moves frame `{frame}` together with the joint that it follows; the \
-         manipulability of such frames is not supported"
-    )]
-    MimicOnTheWay {
-        /// The mimic joint.
-        joint: String,
-        /// The frame.
-        frame: String,
-    },
-
-    /// A joint that follows another one cannot be simulated.
-    #[error("joint `{joint}` follows another joint, which a simulation does not do; hold it")]
-    MimicJoint {
-        /// The joint.
-        joint: String,
-    },
-
-    /// The robot has no mass, and so no centre of mass.
-    #[error("no link of robot `{robot}` that moves has a mass; add <inertial> to its URDF")]
-    NoMass {
-        /// The robot's name in the URDF.
-        robot: String,
-    },
-
-    /// The robot's base does not move on a plane.
-    #[error("robot `{robot}` has no planar base; read it with a planar one")]
-    NoPlanarBase {
-        /// The robot's name in the URDF.
-        robot: String,
-    },
-
-    /// A differential base has joints with jerk limits.
-    #[error(
-        "the base of robot `{robot}` has jerk limits along the world's axes, with which it cannot turn \
-         without moving sideways; leave them out"
-    )]
-    SidewaysJerk {
-        /// The robot's name in the URDF.
-        robot: String,
-    },
-
-    /// A parameter is out of its range.
+    /// A number is out of its range.
     #[error("{what} is {value}; it must be {expected}")]
-    Parameter {
+    Value {
         /// Which one.
-        what: &'static str,
+        what: String,
         /// Its value.
         value: f64,
         /// The range it must lie in.
         expected: &'static str,
+    },
+
+    /// A robot cannot do what is asked of it.
+    #[error("{what}; {remedy}")]
+    Unsuitable {
+        /// What stands against it.
+        what: String,
+        /// What would help.
+        remedy: &'static str,
+    },
+
+    /// A stack, a level or a task has nothing to do.
+    #[error("{what}; give at least one")]
+    Nothing {
+        /// What has nothing.
+        what: String,
     },
 
     /// The system does not grant what a thread asks for.
@@ -361,29 +268,6 @@ pub enum Error {
         reason: String,
         /// What would help.
         remedy: &'static str,
-    },
-
-    /// A gain is too high for the control period.
-    #[error(
-        "a gain of {gain} 1/s overshoots with a period of {period} s; it must be at most \
-         1/period = {} 1/s", 1.0 / period
-    )]
-    GainTooHigh {
-        /// The gain \[1/s\].
-        gain: f64,
-        /// The period \[s\].
-        period: f64,
-    },
-
-    /// A gain of a joint is no positive number.
-    #[error("the {gain} of joint {joint} is {value}; it must be positive and finite")]
-    Gain {
-        /// `stiffness`, `damping`, or another gain.
-        gain: &'static str,
-        /// The joint, counted from 1 among those that are controlled.
-        joint: usize,
-        /// Its value.
-        value: f64,
     },
 
     /// A row of velocities has bounds that leave nothing between them.
@@ -398,21 +282,6 @@ pub enum Error {
         lower: f64,
         /// Its upper bound.
         upper: f64,
-    },
-
-    /// A task has no rows.
-    #[error("it controls nothing; choose at least one axis, joint or row")]
-    NoRows,
-
-    /// There is nothing to do.
-    #[error("there is no level; give at least one task")]
-    NoLevels,
-
-    /// A level has no tasks.
-    #[error("level `{level}` has no tasks; give it at least one")]
-    EmptyLevel {
-        /// The level.
-        level: String,
     },
 
     /// A level has rows and quadratics to minimise.
@@ -433,20 +302,8 @@ pub enum Error {
         name: String,
     },
 
-    /// There is no such level.
-    #[error("there is no level `{name}`; the levels are {known}")]
-    UnknownLevel {
-        /// The name asked for.
-        name: String,
-        /// The names that there are, the most similar first.
-        known: String,
-    },
-
     /// There is no such task.
-    #[error(
-        "the id of a task is of another stack, or its level was removed; take the one that `push` \
-         returned"
-    )]
+    #[error("the id of a task is of another stack; take the one that `push` returned")]
     UnknownTask,
 
     /// The measured state cannot be used; the robot brakes.
@@ -462,6 +319,38 @@ pub enum Error {
 }
 
 impl Error {
+    /// A number out of its range.
+    pub(crate) fn value(what: impl Into<String>, value: f64, expected: &'static str) -> Self {
+        Self::Value { what: what.into(), value, expected }
+    }
+
+    /// A number that is not positive.
+    pub(crate) fn not_positive(what: impl Into<String>, value: f64) -> Self {
+        Self::value(what, value, "positive")
+    }
+
+    /// A number that is NaN, infinite, or so large that results would be.
+    pub(crate) fn not_finite(what: impl Into<String>, value: f64) -> Self {
+        Self::value(what, value, "a finite number of magnitude 1e12 at most")
+    }
+
+    /// A gain that overshoots within a period.
+    pub(crate) fn too_high(gain: f64, period: f64) -> Self {
+        let what = format!("a gain at a control period of {period} s");
+        Self::value(what, gain, "1/period at most [1/s], or it overshoots")
+    }
+
+    /// A robot that cannot do what is asked of it.
+    pub(crate) fn unsuitable(what: impl Into<String>, remedy: &'static str) -> Self {
+        Self::Unsuitable { what: what.into(), remedy }
+    }
+
+    /// A joint of six degrees of freedom, where one is needed.
+    pub(crate) fn floating_joint(joint: &str) -> Self {
+        let what = format!("joint `{joint}` has six degrees of freedom");
+        Self::unsuitable(what, "name joints that turn or slide")
+    }
+
     /// Whether it is about a limit that cannot be meant, which
     /// [`UnusableLimits::Ignore`](crate::UnusableLimits::Ignore) takes for unlimited. Programs name their own option
     /// for that.
@@ -494,7 +383,7 @@ pub(crate) fn is_sensible(value: f64) -> bool {
 /// An error unless `value` is a number of sensible size; `what` is asked for only then.
 #[inline]
 pub(crate) fn check_finite(value: f64, what: impl FnOnce() -> String) -> Result<(), Error> {
-    if is_sensible(value) { Ok(()) } else { Err(Error::NotFinite { what: what(), value }) }
+    if is_sensible(value) { Ok(()) } else { Err(Error::not_finite(what(), value)) }
 }
 
 /// An error unless there are `expected` elements.

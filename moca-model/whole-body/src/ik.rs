@@ -1,6 +1,5 @@
 //! Velocities that do what the tasks ask, in their order and within the limits.
 
-mod changes;
 pub(crate) mod commanded;
 pub(crate) mod differential;
 pub(crate) mod leash;

@@ -91,9 +91,7 @@ mod torque;
 mod urdf;
 mod vector;
 
-pub use ahqp_core::{
-    Budget, LevelId, Place, PoseAxes, Settings, Solution, Status, VelocityInterval,
-};
+pub use ahqp_core::{Budget, PoseAxes, Settings, Solution, Status, VelocityInterval};
 pub use control_loop::clock::{Clock, ManualClock, MonotonicClock};
 pub use control_loop::deadlines::{DeadlineStatistics, TimeHistogram};
 pub use control_loop::law::ControlLaw;

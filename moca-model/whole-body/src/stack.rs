@@ -1,4 +1,3 @@
-mod changes;
 pub(crate) mod curvature_rows;
 pub(crate) mod level_tasks;
 mod row_tasks;

@@ -6,7 +6,7 @@ use ergo_map::{
 };
 use nalgebra::Vector3;
 
-use super::error::MapError;
+use crate::error::Error;
 
 /// The posture that a map holds for a hand position, with its scores for an easy task (no load,
 /// good hold, nothing held for long or repeated).
@@ -32,12 +32,8 @@ impl Assessment {
     /// Assesses the posture at a hand position \[m\].
     ///
     /// # Errors
-    /// [`MapError::Map`] outside the map's domain.
-    pub fn new(
-        map: &ErgonomicsMap,
-        person: &Person,
-        hand: &Vector3<f64>,
-    ) -> Result<Self, MapError> {
+    /// [`Error::Map`] outside the map's domain.
+    pub fn new(map: &ErgonomicsMap, person: &Person, hand: &Vector3<f64>) -> Result<Self, Error> {
         let map_score = map.sample(hand)?.score;
         let angles = map.posture(hand)?;
         let posture = angles.posture();

@@ -6,12 +6,12 @@ use plotters::prelude::*;
 
 use super::assessment::Assessment;
 use super::body::{self, Part, Piece};
-use super::error::MapError;
 use super::paint::{
     Area, Axis, Chart, MARK, Outcome, SCALE, TEXT, View, bold, canvas, centred, failed, font,
     ink_on, ramp, write,
 };
 use super::side::side_name;
+use crate::error::Error;
 
 /// The highest sub-score of any part: the dark end of the colours.
 const WORST: u8 = 6;
@@ -24,8 +24,8 @@ const MASS: RGBColor = RGBColor(90, 90, 90);
 /// they make up REBA, and `e_s`. Gives the picture as SVG.
 ///
 /// # Errors
-/// [`MapError::Picture`] if it cannot be drawn.
-pub fn manikin(assessment: &Assessment, person: &Person, side: Side) -> Result<String, MapError> {
+/// [`Error::Drawing`] if it cannot be drawn.
+pub fn manikin(assessment: &Assessment, person: &Person, side: Side) -> Result<String, Error> {
     let pieces = body::pieces(person, side, &assessment.angles)?;
     let views = views(assessment, person, side);
     let [from_side, from_front] = &views;

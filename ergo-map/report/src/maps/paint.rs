@@ -7,12 +7,12 @@ use plotters::coord::{Shift, types::RangedCoordf64};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::error::MapError;
+use crate::error::Error;
 
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type Chart<'a, 'b> =
     ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
-pub(super) type Outcome<T = ()> = Result<T, MapError>;
+pub(super) type Outcome<T = ()> = Result<T, Error>;
 
 const FONT: &str = "sans-serif";
 pub(super) const TEXT: RGBColor = RGBColor(40, 40, 40);
@@ -26,8 +26,8 @@ const MARGIN: u32 = 24;
 /// Pixels a metre.
 pub(super) const SCALE: f64 = 280.0;
 
-pub(super) fn failed(error: impl Display) -> MapError {
-    MapError::Picture(error.to_string())
+pub(super) fn failed(error: impl Display) -> Error {
+    Error::Drawing { what: "picture", reason: error.to_string() }
 }
 
 /// Draws on a white canvas; gives the picture as SVG.

@@ -8,9 +8,9 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::assessment::Assessment;
-use super::error::MapError;
 use super::side::side_name;
 use super::study::MapStudy;
+use crate::error::Error;
 
 /// The report of a map: plain numbers, lengths in metres, positions in the person's frame.
 ///
@@ -163,9 +163,10 @@ impl MapReport {
     /// Gives the report as JSON.
     ///
     /// # Errors
-    /// [`MapError::Report`].
-    pub fn json(&self) -> Result<String, MapError> {
-        Ok(serde_json::to_string_pretty(self)?)
+    /// [`Error::Write`].
+    pub fn json(&self) -> Result<String, Error> {
+        serde_json::to_string_pretty(self)
+            .map_err(|error| Error::Write { what: "report", source: error.into() })
     }
 }
 

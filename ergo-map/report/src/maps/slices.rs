@@ -6,13 +6,13 @@ use plotters::prelude::*;
 
 use super::body;
 use super::contour::{Field, Ring, lines, polygon};
-use super::error::MapError;
 use super::paint::{
     Area, Axis, Chart, LABELS, MARK, Outcome, TEXT, View, bold, canvas, centred, failed, font,
     ramp, write,
 };
 use super::side::side_name;
 use super::study::MapStudy;
+use crate::error::Error;
 
 /// Distance between the points at which a slice is drawn \[m\].
 const STEP: f64 = 0.012;
@@ -30,8 +30,8 @@ const BAR_HEIGHT: i32 = 22;
 /// region, the optimum, and the person standing upright. Gives the picture as SVG.
 ///
 /// # Errors
-/// [`MapError::Picture`] if it cannot be drawn.
-pub fn slices(study: &MapStudy) -> Result<String, MapError> {
+/// [`Error::Drawing`] if it cannot be drawn.
+pub fn slices(study: &MapStudy) -> Result<String, Error> {
     let [sagittal, frontal, horizontal] = views(study);
     let (left, right) = (sagittal.size(), frontal.size());
     let width = left.0 + right.0;

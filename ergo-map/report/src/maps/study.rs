@@ -6,7 +6,7 @@ use ergo_map::{
 };
 
 use super::assessment::Assessment;
-use super::error::MapError;
+use crate::error::Error;
 
 /// Highest `e_s` of a hand position that counts as acceptable, unless told otherwise. On maps of
 /// average proportions, every node of the work zone with at most this much has REBA 1 or 2.
@@ -24,7 +24,7 @@ pub const ACCEPTABLE: f64 = 0.5;
 /// let study = MapStudy::new(map, person, ACCEPTABLE)?;
 /// assert!(study.optimum.reba.reba <= 2);
 /// assert!(slices(&study)?.starts_with("<svg"));
-/// # Ok::<(), ergo_report::maps::MapError>(())
+/// # Ok::<(), ergo_report::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct MapStudy {
@@ -60,11 +60,11 @@ impl MapStudy {
     /// Fits the quadratic of a map over the person's work zone.
     ///
     /// # Errors
-    /// [`MapError::Map`] where the map knows too little of the work zone,
-    /// [`MapError::Acceptable`] for a threshold outside ]0, 4.25].
-    pub fn new(map: ErgonomicsMap, person: Person, acceptable: f64) -> Result<Self, MapError> {
+    /// [`Error::Map`] where the map knows too little of the work zone,
+    /// [`Error::Acceptable`] for a threshold outside ]0, 4.25].
+    pub fn new(map: ErgonomicsMap, person: Person, acceptable: f64) -> Result<Self, Error> {
         if !(acceptable > 0.0 && acceptable <= 4.25) {
-            return Err(MapError::Acceptable(acceptable));
+            return Err(Error::Acceptable(acceptable));
         }
         let (quadratic, fit) = fit(&map)?;
         let inside: Vec<MapNode> =

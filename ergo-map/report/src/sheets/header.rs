@@ -1,13 +1,17 @@
 //! The first line of a table: which columns there are.
 
+use std::fmt;
+
 use super::column::Column;
-use super::error::{Instead, TableError};
 use super::sheet::{Elsewhere, Sheet};
+use crate::error::Error;
 
 /// No table has more columns.
 const MOST_COLUMNS: usize = 1000;
 /// Names that differ by so many letters, or fewer, are taken for a slip of the pen.
 const SLIP: usize = 2;
+/// No more characters of a name or a cell are shown in a message.
+const LONGEST_SHOWN: usize = 60;
 /// What columns are called that the table may hold beside the sheets'.
 pub(super) type Matched<S> = Vec<Option<&'static Column<S>>>;
 
@@ -29,9 +33,11 @@ pub(super) fn matched<S: Sheet>(
     line: usize,
     names: &[String],
     unknown: Unknown,
-) -> Result<Matched<S>, TableError> {
+) -> Result<Matched<S>, Error> {
     if names.len() > MOST_COLUMNS {
-        return Err(TableError::Columns { line, found: names.len(), most: MOST_COLUMNS });
+        let found = names.len();
+        let problem = format!("{found} columns; a table has at most {MOST_COLUMNS}");
+        return Err(Error::in_line(line, problem));
     }
     let mut columns: Matched<S> = Vec::new();
     for (index, name) in names.iter().enumerate() {
@@ -39,7 +45,8 @@ pub(super) fn matched<S: Sheet>(
         let column = S::COLUMNS.iter().find(|column| column.name == name.trim());
         match column {
             Some(column) if columns.iter().flatten().any(|other| other.name == column.name) => {
-                return Err(TableError::RepeatedColumn { line, number, column: column.name });
+                let problem = format!(": {} appears twice; keep one", column.name);
+                return Err(Error::in_column(line, number, problem));
             }
             Some(_) => {}
             None => refuse::<S>(line, number, name, unknown)?,
@@ -52,29 +59,32 @@ pub(super) fn matched<S: Sheet>(
     if missing.is_empty() {
         Ok(columns)
     } else {
-        Err(TableError::MissingColumns { line, columns: missing.join(", ") })
+        let missing = missing.join(", ");
+        Err(Error::in_line(line, format!("missing columns: {missing}; add them")))
     }
 }
 
 /// Says what is wrong with a column that the sheet does not have, if anything is.
-fn refuse<S: Sheet>(
-    line: usize,
-    number: usize,
-    name: &str,
-    unknown: Unknown,
-) -> Result<(), TableError> {
+fn refuse<S: Sheet>(line: usize, number: usize, name: &str, unknown: Unknown) -> Result<(), Error> {
     if name.contains([';', '\t']) {
-        return Err(TableError::Separator { line });
+        let problem = "separate the cells by commas, by semicolons or by tabs throughout";
+        return Err(Error::in_line(line, problem));
     }
-    let column = name.trim().to_owned();
-    if S::SCORES.contains(&name.trim()) {
-        return Err(TableError::ScoreColumn { line, number, column });
+    let column = name.trim();
+    let refused = |problem: String| Err(Error::in_column(line, number, format!(": {problem}")));
+    if S::SCORES.contains(&column) {
+        return refused(format!(
+            "{column:?} is the name of a score that is added to the table; rename or remove the column"
+        ));
     }
     let plain = plain(name);
     if let Some(known) = S::ELSEWHERE.iter().find(|known| known.name == plain) {
         let Elsewhere { name: column, sheet, here } = *known;
-        let instead = here.map_or(Instead::Remove, Instead::Name);
-        return Err(TableError::OtherSheet { line, number, column, sheet, instead });
+        let instead = here.map_or_else(
+            || "this sheet does not ask for it: remove the column".to_owned(),
+            |name| format!("here it is {name}"),
+        );
+        return refused(format!("{column} is a column of {sheet}; {instead}"));
     }
     let distance = |known: &str| strsim::osa_distance(&plain, known);
     let nearest = S::COLUMNS
@@ -86,14 +96,14 @@ fn refuse<S: Sheet>(
     if let Some((distance, known)) = nearest
         && distance <= SLIP
     {
-        return Err(TableError::NearlyColumn { line, number, column, known });
+        return refused(format!("there is no column {column:?}; do you mean {known}?"));
     }
     match unknown {
         Unknown::PassThrough => Ok(()),
         Unknown::Refuse => {
             let known = S::COLUMNS.iter().map(|column| column.name);
             let known = known.collect::<Vec<_>>().join(", ");
-            Err(TableError::UnknownColumn { line, number, column, known })
+            refused(format!("there is no column {:?}; there are {known}", Shown(column)))
         }
     }
 }
@@ -101,4 +111,16 @@ fn refuse<S: Sheet>(
 /// A name as the sheet's columns are written: small letters, with underscores between words.
 fn plain(name: &str) -> String {
     name.trim().to_lowercase().replace([' ', '-', '.'], "_")
+}
+
+/// A text that may be long: its beginning is enough in a message.
+pub(super) struct Shown<'a>(pub(super) &'a str);
+
+impl fmt::Debug for Shown<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0.char_indices().nth(LONGEST_SHOWN) {
+            Some((end, _)) => write!(f, "{:?}… ({} bytes)", &self.0[..end], self.0.len()),
+            None => write!(f, "{:?}", self.0),
+        }
+    }
 }

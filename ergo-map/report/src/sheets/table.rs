@@ -1,14 +1,14 @@
 //! Tables of sheets: read row by row, scored and written.
 
-use std::io::{BufRead, Chain, Cursor, Read, Write};
+use std::io::{self, BufRead, Chain, Cursor, Read, Write};
 use std::ops::ControlFlow;
 
 use super::column::{Cell, Numbers, RATINGS_END};
-use super::error::TableError;
 use super::form::Form;
-use super::header::{self, Matched, Unknown};
+use super::header::{self, Matched, Shown, Unknown};
 use super::lines::{LONGEST_ROW, Lines};
 use super::sheet::Sheet;
+use crate::error::Error;
 
 /// A table of sheets as spreadsheets write it, whose header has been read.
 ///
@@ -53,9 +53,9 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
     /// Reads the header.
     ///
     /// # Errors
-    /// [`TableError`] with line and column for the first fault.
-    pub fn new(mut table: R, unknown: Unknown) -> Result<Self, TableError> {
-        let unread = |source| TableError::Read { line: 1, source };
+    /// [`Error`] with line and column for the first fault.
+    pub fn new(mut table: R, unknown: Unknown) -> Result<Self, Error> {
+        let unread = |source| Error::Read { line: 1, source };
         let (form, begun) = Form::read(&mut table).map_err(unread)?;
         let text = Cursor::new(begun).chain(table);
         let mut builder = csv::ReaderBuilder::new();
@@ -63,7 +63,11 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
         let mut rows = builder.from_reader(Lines::new(text, usize::from(form.declared)));
         let mut row = csv::StringRecord::new();
         if !read(&mut rows, &mut row)? {
-            return Err(TableError::Empty);
+            return Err(Error::Table {
+                line: None,
+                column: None,
+                problem: "the table is empty; its first line must name the columns".into(),
+            });
         }
         let names: Vec<String> = row.iter().map(str::to_owned).collect();
         let columns = header::matched::<S>(rows.get_ref().line(), &names, unknown)?;
@@ -92,21 +96,21 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
     /// Returns whether all rows are scored, or `each` has ended it.
     ///
     /// # Errors
-    /// [`TableError`] with line and column for the first fault.
+    /// [`Error`] with line and column for the first fault.
     pub fn score(
         &mut self,
         mut output: impl Write,
         each: impl FnMut(&S) -> ControlFlow<()>,
-    ) -> Result<ControlFlow<()>, TableError> {
+    ) -> Result<ControlFlow<()>, Error> {
         if self.form.declared {
             let mark = char::from(self.form.delimiter);
-            writeln!(output, "sep={mark}").map_err(TableError::Write)?;
+            writeln!(output, "sep={mark}").map_err(unwritten)?;
         }
         let mut builder = csv::WriterBuilder::new();
         let mut scored = builder.delimiter(self.form.delimiter).from_writer(output);
         let outcome = self.append_scores(&mut scored, each);
         // What was right before a fault is worth having.
-        scored.flush().map_err(TableError::Write)?;
+        scored.flush().map_err(unwritten)?;
         outcome
     }
 
@@ -114,7 +118,7 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
         &mut self,
         scored: &mut csv::Writer<impl Write>,
         mut each: impl FnMut(&S) -> ControlFlow<()>,
-    ) -> Result<ControlFlow<()>, TableError> {
+    ) -> Result<ControlFlow<()>, Error> {
         let scores = S::SCORES.iter().copied();
         write(scored, self.names.iter().map(String::as_str).chain(scores))?;
         let mut row = csv::StringRecord::new();
@@ -123,7 +127,7 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
             let sheet = self.sheet(line, &row)?;
             let scores = sheet.scores();
             let mut scores =
-                scores.map_err(|source| TableError::Sheet { line, source: Box::new(source) })?;
+                scores.map_err(|source| Error::Sheet { line, source: Box::new(source) })?;
             if self.numbers.decimal_comma {
                 for score in &mut scores {
                     *score = score.replace('.', ",");
@@ -138,22 +142,28 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
     }
 
     /// The sheet of a row.
-    fn sheet(&self, line: usize, row: &csv::StringRecord) -> Result<S, TableError> {
+    fn sheet(&self, line: usize, row: &csv::StringRecord) -> Result<S, Error> {
         let expected = self.columns.len();
         if row.len() != expected {
-            return Err(TableError::Cells { line, found: row.len(), expected });
+            let problem = format!(
+                "{} cells where the header names {expected}; write decimals with a point and give \
+                 every column a cell",
+                row.len()
+            );
+            return Err(Error::in_line(line, problem));
         }
         let mut sheet = S::default();
         for (index, (column, cell)) in self.columns.iter().zip(row).enumerate() {
             let Some(column) = column else { continue };
             column.fill(&mut sheet, cell.trim(), self.numbers).map_err(|expected| {
-                let (number, column, found) = (index + 1, column.name, cell.into());
-                let end = self.numbers.ratings_end;
-                if expected == Cell::Rating && end != RATINGS_END {
-                    TableError::Rating { line, number, column, found, end }
+                let (name, found, end) = (column.name, Shown(cell), self.numbers.ratings_end);
+                let expected = if expected == Cell::Rating && end != RATINGS_END {
+                    format!("a rating from 0 to {end}")
                 } else {
-                    TableError::Cell { line, number, column, found, expected }
-                }
+                    expected.to_string()
+                };
+                let problem = format!(" ({name}): {found:?} is not possible; give {expected}");
+                Error::in_column(line, index + 1, problem)
             })?;
         }
         Ok(sheet)
@@ -164,7 +174,7 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
 fn read(
     rows: &mut csv::Reader<Lines<impl BufRead>>,
     row: &mut csv::StringRecord,
-) -> Result<bool, TableError> {
+) -> Result<bool, Error> {
     loop {
         rows.get_mut().begin_row();
         let found = rows.read_record(row).map_err(|error| {
@@ -172,10 +182,11 @@ fn read(
             let line = lines.line();
             match error.into_kind() {
                 csv::ErrorKind::Io(_) if lines.too_long() => {
-                    TableError::RowTooLong { line, limit: LONGEST_ROW }
+                    let what = "is a quotation mark open?";
+                    Error::in_line(line, format!("a row of more than {LONGEST_ROW} bytes; {what}"))
                 }
-                csv::ErrorKind::Io(source) => TableError::Read { line: line + 1, source },
-                _ => TableError::NotText { line },
+                csv::ErrorKind::Io(source) => Error::Read { line: line + 1, source },
+                _ => Error::in_line(line, "not UTF-8 text; save the table as CSV in UTF-8"),
             }
         })?;
         if !found || row.iter().any(|cell| !cell.trim().is_empty()) {
@@ -187,6 +198,10 @@ fn read(
 fn write<'a>(
     scored: &mut csv::Writer<impl Write>,
     cells: impl Iterator<Item = &'a str>,
-) -> Result<(), TableError> {
-    scored.write_record(cells).map_err(|error| TableError::Write(error.into()))
+) -> Result<(), Error> {
+    scored.write_record(cells).map_err(|error| unwritten(error.into()))
+}
+
+fn unwritten(source: io::Error) -> Error {
+    Error::Write { what: "scores", source }
 }

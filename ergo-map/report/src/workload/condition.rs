@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::error::WorkloadError;
 use super::questionnaire::{Questionnaire, Scale};
+use crate::error::Error;
 
 /// The answers under one condition.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,33 +25,33 @@ impl Condition {
         name: &str,
         subjects: &[&str],
         answers: impl Iterator<Item = &'a Questionnaire>,
-    ) -> Result<Self, WorkloadError> {
-        let (as_subject, as_condition) = (|subject: &str| subject.to_owned(), || name.to_owned());
+    ) -> Result<Self, Error> {
         let mut of_subject = HashMap::new();
         for answer in answers {
             let subject = answer.subject();
             if of_subject.insert(subject, answer).is_some() {
-                let (subject, condition) = (as_subject(subject), as_condition());
-                return Err(WorkloadError::Repeated { subject, condition });
+                return Err(Error::Study(format!(
+                    "subject {subject:?} answers twice for the condition {name:?}; keep one row"
+                )));
             }
         }
         let mut condition = Self {
-            name: as_condition(),
-            subjects: subjects.iter().map(|subject| as_subject(subject)).collect(),
+            name: name.to_owned(),
+            subjects: subjects.iter().map(|subject| (*subject).to_owned()).collect(),
             ratings: Vec::new(),
             raw: Vec::new(),
             weighted: None,
         };
         let mut weighted = Vec::new();
         for subject in subjects {
-            let place = || (as_subject(subject), as_condition());
             let Some(answer) = of_subject.get(subject) else {
-                let (subject, condition) = place();
-                return Err(WorkloadError::Unpaired { subject, condition });
+                return Err(Error::Study(format!(
+                    "subject {subject:?} has no questionnaire for the condition {name:?}; conditions are \
+                     compared subject by subject, so give it or leave the subject out"
+                )));
             };
-            let refused = |source| {
-                let (subject, condition) = place();
-                WorkloadError::Questionnaire { subject, condition, source }
+            let refused = |source: Error| {
+                Error::Study(format!("subject {subject:?}, condition {name:?}: {source}"))
             };
             condition.ratings.push(answer.ratings().map_err(refused)?);
             condition.raw.push(answer.raw().map_err(refused)?);
@@ -59,8 +59,7 @@ impl Condition {
         }
         if weighted.iter().any(Option::is_some) {
             if let Some(index) = weighted.iter().position(Option::is_none) {
-                let (subject, condition) = (condition.subjects.swap_remove(index), as_condition());
-                return Err(WorkloadError::Unweighted { subject, condition });
+                return Err(unweighted(&condition.subjects[index], name));
             }
             condition.weighted = Some(weighted.into_iter().flatten().collect());
         }
@@ -85,4 +84,12 @@ impl Condition {
             .map(|(index, scale)| (scale.name(), self.scale(index)))
             .chain(scores.into_iter().filter_map(|(name, values)| Some((name, values?.clone()))))
     }
+}
+
+/// Of a subject without weights, where others have them.
+pub(super) fn unweighted(subject: &str, condition: &str) -> Error {
+    Error::Study(format!(
+        "subject {subject:?} has no weights for the condition {condition:?} but others have; \
+         weigh all questionnaires or none"
+    ))
 }

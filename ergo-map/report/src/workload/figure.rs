@@ -7,10 +7,10 @@ use plotters::{
     prelude::*,
 };
 
-use super::error::WorkloadError;
 use super::quartiles::Quartiles;
 use super::questionnaire::Scale;
 use super::study::WorkloadStudy;
+use crate::error::Error;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
@@ -40,8 +40,8 @@ const COLOURS: [RGBColor; 8] = [
 /// lengths, and crosses beyond.
 ///
 /// # Errors
-/// [`WorkloadError::Figure`] if it cannot be drawn.
-pub fn figure(study: &WorkloadStudy) -> Result<String, WorkloadError> {
+/// [`Error::Drawing`] if it cannot be drawn.
+pub fn figure(study: &WorkloadStudy) -> Result<String, Error> {
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
@@ -54,11 +54,11 @@ pub fn figure(study: &WorkloadStudy) -> Result<String, WorkloadError> {
     Ok(svg)
 }
 
-fn failed(error: impl Display) -> WorkloadError {
-    WorkloadError::Figure(error.to_string())
+fn failed(error: impl Display) -> Error {
+    Error::Drawing { what: "figure", reason: error.to_string() }
 }
 
-fn draw_boxes(area: &Area<'_>, study: &WorkloadStudy) -> Result<(), WorkloadError> {
+fn draw_boxes(area: &Area<'_>, study: &WorkloadStudy) -> Result<(), Error> {
     let scales = Scale::ALL.len();
     let mut chart = ChartBuilder::on(area)
         .margin(12)
@@ -104,7 +104,7 @@ fn draw_box(
     half: f64,
     ratings: &[f64],
     colour: RGBColor,
-) -> Result<(), WorkloadError> {
+) -> Result<(), Error> {
     let quartiles = Quartiles::of(ratings);
     let Quartiles { lower, median, upper } = quartiles;
     let reach = WHISKER * quartiles.range();
@@ -138,7 +138,7 @@ fn draw_box(
     Ok(())
 }
 
-fn draw_legend(area: &Area<'_>, study: &WorkloadStudy) -> Result<(), WorkloadError> {
+fn draw_legend(area: &Area<'_>, study: &WorkloadStudy) -> Result<(), Error> {
     let style = (FONT, 16).into_font().color(&TEXT);
     let mut x = 70;
     for (condition, colour) in study.conditions().iter().zip(COLOURS) {

@@ -1,6 +1,6 @@
 //! One filled-in NASA-TLX questionnaire (Hart & Staveland 1988).
 
-use super::error::QuestionnaireError;
+use crate::error::Error;
 use crate::sheets::{Cell, Column, Sheet};
 
 /// Choices between two of six scales.
@@ -113,13 +113,22 @@ impl Questionnaire {
     /// The ratings by [`Scale::ALL`], from 0 to 20; a perfect performance is 0.
     ///
     /// # Errors
-    /// [`QuestionnaireError`] where performance is rated not at all or twice.
-    pub fn ratings(&self) -> Result<[f64; 6], QuestionnaireError> {
+    /// [`Error`] where performance is rated not at all or twice.
+    pub fn ratings(&self) -> Result<[f64; 6], Error> {
         let performance = match (self.ratings[4], self.inverted_performance) {
             (Some(rating), None) => rating,
             (None, Some(inverted)) => HIGHEST - inverted,
-            (None, None) => return Err(QuestionnaireError::NoPerformance),
-            (Some(_), Some(_)) => return Err(QuestionnaireError::TwoPerformances),
+            (None, None) => {
+                return Err(Error::Questionnaire(
+                    "no rating of performance; the table needs a column performance (0 is perfect, 20 is \
+                     failure) or performance_inverted (0 is failure, 20 is perfect)"
+                        .into(),
+                ));
+            }
+            (Some(_), Some(_)) => {
+                let both = "performance and performance_inverted are both given; keep one";
+                return Err(Error::Questionnaire(both.into()));
+            }
         };
         // A table without one of the others is refused.
         let mut ratings = self.ratings.map(Option::unwrap_or_default);
@@ -131,7 +140,7 @@ impl Questionnaire {
     ///
     /// # Errors
     /// As for [`Questionnaire::ratings`].
-    pub fn raw(&self) -> Result<f64, QuestionnaireError> {
+    pub fn raw(&self) -> Result<f64, Error> {
         Ok(self.ratings()?.iter().sum::<f64>() / 6.0)
     }
 
@@ -140,17 +149,20 @@ impl Questionnaire {
     ///
     /// # Errors
     /// As for [`Questionnaire::ratings`], and weights that are incomplete or do not add up to 15.
-    pub fn weighted(&self) -> Result<Option<f64>, QuestionnaireError> {
+    pub fn weighted(&self) -> Result<Option<f64>, Error> {
         let found = self.weights.iter().flatten().count();
         if found == 0 {
             return Ok(None);
         }
         if found < self.weights.len() {
-            return Err(QuestionnaireError::MissingWeights { found });
+            let problem = format!("weights for {found} of six scales; give all six, or none");
+            return Err(Error::Questionnaire(problem));
         }
         let sum: f64 = self.weights.iter().flatten().sum();
         if sum != CHOICES {
-            return Err(QuestionnaireError::WeightSum { sum });
+            return Err(Error::Questionnaire(format!(
+                "the weights add up to {sum}; the fifteen choices between two scales add up to 15"
+            )));
         }
         let ratings = self.ratings()?;
         let weighed = self.weights.iter().flatten().zip(ratings).map(|(weight, x)| weight * x);
@@ -159,7 +171,7 @@ impl Questionnaire {
 }
 
 impl Sheet for Questionnaire {
-    type Error = QuestionnaireError;
+    type Error = Error;
 
     const COLUMNS: &'static [Column<Self>] = &[
         Column::name("subject", true, |q, name| name.clone_into(&mut q.subject)),
@@ -183,7 +195,7 @@ impl Sheet for Questionnaire {
 
     const SCORES: &'static [&'static str] = &["raw_tlx", "weighted_tlx"];
 
-    fn scores(&self) -> Result<Vec<String>, QuestionnaireError> {
+    fn scores(&self) -> Result<Vec<String>, Error> {
         let weighted = self.weighted()?.map(|score| score.to_string());
         Ok(vec![self.raw()?.to_string(), weighted.unwrap_or_default()])
     }

@@ -5,10 +5,10 @@ use std::{collections::HashSet, fmt};
 use serde::{Serialize, Serializer};
 
 use super::comparison::Comparison;
-use super::condition::Condition;
-use super::error::WorkloadError;
+use super::condition::{Condition, unweighted};
 use super::quartiles::Quartiles;
 use super::questionnaire::Questionnaire;
+use crate::error::Error;
 
 /// The exact distribution of ranks takes the cube of this.
 const MOST_SUBJECTS: usize = 500;
@@ -48,11 +48,11 @@ impl WorkloadStudy {
     /// they first appear.
     ///
     /// # Errors
-    /// [`WorkloadError`] for no questionnaire, one without a score, too many subjects or conditions,
+    /// [`Error`] for no questionnaire, one without a score, too many subjects or conditions,
     /// and a subject who answers twice, not under each condition, or alone without weights.
-    pub fn new(questionnaires: &[Questionnaire]) -> Result<Self, WorkloadError> {
+    pub fn new(questionnaires: &[Questionnaire]) -> Result<Self, Error> {
         if questionnaires.is_empty() {
-            return Err(WorkloadError::Empty);
+            return Err(Error::Study("the table has no questionnaire; give one a row".into()));
         }
         let subjects = in_order(questionnaires.iter().map(Questionnaire::subject));
         let names = in_order(questionnaires.iter().map(Questionnaire::condition));
@@ -61,7 +61,9 @@ impl WorkloadStudy {
             ("conditions", names.len(), MOST_CONDITIONS),
         ] {
             if found > most {
-                return Err(WorkloadError::TooMany { what, found, most });
+                return Err(Error::Study(format!(
+                    "{found} {what}; at most {most} can be compared exactly"
+                )));
             }
         }
         let conditions = names.into_iter().map(|name| {
@@ -75,14 +77,14 @@ impl WorkloadStudy {
 
     /// Whole conditions may not differ in whether they are weighed: a weighted score that is there
     /// under one of them only compares nothing.
-    fn check_weights(&self) -> Result<(), WorkloadError> {
+    fn check_weights(&self) -> Result<(), Error> {
         let weighed = self.conditions.iter().any(|condition| condition.weighted.is_some());
         let without = self.conditions.iter().find(|condition| condition.weighted.is_none());
         match without {
-            Some(condition) if weighed => Err(WorkloadError::Unweighted {
-                subject: condition.subjects.first().cloned().unwrap_or_default(),
-                condition: condition.name.clone(),
-            }),
+            Some(condition) if weighed => {
+                let subject = condition.subjects.first().map_or("", String::as_str);
+                Err(unweighted(subject, &condition.name))
+            }
             _ => Ok(()),
         }
     }

@@ -1,7 +1,8 @@
 //! Reports and pictures of maps.
 
 use ergo_map::{ErgonomicsMap, MapOptions, Person, Region, Side};
-use ergo_report::maps::{ACCEPTABLE, Assessment, MapError, MapStudy, manikin, slices};
+use ergo_report::Error;
+use ergo_report::maps::{ACCEPTABLE, Assessment, MapStudy, manikin, slices};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
@@ -45,10 +46,10 @@ fn studies_refuse_what_makes_no_sense() {
     let map = coarse_map();
     for threshold in [0.0, -1.0, 5.0, f64::NAN, f64::INFINITY] {
         let study = MapStudy::new(map.clone(), Person::average(), threshold);
-        assert!(matches!(study, Err(MapError::Acceptable(_))));
+        assert!(matches!(study, Err(Error::Acceptable(_))));
     }
     let outside = Assessment::new(&map, &Person::average(), &Vector3::new(9.0, 0.0, 1.0));
-    assert!(matches!(outside, Err(MapError::OutsideMap { .. })));
+    assert!(matches!(outside, Err(Error::OutsideMap { .. })));
 }
 
 #[test]

@@ -4,19 +4,20 @@ use std::collections::HashMap;
 use std::ops::ControlFlow;
 
 use ergo_map::{ContinuousReba, Mode, RulaWorksheet, Worksheet};
-use ergo_report::sheets::{Cell, Column, Sheet, SheetTable, TableError, Unknown};
+use ergo_report::Error;
+use ergo_report::sheets::{Cell, Column, Sheet, SheetTable, Unknown};
 use proptest::prelude::*;
 
 const ANGLES: &str = "trunk_flex_deg,neck_flex_deg,knee_flex_deg,upper_arm_flex_deg,\
                       lower_arm_flex_deg,wrist_flex_deg";
 
-fn scored<S: Sheet>(table: &str) -> Result<String, TableError> {
+fn scored<S: Sheet>(table: &str) -> Result<String, Error> {
     let mut output = Vec::new();
     score::<S>(table.as_bytes(), &mut output)?;
     Ok(String::from_utf8(output).unwrap())
 }
 
-fn score<S: Sheet>(table: &[u8], output: &mut Vec<u8>) -> Result<(), TableError> {
+fn score<S: Sheet>(table: &[u8], output: &mut Vec<u8>) -> Result<(), Error> {
     let mut table = SheetTable::<S, _>::new(table, Unknown::PassThrough)?;
     assert!(table.score(output, |_| ControlFlow::Continue(()))?.is_continue());
     Ok(())
@@ -243,7 +244,7 @@ fn tables_as_excel_writes_them_are_scored_and_written_alike() {
     assert!(commas.lines().nth(1).unwrap().contains(",-5.5,1,1,1,2,1,2,2,1,"), "{commas}");
     // Without semicolons a comma separates cells.
     let comma = format!("{ANGLES}\n10,5,20,30,40,50,-5\n");
-    assert!(matches!(scored::<Worksheet>(&comma), Err(TableError::Cells { line: 2, .. })));
+    assert!(matches!(scored::<Worksheet>(&comma), Err(Error::Table { line: Some(2), .. })));
 }
 
 #[test]
@@ -321,7 +322,7 @@ fn what_is_wrong_is_named_with_line_and_column() {
         assert!(message.contains(says), "{table:?}: {message}");
     }
     let message = score::<Worksheet>(b"trunk_flex_deg\n\xff\xfe", &mut Vec::new());
-    assert!(matches!(message, Err(TableError::MissingColumns { line: 1, .. })));
+    assert!(matches!(message, Err(Error::Table { line: Some(1), .. })));
     let mut latin = format!("{ANGLES}\n0,0,0,0,0,").into_bytes();
     latin.extend(b"\xe9\n");
     let message = score::<Worksheet>(&latin, &mut Vec::new()).unwrap_err().to_string();

@@ -157,7 +157,7 @@ impl ControlLoop {
     /// For measurements of the shape of `measured`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for settings out of range.
+    /// [`Error::Value`] for settings out of range.
     pub fn new(settings: LoopSettings, measured: JointMeasurement) -> Result<Self, Error> {
         settings.validate()?;
         let command = JointCommand::at_rest(&measured);

@@ -30,7 +30,7 @@ impl Scheduling {
     /// Asks the system for it, for the thread that calls.
     ///
     /// # Errors
-    /// [`Error::Refused`] says what the system does not grant; [`Error::Parameter`] for a priority that is none.
+    /// [`Error::Refused`] says what the system does not grant; [`Error::Value`] for a priority that is none.
     pub fn apply(&self) -> Result<(), Error> {
         if self.lock_memory {
             mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE).map_err(|error| {
@@ -44,7 +44,7 @@ impl Scheduling {
         let Some(priority) = self.priority else { return Ok(()) };
         let (what, expected) = ("the real-time priority", "from 1 to 99");
         if !(1..=99).contains(&priority) {
-            return Err(Error::Parameter { what, value: priority.into(), expected });
+            return Err(Error::value(what, priority.into(), expected));
         }
         let refused = |reason: String| Error::Refused {
             what,

@@ -48,7 +48,7 @@ impl LoopSettings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is out of its range.
+    /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         for (what, value) in [
             ("the loop's period", self.period),
@@ -59,17 +59,17 @@ impl LoopSettings {
             ("the time without a measurement", self.blind_within),
         ] {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::Parameter { what, value, expected: "positive and finite" });
+                return Err(Error::value(what, value, "positive and finite"));
             }
         }
         let value = self.perception_timeout;
         if value.is_nan() || value <= 0.0 {
             let what = "the perception's timeout";
-            return Err(Error::Parameter { what, value, expected: "positive" });
+            return Err(Error::value(what, value, "positive"));
         }
         let (what, value) = ("the robot's timeout", self.robot_timeout);
         if value <= self.period {
-            return Err(Error::Parameter { what, value, expected: "above the loop's period" });
+            return Err(Error::value(what, value, "above the loop's period"));
         }
         Ok(())
     }

@@ -16,7 +16,7 @@ impl Moving<'_> {
     /// part: subtract [`friction_into`](Self::friction_into) from the torque.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::ForeignId`]; [`Error::NoInertia`] for a
+    /// [`Error::WrongSize`], [`Error::Value`], [`Error::ForeignId`]; [`Error::NoInertia`] for a
     /// joint that moves nothing.
     pub fn forward_dynamics_into(
         &mut self,
@@ -36,16 +36,6 @@ impl Moving<'_> {
 }
 
 impl Posed<'_> {
-    /// M⁻¹ b, in place: the acceleration that forces b cause at rest where nothing else acts.
-    ///
-    /// # Errors
-    /// [`Error::WrongSize`], [`Error::NotFinite`]; [`Error::NoInertia`] for a joint that moves
-    /// nothing.
-    pub fn solve_mass_matrix(&mut self, b: &mut [f64]) -> Result<(), Error> {
-        self.model.check_velocity("the force", b)?;
-        self.divide_by_mass_matrix(b)
-    }
-
     pub(super) fn divide_by_mass_matrix(&mut self, b: &mut [f64]) -> Result<(), Error> {
         if self.model.mimics.is_empty() {
             return self.solve_by_articulated_bodies(b, &[]);

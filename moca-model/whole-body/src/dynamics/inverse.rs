@@ -21,7 +21,7 @@ impl Moving<'_> {
     /// see [`friction_into`](Self::friction_into).
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::ForeignId`].
+    /// [`Error::WrongSize`], [`Error::Value`], [`Error::ForeignId`].
     pub fn inverse_dynamics_into(
         &mut self,
         acceleration: &[f64],

@@ -63,7 +63,7 @@ impl Commanded {
     /// A robot at rest at the `measured` configuration.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a leash out of range; those of [`Model::integrate`](crate::Model::integrate)
+    /// [`Error::Value`] for a leash out of range; those of [`Model::integrate`](crate::Model::integrate)
     /// on the configuration.
     pub fn new(mut ik: Ik, measured: &[f64], leash: Leash) -> Result<Self, Error> {
         ik.model().check_configuration(measured)?;

@@ -6,7 +6,7 @@ mod step;
 use std::any::Any;
 use std::ops::Range;
 
-use ahqp_core::{Budget, Level, LevelId, Objective, Rows, VelocityInterval};
+use ahqp_core::{Level, Objective, Rows, VelocityInterval};
 use nalgebra::Isometry3;
 
 use super::settings::IkSettings;
@@ -17,13 +17,10 @@ use crate::limits::common_point::widen;
 use crate::limits::joint_intervals::JointIntervals;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
-use crate::stack::level_tasks::StackedLevel;
 use crate::stack::task_level::TaskId;
 use crate::stack::task_stack::TaskStack;
 use crate::state::data::Data;
-use crate::tasks::variables::Variables;
 pub use builder::IkBuilder;
-pub(super) use builder::expect_other_name;
 pub use step::{ActiveLimit, ActiveRow, LevelReport, Step};
 
 /// Differential inverse kinematics of one robot: velocities that do what levels of tasks ask, each
@@ -78,8 +75,8 @@ pub struct Ik {
     data: Data,
     pub(super) settings: IkSettings,
     pub(super) stack: TaskStack,
-    /// The level of hard limits, if there are any; it is the first.
-    pub(super) limits: Option<LevelId>,
+    /// Whether the first level is that of hard limits.
+    has_limits: bool,
     pub(super) intervals: JointIntervals,
     pub(super) velocity: Vec<f64>,
     pub(super) acceleration: Vec<f64>,
@@ -142,7 +139,7 @@ impl Ik {
             asked: Vec::new(),
             admitted: rest,
             limit_values: Vec::new(),
-            limits: if has_limits { stack.levels().next().map(|(id, _)| id) } else { None },
+            has_limits,
             model,
             settings,
             stack,
@@ -152,22 +149,19 @@ impl Ik {
     }
 
     /// Sizes limits and damping for the levels that there are.
-    pub(super) fn make_room(&mut self) {
-        let limits = self.stack.stacked().find(|(level, _)| Some(level.id) == self.limits);
-        let keeps_heading = limits.is_some_and(|(level, _)| level.tasks.keeps_heading());
-        self.heading = keeps_heading.then(|| self.heading.unwrap_or_default());
-        let anticipating =
-            limits.map(|(level, _)| level.tasks.anticipating_constraints().collect());
+    fn make_room(&mut self) {
+        let limits = self.stack.levels().next().filter(|_| self.has_limits);
+        let keeps_heading = limits.is_some_and(|(tasks, _)| tasks.keeps_heading());
+        self.heading = keeps_heading.then_some(0.0);
+        let anticipating = limits.map(|(tasks, _)| tasks.anticipating_constraints().collect());
         let anticipating: Vec<bool> = anticipating.unwrap_or_default();
         self.limit_values = vec![0.0; anticipating.len()];
         self.anticipation = Anticipation::new(self.velocity.len(), anticipating);
-        let damped = self.stack.stacked().map(|(level, _)| level.tasks.is_damped);
+        let damped = self.stack.levels().map(|(tasks, _)| tasks.is_damped);
         let last = damped.enumerate().filter(|(_, is)| *is).last().map_or(0, |(last, _)| last + 1);
-        let levels = self.stack.stacked().take(last);
+        let levels = self.stack.levels().take(last);
         let sizes: Vec<_> = levels
-            .map(|(StackedLevel { tasks, .. }, _)| {
-                (tasks.row_count(), tasks.rows_with_curvature(), tasks.bends())
-            })
+            .map(|(tasks, _)| (tasks.row_count(), tasks.rows_with_curvature(), tasks.bends()))
             .collect();
         let counts: Vec<usize> = sizes.iter().map(|(count, ..)| *count).collect();
         let (threshold, columns) = (self.settings.singularity_threshold, self.stack.names().len());
@@ -188,7 +182,7 @@ impl Ik {
     /// A robot that is not at rest at the first step begins with [`reset`](Self::reset).
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for a period that is not positive; those of [`Data::pose`] on q;
+    /// [`Error::Value`] for a period that is not positive; those of [`Data::pose`] on q;
     /// [`Error::InTask`], with the names of task and level, such as a target that was never set.
     /// The state is then as before; [`brake`](Self::brake) gives velocities that stop the robot.
     pub fn step(&mut self, q: &[f64], period: f64) -> Result<Step<'_>, Error> {
@@ -200,7 +194,7 @@ impl Ik {
     /// with the joint's limits, the limits win.
     ///
     /// # Errors
-    /// Those of [`step`](Self::step); [`Error::WrongSize`] and [`Error::NotFinite`] for intervals.
+    /// Those of [`step`](Self::step); [`Error::WrongSize`] and [`Error::Value`] for intervals.
     pub fn step_within(
         &mut self,
         q: &[f64],
@@ -214,11 +208,11 @@ impl Ik {
                 |interval: &&VelocityInterval| interval.lower.is_nan() || interval.upper.is_nan();
             if intervals.iter().any(|interval| nan(&interval)) {
                 let what = "an end of an interval of velocities".to_owned();
-                return Err(Error::NotFinite { what, value: f64::NAN });
+                return Err(Error::not_finite(what, f64::NAN));
             }
         }
         self.write(q, period, intervals)?;
-        self.stack.solve(period, self.settings.budget)?;
+        self.stack.solve(self.settings.budget)?;
         if let (Some(own), Some(yaw)) = (&mut self.heading, q.get(2)) {
             *own = *yaw;
         }
@@ -248,15 +242,13 @@ impl Ik {
         if let Some(heading) = &heading {
             self.intervals.align_with(heading);
         }
-        let solver = self.stack.solver_mut();
-        write_bounds(solver.bounds_mut(), &self.intervals.cruising);
-        write_bounds(solver.output_bounds_mut(), &self.intervals.now);
+        write_bounds(self.stack.bounds_mut(), &self.intervals.now);
         self.singularity.begin();
         let (velocity, acceleration) = (&self.velocity, &self.acceleration);
         let (intervals, anticipation) = (&self.intervals, &mut self.anticipation);
         let (singularity, admitted) = (&mut self.singularity, &mut self.admitted);
         let values = &mut self.limit_values;
-        let (has_limits, asked, fading) = (self.limits.is_some(), &mut self.asked, &self.fading);
+        let (has_limits, asked, fading) = (self.has_limits, &mut self.asked, &self.fading);
         for asked in asked.iter_mut() {
             asked.span = 0..0;
         }
@@ -320,7 +312,7 @@ impl Ik {
     /// [`step`](Self::step) fails. A joint without such limits stops at once.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for a period that is not positive.
+    /// [`Error::Value`] for a period that is not positive.
     pub fn brake(&mut self, period: f64) -> Result<&[f64], Error> {
         check_period(period)?;
         self.intervals.brake(&self.velocity, &self.acceleration, period, &mut self.admitted);
@@ -344,7 +336,7 @@ impl Ik {
     /// Says that the robot moves at `velocity` now, not accelerating.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::NotFinite`]; nothing has changed then.
+    /// [`Error::WrongSize`], [`Error::Value`]; nothing has changed then.
     pub fn reset(&mut self, velocity: &[f64]) -> Result<(), Error> {
         self.model.check_velocity("q̇", velocity)?;
         self.velocity.copy_from_slice(velocity);
@@ -355,7 +347,7 @@ impl Ik {
     /// A task or limit, to set its target.
     ///
     /// # Errors
-    /// [`Error::UnknownTask`] for the id of another stack, or of a level that was removed.
+    /// [`Error::UnknownTask`] for the id of another stack.
     pub fn task_mut<T: Any>(&mut self, id: TaskId<T>) -> Result<&mut T, Error> {
         self.stack.task_mut(id)
     }
@@ -398,32 +390,6 @@ impl Ik {
         &self.settings
     }
 
-    /// Changes what one step may cost.
-    pub fn set_budget(&mut self, budget: Budget) {
-        self.settings.budget = budget;
-    }
-
-    /// Bounds of further variables; infinite at first.
-    ///
-    /// # Errors
-    /// [`Error::WrongSize`]; [`Error::UnknownTask`] for variables of another stack.
-    pub fn set_variable_bounds(
-        &mut self,
-        variables: &Variables,
-        lower: &[f64],
-        upper: &[f64],
-    ) -> Result<(), Error> {
-        let range = variables.range();
-        check_size("the list of lower bounds", lower.len(), range.len())?;
-        check_size("the list of upper bounds", upper.len(), range.len())?;
-        let (all_lower, all_upper) = self.stack.bounds_mut();
-        for (all, own) in [(all_lower, lower), (all_upper, upper)] {
-            let Some(all) = all.get_mut(range.clone()) else { return Err(Error::UnknownTask) };
-            all.copy_from_slice(own);
-        }
-        Ok(())
-    }
-
     /// The rows that the tasks of a level ask for; nothing for other levels.
     pub(super) fn asked_rows<'a>(&'a self, index: usize, level: &'a Level) -> Option<&'a Rows> {
         match (self.asked.get(index), level.objective()) {
@@ -431,12 +397,6 @@ impl Ik {
             (_, Objective::LeastSquares(rows)) => Some(rows),
             _ => None,
         }
-    }
-
-    /// The ids of the levels with their names, highest priority first, without those that are being
-    /// removed.
-    pub fn levels(&self) -> impl Iterator<Item = (LevelId, &str)> {
-        self.stack.levels().filter(|(id, _)| Some(*id) != self.limits)
     }
 }
 
@@ -451,6 +411,6 @@ pub(super) fn check_period(period: f64) -> Result<(), Error> {
     if period > 0.0 && period.is_finite() {
         Ok(())
     } else {
-        Err(Error::NotPositive { what: "the control period [s]", value: period })
+        Err(Error::not_positive("the control period [s]", period))
     }
 }

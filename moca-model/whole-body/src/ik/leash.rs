@@ -63,7 +63,7 @@ impl Leash {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is out of its range.
+    /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         for (what, value) in [
             ("the leash of joints that turn", self.revolute),
@@ -71,7 +71,7 @@ impl Leash {
             ("the filter time of the leash", self.filter_time),
         ] {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::Parameter { what, value, expected: "positive and finite" });
+                return Err(Error::value(what, value, "positive and finite"));
             }
         }
         Ok(())

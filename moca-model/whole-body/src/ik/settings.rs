@@ -37,7 +37,7 @@ impl IkSettings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Parameter`], and [`Error::Hierarchy`] for a setting of the solver.
+    /// [`Error::Value`], and [`Error::Hierarchy`] for a setting of the solver.
     pub fn validate(&self) -> Result<(), Error> {
         self.solver.validate()?;
         let value = self.singularity_threshold;
@@ -45,7 +45,7 @@ impl IkSettings {
             return Ok(());
         }
         let (what, expected) = ("the threshold of singularities", "from 0 to below 1");
-        Err(Error::Parameter { what, value, expected })
+        Err(Error::value(what, value, expected))
     }
 
     /// A level with what is set for all.

@@ -1,6 +1,6 @@
 //! Geometric Jacobians.
 
-use nalgebra::{Matrix3, Matrix6xX, Point3, Vector3};
+use nalgebra::{Matrix3, Matrix6xX, Vector3};
 
 use crate::error::{Error, check_size};
 use crate::robot::description::Base;
@@ -44,24 +44,6 @@ impl Posed<'_> {
         if axes == Axes::Local {
             turn_columns(&(carrier.rotation * found.pose.rotation), out);
         }
-        Ok(())
-    }
-
-    /// The Jacobian of the point that is at `point` in the world now and moves with `frame`, 6 × the
-    /// size of q̇, in world axes: of the nearest point of a link to an obstacle, for example.
-    ///
-    /// # Errors
-    /// [`Error::ForeignId`]; [`Error::WrongSize`] unless `out` has as many columns as q̇ entries.
-    pub fn point_jacobian_into(
-        &self,
-        frame: FrameId,
-        point: &Point3<f64>,
-        out: &mut Matrix6xX<f64>,
-    ) -> Result<(), Error> {
-        let found = self.model.frame(frame)?;
-        check_size("the Jacobian's list of columns", out.ncols(), self.model.velocities)?;
-        out.as_mut_slice().fill(0.0);
-        self.add_columns(found.body, &point.coords, 1.0, out);
         Ok(())
     }
 

@@ -38,25 +38,6 @@ impl FrameVelocityLimit {
         self
     }
 
-    /// Other limits, from the next step on \[m/s, rad/s\].
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for one that is not positive, or where finite and infinite ones have
-    /// changed places. The limits are then as before.
-    pub fn set_limits(&mut self, linear: Vector3<f64>, angular: Vector3<f64>) -> Result<(), Error> {
-        let other = Self { frame: self.frame, ..Self::new(self.frame, linear, angular) };
-        check(&other.limits)?;
-        let pairs = self.limits.iter().zip(&other.limits);
-        if let Some((_, &value)) =
-            pairs.into_iter().find(|(own, other)| own.is_finite() != other.is_finite())
-        {
-            let (what, expected) = ("a limit of the frame", "finite where it was before");
-            return Err(Error::Parameter { what, value, expected });
-        }
-        self.limits = other.limits;
-        Ok(())
-    }
-
     fn limited(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.limits.iter().copied().enumerate().filter(|(_, limit)| limit.is_finite())
     }
@@ -70,7 +51,7 @@ fn check(limits: &Vector6<f64>) -> Result<(), Error> {
         None => Ok(()),
         Some(&value) => {
             let (what, expected) = ("a limit of the frame", "positive, or infinite for none");
-            Err(Error::Parameter { what, value, expected })
+            Err(Error::value(what, value, expected))
         }
     }
 }

@@ -22,8 +22,6 @@ pub(crate) struct JointIntervals {
     joints: Vec<Joint>,
     /// What each entry of q̇ may be in the next period.
     pub(crate) now: Vec<VelocityInterval>,
-    /// The same without limits of acceleration and jerk: what may be reached in the long run.
-    pub(crate) cruising: Vec<VelocityInterval>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -102,17 +100,15 @@ impl JointIntervals {
                 own.position = (joint.kind.velocities() == 1).then_some(joint.position_index);
             }
         }
-        let all = vec![FREE; joints.len()];
-        Ok(Self { joints, now: all.clone(), cruising: all })
+        Ok(Self { now: vec![FREE; joints.len()], joints })
     }
 
     /// Computes the intervals for the configuration q, and for the velocity and acceleration that
     /// were commanded last.
     pub(crate) fn update(&mut self, q: &[f64], v: &[f64], a: &[f64], period: f64) {
         let motion = v.iter().zip(a);
-        let intervals = self.now.iter_mut().zip(&mut self.cruising);
-        for ((joint, (&velocity, &acceleration)), (now, cruising)) in
-            self.joints.iter().zip(motion).zip(intervals)
+        for ((joint, (&velocity, &acceleration)), now) in
+            self.joints.iter().zip(motion).zip(&mut self.now)
         {
             let Some(limits) = joint.limits else {
                 *now = FREE;
@@ -121,11 +117,6 @@ impl JointIntervals {
             let position = joint.position.map_or(0.0, |index| q[index]);
             let state = AcceleratedState { position, velocity, acceleration };
             *now = opened(limits.velocity_interval(state, period));
-            let lasting = opened(limits.limits().cruising_interval(position, period));
-            *cruising = VelocityInterval {
-                lower: lasting.lower.min(now.lower),
-                upper: lasting.upper.max(now.upper),
-            };
         }
     }
 

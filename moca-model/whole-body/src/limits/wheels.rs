@@ -176,7 +176,10 @@ impl Task for WheelLimit {
 
     fn validate(&self, model: &Model) -> Result<(), Error> {
         if model.base() != Base::Planar {
-            return Err(Error::NoPlanarBase { robot: model.name().to_owned() });
+            return Err(Error::unsuitable(
+                format!("robot `{}` has no planar base", model.name()),
+                "read it with a planar one",
+            ));
         }
         let sideways = Vector3::new(0.0, 1.0, 0.0);
         for wheel in &self.wheels {
@@ -184,10 +187,15 @@ impl Task for WheelLimit {
             let drives = wheel.speed > 0.0 && wheel.speed.is_finite();
             if !(numbers && (drives || wheel.coefficients == sideways)) {
                 let (what, expected) = ("the speed of a wheel", "positive and finite");
-                return Err(Error::Parameter { what, value: wheel.speed, expected });
+                return Err(Error::value(what, wheel.speed, expected));
             }
             if !drives && has_jerk_limits(model) {
-                return Err(Error::SidewaysJerk { robot: model.name().to_owned() });
+                let what = format!(
+                    "the base of robot `{}` has jerk limits along the world's axes, with which it cannot turn without \
+                     moving sideways",
+                    model.name()
+                );
+                return Err(Error::unsuitable(what, "leave them out"));
             }
         }
         Ok(())

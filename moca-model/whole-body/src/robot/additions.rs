@@ -1,4 +1,4 @@
-//! What is added to a model while it is made, and to its copies.
+//! What is added to a model while it is made.
 
 use nalgebra::{Isometry3, UnitQuaternion};
 
@@ -6,23 +6,12 @@ use super::checks::check_pose;
 use super::description::AddedFrame;
 use super::frame::Frame;
 use super::joint::JointKind;
-use super::model::{Model, next_tag};
+use super::model::Model;
 use super::warning::Warning;
 use crate::error::Error;
 use crate::spatial::Pose;
 
 impl Model {
-    /// The same robot with one frame more. Ids and data of the old model are not of the new one.
-    ///
-    /// # Errors
-    /// [`Error::DuplicateName`], [`Error::UnknownName`], [`Error::NotFinite`].
-    pub fn with_frame(&self, frame: &AddedFrame) -> Result<Self, Error> {
-        let mut model = self.clone();
-        model.retag(next_tag());
-        model.place_frame(frame)?;
-        Ok(model)
-    }
-
     pub(super) fn add_frame(&mut self, frame: Frame) -> Result<(), Error> {
         let name = frame.name.clone();
         if self.frame_names.insert(name.clone(), self.frames.len()).is_some() {
@@ -64,16 +53,6 @@ impl Model {
             if !moves_mass {
                 self.warnings.push(Warning::NothingToMove { joint: joint.name.clone() });
             }
-        }
-    }
-
-    /// Makes all ids in the model those of `tag`.
-    fn retag(&mut self, tag: u64) {
-        self.tag = tag;
-        self.joints.iter_mut().for_each(|joint| joint.child.model = tag);
-        self.default_accelerations.iter_mut().for_each(|joint| joint.model = tag);
-        for mimic in &mut self.mimics {
-            (mimic.child.model, mimic.follows.model) = (tag, tag);
         }
     }
 }

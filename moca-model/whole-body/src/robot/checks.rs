@@ -25,7 +25,7 @@ pub(super) fn check_numbers(description: &Description) -> Result<(), Error> {
     }
     match description.missing_acceleration {
         MissingAcceleration::TimeToFullSpeed(time) if !(time > 0.0 && time.is_finite()) => {
-            Err(Error::NotPositive { what: "the time to full speed", value: time })
+            Err(Error::not_positive("the time to full speed", time))
         }
         _ => Ok(()),
     }

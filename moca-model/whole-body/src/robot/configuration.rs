@@ -39,7 +39,7 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::Quaternion`]; q is then as before.
+    /// [`Error::WrongSize`], [`Error::Value`], [`Error::Value`]; q is then as before.
     pub fn integrate(&self, q: &mut [f64], displacement: &[f64]) -> Result<(), Error> {
         self.check_configuration(q)?;
         self.check_velocity("the displacement", displacement)?;
@@ -65,7 +65,7 @@ impl Model {
     /// of the size of q̇; the base turns by half a turn at most.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::Quaternion`]; `out` is then as before.
+    /// [`Error::WrongSize`], [`Error::Value`], [`Error::Value`]; `out` is then as before.
     pub fn difference(&self, start: &[f64], end: &[f64], out: &mut [f64]) -> Result<(), Error> {
         self.check_configuration(start)?;
         self.check_configuration(end)?;
@@ -99,10 +99,14 @@ impl Model {
     pub(crate) fn check_configuration(&self, q: &[f64]) -> Result<(), Error> {
         check_size("q", q.len(), self.positions)?;
         if let Some(entry) = q.iter().position(|value| !is_sensible(*value)) {
-            return Err(Error::NotFinite { what: self.position_entry(entry), value: q[entry] });
+            return Err(Error::not_finite(self.position_entry(entry), q[entry]));
         }
         match self.quaternion_norm(q) {
-            Some(norm) if !is_unit(norm) => Err(Error::Quaternion { norm }),
+            Some(norm) if !is_unit(norm) => Err(Error::value(
+                "the norm of the floating base's quaternion",
+                norm,
+                "1: integrate with the model's `integrate`, or normalise q[3..7]",
+            )),
             _ => Ok(()),
         }
     }
@@ -125,7 +129,7 @@ impl Model {
             Some(entry) => {
                 let names = self.velocity_names();
                 let what = format!("{what} of `{}`", names[entry]);
-                Err(Error::NotFinite { what, value: v[entry] })
+                Err(Error::not_finite(what, v[entry]))
             }
         }
     }

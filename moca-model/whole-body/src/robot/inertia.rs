@@ -27,7 +27,7 @@ pub(super) fn of_link(
     let mass = inertial.mass;
     if mass < 0.0 {
         let what = format!("line {}: the mass of link `{}`", inertial.line, link.name);
-        return Err(Error::NegativeMass { what, mass });
+        return Err(Error::value(what, mass, "zero or positive [kg]"));
     }
     let [xx, yy, zz, xy, xz, yz] = inertial.moments;
     let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);

@@ -35,11 +35,11 @@ impl CommandLine {
     /// others torques; and after how many losses in a row the robot stops.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a robot that would stop without a loss.
+    /// [`Error::Value`] for a robot that would stop without a loss.
     pub fn new(initial: &[f64], velocities: usize, tolerated: u32) -> Result<Self, Error> {
         if tolerated == 0 {
             let (what, expected) = ("the number of lost packets that stop a robot", "1 or more");
-            return Err(Error::Parameter { what, value: 0.0, expected });
+            return Err(Error::value(what, 0.0, expected));
         }
         Ok(Self {
             obeyed: initial.to_vec(),

@@ -71,7 +71,7 @@ impl Contact {
         }
         if self.mass.is_nan() || self.mass <= 0.0 {
             let (what, value) = ("the mass of a contact [kg]", self.mass);
-            return Err(Error::NotPositive { what, value });
+            return Err(Error::not_positive(what, value));
         }
         Ok(())
     }

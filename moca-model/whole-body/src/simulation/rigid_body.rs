@@ -44,7 +44,7 @@ impl JointDrive {
             return Ok(());
         }
         let expected = "positive and finite; an inertia may be zero";
-        Err(Error::Parameter { what, value, expected })
+        Err(Error::value(what, value, expected))
     }
 
     fn part(self) -> Part {
@@ -127,15 +127,19 @@ impl RigidBodySimulation {
     /// At rest at the configuration `position`, with a drive for each entry of q̇; one substep.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Parameter`] for a drive; [`Error::FloatingJoint`] for a floating
-    /// base, [`Error::UnknownEffort`] of a joint that torque drives, [`Error::MimicJoint`] for a joint that follows another; those of [`Data::pose`].
+    /// [`Error::WrongSize`]; [`Error::Value`] for a drive; [`Error::Unsuitable`] for a floating
+    /// base, [`Error::UnknownEffort`] of a joint that torque drives, [`Error::Unsuitable`] for a joint that follows another; those of [`Data::pose`].
     pub fn new(model: &Model, drives: &[JointDrive], position: &[f64]) -> Result<Self, Error> {
         if model.base() == Base::Floating {
             let joint = model.joints().first().map_or_else(String::new, |joint| joint.name.clone());
-            return Err(Error::FloatingJoint { joint });
+            return Err(Error::floating_joint(&joint));
         }
         if let Some(mimic) = model.mimic_joints().first() {
-            return Err(Error::MimicJoint { joint: mimic.name.clone() });
+            let what = format!(
+                "joint `{}` follows another joint, which a simulation does not do",
+                mimic.name
+            );
+            return Err(Error::unsuitable(what, "hold it"));
         }
         model.check_configuration(position)?;
         let n = model.velocity_count();
@@ -173,10 +177,10 @@ impl RigidBodySimulation {
     /// The same with each step cut in so many parts.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for none.
+    /// [`Error::Value`] for none.
     pub fn with_substeps(mut self, substeps: u32) -> Result<Self, Error> {
         if substeps == 0 {
-            return Err(Error::NotPositive { what: "the number of substeps", value: 0.0 });
+            return Err(Error::not_positive("the number of substeps", 0.0));
         }
         self.substeps = substeps;
         Ok(self)
@@ -224,7 +228,7 @@ impl RigidBodySimulation {
     /// nothing once there is room for wrenches and contacts.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::NotPositive`], [`Error::ForeignId`];
+    /// [`Error::WrongSize`], [`Error::Value`], [`Error::Value`], [`Error::ForeignId`];
     /// [`Error::NoInertia`]; a state whose numbers have grown beyond all sense. The robot is then where
     /// it was.
     pub fn step(
@@ -235,7 +239,7 @@ impl RigidBodySimulation {
     ) -> Result<(), Error> {
         self.model.check_velocity("the command", command)?;
         if !(period > 0.0 && period.is_finite()) {
-            return Err(Error::NotPositive { what: "the time step [s]", value: period });
+            return Err(Error::not_positive("the time step [s]", period));
         }
         self.contacts.iter().try_for_each(Contact::validate)?;
         self.begin(command);

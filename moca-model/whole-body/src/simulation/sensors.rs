@@ -55,7 +55,7 @@ impl Sensors {
     /// For a robot without a floating base, at rest at `position` at first.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Parameter`] for noise that is negative or not finite, and a share
+    /// [`Error::WrongSize`]; [`Error::Value`] for noise that is negative or not finite, and a share
     /// that is none.
     pub fn new(settings: SensorSettings, position: &[f64]) -> Result<Self, Error> {
         let n = position.len();
@@ -68,7 +68,7 @@ impl Sensors {
             if let Some(&value) = noise.iter().find(|noise| !(**noise >= 0.0 && noise.is_finite()))
             {
                 let (what, expected) = ("the noise of a sensor", "finite and not negative");
-                return Err(Error::Parameter { what, value, expected });
+                return Err(Error::value(what, value, expected));
             }
         }
         let mut packet = position.to_vec();

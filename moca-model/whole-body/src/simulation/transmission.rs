@@ -31,11 +31,11 @@ impl Transmission {
     /// With a delay in ticks, the share of packets that are lost, and what holds until the first arrives.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a share that is not from 0 to 1.
+    /// [`Error::Value`] for a share that is not from 0 to 1.
     pub fn new(delay: usize, loss: f64, initial: &[f64]) -> Result<Self, Error> {
         if !(0.0..=1.0).contains(&loss) {
             let (what, expected) = ("the share of lost packets", "from 0 to 1");
-            return Err(Error::Parameter { what, value: loss, expected });
+            return Err(Error::value(what, loss, expected));
         }
         Ok(Self {
             ring: vec![initial.to_vec(); delay],

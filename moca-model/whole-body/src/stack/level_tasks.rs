@@ -4,7 +4,7 @@ use std::any::Any;
 use std::ops::Range;
 use std::sync::Arc;
 
-use ahqp_core::{Level, LevelId, Objective, Rows};
+use ahqp_core::{Level, Objective, Rows};
 use nalgebra::{DMatrix, DVector};
 
 use super::row_tasks::{RowTasks, in_task};
@@ -14,13 +14,6 @@ use crate::robot::model::Model;
 use crate::tasks::curvature::Curvature;
 use crate::tasks::input::TaskInput;
 use crate::tasks::quadratic::{QuadraticTask, TaskQuadratic};
-
-/// A level of a stack.
-#[derive(Debug, Clone)]
-pub(crate) struct StackedLevel {
-    pub(crate) id: LevelId,
-    pub(crate) tasks: LevelTasks,
-}
 
 /// The tasks of a level: rows or quadratics to be minimised, and hard constraints.
 #[derive(Debug, Clone)]
@@ -35,7 +28,7 @@ pub(crate) struct LevelTasks {
 impl LevelTasks {
     pub(super) fn new(level: TaskLevel, model: &Model) -> Result<Self, Error> {
         if level.is_empty() {
-            return Err(Error::EmptyLevel { level: level.name.to_string() });
+            return Err(Error::Nothing { what: format!("level `{}` has no tasks", level.name) });
         }
         let TaskLevel { name, rows, quadratics, constraints, out_of_reach } = level;
         if !rows.is_empty() && !quadratics.is_empty() {

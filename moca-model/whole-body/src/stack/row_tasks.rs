@@ -47,7 +47,11 @@ impl RowTasks {
         for named in tasks {
             let count = named.task.dimension(model);
             let check = named.task.validate(model);
-            let check = check.and(if count > 0 { Ok(()) } else { Err(Error::NoRows) });
+            let check = check.and(if count > 0 {
+                Ok(())
+            } else {
+                Err(Error::Nothing { what: "it controls no axis, joint or row".into() })
+            });
             check.map_err(|error| in_task(error, &named.name, level))?;
             entries.push(TaskEntry { named, first, count });
             first += count;

@@ -3,9 +3,9 @@
 use std::any::Any;
 use std::sync::Arc;
 
-use ahqp_core::{Budget, ContinuousStack, Hierarchy, Level, LevelId, Rows, Settings, Solution};
+use ahqp_core::{Budget, Hierarchy, Level, Rows, Settings, Solution, Solver};
 
-use super::level_tasks::{LevelTasks, StackedLevel};
+use super::level_tasks::LevelTasks;
 use super::task_level::{TaskId, TaskLevel};
 
 use crate::error::Error;
@@ -38,17 +38,16 @@ use crate::tasks::variables::VariableLayout;
 /// let (lower, upper) = stack.bounds_mut();
 /// (lower[0], upper[0]) = (-0.1, 0.1); // rad/s
 /// stack.write(&mut data.pose(&model, &[0.0])?, &[0.0], 1e-3)?;
-/// assert!((stack.solve(1e-3, Budget::default())?.best()[0] - 0.1).abs() < 1e-12);
+/// assert!((stack.solve(Budget::default())?.best()[0] - 0.1).abs() < 1e-12);
 /// # Ok::<(), whole_body::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct TaskStack {
-    pub(super) model: Model,
-    pub(super) solver: ContinuousStack,
-    /// By priority; those that are being removed come last.
-    pub(super) levels: Vec<StackedLevel>,
-    /// Of all variables.
-    names: Vec<Arc<str>>,
+    model: Model,
+    hierarchy: Hierarchy,
+    solver: Solver,
+    /// One for each level of the hierarchy.
+    levels: Vec<LevelTasks>,
     jacobian: JacobianMemory,
 }
 
@@ -57,7 +56,7 @@ impl TaskStack {
     /// at first.
     ///
     /// # Errors
-    /// [`Error::EmptyLevel`], [`Error::MixedLevel`], [`Error::NameTaken`]; [`Error::InTask`] for a
+    /// [`Error::Nothing`], [`Error::MixedLevel`], [`Error::NameTaken`]; [`Error::InTask`] for a
     /// task that this robot cannot do; those of the solver's settings.
     pub fn new(
         model: &Model,
@@ -65,29 +64,30 @@ impl TaskStack {
         levels: Vec<TaskLevel>,
         settings: Settings,
     ) -> Result<Self, Error> {
-        let names = variables.names().to_vec();
+        let names = variables.names();
         let mut hierarchy = Hierarchy::new(names.len())?;
         hierarchy.name_variables(names.iter().cloned())?;
-        let mut stacked: Vec<StackedLevel> = Vec::with_capacity(levels.len());
+        let mut stacked: Vec<LevelTasks> = Vec::with_capacity(levels.len());
         for level in levels {
             let tasks = LevelTasks::new(level, model)?;
-            if stacked.iter().any(|other| other.tasks.name == tasks.name) {
+            if stacked.iter().any(|other| other.name == tasks.name) {
                 return Err(Error::NameTaken { element: "level", name: tasks.name.to_string() });
             }
-            stacked.push(StackedLevel { id: hierarchy.push(tasks.level(names.len())?)?, tasks });
+            hierarchy.push(tasks.level(names.len())?)?;
+            stacked.push(tasks);
         }
         Ok(Self {
-            solver: ContinuousStack::new(&hierarchy, settings)?,
+            solver: Solver::new(&hierarchy, settings)?,
             jacobian: JacobianMemory::new(model.velocity_count()),
             model: model.clone(),
             levels: stacked,
-            names,
+            hierarchy,
         })
     }
 
     /// The bounds of all variables, to rewrite in place: `(lower, upper)`.
     pub fn bounds_mut(&mut self) -> (&mut [f64], &mut [f64]) {
-        self.solver.bounds_mut()
+        self.hierarchy.bounds_mut()
     }
 
     /// Lets the tasks write their data for a robot at a configuration that has moved at `velocity`
@@ -118,13 +118,8 @@ impl TaskStack {
     ) -> Result<(), Error> {
         self.jacobian.forget();
         let mut input = TaskInput::new(posed, velocity, period, &mut self.jacobian);
-        let changing = self.solver.is_changing();
-        for (index, StackedLevel { id, tasks }) in self.levels.iter_mut().enumerate() {
-            match self.solver.activation(*id) {
-                Ok(activation) if activation > 0.0 || changing => {}
-                _ => continue,
-            }
-            let level = self.solver.level_mut(*id)?;
+        for ((index, tasks), id) in self.levels.iter_mut().enumerate().zip(self.hierarchy.ids()) {
+            let level = self.hierarchy.level_mut(id)?;
             tasks.write(&mut input, level)?;
             each(index, level);
         }
@@ -139,19 +134,19 @@ impl TaskStack {
         posed.data.check(&self.model)?;
         self.jacobian.forget();
         let mut input = TaskInput::new(posed, &[], 0.0, &mut self.jacobian);
-        self.levels.iter_mut().try_for_each(|level| level.tasks.hold(&mut input))
+        self.levels.iter_mut().try_for_each(|tasks| tasks.hold(&mut input))
     }
 
-    /// The variables that are best for what was written, `period` seconds after the last solution,
-    /// as far as a budget allows: q̇, then the further variables. Allocates nothing.
+    /// The variables that are best for what was written, as far as a budget allows: q̇, then the
+    /// further variables. Allocates nothing.
     ///
     /// # Errors
     /// [`Error::Hierarchy`] for data that are not finite, or constraints that cannot hold together.
-    pub fn solve(&mut self, period: f64, budget: Budget) -> Result<&Solution, Error> {
-        Ok(self.solver.solve_within(period, budget)?)
+    pub fn solve(&mut self, budget: Budget) -> Result<&Solution, Error> {
+        Ok(self.solver.solve_within(&self.hierarchy, budget)?)
     }
 
-    /// The last solution; none before the first.
+    /// The last solution; none before the first, and after an error.
     pub fn solution(&self) -> Option<&Solution> {
         self.solver.solution()
     }
@@ -159,9 +154,9 @@ impl TaskStack {
     /// A task, to set its target.
     ///
     /// # Errors
-    /// [`Error::UnknownTask`] for the id of another stack, or of a level that was removed.
+    /// [`Error::UnknownTask`] for the id of another stack.
     pub fn task_mut<T: Any>(&mut self, id: TaskId<T>) -> Result<&mut T, Error> {
-        let found = self.levels.iter_mut().find_map(|level| level.tasks.task_mut(id.number));
+        let found = self.levels.iter_mut().find_map(|tasks| tasks.task_mut(id.number));
         found.and_then(|task| task.downcast_mut()).ok_or(Error::UnknownTask)
     }
 
@@ -172,28 +167,18 @@ impl TaskStack {
 
     /// The names of all variables: joints, then further ones.
     pub fn names(&self) -> &[Arc<str>] {
-        &self.names
+        self.hierarchy.variable_names()
     }
 
-    /// The ids of the levels with their names, highest priority first, without those that are being
-    /// removed.
-    pub fn levels(&self) -> impl Iterator<Item = (LevelId, &str)> {
-        let named = |id| {
-            let level = self.levels.iter().find(|level| level.id == id)?;
-            Some((id, &*level.tasks.name))
-        };
-        self.solver.ids().filter_map(named)
+    /// The levels with their tasks and data, highest priority first.
+    pub(crate) fn levels(&self) -> impl Iterator<Item = (&LevelTasks, &Level)> {
+        self.levels.iter().zip(self.hierarchy.levels())
     }
 
-    /// The levels with their tasks and data, those that are being removed among them.
-    pub(crate) fn stacked(&self) -> impl Iterator<Item = (&StackedLevel, &Level)> {
-        self.levels.iter().filter_map(|entry| Some((entry, self.solver.level(entry.id).ok()?)))
-    }
-
-    /// The rows that a level minimises, counted as by [`stacked`](Self::stacked).
+    /// The rows that a level minimises, counted as by [`levels`](Self::levels).
     pub(crate) fn rows_mut(&mut self, index: usize) -> Option<&mut Rows> {
-        let id = self.levels.get(index)?.id;
-        self.solver.level_mut(id).ok()?.rows_mut().ok()
+        let id = self.hierarchy.ids().nth(index)?;
+        self.hierarchy.rows_mut(id).ok()
     }
 
     /// Adds the curvature of what the rows of a level control, each times its factor, for the robot
@@ -206,11 +191,7 @@ impl TaskStack {
         curvature: &mut Curvature,
     ) -> Result<(), Error> {
         let mut input = TaskInput::new(posed, &[], 0.0, &mut self.jacobian);
-        let level = self.levels.get(index);
-        level.map_or(Ok(()), |level| level.tasks.add_curvature(factors, &mut input, curvature))
-    }
-
-    pub(crate) fn solver_mut(&mut self) -> &mut ContinuousStack {
-        &mut self.solver
+        let tasks = self.levels.get(index);
+        tasks.map_or(Ok(()), |tasks| tasks.add_curvature(factors, &mut input, curvature))
     }
 }

@@ -14,7 +14,7 @@ impl Data {
     ///
     /// # Errors
     /// [`Error::ForeignData`]; [`Error::ForeignId`] for a frame of another model;
-    /// [`Error::NegativeMass`]; [`Error::NotFinite`]; [`Error::TooManyPayloads`] above eight.
+    /// [`Error::Value`]; [`Error::Value`]; [`Error::TooManyPayloads`] above eight.
     pub fn attach(&mut self, model: &Model, payload: &Payload) -> Result<PayloadId, Error> {
         self.check(model)?;
         let (id, body) = self.payloads.add(model, payload)?;

@@ -20,7 +20,7 @@ impl<'a> Posed<'a> {
     /// The robot moving at `v` = q̇: twists, J̇q̇, dynamics.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] and [`Error::NotFinite`] on v.
+    /// [`Error::WrongSize`] and [`Error::Value`] on v.
     pub fn moving(self, v: &[f64]) -> Result<Moving<'a>, Error> {
         Moving::new(self, v)
     }

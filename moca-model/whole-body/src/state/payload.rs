@@ -59,7 +59,7 @@ impl Payloads {
         }
         if payload.mass < 0.0 {
             let what = "the mass of the payload".to_owned();
-            return Err(Error::NegativeMass { what, mass: payload.mass });
+            return Err(Error::value(what, payload.mass, "zero or positive [kg]"));
         }
         let free = self.attached.iter_mut().find(|place| place.is_none());
         let place = free.ok_or(Error::TooManyPayloads { limit: ROOM })?;

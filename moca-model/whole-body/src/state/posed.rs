@@ -38,8 +38,8 @@ impl Data {
     /// between them, then the turn or slide along the joint's axis.
     ///
     /// # Errors
-    /// [`Error::ForeignData`]; [`Error::WrongSize`], [`Error::NotFinite`] and
-    /// [`Error::Quaternion`] on q.
+    /// [`Error::ForeignData`]; [`Error::WrongSize`], [`Error::Value`] and
+    /// [`Error::Value`] on q.
     pub fn pose<'a>(&'a mut self, model: &'a Model, q: &[f64]) -> Result<Posed<'a>, Error> {
         self.check(model)?;
         model.check_configuration(q)?;

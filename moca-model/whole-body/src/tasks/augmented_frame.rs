@@ -74,7 +74,7 @@ impl AugmentedFrameTask {
     /// as the tip of a tool that the frame holds.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; it is then as before.
+    /// [`Error::Value`]; it is then as before.
     pub fn set_point(&mut self, frame_from_point: Isometry3<f64>) -> Result<(), Error> {
         check_pose(&frame_from_point, "the pose of a point in its frame")?;
         self.point = frame_from_point;
@@ -85,7 +85,7 @@ impl AugmentedFrameTask {
     /// ([`integrate_pose`](ahqp_core::integrate_pose)).
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; it is then as before.
+    /// [`Error::Value`]; it is then as before.
     pub fn set_desired(&mut self, pose: Isometry3<f64>) -> Result<(), Error> {
         check_pose(&pose, "the desired pose")?;
         self.desired = Some(pose);
@@ -107,7 +107,7 @@ impl Task for AugmentedFrameTask {
         let gains = self.coordinates.iter().map(|axis| self.gains[axis]);
         if let Some(value) = gains.into_iter().find(|gain| !(*gain > 0.0 && gain.is_finite())) {
             let (what, expected) = ("a gain", "positive and finite [1/s]");
-            return Err(Error::Parameter { what, value, expected });
+            return Err(Error::value(what, value, expected));
         }
         let variables = self.desired_twist.range().len();
         check_size("the desired twist", variables, self.coordinates.len())?;
@@ -140,7 +140,7 @@ impl Task for AugmentedFrameTask {
         for (row, (axis, variable)) in self.coordinates.iter().zip(twist).enumerate() {
             let gain = self.gains[axis];
             if gain * period > 1.0 + 1e-9 {
-                return Err(Error::GainTooHigh { gain, period });
+                return Err(Error::too_high(gain, period));
             }
             rows.set_jacobian_row(row, jacobian, axis);
             if axis < 3 && lever != Vector3::zeros() {

@@ -65,7 +65,7 @@ impl AxisTask {
     /// The direction in the world that the axis is to have.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; the target is then as before.
+    /// [`Error::Value`]; the target is then as before.
     pub fn set_target(&mut self, direction: Unit<Vector3<f64>>) -> Result<(), Error> {
         for value in direction.iter() {
             check_finite(*value, || "a coordinate of the direction".to_owned())?;

@@ -33,7 +33,11 @@ impl VectorQuantity for CentreOfMass {
     const FEEDBACK: Feedback = Feedback::LINEAR;
 
     fn validate(&self, model: &Model) -> Result<(), Error> {
-        if model.mass() > 0.0 { Ok(()) } else { Err(Error::NoMass { robot: model.name().into() }) }
+        if model.mass() > 0.0 {
+            return Ok(());
+        }
+        let what = format!("no link of robot `{}` that moves has a mass", model.name());
+        Err(Error::unsuitable(what, "add <inertial> to its URDF"))
     }
 
     fn numbers(value: &Point3<f64>) -> impl Iterator<Item = f64> {

@@ -12,17 +12,20 @@ impl Model {
         if self.moved_by(frame)?.next().is_some() {
             return Ok(());
         }
-        Err(Error::FrameStandsStill { frame: self.frame_name(frame)?.to_owned() })
+        let remedy = "name one beyond a joint that moves, or let the joints on the way to it move";
+        Err(Error::unsuitable(
+            format!("no joint moves frame `{}`", self.frame_name(frame)?),
+            remedy,
+        ))
     }
 
     /// An error unless some joint moves one frame against the other.
     pub(crate) fn expect_apart(&self, reference: FrameId, frame: FrameId) -> Result<(), Error> {
         if self.frame(reference)?.body == self.frame(frame)?.body {
             let [reference, frame] = [self.frame_name(reference)?, self.frame_name(frame)?];
-            return Err(Error::FramesMoveTogether {
-                reference: reference.to_owned(),
-                frame: frame.to_owned(),
-            });
+            let what = format!("no joint stands between frames `{reference}` and `{frame}`");
+            let remedy = "name frames of two links that move against each other";
+            return Err(Error::unsuitable(what, remedy));
         }
         Ok(())
     }
@@ -31,7 +34,7 @@ impl Model {
     pub(crate) fn expect_single(&self, joint: JointId) -> Result<&Joint, Error> {
         let joint = self.joint(joint)?;
         if joint.kind == JointKind::Floating {
-            return Err(Error::FloatingJoint { joint: joint.name.clone() });
+            return Err(Error::floating_joint(&joint.name));
         }
         Ok(joint)
     }
@@ -46,10 +49,15 @@ impl Model {
         });
         match repeated {
             None => Ok(()),
-            Some(mimic) => Err(Error::MimicOnTheWay {
-                joint: mimic.name.clone(),
-                frame: self.frame_name(frame)?.to_owned(),
-            }),
+            Some(mimic) => {
+                let what = format!(
+                    "mimic joint `{}` moves frame `{}` together with the joint that it follows",
+                    mimic.name,
+                    self.frame_name(frame)?
+                );
+                let remedy = "the manipulability of such frames is not supported";
+                Err(Error::unsuitable(what, remedy))
+            }
         }
     }
 

@@ -58,15 +58,11 @@ impl Feedback {
     pub(crate) fn validate(&self) -> Result<(), Error> {
         if !(self.gain > 0.0 && self.gain.is_finite()) {
             let expected = "positive and finite [1/s]";
-            return Err(Error::Parameter { what: "the gain", value: self.gain, expected });
+            return Err(Error::value("the gain", self.gain, expected));
         }
         if self.deceleration.is_nan() || self.deceleration <= 0.0 {
             let (what, value) = ("the deceleration of the feedback", self.deceleration);
-            return Err(Error::Parameter {
-                what,
-                value,
-                expected: "positive, or infinite for none",
-            });
+            return Err(Error::value(what, value, "positive, or infinite for none"));
         }
         Ok(())
     }
@@ -76,7 +72,7 @@ impl Feedback {
         if self.gain * period <= 1.0 + 1e-9 {
             Ok(())
         } else {
-            Err(Error::GainTooHigh { gain: self.gain, period })
+            Err(Error::too_high(self.gain, period))
         }
     }
 }

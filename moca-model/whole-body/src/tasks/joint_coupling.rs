@@ -43,7 +43,7 @@ impl JointCouplingTask {
     /// What Σ cᵢ qᵢ is to be.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; the target is then as before.
+    /// [`Error::Value`]; the target is then as before.
     pub fn set_target(&mut self, value: f64) -> Result<(), Error> {
         check_finite(value, || "the value of the coupling".to_owned())?;
         self.value = value;
@@ -67,7 +67,7 @@ impl Task for JointCouplingTask {
             return Ok(());
         }
         let (what, expected) = ("the sum of the coefficients' magnitudes", "positive");
-        Err(Error::Parameter { what, value: 0.0, expected })
+        Err(Error::value(what, 0.0, expected))
     }
 
     fn is_damped(&self) -> bool {

@@ -85,7 +85,7 @@ impl Task for ManipulabilityTask {
         check_weights(&[self.weight])?;
         for (what, value) in [("the gain", self.gain), ("the threshold", self.threshold)] {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::Parameter { what, value, expected: "positive and finite" });
+                return Err(Error::value(what, value, "positive and finite"));
             }
         }
         model.expect_moving(self.frame)?;

@@ -59,7 +59,7 @@ pub(crate) fn check_weights(weights: &[f64]) -> Result<(), Error> {
         None => Ok(()),
         Some(&value) => {
             let expected = "from 1e-100 to 1e100, or zero to leave a row out";
-            Err(Error::Parameter { what: "a weight", value, expected })
+            Err(Error::value("a weight", value, expected))
         }
     }
 }

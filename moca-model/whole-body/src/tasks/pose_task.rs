@@ -114,7 +114,7 @@ impl<Q: PoseQuantity> PoseTask<Q> {
     /// The pose that is wanted.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; the target is then as before.
+    /// [`Error::Value`]; the target is then as before.
     pub fn set_target(&mut self, pose: Isometry3<f64>) -> Result<(), Error> {
         self.set_moving_target(pose, Vector6::zeros())
     }
@@ -122,7 +122,7 @@ impl<Q: PoseQuantity> PoseTask<Q> {
     /// The pose that is wanted, and the twist at which it moves, in the axes in which it is given.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; the target is then as before.
+    /// [`Error::Value`]; the target is then as before.
     pub fn set_moving_target(
         &mut self,
         pose: Isometry3<f64>,

@@ -77,7 +77,7 @@ impl PostureTask {
     /// not count. Allocates only the first time.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; the target is then as before.
+    /// [`Error::Value`]; the target is then as before.
     pub fn set_target(&mut self, configuration: &[f64]) -> Result<(), Error> {
         for value in configuration {
             crate::error::check_finite(*value, || "an entry of the posture".to_owned())?;
@@ -124,7 +124,7 @@ impl Task for PostureTask {
         }
         if let Some(&value) = self.gains.iter().find(|gain| !(**gain >= 0.0 && gain.is_finite())) {
             let (what, expected) = ("a gain", "finite and not negative [1/s]");
-            return Err(Error::Parameter { what, value, expected });
+            return Err(Error::value(what, value, expected));
         }
         if !self.gains.is_empty() {
             check_size("the list of gains", self.gains.len(), self.dimension(model))?;

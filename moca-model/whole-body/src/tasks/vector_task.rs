@@ -119,7 +119,7 @@ impl<Q: VectorQuantity> VectorTask<Q> {
     /// What is wanted, in the world \[m\].
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; the target is then as before.
+    /// [`Error::Value`]; the target is then as before.
     pub fn set_target(&mut self, target: impl Into<Q::Value>) -> Result<(), Error> {
         self.set_moving_target(target, Vector3::zeros())
     }
@@ -127,7 +127,7 @@ impl<Q: VectorQuantity> VectorTask<Q> {
     /// What is wanted, in the world, and how fast that moves \[m/s\] or turns \[rad/s\], in world axes.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; the target is then as before.
+    /// [`Error::Value`]; the target is then as before.
     pub fn set_moving_target(
         &mut self,
         target: impl Into<Q::Value>,

@@ -20,7 +20,6 @@ use crate::robot::model::Model;
 /// // Room for two rows; q̇₀ + q̇₁ = 0.3 rad/s is the first.
 /// let mut task = VelocityTask::new(2);
 /// task.set_row(0, &[1.0, 1.0], 0.3, 0.3)?;
-/// task.clear_row(1)?;
 /// # Ok::<(), whole_body::Error>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -60,7 +59,7 @@ impl VelocityTask {
     /// or both may be infinite. Allocates only the first time.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] for a row past the last, [`Error::NotFinite`], [`Error::RowRange`] for
+    /// [`Error::WrongSize`] for a row past the last, [`Error::Value`], [`Error::RowRange`] for
     /// bounds that leave nothing between them. The row is then as before.
     pub fn set_row(
         &mut self,
@@ -134,18 +133,10 @@ impl VelocityTask {
         }
     }
 
-    /// Lets a row bound nothing.
-    ///
-    /// # Errors
-    /// [`Error::WrongSize`] for a row past the last.
-    pub fn clear_row(&mut self, row: usize) -> Result<(), Error> {
-        self.set_row(row, &[], f64::NEG_INFINITY, f64::INFINITY)
-    }
-
     /// What a row weighs against the other rows of the level; nothing for a hard limit.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] for a row past the last, [`Error::Parameter`] for a bad weight.
+    /// [`Error::WrongSize`] for a row past the last, [`Error::Value`] for a bad weight.
     pub fn set_weight(&mut self, row: usize, weight: f64) -> Result<(), Error> {
         check_weights(&[weight])?;
         self.expect_row(row)?;

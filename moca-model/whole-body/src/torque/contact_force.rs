@@ -43,7 +43,7 @@ impl ContactForce {
     /// At the origin of `frame`, felt by these joints, in the order of q; none for all.
     ///
     /// # Errors
-    /// [`Error::UnknownName`], [`Error::FloatingJoint`]; [`Error::FrameStandsStill`] for a frame that
+    /// [`Error::UnknownName`], [`Error::Unsuitable`]; [`Error::Unsuitable`] for a frame that
     /// no joint moves.
     pub fn new(model: &Model, frame: FrameId, names: &[String]) -> Result<Self, Error> {
         model.expect_moving(frame)?;

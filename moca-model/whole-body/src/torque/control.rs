@@ -126,8 +126,8 @@ impl TorqueControl {
     /// A robot at rest at the `measured` configuration.
     ///
     /// # Errors
-    /// [`Error::UnknownName`], [`Error::FloatingJoint`] for a joint that torque cannot drive;
-    /// [`Error::UnknownEffort`]; those of [`JointImpedance::new`]; [`Error::Parameter`] for a leash out of range; those of
+    /// [`Error::UnknownName`], [`Error::Unsuitable`] for a joint that torque cannot drive;
+    /// [`Error::UnknownEffort`]; those of [`JointImpedance::new`]; [`Error::Value`] for a leash out of range; those of
     /// [`Data::pose`] on the configuration.
     pub fn new(model: &Model, settings: TorqueSettings, measured: &[f64]) -> Result<Self, Error> {
         model.check_configuration(measured)?;
@@ -170,7 +170,7 @@ impl TorqueControl {
     /// measurement came and what is known of its delay beyond one period.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::Quaternion`], [`Error::NotPositive`] for the
+    /// [`Error::WrongSize`], [`Error::Value`], [`Error::Value`], [`Error::Value`] for the
     /// period. No torque then leaves, and the desired state is as before.
     pub fn step(
         &mut self,
@@ -181,7 +181,7 @@ impl TorqueControl {
     ) -> Result<&[f64], Error> {
         check_finite(period, || "the time step [s]".to_owned())?;
         if period <= 0.0 {
-            return Err(Error::NotPositive { what: "the time step [s]", value: period });
+            return Err(Error::not_positive("the time step [s]", period));
         }
         self.model.check_velocity("q̇*", velocity)?;
         self.model.check_velocity("q̇", measured.velocity)?;
@@ -295,7 +295,7 @@ pub(crate) fn joints(model: &Model, names: &[String]) -> Result<Vec<(usize, usiz
     let joints = ids.into_iter().map(|id| {
         let joint = model.joint(id)?;
         if joint.kind == JointKind::Floating {
-            return Err(Error::FloatingJoint { joint: joint.name.clone() });
+            return Err(Error::floating_joint(&joint.name));
         }
         Ok((joint.position_index, joint.velocity_index))
     });

@@ -41,15 +41,19 @@ impl ImpedanceSettings {
     /// Checks the settings for `joints` joints.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Gain`] for a gain that is not a positive number;
-    /// [`Error::NotPositive`] for the rate.
+    /// [`Error::WrongSize`]; [`Error::Value`] for a gain that is not a positive number;
+    /// [`Error::Value`] for the rate.
     pub fn validate(&self, joints: usize) -> Result<(), Error> {
         for (name, gains) in [("stiffness", &self.stiffness), ("damping", &self.damping)] {
             check_size(name, gains.len(), joints)?;
             let bad =
                 gains.iter().enumerate().find(|(_, gain)| !(**gain > 0.0 && gain.is_finite()));
             if let Some((index, &value)) = bad {
-                return Err(Error::Gain { gain: name, joint: index + 1, value });
+                return Err(Error::value(
+                    format!("the {name} of joint {}", index + 1),
+                    value,
+                    "positive and finite",
+                ));
             }
         }
         check_positive(self.torque_rate, "the torque rate [Nm/s]")
@@ -106,7 +110,7 @@ impl JointImpedance {
     /// A controller for the joints of `limits`, of which the effort counts.
     ///
     /// # Errors
-    /// Those of [`ImpedanceSettings::validate`], and [`Error::NotPositive`] for an
+    /// Those of [`ImpedanceSettings::validate`], and [`Error::Value`] for an
     /// effort limit.
     pub fn new(settings: ImpedanceSettings, limits: &[JointLimits]) -> Result<Self, Error> {
         let joints = limits.len();
@@ -129,7 +133,7 @@ impl JointImpedance {
     /// change counts from `gravity`, as if the robot had been held still.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::NotPositive`] on dt.
+    /// [`Error::WrongSize`], [`Error::Value`], [`Error::Value`] on dt.
     /// No torque then leaves, and the rate limit goes on from the last that did.
     pub fn torque(
         &mut self,
@@ -211,7 +215,7 @@ impl JointImpedance {
 
 /// An error unless `value` is positive; infinity is.
 fn check_positive(value: f64, what: &'static str) -> Result<(), Error> {
-    if value > 0.0 { Ok(()) } else { Err(Error::NotPositive { what, value }) }
+    if value > 0.0 { Ok(()) } else { Err(Error::not_positive(what, value)) }
 }
 
 /// `value` between −`bound` and `bound`; NaN stays, for the check behind to find.

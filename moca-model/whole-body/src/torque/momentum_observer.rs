@@ -86,15 +86,19 @@ impl MomentumObserver {
     /// For a robot.
     ///
     /// # Errors
-    /// [`Error::UnknownName`]; [`Error::FloatingJoint`]; [`Error::WrongSize`] unless there is a rate for
-    /// each joint; [`Error::Gain`] for one that is not positive.
+    /// [`Error::UnknownName`]; [`Error::Unsuitable`]; [`Error::WrongSize`] unless there is a rate for
+    /// each joint; [`Error::Value`] for one that is not positive.
     pub fn new(model: &Model, settings: ObserverSettings) -> Result<Self, Error> {
         let entries = joints(model, &settings.joints)?;
         check_size("the list of rates", settings.rates.len(), entries.len())?;
         let bad = |rate: &f64| !(*rate > 0.0 && rate.is_finite());
         if let Some((index, &value)) = settings.rates.iter().enumerate().find(|(_, rate)| bad(rate))
         {
-            return Err(Error::Gain { gain: "rate", joint: index + 1, value });
+            return Err(Error::value(
+                format!("the rate of joint {}", index + 1),
+                value,
+                "positive and finite",
+            ));
         }
         let none = vec![0.0; model.velocity_count()];
         Ok(Self {
@@ -113,7 +117,7 @@ impl MomentumObserver {
     /// none.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::NotFinite`] and [`Error::NotPositive`] on torque and period. The
+    /// [`Error::WrongSize`]; [`Error::Value`] and [`Error::Value`] on torque and period. The
     /// estimate is then as before.
     pub fn update(
         &mut self,
@@ -127,7 +131,7 @@ impl MomentumObserver {
             crate::error::check_finite(value, what)?;
         }
         if !(period > 0.0 && period.is_finite()) {
-            return Err(Error::NotPositive { what: "the time step [s]", value: period });
+            return Err(Error::not_positive("the time step [s]", period));
         }
         check_size("the robot's q̇", robot.velocity().len(), self.friction_torque.len())?;
         self.remember(robot)?;

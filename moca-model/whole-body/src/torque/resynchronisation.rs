@@ -59,11 +59,11 @@ impl Resynchronisation {
     /// With the largest following error of each entry of q \[rad or m\]; infinite for none.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a length that is not positive.
+    /// [`Error::Value`] for a length that is not positive.
     pub fn new(lengths: Vec<f64>) -> Result<Self, Error> {
         if let Some(&value) = lengths.iter().find(|length| length.is_nan() || **length <= 0.0) {
             let (what, expected) = ("a leash", "positive, or infinite for none");
-            return Err(Error::Parameter { what, value, expected });
+            return Err(Error::value(what, value, expected));
         }
         Ok(Self { lengths, state: State::Unknown })
     }
@@ -71,7 +71,7 @@ impl Resynchronisation {
     /// For all joints of a robot; a floating base is estimated, not commanded, and has none.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a leash out of range.
+    /// [`Error::Value`] for a leash out of range.
     pub fn of_model(model: &Model, leash: &Leash) -> Result<Self, Error> {
         leash.validate()?;
         let mut lengths = vec![f64::INFINITY; model.position_count()];

@@ -110,7 +110,7 @@ impl SupportTorque {
     /// \[kg m²\], beside its mass matrix.
     ///
     /// # Errors
-    /// [`Error::Parameter`] where nobody compensates gravity, and for an inertia that is negative or not finite.
+    /// [`Error::Value`] where nobody compensates gravity, and for an inertia that is negative or not finite.
     pub fn new(
         model: &Model,
         compensation: Compensation,
@@ -118,11 +118,11 @@ impl SupportTorque {
     ) -> Result<Self, Error> {
         if compensation.gravity == CompensatedBy::Nobody {
             let (what, expected) = ("the number of those who compensate gravity", "1");
-            return Err(Error::Parameter { what, value: 0.0, expected });
+            return Err(Error::value(what, 0.0, expected));
         }
         if !(rotor_inertia >= 0.0 && rotor_inertia.is_finite()) {
             let (what, expected) = ("the rotors' inertia [kg m²]", "finite and not negative");
-            return Err(Error::Parameter { what, value: rotor_inertia, expected });
+            return Err(Error::value(what, rotor_inertia, expected));
         }
         let none = vec![0.0; model.velocity_count()];
         Ok(Self {
@@ -138,7 +138,7 @@ impl SupportTorque {
     /// The torques for a motion, one an entry of q̇ \[Nm or N\]. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::Quaternion`] on the motion; the torques are then as before.
+    /// [`Error::WrongSize`], [`Error::Value`], [`Error::Value`] on the motion; the torques are then as before.
     pub fn update(
         &mut self,
         data: &mut Data,

@@ -179,10 +179,10 @@ fn elements_and_attributes_that_are_missing_or_wrong() {
     let line = line.trim_end_matches(':').trim_start_matches("line ").parse::<usize>().unwrap();
     assert_error!(
         error_of(&text),
-        Error::NegativeMass { .. },
+        Error::Value { .. },
         "panda_link7",
         format!("line {}:", line - 2),
-        "-0.735522 kg"
+        "-0.735522; it must be zero or positive [kg]"
     );
     let (text, _) = changed("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 0 0\"/>");
     assert_error!(error_of(&text), Error::Urdf(UrdfError::ZeroAxis { .. }), "base_y", "direction");
@@ -385,24 +385,24 @@ fn limits_that_are_missing_or_contradict() {
 fn numbers_of_a_description_that_are_none() {
     let mut description = Description::default();
     description.gravity.z = f64::NAN;
-    assert_error!(refused(description), Error::NotFinite { .. }, "gravity");
+    assert_error!(refused(description), Error::Value { .. }, "gravity");
     let held = vec![("panda_finger_joint1".to_owned(), f64::INFINITY)];
     assert_error!(
         refused(Description { held, ..Description::default() }),
-        Error::NotFinite { .. },
+        Error::Value { .. },
         "panda_finger_joint1"
     );
     let origins =
         vec![("arm_mount".to_owned(), nalgebra::Isometry3::translation(f64::NAN, 0.0, 0.0))];
     assert_error!(
         refused(Description { origins, ..Description::default() }),
-        Error::NotFinite { .. },
+        Error::Value { .. },
         "arm_mount"
     );
     let missing_acceleration = whole_body::MissingAcceleration::TimeToFullSpeed(0.0);
     assert_error!(
         refused(Description { missing_acceleration, ..Description::default() }),
-        Error::NotPositive { .. },
+        Error::Value { .. },
         "full speed"
     );
 }

@@ -155,16 +155,18 @@ fn frames_stand_on_links_and_on_frames() {
     let shift = |z: f64| Isometry3::translation(0.0, 0.0, z);
     let frame =
         |name: &str, on: &str| AddedFrame { name: name.into(), on: on.into(), pose: shift(0.1) };
-    let frames = vec![frame("tool", "panda_hand"), frame("tip", "tool")];
-    let model = read(MOCA, &Description { frames, ..Description::default() });
-    let model = model.with_frame(&frame("needle", "tip")).unwrap();
+    let described = |last: AddedFrame| {
+        let frames = vec![frame("tool", "panda_hand"), frame("tip", "tool"), last];
+        Description { frames, ..Description::default() }
+    };
+    let model = read(MOCA, &described(frame("needle", "tip")));
     let mut data = Data::new(&model);
     let posed = data.pose(&model, &model.neutral()).unwrap();
     let [hand, needle] = ["panda_hand", "needle"].map(|name| model.frame_id(name).unwrap());
     assert_abs_diff_eq!(posed.relative_pose(hand, needle).unwrap(), shift(0.3), epsilon = 1e-12);
     assert_eq!(model.frame_name(needle).unwrap(), "needle");
-    assert!(model.with_frame(&frame("tip", "tool")).is_err());
-    assert!(model.with_frame(&frame("new", "nowhere")).is_err());
+    assert!(Model::from_urdf(MOCA, &described(frame("tip", "tool"))).is_err());
+    assert!(Model::from_urdf(MOCA, &described(frame("new", "nowhere"))).is_err());
 }
 
 #[test]

@@ -221,7 +221,7 @@ mod quadratics {
         let mut solve = |stack: &mut TaskStack| {
             let mut posed = data.pose(&model, &model.neutral()).unwrap();
             stack.write(&mut posed, &[0.0; 7], PERIOD).unwrap();
-            let x = stack.solve(PERIOD, Budget::default()).unwrap().best().to_vec();
+            let x = stack.solve(Budget::default()).unwrap().best().to_vec();
             (x[0], x[7])
         };
         let (velocity, rate) = solve(&mut stack);

@@ -15,7 +15,6 @@ mod dynamics;
 mod followers;
 mod golden;
 mod ik;
-mod ik_changes;
 mod ik_figures;
 mod ik_limits;
 mod impedance;

@@ -174,7 +174,7 @@ fn what_an_observer_cannot_use() {
     assert!(matches!(error, Error::WrongSize { expected: 7, got: 3, .. }));
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let error = new(ObserverSettings { rates: vec![bad; 7], ..default() });
-        assert!(matches!(error, Error::Gain { gain: "rate", joint: 1, .. }));
+        assert!(matches!(error, Error::Value { what, .. } if what == "the rate of joint 1"));
     }
     let error = new(ObserverSettings { joints: vec!["elbow".into()], ..default() });
     assert!(matches!(error, Error::UnknownName { .. }));

@@ -202,7 +202,7 @@ fn what_torque_control_cannot_use() {
         new(TorqueSettings { joints: vec!["panda_joint4".into()], ..default() }).unwrap_err();
     assert!(matches!(error, Error::WrongSize { what: "stiffness", expected: 1, got: 7 }));
     let leash = Leash { revolute: 0.0, ..Leash::default() };
-    assert!(matches!(new(TorqueSettings { leash, ..default() }), Err(Error::Parameter { .. })));
+    assert!(matches!(new(TorqueSettings { leash, ..default() }), Err(Error::Value { .. })));
     assert!(TorqueControl::new(&model, default(), &[0.0; 6]).is_err());
     let mut control = new(default()).unwrap();
     let rest = JointState { position: &HOME, velocity: &[0.0; 7] };

@@ -58,7 +58,7 @@ fn solve(stack: &mut TaskStack) -> Vec<f64> {
     let model = &*PANDA;
     let mut data = Data::new(model);
     stack.write(&mut data.pose(model, &model.neutral()).unwrap(), &[0.0; JOINTS], PERIOD).unwrap();
-    stack.solve(PERIOD, Budget::default()).unwrap().best().to_vec()
+    stack.solve(Budget::default()).unwrap().best().to_vec()
 }
 
 proptest! {

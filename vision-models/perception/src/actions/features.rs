@@ -97,7 +97,10 @@ impl ClipFeatures {
         mirrored: bool,
         watch: &mut Watch<'_>,
     ) -> Result<Option<Array2<f32>>, Error> {
-        let frames = frames_of(folder, self.window.length, watch)?;
+        let frames = match frames_of(folder, self.window.length, watch) {
+            Err(Error::Stopped) => return Ok(None),
+            frames => frames?,
+        };
         let crops = match views.crops {
             Crops::Centre => 1,
             Crops::Three => 3,

@@ -87,12 +87,12 @@ impl IkBuilder {
     /// The inverse kinematics, with the robot at rest. Limits of the joints are the model's.
     ///
     /// # Errors
-    /// [`Error::NoLevels`], [`Error::EmptyLevel`], [`Error::MixedLevel`], [`Error::NameTaken`];
+    /// [`Error::Nothing`], [`Error::Nothing`], [`Error::MixedLevel`], [`Error::NameTaken`];
     /// [`Error::InTask`] for a task that this robot cannot do; those of the settings.
     pub fn build(self) -> Result<Ik, Error> {
         self.settings.validate()?;
         if self.levels.is_empty() {
-            return Err(Error::NoLevels);
+            return Err(Error::Nothing { what: "there is no level of tasks".into() });
         }
         self.levels.iter().try_for_each(expect_other_name)?;
         let has_limits = !self.limits.is_empty();
@@ -116,7 +116,7 @@ impl IkBuilder {
 }
 
 /// An error for a level with the name of the limits.
-pub(in crate::ik) fn expect_other_name(level: &TaskLevel) -> Result<(), Error> {
+fn expect_other_name(level: &TaskLevel) -> Result<(), Error> {
     if level.name() == LIMITS {
         return Err(Error::NameTaken { element: "level", name: LIMITS.to_owned() });
     }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use ahqp_core::{LevelId, Rows, Status};
+use ahqp_core::{Rows, Status};
 
 use super::Ik;
 use crate::error::Error;
@@ -21,8 +21,6 @@ pub struct Step<'a> {
 /// A level of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelReport<'a> {
-    /// Its id.
-    pub id: LevelId,
     /// Its name.
     pub name: &'a str,
     /// √(Σ wᵢ dᵢ²), dᵢ being how far row i is from its range: zero where all its tasks have the
@@ -100,13 +98,12 @@ impl<'a> Step<'a> {
     /// The levels of tasks, highest priority first.
     pub fn levels(&self) -> impl Iterator<Item = LevelReport<'a>> + use<'a> {
         let (ik, x) = (self.ik, self.variables());
-        let stacked = ik.stack.stacked().enumerate();
-        let tasks = stacked.filter(|(_, (entry, _))| Some(entry.id) != ik.limits);
-        tasks.map(move |(index, (entry, level))| {
+        let levels = ik.stack.levels().enumerate().skip(usize::from(ik.has_limits));
+        levels.map(move |(index, (tasks, level))| {
             let rows = ik.asked_rows(index, level);
-            let own = 0..entry.tasks.row_count();
+            let own = 0..tasks.row_count();
             let slack = rows.map_or(0.0, |rows| violation(rows, own, x));
-            LevelReport { id: entry.id, name: &entry.tasks.name, slack }
+            LevelReport { name: &tasks.name, slack }
         })
     }
 
@@ -115,9 +112,9 @@ impl<'a> Step<'a> {
     /// # Errors
     /// [`Error::UnknownTask`].
     pub fn slack<T>(&self, task: TaskId<T>) -> Result<f64, Error> {
-        let mut levels = self.ik.stack.stacked().enumerate();
-        let found = levels.find_map(|(index, (entry, level))| {
-            let range = entry.tasks.rows_of(task.number)?;
+        let mut levels = self.ik.stack.levels().enumerate();
+        let found = levels.find_map(|(index, (tasks, level))| {
+            let range = tasks.rows_of(task.number)?;
             Some((self.ik.asked_rows(index, level)?, range))
         });
         let (rows, range) = found.ok_or(Error::UnknownTask)?;
@@ -150,10 +147,10 @@ impl<'a> Step<'a> {
     /// The rows of limits and ranges that are at a bound.
     pub fn active_rows(&self) -> impl Iterator<Item = ActiveRow<'a>> + use<'a> {
         let x = self.variables();
-        let levels = self.ik.stack.stacked();
-        let rows = levels.flat_map(|(entry, level)| {
-            let named = entry.tasks.named_rows(level);
-            named.map(move |(rows, count, names)| (&*entry.tasks.name, rows, count, names))
+        let levels = self.ik.stack.levels();
+        let rows = levels.flat_map(|(tasks, level)| {
+            let named = tasks.named_rows(level);
+            named.map(move |(rows, count, names)| (&*tasks.name, rows, count, names))
         });
         rows.flat_map(move |(level, rows, count, names)| {
             rows.iter().enumerate().take(count).filter_map(

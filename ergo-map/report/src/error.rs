@@ -1,0 +1,128 @@
+//! What can be wrong with tables, maps, questionnaires and their pictures.
+
+use std::{fmt, io};
+
+/// What was wrong, where, and what would be right. Lines and columns count from 1; the header is a
+/// line too.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The system cannot read on.
+    #[error("line {line}: cannot read on: {source}")]
+    Read {
+        /// The line that failed.
+        line: usize,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A table that cannot be read as sheets.
+    #[error("{}{problem}", Place(*line, *column))]
+    Table {
+        /// The line; none for an empty table.
+        line: Option<usize>,
+        /// The column's number, if it is about one.
+        column: Option<usize>,
+        /// What stands there, and what would be right.
+        problem: String,
+    },
+    /// A sheet that is refused as a whole.
+    #[error("line {line}: {source}")]
+    Sheet {
+        /// The line.
+        line: usize,
+        /// Why.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// A questionnaire that has no score.
+    #[error("{0}")]
+    Questionnaire(String),
+    /// Questionnaires that cannot be compared.
+    #[error("{0}")]
+    Study(String),
+    /// A hand position that the map does not hold.
+    #[error(
+        "the hand at ({x:.3}, {y:.3}, {z:.3}) m is outside the map: give a place that the person \
+         reaches, x forward, y left, z up from the floor below the pelvis"
+    )]
+    OutsideMap {
+        /// Forward \[m\].
+        x: f64,
+        /// Left \[m\].
+        y: f64,
+        /// Up \[m\].
+        z: f64,
+    },
+    /// A map or a table that holds too little.
+    #[error(
+        "{what} needs at least {needed} postures and has {found}: give a smaller spacing, or more \
+         recorded postures there"
+    )]
+    TooFewPostures {
+        /// What was to be computed.
+        what: &'static str,
+        /// Smallest workable number.
+        needed: usize,
+        /// Number there.
+        found: usize,
+    },
+    /// The map has no answer, or the person's measures make no person.
+    #[error(transparent)]
+    Map(ergo_map::Error),
+    /// A threshold of `e_s` that no score can meet.
+    #[error("acceptable = {0}: give a score e_s above 0 and up to 4.25")]
+    Acceptable(f64),
+    /// A picture cannot be drawn.
+    #[error("cannot draw the {what}: {reason}")]
+    Drawing {
+        /// `picture` or `figure`.
+        what: &'static str,
+        /// What stands against it.
+        reason: String,
+    },
+    /// Scores or a report cannot be written.
+    #[error("cannot write the {what}: {source}")]
+    Write {
+        /// `scores` or `report`.
+        what: &'static str,
+        /// What the system says.
+        source: io::Error,
+    },
+}
+
+impl Error {
+    /// Something wrong in a line of a table.
+    pub(crate) fn in_line(line: usize, problem: impl Into<String>) -> Self {
+        Self::Table { line: Some(line), column: None, problem: problem.into() }
+    }
+
+    /// Something wrong in a column of a table.
+    pub(crate) fn in_column(line: usize, column: usize, problem: impl Into<String>) -> Self {
+        Self::Table { line: Some(line), column: Some(column), problem: problem.into() }
+    }
+}
+
+impl From<ergo_map::Error> for Error {
+    fn from(error: ergo_map::Error) -> Self {
+        match error {
+            ergo_map::Error::OutOfDomain { x, y, z } => Self::OutsideMap { x, y, z },
+            ergo_map::Error::TooFewSamples { what, got, wanted } => {
+                Self::TooFewPostures { what, needed: wanted, found: got }
+            }
+            other => Self::Map(other),
+        }
+    }
+}
+
+/// Where in a table.
+struct Place(Option<usize>, Option<usize>);
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.0, self.1) {
+            // What follows says the column's name.
+            (Some(line), Some(column)) => write!(f, "line {line}, column {column}"),
+            (Some(line), None) => write!(f, "line {line}: "),
+            _ => Ok(()),
+        }
+    }
+}
