@@ -107,7 +107,7 @@ pub use ndarray;
 #[cfg(feature = "inference")]
 pub use networks::{
     NetworkKind, OpenPoseForm, ResNet, ResNetDepth, ResNetForm, SimpleBaselineForm, SlowFast,
-    SlowFastForm, SlowOnly, SlowOnlyForm, SlowOnlyStream,
+    SlowFastForm, SlowOnly, SlowOnlyForm, SlowOnlyStream, TensorFlowLite,
 };
 pub use percept::{Percept, RecognisedAction, RecognisedSurface};
 #[cfg(feature = "inference")]
