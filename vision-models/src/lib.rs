@@ -112,7 +112,8 @@ pub use networks::{
 pub use percept::{Percept, RecognisedAction, RecognisedSurface};
 #[cfg(feature = "inference")]
 pub use pose::{
-    Coco18, GroupingSettings, OpenPose, Passes, PersonBox, SimpleBaseline, group_parts,
+    BlazePose, BlazePoseSettings, Coco18, GroupingSettings, Landmark, Landmarks, OpenPose, Passes,
+    PersonBox, PoseRegion, SimpleBaseline, group_parts,
 };
 #[cfg(feature = "inference")]
 pub use preprocessing::{

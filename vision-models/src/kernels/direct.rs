@@ -1,6 +1,6 @@
 //! Convolution as a matrix product over the taps.
 
-use crate::layout::{Channels, Extent, offset, position};
+use crate::layout::{Channels, Extent, advance, offset, position};
 
 use super::buffer::Buffer;
 use super::epilogue::Epilogue;
@@ -143,14 +143,13 @@ impl Direct {
             while first < pixels.end {
                 let count = BLOCK.min(pixels.end - first);
                 let [rows, output_rows] = &mut starts;
-                for (index, (row, output_row)) in
-                    rows.iter_mut().zip(output_rows.iter_mut()).take(count).enumerate()
-                {
-                    let at = position(first + index, self.size);
+                let mut at = position(first, self.size);
+                for (row, output_row) in rows.iter_mut().zip(output_rows.iter_mut()).take(count) {
                     *row = self.origin + offset(at, self.input_step);
                     *output_row = self.output_origin + offset(at, self.output_step);
                     assert!(*row + reach <= input.len());
                     assert!(*output_row + panels.outputs() <= output.len());
+                    advance(&mut at, self.size);
                 }
                 for panel in share(panels.count(), tasks, part) {
                     let start = panel * panels.width;

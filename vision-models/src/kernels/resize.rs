@@ -89,19 +89,20 @@ impl Resize {
         let tasks = lines.min(8 * pool.lanes());
         pool.run(tasks, &|_, task| {
             for line in share(lines, tasks, task) {
-                for (at, column) in columns.iter().enumerate() {
-                    let [frame, row, _] = position(line * columns.len(), to.layout.size);
-                    let y = &rows[row];
-                    let corner = |row, column| {
-                        let start =
-                            from.origin() + offset([frame, row, column], from.layout.strides());
-                        input[start..start + from.count].as_ptr()
-                    };
-                    let target = to.origin() + offset([frame, row, at], to.layout.strides());
+                let [frame, row, _] = position(line * columns.len(), to.layout.size);
+                let y = &rows[row];
+                let [step, next] = [from, to].map(|channels| channels.layout.strides()[2]);
+                let line = |row| from.origin() + offset([frame, row, 0], from.layout.strides());
+                let (upper, lower) = (line(y.first), line(y.second));
+                let corner = |line: usize, column: usize| {
+                    input[line + column * step..][..from.count].as_ptr()
+                };
+                let mut target = to.origin() + offset([frame, row, 0], to.layout.strides());
+                for column in columns {
                     assert!(target + to.count <= output.len());
                     let blend = Blend {
-                        upper: [corner(y.first, column.first), corner(y.first, column.second)],
-                        lower: [corner(y.second, column.first), corner(y.second, column.second)],
+                        upper: [corner(upper, column.first), corner(upper, column.second)],
+                        lower: [corner(lower, column.first), corner(lower, column.second)],
                         fractions: [y.fraction, column.fraction],
                         channels: from.count,
                         output: output.at(target),
@@ -109,6 +110,7 @@ impl Resize {
                     // SAFETY: the four pixels and the target were checked against their slices; no other task has
                     // this line.
                     unsafe { isa.run(blend) };
+                    target += next;
                 }
             }
         });

@@ -63,7 +63,20 @@ impl TensorFlowLite {
     /// [`Error::Checkpoint`] for what is no such file, does not fit together, holds other operators or numbers, or takes
     /// too much memory.
     pub fn from_bytes(file: Vec<u8>) -> Result<Self, Error> {
-        let Lowering { graph, weights, input, outputs, .. } = Lowering::of(&file)?;
+        Self::of(file, &[])
+    }
+
+    /// The same network with some of its outputs alone, by their numbers and in this order. What they do not depend on
+    /// is not computed.
+    ///
+    /// # Errors
+    /// [`Error::Checkpoint`] for an output that there is not.
+    pub fn keep(self, outputs: &[usize]) -> Result<Self, Error> {
+        Self::of(self.weights.into_file(), outputs)
+    }
+
+    fn of(file: Vec<u8>, kept: &[usize]) -> Result<Self, Error> {
+        let Lowering { graph, weights, input, outputs, .. } = Lowering::of(&file, kept)?;
         Ok(Self { graph, weights: Weights::new(file, weights), input, outputs })
     }
 

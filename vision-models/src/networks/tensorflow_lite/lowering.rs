@@ -35,11 +35,11 @@ pub(super) struct Lowering<'a> {
 }
 
 impl<'a> Lowering<'a> {
-    /// Builds the graph of a file.
+    /// Builds the graph of a file that gives some of its outputs, in this order; all if none are named.
     ///
     /// # Errors
     /// [`Error::Checkpoint`].
-    pub(super) fn of(file: &'a [u8]) -> Result<Self, Error> {
+    pub(super) fn of(file: &'a [u8], kept: &[usize]) -> Result<Self, Error> {
         let model = Model::of(file)?;
         let mut budget = Budget::of_file(file.len() as u64);
         model.pay(&mut budget)?;
@@ -49,14 +49,24 @@ impl<'a> Lowering<'a> {
             return Err(refused("inputs", problem));
         };
         let mut reads = vec![0_usize; model.tensors()];
-        let ends = model.outputs()?;
-        for index in 0..model.operators() {
-            for tensor in model.operator(index)?.inputs.into_iter().flatten() {
-                reads[tensor] += 1;
-            }
+        let mut ends = model.outputs()?;
+        if !kept.is_empty() {
+            let end = |&index: &usize| ends.get(index).copied();
+            let problem = format!("there are {}, and {kept:?} are to be kept", ends.len());
+            let found = kept.iter().map(end).collect::<Option<_>>();
+            ends = found.ok_or_else(|| refused("outputs", problem))?;
         }
         for &end in &ends {
             reads[end] += 1;
+        }
+        // What no output depends on is left out.
+        let mut needed = vec![false; model.operators()];
+        for (index, needed) in needed.iter_mut().enumerate().rev() {
+            let operator = model.operator(index)?;
+            *needed = operator.outputs.iter().any(|&output| reads[output] > 0);
+            for tensor in operator.inputs.into_iter().flatten().filter(|_| *needed) {
+                reads[tensor] += 1;
+            }
         }
         let input = declared(&model, image)?;
         let mut graph = Graph::new();
@@ -73,7 +83,7 @@ impl<'a> Lowering<'a> {
             activations: 0,
         };
         lowering.write(image, Written::Activation(Known { value, shape: input }))?;
-        for index in 0..model.operators() {
+        for (index, _) in needed.into_iter().enumerate().filter(|(_, needed)| *needed) {
             operate(&mut lowering, index)?;
         }
         for end in ends {

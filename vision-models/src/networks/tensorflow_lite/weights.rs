@@ -88,6 +88,11 @@ impl Weights {
     pub(super) fn new(file: Vec<u8>, weights: BTreeMap<String, Weight>) -> Self {
         Self { file, weights }
     }
+
+    /// The file that they are read from.
+    pub(super) fn into_file(self) -> Vec<u8> {
+        self.file
+    }
 }
 
 impl TensorSource for Weights {
