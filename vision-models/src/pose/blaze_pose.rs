@@ -3,6 +3,7 @@
 mod detection;
 mod landmarks;
 mod region;
+mod steady;
 
 use nalgebra::Point2;
 use ndarray::{Array4, ArrayView3, Axis, s};
@@ -16,13 +17,15 @@ use landmarks::Numbers;
 pub use landmarks::{Landmark, Landmarks};
 use region::Edge;
 pub use region::PoseRegion;
+use steady::Steady;
 
 /// BlazePose: thirty-three landmarks of each person, in the image and in metres. V. Bazarevsky et al., "BlazePose:
 /// on-device real-time body pose tracking", 2020. Both networks are MediaPipe's files (Apache-2.0), which the npm package
 /// `@mediapipe/pose` holds.
 ///
 /// A detector finds people; in later images each is looked for around where their landmarks were, and the detector
-/// runs only while fewer people are followed than [`BlazePoseSettings::most`]. Nothing is smoothed over time.
+/// runs only while fewer people are followed than [`BlazePoseSettings::most`]. Regions are steadied over time as
+/// MediaPipe's are; landmarks are as they are seen.
 ///
 /// ```no_run
 /// use vision_models::{BlazePose, BlazePoseSettings, Body25, Options, TensorFlowLite, read_image};
@@ -32,7 +35,7 @@ pub use region::PoseRegion;
 /// let settings = BlazePoseSettings::default();
 /// let mut network = BlazePose::load(detector, landmarks, settings, Options::default())?;
 /// let image = read_image("frame.jpg")?;
-/// for person in network.estimate(image.view())? {
+/// for person in network.estimate(0.0, image.view())? {
 ///     println!("{:?}", person.image_body().get(Body25::RightWrist));
 /// }
 /// # Ok::<(), vision_models::Error>(())
@@ -42,10 +45,17 @@ pub struct BlazePose {
     detector: Network,
     landmarks: Network,
     settings: BlazePoseSettings,
-    /// Where people are expected.
-    expected: Vec<PoseRegion>,
+    /// The people of the last image.
+    followed: Vec<Followed>,
     /// What the networks see.
     inputs: [Array4<f32>; 2],
+}
+
+/// A person who is looked for where they are expected.
+#[derive(Debug)]
+struct Followed {
+    region: PoseRegion,
+    steady: Steady,
 }
 
 /// Whom BlazePose looks for. The defaults are MediaPipe's.
@@ -127,7 +137,7 @@ impl BlazePose {
             detector: detector.load(options)?,
             landmarks: landmarks.keep(&READ)?.load(options)?,
             settings,
-            expected: Vec::new(),
+            followed: Vec::new(),
             inputs: [input(detection::INPUT), input(side)],
         })
     }
@@ -141,37 +151,43 @@ impl BlazePose {
         self.landmarks.share_threads(threads)
     }
 
-    /// The people in the next image of a camera, height × width × 3: red, green, blue.
+    /// The people in the next image of a camera, height × width × 3: red, green, blue; `time` is when it was taken (s).
     ///
     /// # Errors
     /// [`Error::Size`] for an image without pixels or of other channels, [`Error::Overflow`] if activations overflow.
-    pub fn estimate(&mut self, image: ArrayView3<'_, u8>) -> Result<Vec<Landmarks>, Error> {
-        let mut regions = std::mem::take(&mut self.expected);
-        if regions.len() < self.settings.most {
-            for found in self.detect(image)? {
-                if !regions.iter().any(|region| region.overlap(&found) > OVERLAP) {
-                    regions.push(found);
+    pub fn estimate(
+        &mut self,
+        time: f64,
+        image: ArrayView3<'_, u8>,
+    ) -> Result<Vec<Landmarks>, Error> {
+        let mut followed = std::mem::take(&mut self.followed);
+        if followed.len() < self.settings.most {
+            for region in self.detect(image)? {
+                if !followed.iter().any(|person| person.region.overlap(&region) > OVERLAP) {
+                    followed.push(Followed { region, steady: Steady::default() });
                 }
             }
-            regions.truncate(self.settings.most);
+            followed.truncate(self.settings.most);
         }
-        let mut people: Vec<Landmarks> = Vec::with_capacity(regions.len());
-        for region in regions {
+        let mut people = Vec::with_capacity(followed.len());
+        for Followed { region, mut steady } in followed {
             let person = self.landmarks(image, &region)?;
-            let next = person.next;
-            let is_new = !people.iter().any(|other| other.next.overlap(&next) > OVERLAP);
-            if person.score.value() >= self.settings.presence && is_new {
+            if person.score.value() < self.settings.presence {
+                continue;
+            }
+            let region = PoseRegion::around(&steady.update(time, person.circle));
+            let is_seen = |other: &Followed| other.region.overlap(&region) > OVERLAP;
+            if region.validate().is_ok() && !self.followed.iter().any(is_seen) {
+                self.followed.push(Followed { region, steady });
                 people.push(person);
             }
         }
-        let next = people.iter().map(|person| person.next);
-        self.expected = next.filter(|region| region.validate().is_ok()).collect();
         Ok(people)
     }
 
     /// Expects nobody any more: what comes next are other images.
     pub fn forget(&mut self) {
-        self.expected.clear();
+        self.followed.clear();
     }
 
     /// The regions of all people whom the detector finds, the surest first.

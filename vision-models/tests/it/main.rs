@@ -46,4 +46,6 @@ mod real_motion;
 mod support;
 #[cfg(feature = "inference")]
 mod svm;
+#[cfg(feature = "inference")]
+mod tensorflow_lite;
 mod tracker;

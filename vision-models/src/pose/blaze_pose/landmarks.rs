@@ -18,8 +18,8 @@ pub(super) const NUMBERS: usize = 5;
 const AROUND: usize = 3;
 /// The least height of a map that moves a point.
 const LEAST: f64 = 0.5;
-/// The points that the next region is made of.
-const REGION: [usize; 2] = [33, 34];
+/// The points that say where the circle around the body is.
+const CIRCLE: [usize; 2] = [33, 34];
 
 /// A point of the body, of the thirty-three of BlazePose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,8 +47,9 @@ pub struct Landmarks {
     pub points: [Landmark; 33],
     /// How probably there is a person in the region.
     pub score: Confidence,
-    /// The region in which they are expected next.
-    pub next: PoseRegion,
+    /// The circle around the body: between the hips, and a point on it in the direction of the head. What
+    /// [`PoseRegion::around`] makes the next region of.
+    pub circle: [Point2<f64>; 2],
 }
 
 /// The joints of BODY_25 that are landmarks. Small toes are none; toes are the tips of the feet.
@@ -126,8 +127,8 @@ impl Numbers<'_> {
                 presence: confidence(logistic(number(4))),
             }
         });
-        let next = PoseRegion::around(&REGION.map(|index| region.place(self.place(index))));
-        Landmarks { points, score, next }
+        let circle = CIRCLE.map(|index| region.place(self.place(index)));
+        Landmarks { points, score, circle }
     }
 
     /// A point in its region: the mean of the cells around it in its map, where that is high enough.
