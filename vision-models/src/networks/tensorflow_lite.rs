@@ -5,11 +5,14 @@ mod operators;
 mod values;
 mod weights;
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use crate::engine::{Graph, Network, Options};
 use crate::error::Error;
 use crate::file::{in_file, read_bytes};
+use crate::weights::tensorflow_lite::is_tensorflow_lite;
 
 use lowering::Lowering;
 use values::Shape;
@@ -48,6 +51,13 @@ pub struct TensorFlowLite {
 }
 
 impl TensorFlowLite {
+    /// Returns true for a file that says that it is one of TensorFlow Lite; false for one that cannot be read.
+    pub fn is_in(path: impl AsRef<Path>) -> bool {
+        let mut start = [0; 8];
+        let read = File::open(path).and_then(|mut file| file.read_exact(&mut start));
+        read.is_ok() && is_tensorflow_lite(&start)
+    }
+
     /// Reads a file.
     ///
     /// # Errors

@@ -81,8 +81,8 @@ impl PoseRegion {
         shared / (self.side.powi(2) + other.side.powi(2) - shared)
     }
 
-    /// Fills channels × rows × columns with the colours of the region, interpolated linearly and rounded to whole
-    /// levels. What is outside the image is as its edge, or black.
+    /// Fills channels × rows × columns with the colours of the region, interpolated linearly between whole levels. What
+    /// is outside the image is as its edge, or black.
     pub(super) fn sample(
         &self,
         image: &ArrayView3<'_, u8>,
@@ -99,9 +99,8 @@ impl PoseRegion {
             let start = corner + down * row as f64;
             for column in 0..columns {
                 let at = start + right * column as f64;
-                let colours = sampled.colours(&at);
-                for (channel, colour) in colours.into_iter().enumerate() {
-                    target[[channel, row, column]] = value(colour.round());
+                for (channel, level) in sampled.colours(&at).into_iter().enumerate() {
+                    target[[channel, row, column]] = value(f32::from(level));
                 }
             }
         }
@@ -117,42 +116,51 @@ pub(super) enum Edge {
     Black,
 }
 
+/// Steps from one pixel to the next between which is interpolated: OpenCV's, without which the networks see other
+/// images than MediaPipe's do.
+const STEPS: i64 = 32;
+
 /// An image between its pixels.
 struct Sampled<'a> {
     image: &'a ArrayView3<'a, u8>,
     edge: Edge,
     /// The last column and row.
-    last: [f64; 2],
+    last: [i64; 2],
 }
 
 impl<'a> Sampled<'a> {
     fn new(image: &'a ArrayView3<'a, u8>, edge: Edge) -> Self {
         let (rows, columns, _) = image.dim();
-        Self { image, edge, last: [columns as f64 - 1.0, rows as f64 - 1.0] }
+        let last = [columns, rows].map(|side| i64::try_from(side).unwrap_or(i64::MAX) - 1);
+        Self { image, edge, last }
     }
 
-    #[expect(clippy::cast_possible_truncation, reason = "levels are f32")]
-    fn colours(&self, at: &Point2<f64>) -> [f32; 3] {
-        let (left, top) = (at.x.floor(), at.y.floor());
-        let (right, down) = ((at.x - left) as f32, (at.y - top) as f32);
-        let [a, b] = [left, left + 1.0].map(|x| self.pixel(x, top));
-        let [c, d] = [left, left + 1.0].map(|x| self.pixel(x, top + 1.0));
+    /// The colours at a place between the pixels, in whole levels.
+    #[expect(clippy::cast_possible_truncation, reason = "regions are near the image")]
+    fn colours(&self, at: &Point2<f64>) -> [u8; 3] {
+        let [x, y] = [at.x, at.y].map(|place| (place * STEPS as f64).round_ties_even() as i64);
+        let (left, top) = (x.div_euclid(STEPS), y.div_euclid(STEPS));
+        let (right, down) = (x.rem_euclid(STEPS), y.rem_euclid(STEPS));
+        let [a, b] = [left, left + 1].map(|x| self.pixel(x, top));
+        let [c, d] = [left, left + 1].map(|x| self.pixel(x, top + 1));
         std::array::from_fn(|channel| {
-            let upper = a[channel] + right * (b[channel] - a[channel]);
-            let lower = c[channel] + right * (d[channel] - c[channel]);
-            upper + down * (lower - upper)
+            let mix = |one: [u8; 3], other: [u8; 3]| {
+                i64::from(one[channel]) * (STEPS - right) + i64::from(other[channel]) * right
+            };
+            let sum = mix(a, b) * (STEPS - down) + mix(c, d) * down;
+            let whole = STEPS * STEPS;
+            u8::try_from((sum + whole / 2) / whole).unwrap_or(u8::MAX)
         })
     }
 
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the image")]
-    fn pixel(&self, x: f64, y: f64) -> [f32; 3] {
-        let inside = [x.clamp(0.0, self.last[0]), y.clamp(0.0, self.last[1])];
+    fn pixel(&self, x: i64, y: i64) -> [u8; 3] {
+        let inside = [x.clamp(0, self.last[0]), y.clamp(0, self.last[1])];
         if self.edge == Edge::Black && inside != [x, y] {
-            return [0.0; 3];
+            return [0; 3];
         }
-        let [column, row] = inside.map(|place| place as usize);
+        let [column, row] = inside.map(|place| usize::try_from(place).unwrap_or(0));
         std::array::from_fn(|channel| {
-            self.image.get([row, column, channel]).map_or(0.0, |&level| f32::from(level))
+            self.image.get([row, column, channel]).copied().unwrap_or_default()
         })
     }
 }
