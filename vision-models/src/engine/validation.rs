@@ -42,7 +42,7 @@ pub(super) fn validate(graph: &Graph) -> Result<(), Error> {
                 window(shape).or_else(|| {
                     let too_wide = (0..3).any(|axis| !shape.stays_inside(axis));
                     (too_wide || shape.dilation != [1; 3]).then(|| {
-                        "the padding of a pooling is at most half its kernel, and it has no dilation".into()
+                        "the padding of a pooling is at most half its kernel, less than the kernel behind, and it has no dilation".into()
                     })
                 })
             }),

@@ -292,7 +292,7 @@ def broken():
         (function, "function 4 is neither none, RELU nor RELU6"),
         (padding, "padding 2 is neither SAME nor VALID"),
         (stride, "comes out as [3, 1, 4]"),
-        (dilation, "does not fit"),
+        (dilation, "kernel, stride and dilation are from 1 to 4096"),
         (negative, "an axis of -4"),
         (huge, "the activations up to here"),
         (nothing, "from 1 to 64 are read"),

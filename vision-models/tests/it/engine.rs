@@ -2,8 +2,8 @@
 
 use ndarray::{Array5, array};
 use vision_models::engine::{
-    Activation, Convolution, Frames, Graph, Network, Pooling, ThreadSettings, Threads, Value,
-    Waiting, Window,
+    Activation, Alignment, Convolution, Frames, Graph, Network, Pooling, ThreadSettings, Threads,
+    Value, Waiting, Window,
 };
 use vision_models::{ClassNames, Error, Options, Scores};
 
@@ -122,7 +122,7 @@ fn problem(build: impl FnOnce(&mut Graph, Value) -> Value) -> String {
 fn layers_that_cannot_be_planned_are_errors() {
     let point = |outputs| Convolution::clip("point", outputs, [1; 3]);
     let square = || Convolution::image("square", 16, [3, 3]);
-    let cases: [(String, &str); 15] = [
+    let cases: [(String, &str); 18] = [
         (
             problem(|graph, image| graph.convolution(image, point(0))),
             "point cannot be planned: 0 channels",
@@ -194,6 +194,21 @@ fn layers_that_cannot_be_planned_are_errors() {
                 graph.concatenation(&[image, other])
             }),
             "a value that is not of this graph",
+        ),
+        (
+            problem(|graph, image| graph.reshape(image, [1, 9, 10], 12)),
+            "it makes ([1, 9, 10], 12) of",
+        ),
+        (
+            problem(|graph, image| graph.resize(image, [0, 3], Alignment::Edges)),
+            "it has no rows or no columns",
+        ),
+        (
+            problem(|graph, image| {
+                let window = Window { extra: [0, 2, 0], ..Window::same([1, 3, 3]) };
+                graph.max_pool(image, window)
+            }),
+            "at most half its kernel",
         ),
         (
             problem(|graph, image| {

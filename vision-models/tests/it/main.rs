@@ -10,6 +10,8 @@
 mod actions;
 mod allocation;
 #[cfg(feature = "inference")]
+mod blaze_pose;
+#[cfg(feature = "inference")]
 mod broken_weights;
 #[cfg(feature = "inference")]
 mod checkpoint_memory;

@@ -1,6 +1,7 @@
 //! The weights of a file of TensorFlow Lite, in the order of the engine's kernels.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use crate::error::Error;
 use crate::weights::tensorflow_lite::{Constant, Model};
@@ -78,7 +79,6 @@ fn transposed(values: &[f32], rows: usize, columns: usize) -> Vec<f32> {
 }
 
 /// All weights, read from the file as they are asked for.
-#[derive(Debug)]
 pub(super) struct Weights {
     file: Vec<u8>,
     weights: BTreeMap<String, Weight>,
@@ -92,6 +92,13 @@ impl Weights {
     /// The file that they are read from.
     pub(super) fn into_file(self) -> Vec<u8> {
         self.file
+    }
+}
+
+impl fmt::Debug for Weights {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names = self.weights.keys();
+        formatter.debug_struct("Weights").field("names", &names).finish_non_exhaustive()
     }
 }
 
