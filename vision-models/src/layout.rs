@@ -130,17 +130,6 @@ pub(crate) fn position(index: usize, extent: Extent) -> Extent {
     [index / (rows * columns), index / columns % rows, index % columns]
 }
 
-/// Moves a position to the next pixel of an extent.
-pub(crate) fn advance(position: &mut Extent, extent: Extent) {
-    for axis in [2, 1, 0] {
-        position[axis] += 1;
-        if position[axis] < extent[axis] {
-            return;
-        }
-        position[axis] = 0;
-    }
-}
-
 /// The dot product of a position and strides.
 pub(crate) fn offset(position: Extent, strides: Extent) -> usize {
     position.iter().zip(&strides).map(|(at, stride)| at * stride).sum()

@@ -46,7 +46,7 @@ pub(super) struct Product<'a> {
     pub(super) chunks: &'a [Vec<Segment>],
     /// A row of `width` weights for each float of a pixel's input, in order.
     pub(super) weights: *const f32,
-    /// Channels of the panel: a multiple of 16, at most [`MAX_PANEL`].
+    /// Channels of the panel: one, two or four registers, at most [`MAX_PANEL`].
     pub(super) width: usize,
     /// Channels that exist: at most `width`.
     pub(super) channels: usize,

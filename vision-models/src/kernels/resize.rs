@@ -91,66 +91,78 @@ impl Resize {
             for line in share(lines, tasks, task) {
                 let [frame, row, _] = position(line * columns.len(), to.layout.size);
                 let y = &rows[row];
-                let [step, next] = [from, to].map(|channels| channels.layout.strides()[2]);
-                let line = |row| from.origin() + offset([frame, row, 0], from.layout.strides());
-                let (upper, lower) = (line(y.first), line(y.second));
-                let corner = |line: usize, column: usize| {
-                    input[line + column * step..][..from.count].as_ptr()
+                let start = |channels: &Channels, row| {
+                    channels.origin() + offset([frame, row, 0], channels.layout.strides())
                 };
-                let mut target = to.origin() + offset([frame, row, 0], to.layout.strides());
-                for column in columns {
-                    assert!(target + to.count <= output.len());
-                    let blend = Blend {
-                        upper: [corner(upper, column.first), corner(upper, column.second)],
-                        lower: [corner(lower, column.first), corner(lower, column.second)],
-                        fractions: [y.fraction, column.fraction],
-                        channels: from.count,
-                        output: output.at(target),
-                    };
-                    // SAFETY: the four pixels and the target were checked against their slices; no other task has
-                    // this line.
-                    unsafe { isa.run(blend) };
-                    target += next;
-                }
+                let [step, next] = [from, to].map(|channels| channels.layout.strides()[2]);
+                let reach = |step: usize, pixels: usize| (pixels - 1) * step + from.count;
+                let (width, target) = (from.layout.size[2], start(to, row));
+                assert!(columns.iter().all(|column| column.first.max(column.second) < width));
+                assert!(target + reach(next, columns.len()) <= output.len());
+                let [upper, lower] =
+                    [y.first, y.second].map(|row| &input[start(from, row)..][..reach(step, width)]);
+                let blend = Blend {
+                    lines: [upper.as_ptr(), lower.as_ptr()],
+                    step,
+                    down: y.fraction,
+                    columns,
+                    channels: from.count,
+                    output: output.at(target),
+                    next,
+                };
+                // SAFETY: the columns were checked against both lines, and the target against the output; no other
+                // task has this line.
+                unsafe { isa.run(blend) };
             }
         });
     }
 }
 
-/// One pixel of the output.
-struct Blend {
-    upper: [*const f32; 2],
-    lower: [*const f32; 2],
-    /// Of the second row, and of the second column.
-    fractions: [f32; 2],
+/// A line of the output.
+struct Blend<'a> {
+    /// The two lines of the input.
+    lines: [*const f32; 2],
+    /// Floats from one of their pixels to the next.
+    step: usize,
+    /// How far the place is from the first line.
+    down: f32,
+    columns: &'a [Place],
     channels: usize,
     output: *mut f32,
+    /// Floats from one pixel of the output to the next.
+    next: usize,
 }
 
-/// Asks for: all channels of the four pixels inside the input, and of the output's pixel.
-impl Task for Blend {
+/// Asks for: all channels of all columns' pixels inside both lines, and of the output's pixels.
+impl Task for Blend<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
-        let Self { upper, lower, fractions, channels, output } = self;
+        let Self { lines: [upper, lower], step, down, columns, channels, output, next } = self;
         let whole = channels - channels % V::LANES;
         // SAFETY: the caller vouches for all channels of all pixels.
         unsafe {
-            let [down, right] = fractions.map(|fraction| V::splat(fraction));
-            for channel in (0..whole).step_by(V::LANES) {
-                let across = |[first, second]: [*const f32; 2]| {
-                    let first = V::load(first.add(channel));
-                    V::load(second.add(channel)).sub(first).mul_add(right, first)
-                };
-                let (above, below) = (across(upper), across(lower));
-                below.sub(above).mul_add(down, above).store(output.add(channel));
-            }
-            for channel in whole..channels {
-                let across = |[first, second]: [*const f32; 2]| {
-                    let first = *first.add(channel);
-                    (*second.add(channel) - first) * fractions[1] + first
-                };
-                let (above, below) = (across(upper), across(lower));
-                *output.add(channel) = (below - above) * fractions[0] + above;
+            let below = V::splat(down);
+            for (index, column) in columns.iter().enumerate() {
+                let (first, second) = (step * column.first, step * column.second);
+                let output = output.add(index * next);
+                let right = V::splat(column.fraction);
+                for channel in (0..whole).step_by(V::LANES) {
+                    let across = |line: *const f32| {
+                        let value = V::load(line.add(first + channel));
+                        V::load(line.add(second + channel)).sub(value).mul_add(right, value)
+                    };
+                    let above = across(upper);
+                    let value = across(lower).sub(above).mul_add(below, above);
+                    value.store(output.add(channel));
+                }
+                for channel in whole..channels {
+                    let across = |line: *const f32| {
+                        let value = *line.add(first + channel);
+                        (*line.add(second + channel) - value) * column.fraction + value
+                    };
+                    let above = across(upper);
+                    *output.add(channel) = (across(lower) - above) * down + above;
+                }
             }
         }
     }

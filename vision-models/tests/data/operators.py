@@ -297,7 +297,7 @@ def broken():
         (huge, "the activations up to here"),
         (nothing, "from 1 to 64 are read"),
         (sparse(beyond), "index 0 of a sparse axis"),
-        (sparse(long_segment), "more places than its 9 elements"),
+        (sparse(long_segment), "index 9 of a sparse axis"),
         (sparse(other_axis), "where there are 3"),
         (sparse(order), "traversed twice"),
         (sparse(blocks), "sparse in blocks"),
