@@ -84,7 +84,7 @@ fn networks_of_tensorflow_lite_say_themselves_what_they_take() {
     infer().with(&["--map=3"]).run().failed(1, "outputs: there are 3");
     arrays.images();
     let infer = Runs::new("infer").with(&["--weights", weights, "--output", &output]);
-    infer.with(&[&arrays.path("images.npy")]).run().failed(1, "an output");
+    infer.with(&[&arrays.path("images.npy")]).run().failed(1, "but the network takes [3, 13, 18]");
 }
 
 /// An array file with this header and this many bytes of data.

@@ -82,16 +82,20 @@ impl ArrayNetwork {
         threads: usize,
     ) -> Result<Self, Error> {
         let options = Options { threads, ..Options::default() };
-        let images = of_dimension(read_array(input)?, input, "images are N × 3 × H × W")?;
-        let load = || {
-            let network = TensorFlowLite::open(weights)?;
-            let network = match output {
-                Some(output) => network.keep(&[output])?,
-                None => network,
-            };
-            network.load(options)
+        let images: Array4<f32> =
+            of_dimension(read_array(input)?, input, "images are N × 3 × H × W")?;
+        let of_file = Error::content(weights);
+        let network = TensorFlowLite::open(weights).map_err(&of_file)?;
+        let wanted = network.input();
+        if images.shape().get(1..) != Some(&wanted) {
+            let found = format!("{:?} values, but the network takes {wanted:?}", images.shape());
+            return Err(Error::at(input.display(), found));
+        }
+        let network = match output {
+            Some(output) => network.keep(&[output]).map_err(&of_file)?,
+            None => network,
         };
-        let network = load().map_err(Error::content(weights))?;
+        let network = network.load(options).map_err(&of_file)?;
         Ok(Self::Any(Box::new(network), images))
     }
 
