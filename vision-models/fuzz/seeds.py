@@ -60,3 +60,5 @@ joint = b"1.5,2e2,0.7"
 for name, joints in [("body25", 25), ("coco18", 18)]:
     person = b'{"person_id":[-1],"pose_keypoints_2d":[' + b",".join([joint] * joints) + b"]}"
     seed("openpose", name, b'{"version":1.3,"people":[' + person + b"," + person + b"]}")
+for name in ["operators", "blaze_detector"]:
+    seed("tensorflow_lite", name, (data / f"{name}.tflite").read_bytes())

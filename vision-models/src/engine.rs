@@ -10,6 +10,8 @@
 //! | [`Graph::residual`] | a convolution that is added to an activation |
 //! | [`Graph::max_pool`] | |
 //! | [`Graph::concatenation`] | |
+//! | [`Graph::resize`] | bilinear interpolation |
+//! | [`Graph::reshape`] | |
 //! | [`Graph::classify`] | pooled features and a linear layer |
 //!
 //! Everything has frames, rows and columns: an image is a clip of one frame. `examples/own_network.rs` writes
@@ -35,7 +37,7 @@ mod shapes;
 mod threads;
 mod validation;
 
-pub use crate::kernels::{Waiting, Window};
+pub use crate::kernels::{Alignment, Waiting, Window};
 pub use graph::{Frames, Graph, Value};
 pub use head::Pooling;
 pub(crate) use input::{too_large, too_small, wrong_input};

@@ -17,6 +17,7 @@ mod isa;
 mod pack;
 mod pooling;
 mod product;
+mod resize;
 mod shared_slice;
 #[cfg(test)]
 mod tests;
@@ -33,6 +34,8 @@ pub(crate) use epilogue::{Epilogue, Finish};
 pub use isa::InstructionSet;
 pub(crate) use pack::{Panels, pack};
 pub(crate) use pooling::MaxPool;
+pub use resize::Alignment;
+pub(crate) use resize::Resize;
 pub(crate) use threads::Pool;
 pub use threads::Waiting;
 pub(crate) use window::Phase;

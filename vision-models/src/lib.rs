@@ -107,12 +107,13 @@ pub use ndarray;
 #[cfg(feature = "inference")]
 pub use networks::{
     NetworkKind, OpenPoseForm, ResNet, ResNetDepth, ResNetForm, SimpleBaselineForm, SlowFast,
-    SlowFastForm, SlowOnly, SlowOnlyForm, SlowOnlyStream,
+    SlowFastForm, SlowOnly, SlowOnlyForm, SlowOnlyStream, TensorFlowLite,
 };
 pub use percept::{Percept, RecognisedAction, RecognisedSurface};
 #[cfg(feature = "inference")]
 pub use pose::{
-    Coco18, GroupingSettings, OpenPose, Passes, PersonBox, SimpleBaseline, group_parts,
+    BlazePose, BlazePoseSettings, Coco18, GroupingSettings, Landmark, Landmarks, OpenPose, Passes,
+    PersonBox, PoseRegion, SimpleBaseline, group_parts,
 };
 #[cfg(feature = "inference")]
 pub use preprocessing::{

@@ -9,6 +9,7 @@ mod resnet;
 mod slow_fast;
 mod slow_only;
 mod stream;
+mod tensorflow_lite;
 
 pub use architecture::{
     OpenPoseForm, ResNetDepth, ResNetForm, SimpleBaselineForm, SlowFastForm, SlowOnlyForm,
@@ -18,3 +19,4 @@ pub use resnet::ResNet;
 pub use slow_fast::SlowFast;
 pub use slow_only::SlowOnly;
 pub use stream::SlowOnlyStream;
+pub use tensorflow_lite::TensorFlowLite;

@@ -2,6 +2,7 @@
 // Views are small, and given by value as everywhere with ndarray.
 #![allow(clippy::needless_pass_by_value)]
 
+mod blaze_pose;
 mod grouping;
 mod nearest_person;
 mod open_pose;
@@ -9,6 +10,7 @@ mod person_box;
 mod sampling;
 mod simple_baseline;
 
+pub use blaze_pose::{BlazePose, BlazePoseSettings, Landmark, Landmarks, PoseRegion};
 pub use grouping::{Coco18, GroupingSettings, group_parts};
 pub use open_pose::OpenPose;
 pub use person_box::PersonBox;

@@ -70,7 +70,10 @@ impl Program for Arguments {
         let watch = &mut session.watch();
         match (network.chosen()?, kind) {
             (Chosen::Network(kind, weights), Input::Array) => {
-                arrays.run((kind, &weights), first, threads, session, results)
+                arrays.run((Some(kind), &weights), first, threads, session, results)
+            }
+            (Chosen::File(weights), Input::Array) => {
+                arrays.run((None, &weights), first, threads, session, results)
             }
             (Chosen::Network(NetworkKind::ResNet(form), weights), Input::Image) => {
                 let network = images.own(form, &weights, names, (threads, watch))?;
@@ -89,6 +92,9 @@ impl Program for Arguments {
                 clips.run(clips.model(*model, weights)?, first, threads, session, results)
             }
             (Chosen::Network(kind, _), _) => bail!("{}: {}", first.display(), wanted(kind)),
+            (Chosen::File(_), _) => {
+                bail!("{}: a network of TensorFlow Lite takes an array", first.display())
+            }
             (Chosen::Surfaces(..), _) => {
                 bail!("{}: a model of surfaces takes JPEG or PNG files", first.display())
             }

@@ -47,9 +47,16 @@ struct Options {
     /// pixels.
     #[arg(long, value_name = "FOLDER", group = "joints")]
     skeletons: Option<PathBuf>,
-    /// The weights of a pose network: a simple baseline or OpenPose, as their tensors say.
-    #[arg(long, value_name = "FILE", group = "joints")]
+    /// The weights of a pose network: a simple baseline or OpenPose, as their tensors say; or BlazePose's landmarks, a
+    /// .tflite of MediaPipe's package @mediapipe/pose.
+    #[arg(long, visible_alias = "pose", value_name = "FILE", group = "joints")]
     pose_weights: Option<PathBuf>,
+    /// BlazePose's detector; pose_solution_packed_assets.data beside the landmarks without it.
+    #[arg(long, value_name = "FILE", requires = "pose_weights")]
+    pose_detector: Option<PathBuf>,
+    /// The most people whom BlazePose follows.
+    #[arg(long, value_name = "COUNT", default_value_t = 1, requires = "pose_weights")]
+    pose_people: usize,
     /// Let the simple baseline look at the mirrored image, too: better joints for twice the time.
     #[arg(long, requires = "pose_weights")]
     mirrored: bool,
@@ -221,7 +228,8 @@ impl Options {
         let poses: Box<dyn PoseSource> = match (&self.skeletons, &self.pose_weights) {
             (Some(folder), _) => Box::new(SkeletonFolder::open(folder)?),
             (_, Some(weights)) => {
-                Box::new(PoseNetwork::load(weights, size, passes, threads, watch)?)
+                let people = (self.pose_detector.as_deref(), self.pose_people);
+                Box::new(PoseNetwork::load(weights, people, size, passes, threads, watch)?)
             }
             (None, None) => anyhow::bail!("give --skeletons or --pose-weights"),
         };

@@ -26,6 +26,10 @@ pub struct ArrayOptions {
     /// Write the features of the average pool instead of the logits.
     #[arg(long)]
     features: bool,
+    /// The output of a network of TensorFlow Lite that is written and computed, counted from 0; without it all are
+    /// computed, and the first is written.
+    #[arg(long, value_name = "INDEX")]
+    map: Option<usize>,
     /// How often to run; the first run is not counted if there are more.
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
@@ -70,15 +74,18 @@ impl ArrayOptions {
     /// Names the file that is wrong.
     pub fn run(
         self,
-        (kind, weights): (NetworkKind, &Path),
+        (kind, weights): (Option<NetworkKind>, &Path),
         input: &Path,
         threads: usize,
         session: &mut Session,
         mut results: Results,
     ) -> Result<Ending> {
         let start = Instant::now();
-        let mut network = ArrayNetwork::load(kind, weights, input, threads, &mut session.watch())
-            .map_err(|error| with_option(error, ""))?;
+        let network = match kind {
+            Some(kind) => ArrayNetwork::load(kind, weights, input, threads, &mut session.watch()),
+            None => ArrayNetwork::load_file(weights, self.map, input, threads),
+        };
+        let mut network = network.map_err(|error| with_option(error, ""))?;
         let load_s = start.elapsed().as_secs_f64();
         writeln!(session.output(), "loaded in {load_s:.3} s")?;
         let operations = network.operations();
@@ -120,7 +127,8 @@ impl ArrayOptions {
             1e3 * median_s,
             1e3 * minimum_s
         )?;
-        let (network, shape) = (kind.to_string(), result.shape().to_vec());
+        let network = kind.map_or_else(|| "TensorFlow Lite".into(), |kind| kind.to_string());
+        let shape = result.shape().to_vec();
         let timed = Timed { network, output, shape, load_s, times, gflop_per_s };
         results.conclude(session, &timed, ending)
     }

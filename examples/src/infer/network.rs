@@ -9,7 +9,7 @@ use human_perception::{
     networks::{names, open_checkpoint},
     surface::model::SurfaceModel,
 };
-use vision_models::{ClassNames, NetworkKind, ResNetDepth};
+use vision_models::{ClassNames, NetworkKind, ResNetDepth, TensorFlowLite};
 
 use crate::program::Threads;
 
@@ -20,7 +20,7 @@ pub struct NetworkOptions {
     /// train` has made. Without it the checkpoint says which network it is.
     #[arg(long, value_name = "NAME or FOLDER", value_parser = model)]
     model: Option<Model>,
-    /// The checkpoint: safetensors, or PyTorch's .pth, .pt, .pyth. A model over several networks takes one for each,
+    /// The checkpoint: safetensors, PyTorch's .pth, .pt, .pyth, or a network of TensorFlow Lite, .tflite. A model over several networks takes one for each,
     /// behind its number of layers, such as 50=resnet50.pth; one over networks with random weights takes none.
     #[arg(long, value_name = "FILE", value_parser = weights)]
     weights: Vec<(Option<ResNetDepth>, PathBuf)>,
@@ -43,6 +43,8 @@ enum Model {
 pub enum Chosen {
     /// A network with its own last layer.
     Network(NetworkKind, PathBuf),
+    /// A network of TensorFlow Lite.
+    File(PathBuf),
     /// What `surface train` has made.
     Surfaces(SurfaceModel, Vec<(Option<ResNetDepth>, PathBuf)>),
     /// What `actions train` has made.
@@ -110,6 +112,9 @@ impl NetworkOptions {
             }
             None => {
                 let Some(file) = file() else { bail!("no network: give --weights or --model") };
+                if TensorFlowLite::is_in(&file) {
+                    return Ok(Chosen::File(file));
+                }
                 let found = NetworkKind::of(&open_checkpoint(&file)?);
                 let shown = file.display();
                 let kind = found

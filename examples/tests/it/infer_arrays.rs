@@ -67,6 +67,26 @@ fn writes_the_scores_of_the_network_and_its_times() {
     }
 }
 
+#[test]
+fn networks_of_tensorflow_lite_say_themselves_what_they_take() {
+    let arrays = Arrays::new();
+    let weights =
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../vision-models/tests/data/operators.tflite");
+    let image = Array4::from_elem((1, 3, 13, 18), 0.5_f32);
+    write_npy(arrays.path("image.npy"), &image);
+    let (input, output) = (arrays.path("image.npy"), arrays.path("out.npy"));
+    let infer = || Runs::new("infer").with(&["--weights", weights, &input, "--output", &output]);
+    let json = infer().with(&["--json"]).run().done().json();
+    assert_eq!(json["shape"], serde_json::json!([1, 2, 1, 180]));
+    assert_eq!(json["network"], "TensorFlow Lite");
+    infer().with(&["--map=2"]).run().done();
+    assert_eq!(read_npy(arrays.path("out.npy")).shape(), [1, 24, 7, 10]);
+    infer().with(&["--map=3"]).run().failed(1, "outputs: there are 3");
+    arrays.images();
+    let infer = Runs::new("infer").with(&["--weights", weights, "--output", &output]);
+    infer.with(&[&arrays.path("images.npy")]).run().failed(1, "but the network takes [3, 13, 18]");
+}
+
 /// An array file with this header and this many bytes of data.
 fn npy(header: &str, data: usize) -> Vec<u8> {
     let length = u16::try_from(header.len()).unwrap();

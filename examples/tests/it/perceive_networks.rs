@@ -218,3 +218,25 @@ fn a_person_is_found_without_a_detector() {
         "behind the camera"
     );
 }
+
+/// Networks that find somebody where everything is white, their landmarks along a line.
+#[test]
+fn blaze_pose_is_a_pose_network() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("p.jsonl").to_str().unwrap().to_owned();
+    let frames = film(folder.path());
+    for image in Path::new(&frames).join("colour").read_dir().unwrap() {
+        let white = image::RgbImage::from_pixel(160, 120, image::Rgb([255; 3]));
+        white.save(image.unwrap().path()).unwrap();
+    }
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../vision-models/tests/data");
+    let landmarks = format!("{data}/blaze_landmarks.tflite");
+    let detector = format!("--pose-detector={data}/blaze_detector.tflite");
+    let options = ["--pose", &landmarks, "--output", &output, "--json", "--quiet"];
+    let perceive = || Runs::new("perceive").with(&[&frames]).with(&options);
+    let json = perceive().with(&[&detector, "--pose-people=2"]).run().done().json();
+    assert_eq!((&json["frames"], &json["without_skeletons"]), (&25.into(), &0.into()));
+    assert!(json["poses"]["median_us"].as_f64().unwrap() > 0.0);
+    let missing = "pose_solution_packed_assets.data";
+    perceive().run().failed(1, missing);
+}

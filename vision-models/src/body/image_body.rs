@@ -138,8 +138,7 @@ impl ImageBody {
     /// knees, ankles, left before right). Neck and mid hip are the middles of shoulders and hips.
     pub fn from_coco_17(keypoints: [Option<ImageKeypoint>; 17]) -> Self {
         let mut body = Self::placed(&COCO_17, &keypoints);
-        body.set_middle(Body25::Neck, Body25::LeftShoulder, Body25::RightShoulder);
-        body.set_middle(Body25::MidHip, Body25::LeftHip, Body25::RightHip);
+        body.set_middles();
         body
     }
 
@@ -160,8 +159,7 @@ impl ImageBody {
                 body.set(joint, keypoint);
             }
         }
-        body.set_middle(Body25::Neck, Body25::LeftShoulder, Body25::RightShoulder);
-        body.set_middle(Body25::MidHip, Body25::LeftHip, Body25::RightHip);
+        body.set_middles();
         body
     }
 
@@ -171,6 +169,12 @@ impl ImageBody {
             body.set(joint, keypoint);
         }
         body
+    }
+
+    /// Neck and mid hip: the middles of shoulders and hips.
+    pub(crate) fn set_middles(&mut self) {
+        self.set_middle(Body25::Neck, Body25::LeftShoulder, Body25::RightShoulder);
+        self.set_middle(Body25::MidHip, Body25::LeftHip, Body25::RightHip);
     }
 
     fn set_middle(&mut self, joint: Body25, one: Body25, other: Body25) {

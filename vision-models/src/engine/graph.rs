@@ -1,6 +1,6 @@
 //! A network as its papers draw it: layers from one activation to the next.
 
-use crate::kernels::Window;
+use crate::kernels::{Alignment, Window};
 
 use super::head::Pooling;
 use super::layer::Convolution;
@@ -46,6 +46,8 @@ pub(super) enum Node {
     Convolution { layer: Convolution, input: Value, shortcut: Option<Value> },
     MaxPool { window: Window, input: Value },
     Concatenation { parts: Vec<Value> },
+    Resize { size: [usize; 2], alignment: Alignment, input: Value },
+    Reshape { size: [usize; 3], input: Value },
 }
 
 /// The end of a classifier: activations pooled to features, then a linear layer.
@@ -127,6 +129,18 @@ impl Graph {
         let channels =
             parts.iter().fold(0_usize, |sum, &part| sum.saturating_add(self.channels(part)));
         self.push(Node::Concatenation { parts: parts.to_vec() }, channels)
+    }
+
+    /// The bilinear interpolation of each channel to so many rows and columns.
+    pub fn resize(&mut self, input: Value, size: [usize; 2], alignment: Alignment) -> Value {
+        let channels = self.channels(input);
+        self.push(Node::Resize { size, alignment, input }, channels)
+    }
+
+    /// The same elements as so many frames, rows and columns of so many channels. They keep their order: frames,
+    /// rows, columns, channels, the last fastest.
+    pub fn reshape(&mut self, input: Value, size: [usize; 3], channels: usize) -> Value {
+        self.push(Node::Reshape { size, input }, channels)
     }
 
     /// Makes an activation an output: [`Inference::map`](super::Inference::map) gives it, by the order of

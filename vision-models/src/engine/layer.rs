@@ -10,6 +10,10 @@ pub enum Activation {
     None,
     /// max(x, 0). What is not finite becomes NaN, so that no overflow looks like a score.
     Relu,
+    /// min(max(x, 0), 6). What is not finite becomes NaN.
+    Relu6,
+    /// 1 / (1 + exp(-x)). What is not finite becomes NaN.
+    Logistic,
     /// max(x, 0) + a min(x, 0), K. He, X. Zhang, S. Ren and J. Sun, "Delving deep into rectifiers", ICCV
     /// 2015, eq. 1. What is not finite becomes NaN.
     Prelu {
@@ -121,6 +125,13 @@ impl Convolution {
         self
     }
 
+    /// Zeros behind the input beyond the padding; see [`Window::extra`].
+    #[must_use]
+    pub fn extra_padding(mut self, extra: [isize; 3]) -> Self {
+        self.window.extra = extra;
+        self
+    }
+
     /// Steps from one tap to the next. The padding grows with it, so that it still keeps the size; give
     /// another afterwards. A transposed convolution has none.
     #[must_use]
@@ -165,6 +176,11 @@ impl Convolution {
     pub fn activation(mut self, activation: Activation) -> Self {
         self.activation = activation;
         self
+    }
+
+    /// Whether no function comes behind it.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.activation == Activation::None
     }
 
     /// The output's frames, rows and columns for an input's.

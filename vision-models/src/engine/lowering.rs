@@ -49,6 +49,15 @@ pub(crate) fn lower(graph: &Graph) -> Result<Program, Error> {
                 let input = slot(&mut program, *input);
                 program.steps.push(Step::MaxPool { window: *window, input, output });
             }
+            Node::Resize { size, alignment, input } => {
+                let input = slot(&mut program, *input);
+                let (size, alignment) = (*size, *alignment);
+                program.steps.push(Step::Resize { size, alignment, input, output });
+            }
+            Node::Reshape { size, input } => {
+                let input = slot(&mut program, *input);
+                program.steps.push(Step::Reshape { size: *size, input, output });
+            }
             Node::Concatenation { parts } => {
                 let mut first = output.first;
                 for &part in parts {
@@ -152,7 +161,9 @@ impl<'a> Homes<'a> {
             |from: usize, to: (usize, usize)| self.place(from) == to || self.place(from).0 != to.0;
         (0..).zip(&self.graph.nodes).all(|(at, node)| match node {
             Node::Input(_) => true,
-            Node::MaxPool { input, .. } => root(input.0) != root(at),
+            Node::MaxPool { input, .. }
+            | Node::Resize { input, .. }
+            | Node::Reshape { input, .. } => root(input.0) != root(at),
             Node::Convolution { input, shortcut, .. } => {
                 root(input.0) != root(at)
                     && shortcut.is_none_or(|shortcut| can_be_moved(shortcut.0, self.place(at)))
@@ -176,7 +187,9 @@ fn reads(node: &Node) -> Vec<Value> {
         Node::Convolution { input, shortcut, .. } => {
             [*input].into_iter().chain(*shortcut).collect()
         }
-        Node::MaxPool { input, .. } => vec![*input],
+        Node::MaxPool { input, .. } | Node::Resize { input, .. } | Node::Reshape { input, .. } => {
+            vec![*input]
+        }
         Node::Concatenation { parts } => parts.clone(),
     }
 }

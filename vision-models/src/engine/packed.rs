@@ -28,6 +28,8 @@ pub(crate) struct Packed {
 enum PackedActivation {
     None,
     Relu,
+    Relu6,
+    Logistic,
     /// A slope for each channel of the panels.
     Prelu(Vec<f32>),
 }
@@ -75,6 +77,8 @@ impl Packed {
                     PackedActivation::Prelu(panels.spread(&slopes))
                 }
                 (Activation::Relu, None) => PackedActivation::Relu,
+                (Activation::Relu6, None) => PackedActivation::Relu6,
+                (Activation::Logistic, None) => PackedActivation::Logistic,
                 (_, None) => PackedActivation::None,
             };
         Ok(Self { algorithm, panels, weights, bias, activation })
@@ -112,6 +116,8 @@ impl Packed {
         match &self.activation {
             PackedActivation::None => Finish::Keep,
             PackedActivation::Relu => Finish::Relu,
+            PackedActivation::Relu6 => Finish::Relu6,
+            PackedActivation::Logistic => Finish::Logistic,
             PackedActivation::Prelu(slopes) => Finish::Prelu(slopes),
         }
     }

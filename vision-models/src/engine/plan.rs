@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::kernels::{
-    Buffer, Copy, Depthwise, Direct, Epilogue, InstructionSet, MaxPool, Pool, Winograd,
+    Buffer, Copy, Depthwise, Direct, Epilogue, InstructionSet, MaxPool, Pool, Resize, Winograd,
 };
 use crate::layout::{Channels, Extent};
 
@@ -27,6 +27,7 @@ enum Work {
     Convolution { plan: Convolution, layer: usize, add: bool },
     MaxPool(MaxPool),
     Copy(Copy),
+    Resize(Resize),
 }
 
 /// A step with the buffers that it reads and writes.
@@ -91,7 +92,10 @@ impl Plan {
                 (find(step.input(), &name)?, find(step.output(), &name)?);
             let work = match *step {
                 Step::MaxPool { window, .. } => Work::MaxPool(MaxPool::new(isa, window, from, to)),
-                Step::Copy { .. } => Work::Copy(Copy::new(from, to)),
+                Step::Copy { .. } | Step::Reshape { .. } => Work::Copy(Copy::new(from, to)),
+                Step::Resize { alignment, .. } => {
+                    Work::Resize(Resize::new(isa, alignment, from, to))
+                }
                 Step::Convolution { layer, add, .. } => {
                     let plan = plan(isa, lanes, (program, layer), &packed[layer], from, to);
                     if let Convolution::Winograd(plan) = &plan {
@@ -138,6 +142,7 @@ impl Plan {
             match work {
                 Work::MaxPool(plan) => plan.run(pool, input, output),
                 Work::Copy(plan) => plan.run(pool, input, output),
+                Work::Resize(plan) => plan.run(pool, input, output),
                 Work::Convolution { plan, layer, add } => {
                     let packed = &packed[*layer];
                     let epilogue = Epilogue { add: *add, finish: packed.finish() };

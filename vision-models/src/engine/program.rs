@@ -3,7 +3,7 @@
 mod fit;
 mod parameters;
 
-use crate::kernels::Window;
+use crate::kernels::{Alignment, Window};
 use crate::layout::Extent;
 use crate::weights::TensorSource;
 
@@ -66,6 +66,10 @@ pub(crate) enum Step {
     MaxPool { window: Window, input: Slot, output: Slot },
     /// output = input
     Copy { input: Slot, output: Slot },
+    /// Bilinear interpolation to these rows and columns.
+    Resize { size: [usize; 2], alignment: Alignment, input: Slot, output: Slot },
+    /// The same elements in the same order, as an activation of this size.
+    Reshape { size: Extent, input: Slot, output: Slot },
 }
 
 impl Step {
@@ -73,7 +77,9 @@ impl Step {
         match *self {
             Self::Convolution { input, .. }
             | Self::MaxPool { input, .. }
-            | Self::Copy { input, .. } => input,
+            | Self::Copy { input, .. }
+            | Self::Resize { input, .. }
+            | Self::Reshape { input, .. } => input,
         }
     }
 
@@ -81,7 +87,9 @@ impl Step {
         match *self {
             Self::Convolution { output, .. }
             | Self::MaxPool { output, .. }
-            | Self::Copy { output, .. } => output,
+            | Self::Copy { output, .. }
+            | Self::Resize { output, .. }
+            | Self::Reshape { output, .. } => output,
         }
     }
 
@@ -91,6 +99,8 @@ impl Step {
             Self::Convolution { layer, .. } => layers[layer].convolution.name.clone(),
             Self::MaxPool { .. } => "max pool".into(),
             Self::Copy { .. } => "concatenation".into(),
+            Self::Resize { .. } => "resize".into(),
+            Self::Reshape { .. } => "reshape".into(),
         }
     }
 
@@ -100,6 +110,8 @@ impl Step {
             Self::Convolution { layer, .. } => layers[layer].convolution.output(size),
             Self::MaxPool { window, .. } => window.output(size),
             Self::Copy { .. } => Some(size),
+            Self::Resize { size: [rows, columns], .. } => Some([size[0], rows, columns]),
+            Self::Reshape { size, .. } => Some(size),
         }
     }
 
@@ -108,7 +120,8 @@ impl Step {
         match *self {
             Self::Convolution { layer, .. } => layers[layer].convolution.window.kernel[0] > 1,
             Self::MaxPool { window, .. } => window.kernel[0] > 1,
-            Self::Copy { .. } => false,
+            Self::Copy { .. } | Self::Resize { .. } => false,
+            Self::Reshape { .. } => true,
         }
     }
 }
@@ -231,6 +244,6 @@ impl Program {
 pub(crate) fn slopes(activation: &Activation) -> Option<(String, bool)> {
     match activation {
         Activation::Prelu { name, shared } => Some((format!("{name}.weight"), *shared)),
-        Activation::None | Activation::Relu => None,
+        Activation::None | Activation::Relu | Activation::Relu6 | Activation::Logistic => None,
     }
 }

@@ -91,11 +91,13 @@ impl Session {
 /// Copies an output, pixel by pixel, and says whether it is finite.
 pub(crate) fn copy_map((from, memory): (&Channels, &[f32]), map: &mut [f32]) -> bool {
     let layout = from.layout;
+    // Pixels of a row lie side by side, unless there are channels to leave out.
+    let pixels = if from.count == layout.channels { layout.size[2] } else { 1 };
     let mut zero = 0.0;
-    for (index, pixel) in map.chunks_exact_mut(from.count).enumerate() {
-        let start = from.origin() + offset(position(index, layout.size), layout.strides());
-        pixel.copy_from_slice(&memory[start..start + from.count]);
-        zero = pixel.iter().fold(zero, |zero, &value| zero + 0.0 * value);
+    for (index, run) in map.chunks_exact_mut(pixels * from.count).enumerate() {
+        let start = from.origin() + offset(position(index * pixels, layout.size), layout.strides());
+        run.copy_from_slice(&memory[start..start + run.len()]);
+        zero = run.iter().fold(zero, |zero, &value| zero + 0.0 * value);
     }
     zero == 0.0
 }
@@ -135,9 +137,9 @@ pub(crate) fn copy_frame(
             }
         }
         let start = to.origin() + offset([frame, row, 0], strides);
-        let pixels = memory[start..].chunks_exact_mut(strides[2]);
-        for (pixel, values) in pixels.zip(lines.axis_iter(Axis(1))) {
-            for (target, &value) in pixel.iter_mut().zip(values) {
+        for (channel, line) in lines.outer_iter().enumerate() {
+            let targets = memory[start + channel..].iter_mut().step_by(strides[2]);
+            for (target, &value) in targets.zip(line) {
                 *target = value;
             }
         }

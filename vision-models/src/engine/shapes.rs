@@ -23,13 +23,13 @@ impl Algorithm {
     /// What measured fastest for a layer with an output of this size.
     pub(crate) fn choose(layer: &Layer, output: Extent) -> Self {
         let Convolution { window, outputs, groups, transposed, .. } = layer.convolution;
-        let Window { kernel, stride, padding, dilation } = window;
+        let Window { kernel, stride, padding, dilation, extra } = window;
         if !transposed && groups > 1 && groups == outputs && groups == layer.inputs {
             return Self::Depthwise;
         }
         let [frames, rows, columns] = output;
         let plain = !transposed && groups == 1 && dilation == [1; 3];
-        let same = stride == [1; 3] && padding == kernel.map(|taps| taps / 2);
+        let same = stride == [1; 3] && padding == kernel.map(|taps| taps / 2) && extra == [0; 3];
         let whole = layer.inputs.is_multiple_of(16) && outputs.is_multiple_of(16);
         if !plain || !same || !whole {
             return Self::Direct;
@@ -72,6 +72,16 @@ pub(crate) fn sizes(
         };
         let made = step.size(&program.layers, size).ok_or_else(|| too_small(given))?;
         check_size(made, given)?;
+        if let Step::Reshape { input, output, .. } = *step {
+            let elements = |size: Extent, count: usize| {
+                size.into_iter().chain([count]).try_fold(1_usize, usize::checked_mul)
+            };
+            let (read, written) = (elements(size, input.count), elements(made, output.count));
+            if read.is_none() || read != written {
+                let [from, to] = [(size, input.count), (made, output.count)];
+                return refuse(format!("it makes {to:?} of {from:?} (size, channels)"));
+            }
+        }
         match sizes[output] {
             Some(there) if there != made => {
                 return refuse(format!("its output of size {made:?} joins one of size {there:?}"));

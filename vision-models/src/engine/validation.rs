@@ -40,12 +40,15 @@ pub(super) fn validate(graph: &Graph) -> Result<(), Error> {
             }
             Node::MaxPool { window: shape, input } => unknown(at, [input]).or_else(|| {
                 window(shape).or_else(|| {
-                    let too_wide = (0..3).any(|axis| 2 * shape.padding[axis] > shape.kernel[axis]);
+                    let too_wide = (0..3).any(|axis| !shape.stays_inside(axis));
                     (too_wide || shape.dilation != [1; 3]).then(|| {
-                        "the padding of a pooling is at most half its kernel, and it has no dilation".into()
+                        "the padding of a pooling is at most half its kernel, less than the kernel behind, and it has no dilation".into()
                     })
                 })
             }),
+            Node::Resize { size, input, .. } => unknown(at, [input])
+                .or_else(|| size.contains(&0).then(|| "it has no rows or no columns".into())),
+            Node::Reshape { input, .. } => unknown(at, [input]),
             Node::Concatenation { parts } => unknown(at, parts)
                 .or_else(|| parts.is_empty().then(|| "a concatenation has at least one part".into())),
         };
@@ -94,6 +97,9 @@ fn convolution(layer: &Convolution, inputs: usize) -> Option<String> {
         if shape.dilation != [1; 3] {
             return Some("a transposed convolution has no dilation".into());
         }
+        if shape.extra != [0; 3] {
+            return Some("a transposed convolution has no extra padding".into());
+        }
         if (0..3).any(|axis| shape.kernel[axis] < shape.stride[axis]) {
             return Some(
                 "the kernel of a transposed convolution is not smaller than its stride".into(),
@@ -113,10 +119,11 @@ fn convolution(layer: &Convolution, inputs: usize) -> Option<String> {
 }
 
 fn window(window: &Window) -> Option<String> {
-    let Window { kernel, stride, padding, dilation } = window;
+    let Window { kernel, stride, padding, dilation, extra } = window;
     let counts = kernel.iter().chain(stride).chain(dilation);
     let wrong = counts.copied().any(|count| !(1..=MAX_WINDOW).contains(&count))
-        || padding.iter().any(|&padding| padding > MAX_WINDOW);
+        || padding.iter().any(|&padding| padding > MAX_WINDOW)
+        || extra.iter().any(|&extra| extra.unsigned_abs() > MAX_WINDOW);
     wrong.then(|| {
         format!("kernel, stride and dilation are from 1 to {MAX_WINDOW}, the padding not larger")
     })
@@ -129,5 +136,7 @@ fn name(node: &Node) -> String {
         Node::Convolution { layer, .. } => layer.name.clone(),
         Node::MaxPool { .. } => "max pool".into(),
         Node::Concatenation { .. } => "concatenation".into(),
+        Node::Resize { .. } => "resize".into(),
+        Node::Reshape { .. } => "reshape".into(),
     }
 }

@@ -1,4 +1,5 @@
-//! Channels of one activation, copied into another: a concatenation that cannot be written in place.
+//! Channels of one activation, copied into another: a concatenation that cannot be written in place, or another
+//! shape of the same elements.
 
 use crate::layout::{Channels, offset, position};
 
@@ -11,17 +12,23 @@ use super::threads::Pool;
 pub(crate) struct Copy {
     from: Channels,
     to: Channels,
+    /// Floats that lie side by side in both.
+    run: usize,
 }
 
 impl Copy {
-    /// Plans the copy.
+    /// Plans the copy. Elements keep their order: frames, rows, columns, channels, the last fastest.
     ///
     /// # Panics
-    /// If sizes or channels differ, or the channels do not exist.
+    /// If there are not as many elements on both sides, or the channels do not exist.
     pub(crate) fn new(from: Channels, to: Channels) -> Self {
-        assert!(from.exist() && to.exist() && from.count == to.count);
-        assert_eq!(from.layout.size, to.layout.size);
-        Self { from, to }
+        assert!(from.exist() && to.exist());
+        assert_eq!(from.layout.pixels() * from.count, to.layout.pixels() * to.count);
+        let (mut run, mut rest) = (from.count, to.count);
+        while rest > 0 {
+            (run, rest) = (rest, run % rest);
+        }
+        Self { from, to, run }
     }
 
     /// Runs the copy.
@@ -29,20 +36,21 @@ impl Copy {
     /// # Panics
     /// If a slice is shorter than its layout.
     pub(crate) fn run(&self, pool: &mut Pool, input: &[f32], output: &mut [f32]) {
-        let Self { from, to } = *self;
+        let Self { from, to, run } = *self;
         assert!(input.len() >= from.layout.length() && output.len() >= to.layout.length());
         let output = SharedSlice::new(output);
-        let size = from.layout.size;
-        let pixels = from.layout.pixels();
-        let tasks = pixels.min(8 * pool.lanes());
+        let runs = from.layout.pixels() * from.count / run;
+        let place = |channels: &Channels, at: usize| {
+            let pixel = position(at / channels.count, channels.layout.size);
+            channels.origin() + offset(pixel, channels.layout.strides()) + at % channels.count
+        };
+        let tasks = runs.min(8 * pool.lanes());
         pool.run(tasks, &|_, task| {
-            for pixel in share(pixels, tasks, task) {
-                let at = position(pixel, size);
-                let source = from.origin() + offset(at, from.layout.strides());
-                let target = to.origin() + offset(at, to.layout.strides());
-                let source = &input[source..source + from.count];
-                assert!(target + to.count <= output.len());
-                // SAFETY: the target lies inside the output, as just checked; no other task has this pixel.
+            for index in share(runs, tasks, task) {
+                let (source, target) = (place(&from, index * run), place(&to, index * run));
+                let source = &input[source..source + run];
+                assert!(target + run <= output.len());
+                // SAFETY: the target lies inside the output, as just checked; no other task has this run.
                 unsafe {
                     std::ptr::copy_nonoverlapping(source.as_ptr(), output.at(target), source.len());
                 }

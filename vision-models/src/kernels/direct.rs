@@ -143,14 +143,23 @@ impl Direct {
             while first < pixels.end {
                 let count = BLOCK.min(pixels.end - first);
                 let [rows, output_rows] = &mut starts;
-                for (index, (row, output_row)) in
-                    rows.iter_mut().zip(output_rows.iter_mut()).take(count).enumerate()
-                {
-                    let at = position(first + index, self.size);
-                    *row = self.origin + offset(at, self.input_step);
-                    *output_row = self.output_origin + offset(at, self.output_step);
-                    assert!(*row + reach <= input.len());
-                    assert!(*output_row + panels.outputs() <= output.len());
+                // Pixels of a row of the output lie a step apart on both sides.
+                let mut done = 0;
+                while done < count {
+                    let at = position(first + done, self.size);
+                    let run = (self.size[2] - at[2]).min(count - done);
+                    let row = self.origin + offset(at, self.input_step);
+                    let output_row = self.output_origin + offset(at, self.output_step);
+                    let (step, output_step) = (self.input_step[2], self.output_step[2]);
+                    let last = run - 1;
+                    assert!(row + last * step + reach <= input.len());
+                    assert!(output_row + last * output_step + panels.outputs() <= output.len());
+                    let starts = rows[done..][..run].iter_mut().zip(&mut output_rows[done..]);
+                    for (index, (start, output_start)) in starts.enumerate() {
+                        *start = row + index * step;
+                        *output_start = output_row + index * output_step;
+                    }
+                    done += run;
                 }
                 for panel in share(panels.count(), tasks, part) {
                     let start = panel * panels.width;

@@ -18,9 +18,21 @@ pub(crate) enum Finish<'a> {
     Keep,
     /// Makes negative results zero, and NaN of those that are not finite.
     Relu,
+    /// The same, and at most six.
+    Relu6,
+    /// 1 / (1 + exp(-x)), and NaN of those that are not finite.
+    Logistic,
     /// Multiplies negative results by their channel's slope (one for each channel of the panels), and makes
     /// NaN of those that are not finite.
     Prelu(&'a [f32]),
+}
+
+/// Lanes of the widest register.
+const MOST_LANES: usize = 16;
+
+/// 1 / (1 + exp(-x)); NaN for what is not finite.
+fn logistic(value: f32) -> f32 {
+    1.0 / (1.0 + (-value).exp()) + 0.0 * value
 }
 
 impl Finish<'_> {
@@ -48,6 +60,12 @@ impl Finish<'_> {
             match self {
                 Self::Keep => value,
                 Self::Relu => value.relu(),
+                Self::Relu6 => V::splat(6.0).min(value.relu()),
+                Self::Logistic => {
+                    let mut lanes = [0.0; MOST_LANES];
+                    value.store(lanes.as_mut_ptr());
+                    V::load(lanes.map(logistic).as_ptr())
+                }
                 Self::Prelu(slopes) => value.prelu(V::load(slopes.as_ptr().add(channel))),
             }
         }
@@ -61,6 +79,14 @@ impl Finish<'_> {
         match self {
             Self::Keep => value,
             Self::Relu => positive,
+            Self::Relu6 => {
+                if positive > 6.0 {
+                    6.0
+                } else {
+                    positive
+                }
+            }
+            Self::Logistic => logistic(value),
             Self::Prelu(slopes) => (value - positive) * slopes[channel] + positive,
         }
     }

@@ -79,6 +79,15 @@ impl InstructionSet {
         }
     }
 
+    /// How many output channels it computes at once where a layer has fewer.
+    pub(super) fn narrowest_panel(self) -> usize {
+        match self.0 {
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => 16,
+            _ => 8,
+        }
+    }
+
     /// Runs a task with this instruction set.
     ///
     /// # Safety

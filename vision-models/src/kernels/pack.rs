@@ -15,7 +15,7 @@ pub(crate) struct Panels {
 }
 
 impl Panels {
-    /// The widest panels that this instruction set uses and that waste no more than 16 channels.
+    /// The widest panels that this instruction set uses and that waste no more than 16 channels; narrow ones for few.
     pub(crate) fn new(isa: InstructionSet, channels: usize) -> Self {
         Self::of_groups(isa, 1, channels)
     }
@@ -25,6 +25,9 @@ impl Panels {
         let mut width = isa.panel_width();
         while width > 16 && channels.next_multiple_of(width) >= channels.next_multiple_of(16) + 16 {
             width /= 2;
+        }
+        if channels <= isa.narrowest_panel() {
+            width = isa.narrowest_panel();
         }
         Self { groups, channels, width }
     }

@@ -25,8 +25,8 @@ impl MaxPool {
     ///
     /// # Panics
     /// If the output has another size than the window gives, the channels do not exist or are not equally
-    /// many, or a window can lie outside the input: its padding is more than half the kernel, or it is
-    /// dilated.
+    /// many, or a window can lie outside the input: its padding is more than half the kernel, as large as it
+    /// behind, or it is dilated.
     pub(crate) fn new(isa: InstructionSet, window: Window, from: Channels, to: Channels) -> Self {
         assert_eq!(
             window.output(from.layout.size),
@@ -34,7 +34,7 @@ impl MaxPool {
             "{window:?} over {from:?}"
         );
         assert!(from.exist() && to.exist() && to.count == from.count);
-        assert!((0..3).all(|axis| 2 * window.padding[axis] <= window.kernel[axis]));
+        assert!((0..3).all(|axis| window.stays_inside(axis)));
         assert_eq!(window.dilation, [1; 3]);
         Self { isa, window, from, to }
     }

@@ -46,7 +46,7 @@ pub(super) struct Product<'a> {
     pub(super) chunks: &'a [Vec<Segment>],
     /// A row of `width` weights for each float of a pixel's input, in order.
     pub(super) weights: *const f32,
-    /// Channels of the panel: a multiple of 16, at most [`MAX_PANEL`].
+    /// Channels of the panel: one, two or four registers, at most [`MAX_PANEL`].
     pub(super) width: usize,
     /// Channels that exist: at most `width`.
     pub(super) channels: usize,
@@ -149,14 +149,12 @@ struct Step<'a> {
     finish: Finish<'a>,
 }
 
-/// `ROWS` pixels from `row` on: where their output is whole panels, straight into it, otherwise by
-/// way of a panel on the stack.
+/// `ROWS` pixels from `row` on.
 #[inline(always)]
 unsafe fn tile_of<V: Vector, const ROWS: usize, const VECTORS: usize>(
     product: &Product,
     step: Step,
 ) {
-    let width = VECTORS * V::LANES;
     let row = step.row;
     // SAFETY: the caller gives `ROWS` rows from `row` on, and pointers as `Product` asks for.
     unsafe {
@@ -171,29 +169,44 @@ unsafe fn tile_of<V: Vector, const ROWS: usize, const VECTORS: usize>(
             Start::Bias(bias) => (Some(bias.as_ptr()), false),
             Start::BiasAndOutput(bias) => (Some(bias.as_ptr()), true),
         };
-        if product.channels == width {
-            tile::<V, ROWS, VECTORS>(input, output, step, bias, load);
-        } else {
-            let mut panel = [[0.0_f32; MAX_PANEL]; ROWS];
-            if load {
-                for (panel, &output) in panel.iter_mut().zip(&output) {
-                    std::ptr::copy_nonoverlapping(output, panel.as_mut_ptr(), product.channels);
-                }
-            }
-            let rows: [*mut f32; ROWS] = std::array::from_fn(|r| panel.as_mut_ptr().add(r).cast());
-            tile::<V, ROWS, VECTORS>(input, rows, step, bias, load);
-            for (panel, &output) in panel.iter().zip(&output) {
-                std::ptr::copy_nonoverlapping(panel.as_ptr(), output, product.channels);
-            }
-        }
+        tile::<V, ROWS, VECTORS>(input, output, product.channels, step, bias, load);
     }
 }
 
-/// The register tile: `ROWS` pixels × `VECTORS` registers of channels.
+/// The first `count` lanes from memory; the others are zero.
+#[inline(always)]
+unsafe fn load_first<V: Vector>(from: *const f32, count: usize) -> V {
+    // SAFETY: the caller gives as many floats.
+    unsafe {
+        if count >= V::LANES {
+            return V::load(from);
+        }
+        let mut lanes = [0.0; LINE];
+        std::ptr::copy_nonoverlapping(from, lanes.as_mut_ptr(), count);
+        V::load(lanes.as_ptr())
+    }
+}
+
+/// The first `count` lanes to memory.
+#[inline(always)]
+unsafe fn store_first<V: Vector>(value: V, to: *mut f32, count: usize) {
+    // SAFETY: the caller gives room for as many floats.
+    unsafe {
+        if count >= V::LANES {
+            return value.store(to);
+        }
+        let mut lanes = [0.0; LINE];
+        value.store(lanes.as_mut_ptr());
+        std::ptr::copy_nonoverlapping(lanes.as_ptr(), to, count);
+    }
+}
+
+/// The register tile: `ROWS` pixels × `VECTORS` registers of channels, of which the first `channels` exist.
 #[inline(always)]
 unsafe fn tile<V: Vector, const ROWS: usize, const VECTORS: usize>(
     input: [*const f32; ROWS],
     output: [*mut f32; ROWS],
+    channels: usize,
     step: Step,
     bias: Option<*const f32>,
     load: bool,
@@ -214,7 +227,10 @@ unsafe fn tile<V: Vector, const ROWS: usize, const VECTORS: usize>(
         if load {
             for (sums, output) in sums.iter_mut().zip(output) {
                 for (v, sum) in sums.iter_mut().enumerate() {
-                    *sum = sum.add(V::load(output.add(v * V::LANES)));
+                    let first = v * V::LANES;
+                    if first < channels {
+                        *sum = sum.add(load_first(output.add(first), channels - first));
+                    }
                 }
             }
         }
@@ -236,8 +252,11 @@ unsafe fn tile<V: Vector, const ROWS: usize, const VECTORS: usize>(
         }
         for (sums, output) in sums.into_iter().zip(output) {
             for (v, sum) in sums.into_iter().enumerate() {
-                let sum = step.finish.apply(sum, v * V::LANES);
-                sum.store(output.add(v * V::LANES));
+                let first = v * V::LANES;
+                if first < channels {
+                    let sum = step.finish.apply(sum, first);
+                    store_first(sum, output.add(first), channels - first);
+                }
             }
         }
     }

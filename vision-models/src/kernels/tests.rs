@@ -29,6 +29,8 @@ struct Case {
 enum Activation {
     None,
     Relu,
+    Relu6,
+    Logistic,
     Prelu,
 }
 
@@ -50,7 +52,13 @@ impl Numbers {
 }
 
 fn activation() -> impl Strategy<Value = Activation> {
-    prop_oneof![Just(Activation::None), Just(Activation::Relu), Just(Activation::Prelu)]
+    prop_oneof![
+        Just(Activation::None),
+        Just(Activation::Relu),
+        Just(Activation::Relu6),
+        Just(Activation::Logistic),
+        Just(Activation::Prelu)
+    ]
 }
 
 prop_compose! {
@@ -59,8 +67,9 @@ prop_compose! {
         stride in [1..=2_usize, 1..=3, 1..=3],
         dilation in [1..=2_usize, 1..=2, 1..=3],
         padding in [0..=2_usize, 0..=3, 0..=3],
+        extra in [-1..=1_isize, -1..=2, -1..=2],
     ) -> Window {
-        Window { kernel, stride, padding, dilation }
+        Window { kernel, stride, padding, dilation, extra }
     }
 }
 
@@ -92,7 +101,7 @@ prop_compose! {
         // No kernel is smaller than its stride.
         let kernel: Extent = std::array::from_fn(|axis| stride[axis] + more[axis]);
         let padding = std::array::from_fn(|axis| case.window.padding[axis].min(kernel[axis] / 2));
-        let window = Window { kernel, stride, padding, dilation: [1; 3] };
+        let window = Window { kernel, stride, padding, dilation: [1; 3], extra: [0; 3] };
         Case { window, size, transposed: true, ..case }
     }
 }
@@ -241,9 +250,15 @@ impl Numeric {
         self.expected[target] = match case.activation {
             Activation::None => sum,
             Activation::Relu => sum.max(0.0),
+            Activation::Relu6 => sum.clamp(0.0, 6.0),
+            Activation::Logistic => 1.0 / (1.0 + (-sum).exp()),
             Activation::Prelu => sum.max(0.0) + f64::from(self.slopes[channel]) * sum.min(0.0),
         };
         self.rounding[target] = 0.5 * f64::from(f32::EPSILON) * (f64::from(terms) * squares).sqrt();
+        if case.activation == Activation::Logistic {
+            // The exponential rounds as well.
+            self.rounding[target] += f64::from(f32::EPSILON);
+        }
     }
 
     /// Runs a kernel whose bias and slopes are spread by `panels`.
@@ -258,6 +273,8 @@ impl Numeric {
         let finish = match case.activation {
             Activation::None => Finish::Keep,
             Activation::Relu => Finish::Relu,
+            Activation::Relu6 => Finish::Relu6,
+            Activation::Logistic => Finish::Logistic,
             Activation::Prelu => Finish::Prelu(&slopes),
         };
         let mut output = self.output.clone();
@@ -348,8 +365,13 @@ proptest! {
 
     #[test]
     fn max_pool_is_the_definition(case in direct_cases()) {
-        let padding = std::array::from_fn(|axis| case.window.padding[axis].min(case.window.kernel[axis] / 2));
-        let window = Window { padding, dilation: [1; 3], ..case.window };
+        let padding: Extent =
+            std::array::from_fn(|axis| case.window.padding[axis].min(case.window.kernel[axis] / 2));
+        let extra = std::array::from_fn(|axis| {
+            let most = case.window.kernel[axis].cast_signed() - 1 - padding[axis].cast_signed();
+            case.window.extra[axis].min(most)
+        });
+        let window = Window { padding, dilation: [1; 3], extra, ..case.window };
         let Some(to) = window.output(case.size) else { return Ok(()) };
         let mut numbers = Numbers(case.seed);
         let from = Layout::dense(case.size, case.inputs + 2 * case.spare);

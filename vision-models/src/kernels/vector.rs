@@ -24,6 +24,8 @@ pub(super) unsafe trait Vector: Copy {
     unsafe fn sub(self, other: Self) -> Self;
     /// The larger of each lane; `other`, if one is NaN.
     unsafe fn max(self, other: Self) -> Self;
+    /// The smaller of each lane; `other`, if one is NaN.
+    unsafe fn min(self, other: Self) -> Self;
 
     /// Zero for negative lanes; NaN for lanes that are NaN or infinite. An overflow thus stays
     /// visible, where a plain maximum would make zero of it.
@@ -106,12 +108,19 @@ unsafe impl Vector for Portable {
             if self.0[lane] > other.0[lane] { self.0[lane] } else { other.0[lane] }
         }))
     }
+
+    #[inline(always)]
+    unsafe fn min(self, other: Self) -> Self {
+        Self(std::array::from_fn(|lane| {
+            if self.0[lane] < other.0[lane] { self.0[lane] } else { other.0[lane] }
+        }))
+    }
 }
 
 /// Implements [`Vector`] with the intrinsics of one instruction set.
 macro_rules! vector {
     ($register:ty, $lanes:literal, $load:ident, $store:ident, $splat:ident, $mul_add:expr,
-     $add:ident, $sub:ident, $max:ident) => {
+     $add:ident, $sub:ident, $max:ident, $min:ident) => {
         // SAFETY: the intrinsics are those of the type's instruction set, which the caller has
         // enabled, and the unaligned loads and stores touch exactly its lanes.
         unsafe impl Vector for $register {
@@ -158,6 +167,12 @@ macro_rules! vector {
                 // SAFETY: passed on to the caller.
                 unsafe { $max(self, other) }
             }
+
+            #[inline(always)]
+            unsafe fn min(self, other: Self) -> Self {
+                // SAFETY: passed on to the caller.
+                unsafe { $min(self, other) }
+            }
         }
     };
 }
@@ -167,8 +182,9 @@ mod x86 {
     use super::Vector;
     use std::arch::x86_64::{
         __m256, __m512, _mm256_add_ps, _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_max_ps,
-        _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm512_add_ps, _mm512_fmadd_ps,
-        _mm512_loadu_ps, _mm512_max_ps, _mm512_set1_ps, _mm512_storeu_ps, _mm512_sub_ps,
+        _mm256_min_ps, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm512_add_ps,
+        _mm512_fmadd_ps, _mm512_loadu_ps, _mm512_max_ps, _mm512_min_ps, _mm512_set1_ps,
+        _mm512_storeu_ps, _mm512_sub_ps,
     };
 
     vector!(
@@ -180,7 +196,8 @@ mod x86 {
         _mm256_fmadd_ps,
         _mm256_add_ps,
         _mm256_sub_ps,
-        _mm256_max_ps
+        _mm256_max_ps,
+        _mm256_min_ps
     );
     vector!(
         __m512,
@@ -191,7 +208,8 @@ mod x86 {
         _mm512_fmadd_ps,
         _mm512_add_ps,
         _mm512_sub_ps,
-        _mm512_max_ps
+        _mm512_max_ps,
+        _mm512_min_ps
     );
 }
 
@@ -199,7 +217,8 @@ mod x86 {
 mod arm {
     use super::Vector;
     use std::arch::aarch64::{
-        float32x4_t, vaddq_f32, vdupq_n_f32, vfmaq_f32, vld1q_f32, vmaxq_f32, vst1q_f32, vsubq_f32,
+        float32x4_t, vaddq_f32, vdupq_n_f32, vfmaq_f32, vld1q_f32, vmaxq_f32, vminq_f32, vst1q_f32,
+        vsubq_f32,
     };
 
     vector!(
@@ -211,6 +230,7 @@ mod arm {
         |value, factor, term| vfmaq_f32(term, value, factor),
         vaddq_f32,
         vsubq_f32,
-        vmaxq_f32
+        vmaxq_f32,
+        vminq_f32
     );
 }

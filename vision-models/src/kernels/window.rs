@@ -23,6 +23,9 @@ pub struct Window {
     pub padding: Extent,
     /// Steps from one tap to the next.
     pub dilation: Extent,
+    /// Zeros behind the input beyond the padding, or fewer: 1 where TensorFlow's `SAME` pads by an odd number.
+    /// None of a transposed convolution.
+    pub extra: [isize; 3],
 }
 
 impl Window {
@@ -30,7 +33,7 @@ impl Window {
     pub const fn same(kernel: [usize; 3]) -> Self {
         let [frames, rows, columns] = kernel;
         let padding = [frames / 2, rows / 2, columns / 2];
-        Self { kernel, stride: [1; 3], padding, dilation: [1; 3] }
+        Self { kernel, stride: [1; 3], padding, dilation: [1; 3], extra: [0; 3] }
     }
 
     /// The output's frames, rows and columns for an input's; `None` if the kernel does not fit, or if the
@@ -39,6 +42,7 @@ impl Window {
         let mut output = [0; 3];
         for axis in 0..3 {
             let padded = size[axis].checked_add(self.padding[axis].checked_mul(2)?)?;
+            let padded = padded.checked_add_signed(self.extra[axis])?;
             let room = padded.checked_sub(self.span(axis)?)?;
             output[axis] = room.checked_div(self.stride[axis])?.checked_add(1)?;
         }
@@ -54,6 +58,13 @@ impl Window {
             output[axis] = whole.checked_sub(self.padding[axis].checked_mul(2)?)?;
         }
         Some(output)
+    }
+
+    /// Whether every window has a tap inside the input along an axis, as a pooling needs.
+    pub(crate) fn stays_inside(&self, axis: usize) -> bool {
+        let (kernel, padding) = (self.kernel[axis], self.padding[axis]);
+        let behind = padding.checked_add_signed(self.extra[axis]);
+        2 * padding <= kernel && behind.is_none_or(|behind| behind < kernel)
     }
 
     /// From the first tap to the last, both included.

@@ -9,7 +9,7 @@ use crate::weights::tensors::Tensor;
 /// [`Budget::BESIDE`]. Whatever is kept because of something in the file is taken off before it is
 /// allocated and never given back, so that the sum bounds the peak.
 #[derive(Debug)]
-pub(super) struct Budget {
+pub(crate) struct Budget {
     limit: u64,
     taken: u64,
 }
@@ -21,7 +21,7 @@ impl Budget {
     const BUFFERS: u64 = 1 << 20;
 
     /// For a file of `length` bytes.
-    pub(super) fn of_file(length: u64) -> Self {
+    pub(crate) fn of_file(length: u64) -> Self {
         let limit = length.saturating_mul(4).saturating_add(Self::BESIDE);
         Self { limit, taken: Self::BUFFERS }
     }
@@ -30,7 +30,7 @@ impl Budget {
     ///
     /// # Errors
     /// [`Error::Checkpoint`].
-    pub(super) fn take(&mut self, bytes: usize) -> Result<(), Error> {
+    pub(crate) fn take(&mut self, bytes: usize) -> Result<(), Error> {
         self.taken = self.taken.saturating_add(bytes as u64);
         if self.taken <= self.limit {
             return Ok(());

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::excerpt::Excerpt;
 
 /// What is wrong at a place in a file.
-pub(super) fn refused(place: impl Display, problem: impl Display) -> Error {
+pub(crate) fn refused(place: impl Display, problem: impl Display) -> Error {
     Error::Checkpoint { place: place.to_string(), problem: problem.to_string() }
 }
 

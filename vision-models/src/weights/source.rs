@@ -28,7 +28,7 @@ pub trait TensorSource {
 }
 
 /// The error of a name that no tensor has.
-pub(super) fn no_tensor(name: &str) -> Error {
+pub(crate) fn no_tensor(name: &str) -> Error {
     Error::unknown("tensor", name, "the name of a tensor that is among the weights")
 }
 

@@ -2,8 +2,8 @@
 
 use ndarray::{Array5, array};
 use vision_models::engine::{
-    Activation, Convolution, Frames, Graph, Network, Pooling, ThreadSettings, Threads, Value,
-    Waiting, Window,
+    Activation, Alignment, Convolution, Frames, Graph, Network, Pooling, ThreadSettings, Threads,
+    Value, Waiting, Window,
 };
 use vision_models::{ClassNames, Error, Options, Scores};
 
@@ -208,6 +208,30 @@ fn layers_that_cannot_be_planned_are_errors() {
     }
     let nothing = Network::parameters(&Graph::new(), 1).unwrap_err();
     assert_eq!(nothing.to_string(), "layer graph cannot be planned: it has no input");
+}
+
+#[test]
+fn shapes_that_cannot_be_made_are_errors() {
+    let cases: [(String, &str); 3] = [
+        (
+            problem(|graph, image| graph.reshape(image, [1, 9, 10], 12)),
+            "it makes ([1, 9, 10], 12) of",
+        ),
+        (
+            problem(|graph, image| graph.resize(image, [0, 3], Alignment::Edges)),
+            "it has no rows or no columns",
+        ),
+        (
+            problem(|graph, image| {
+                let window = Window { extra: [0, 2, 0], ..Window::same([1, 3, 3]) };
+                graph.max_pool(image, window)
+            }),
+            "at most half its kernel",
+        ),
+    ];
+    for (said, expected) in cases {
+        assert!(said.contains(expected), "{said:?} without {expected:?}");
+    }
 }
 
 /// Sizes are checked before memory is taken for them.

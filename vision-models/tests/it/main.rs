@@ -10,6 +10,8 @@
 mod actions;
 mod allocation;
 #[cfg(feature = "inference")]
+mod blaze_pose;
+#[cfg(feature = "inference")]
 mod broken_weights;
 #[cfg(feature = "inference")]
 mod checkpoint_memory;
@@ -46,4 +48,6 @@ mod real_motion;
 mod support;
 #[cfg(feature = "inference")]
 mod svm;
+#[cfg(feature = "inference")]
+mod tensorflow_lite;
 mod tracker;

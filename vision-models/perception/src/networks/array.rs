@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use ndarray::{Array, Array4, Array5, ArrayD, ArrayViewD, Dimension};
+use ndarray::{Array, Array4, Array5, ArrayD, ArrayViewD, Axis, Dimension};
 use vision_models::{
     NetworkKind, Options, Passes, ResNet, Scores, SimpleBaseline, SlowFast, SlowOnly,
+    TensorFlowLite, engine::Network,
 };
 
 use super::checkpoint::open_weights;
@@ -21,6 +22,8 @@ pub enum ArrayNetwork {
     TwoSpeeds(SlowFast, Array5<f32>),
     /// Maps of joints in images.
     Joints(Box<SimpleBaseline>, Array4<f32>),
+    /// An output of any network over images.
+    Any(Box<Network>, Array4<f32>),
 }
 
 impl ArrayNetwork {
@@ -67,6 +70,35 @@ impl ArrayNetwork {
         }
     }
 
+    /// Reads the array from a `.npy` file, and loads a network of TensorFlow Lite: all of it, whose first output it gives,
+    /// or what one of its outputs takes.
+    ///
+    /// # Errors
+    /// Names the file that cannot be used.
+    pub fn load_file(
+        weights: &Path,
+        output: Option<usize>,
+        input: &Path,
+        threads: usize,
+    ) -> Result<Self, Error> {
+        let options = Options { threads, ..Options::default() };
+        let images: Array4<f32> =
+            of_dimension(read_array(input)?, input, "images are N × 3 × H × W")?;
+        let of_file = Error::content(weights);
+        let network = TensorFlowLite::open(weights).map_err(&of_file)?;
+        let wanted = network.input();
+        if images.shape().get(1..) != Some(&wanted) {
+            let found = format!("{:?} values, but the network takes {wanted:?}", images.shape());
+            return Err(Error::at(input.display(), found));
+        }
+        let network = match output {
+            Some(output) => network.keep(&[output]).map_err(&of_file)?,
+            None => network,
+        };
+        let network = network.load(options).map_err(&of_file)?;
+        Ok(Self::Any(Box::new(network), images))
+    }
+
     /// Runs it: logits, features of the average pool, or maps.
     ///
     /// # Errors
@@ -79,6 +111,12 @@ impl ArrayNetwork {
             Self::Joints(network, images) => {
                 return Ok(network.heatmaps(images.view())?.into_dyn());
             }
+            Self::Any(network, images) => {
+                let inference = network.infer(images.view().insert_axis(Axis(2)))?;
+                let map = inference.map(0).map(|map| map.index_axis_move(Axis(2), 0));
+                let none = || Error::at("network", "it has no output");
+                return Ok(map.ok_or_else(none)?.into_dyn());
+            }
         };
         Ok(if features { pooled } else { logits }.into_dyn())
     }
@@ -90,6 +128,7 @@ impl ArrayNetwork {
             Self::Clips(network, clips) => (clips.dim().0, network.operations()),
             Self::TwoSpeeds(network, clips) => (clips.dim().0, network.operations()),
             Self::Joints(network, images) => (images.dim().0, network.operations()),
+            Self::Any(network, images) => (images.dim().0, network.operations()),
         };
         batch as f64 * operations as f64
     }

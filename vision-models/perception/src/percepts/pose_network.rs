@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use vision_models::{
-    GroupingSettings, ImageBody, NetworkKind, OpenPose, Options, Passes, PersonBox, SimpleBaseline,
-    read_image,
+    BlazePose, BlazePoseSettings, GroupingSettings, ImageBody, Landmarks, NetworkKind, OpenPose,
+    Options, Passes, PersonBox, SimpleBaseline, TensorFlowLite, read_image,
 };
 
 use super::pose_source::{Frame, PoseSource};
@@ -14,8 +14,8 @@ use crate::{error::Error, networks::checkpoint::open_weights, watch::Watch};
 const ROWS: f64 = 368.0;
 
 /// A pose network, whichever its checkpoint holds: a simple baseline, which looks for one person in the
-/// box in which the tracker expects them, or the nearest person of the depth image, or OpenPose, which
-/// finds everybody.
+/// box in which the tracker expects them, or the nearest person of the depth image; OpenPose, which
+/// finds everybody; or BlazePose, which finds people and follows them.
 #[derive(Debug)]
 pub struct PoseNetwork {
     network: Network,
@@ -25,21 +25,31 @@ pub struct PoseNetwork {
 enum Network {
     SimpleBaseline(Box<SimpleBaseline>),
     OpenPose(Box<OpenPose>),
+    BlazePose(Box<BlazePose>),
 }
 
+/// The file of MediaPipe's package that holds BlazePose's detector.
+const DETECTOR: &str = "pose_solution_packed_assets.data";
+
 impl PoseNetwork {
-    /// Loads the network for images of this width and height (pixels).
+    /// Loads the network for images of this width and height (pixels). Of BlazePose the detector is MediaPipe's file
+    /// beside the landmarks if none is given, and it follows so many people at most.
     ///
     /// # Errors
     /// With the checkpoint's name; one that holds another network says which.
     pub fn load(
         weights: &Path,
+        (detector, most): (Option<&Path>, usize),
         [width, height]: [usize; 2],
         passes: Passes,
         threads: usize,
         watch: &mut Watch<'_>,
     ) -> Result<Self, Error> {
         let options = Options { threads, ..Options::default() };
+        if TensorFlowLite::is_in(weights) {
+            let beside = weights.with_file_name(DETECTOR);
+            return Self::blaze_pose(weights, detector.unwrap_or(&beside), most, options);
+        }
         let checkpoint = open_weights(weights, watch)?;
         let of_file = Error::content(weights);
         let none =
@@ -74,6 +84,23 @@ impl PoseNetwork {
         };
         Ok(Self { network })
     }
+
+    /// Loads BlazePose: its landmarks and its detector, for so many people at most.
+    ///
+    /// # Errors
+    /// With the name of the file that does not fit.
+    fn blaze_pose(
+        landmarks: &Path,
+        detector: &Path,
+        most: usize,
+        options: Options,
+    ) -> Result<Self, Error> {
+        let open = |file: &Path| TensorFlowLite::open(file).map_err(Error::content(file));
+        let settings = BlazePoseSettings { most, ..BlazePoseSettings::default() };
+        let network = BlazePose::load(open(detector)?, open(landmarks)?, settings, options);
+        let network = network.map_err(Error::content(landmarks))?;
+        Ok(Self { network: Network::BlazePose(Box::new(network)) })
+    }
 }
 
 impl PoseSource for PoseNetwork {
@@ -90,6 +117,10 @@ impl PoseSource for PoseNetwork {
         match &mut self.network {
             Network::OpenPose(network) => {
                 Ok(Some(network.estimate(image.view(), &GroupingSettings::default())?))
+            }
+            Network::BlazePose(network) => {
+                let people = network.estimate(frame.entry.time, image.view())?;
+                Ok(Some(people.iter().map(Landmarks::image_body).collect()))
             }
             Network::SimpleBaseline(network) => {
                 let nearest = || PersonBox::nearest(frame.camera, frame.depth);

@@ -1,0 +1,64 @@
+"""Landmarks by MediaPipe's graph for processors, without smoothing, for blaze_pose.sh.
+
+python blaze_pose_mediapipe.py RATE OUTPUT IMAGE...
+
+With rate 0 the detector looks at every image. `mediapipe.solutions` is not used: in static mode its landmarks are up to
+three pixels from what the graph that it names makes of the same region.
+"""
+
+import json
+import os
+import sys
+
+import cv2
+import mediapipe as mp
+from mediapipe.python import packet_creator, packet_getter
+from mediapipe.python._framework_bindings import resource_util
+
+GRAPH = """
+input_stream: "image"
+output_stream: "landmarks"
+node {
+  calculator: "ConstantSidePacketCalculator"
+  output_side_packet: "PACKET:0:complexity"
+  output_side_packet: "PACKET:1:smooth"
+  output_side_packet: "PACKET:2:follow"
+  node_options: {
+    [type.googleapis.com/mediapipe.ConstantSidePacketCalculatorOptions]: {
+      packet { int_value: 1 } packet { bool_value: false } packet { bool_value: %s }
+    }
+  }
+}
+node {
+  calculator: "PoseLandmarkCpu"
+  input_side_packet: "MODEL_COMPLEXITY:complexity"
+  input_side_packet: "SMOOTH_LANDMARKS:smooth"
+  input_side_packet: "USE_PREV_LANDMARKS:follow"
+  input_stream: "IMAGE:image"
+  output_stream: "LANDMARKS:landmarks"
+}
+"""
+
+
+def main():
+    rate, output, files = float(sys.argv[1]), sys.argv[2], sys.argv[3:]
+    resource_util.set_resource_dir(os.path.dirname(os.path.dirname(mp.__file__)))
+    graph = mp.CalculatorGraph(graph_config=GRAPH % ("true" if rate else "false"))
+    seen = []
+    graph.observe_output_stream("landmarks", lambda _, packet: seen.append(packet_getter.get_proto(packet)), False)
+    graph.start_run()
+    people = []
+    for number, file in enumerate(files):
+        image = cv2.cvtColor(cv2.imread(file), cv2.COLOR_BGR2RGB)
+        rows, columns, _ = image.shape
+        packet = packet_creator.create_image_frame(image_format=mp.ImageFormat.SRGB, data=image)
+        # Not from zero on, which the graph takes for no time.
+        graph.add_packet_to_input_stream("image", packet.at(int((number + 1) * 1e6 / (rate or 25))))
+        seen.clear()
+        graph.wait_until_idle()
+        people.append([[point.x * columns, point.y * rows] for found in seen for point in found.landmark])
+    with open(output, "w") as file:
+        json.dump(people, file)
+
+
+main()

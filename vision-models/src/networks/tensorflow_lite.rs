@@ -1,0 +1,110 @@
+//! Networks in files of TensorFlow Lite.
+
+mod lowering;
+mod operators;
+mod values;
+mod weights;
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use crate::engine::{Graph, Network, Options};
+use crate::error::Error;
+use crate::file::{in_file, read_bytes};
+use crate::weights::tensorflow_lite::is_tensorflow_lite;
+
+use lowering::Lowering;
+use values::Shape;
+use weights::Weights;
+
+/// The largest file that is read (bytes).
+const LARGEST: u64 = 1 << 30;
+
+/// A network in a file of TensorFlow Lite: its layers and its weights.
+///
+/// Weights are float32 or float16, dense or sparse. The operators are CONV_2D, DEPTHWISE_CONV_2D, ADD, MAX_POOL_2D,
+/// PAD, RESIZE_BILINEAR, RESHAPE, CONCATENATION, DEPTH_TO_SPACE, LOGISTIC, RELU, RELU6, PRELU, DEQUANTIZE and
+/// DENSIFY. Reading a file takes at most four times its size and 16 MiB of memory.
+///
+/// Tensors of TensorFlow Lite with fewer than four axes lie along the last ones: 1 × 195 values are 195 channels of one
+/// pixel.
+///
+/// ```
+/// use vision_models::{Options, TensorFlowLite, ndarray::Array5};
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/operators.tflite");
+/// let network = TensorFlowLite::open(file)?;
+/// let [channels, rows, columns] = network.input();
+/// let image = Array5::zeros((1, channels, 1, rows, columns));
+/// let mut network = network.load(Options::default())?;
+/// let inference = network.infer(image.view())?;
+/// assert!(inference.map(0).is_some());
+/// # Ok::<(), vision_models::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct TensorFlowLite {
+    graph: Graph,
+    weights: Weights,
+    input: Shape,
+    outputs: Vec<Shape>,
+}
+
+impl TensorFlowLite {
+    /// Returns true for a file that says that it is one of TensorFlow Lite; false for one that cannot be read.
+    pub fn is_in(path: impl AsRef<Path>) -> bool {
+        let mut start = [0; 8];
+        let read = File::open(path).and_then(|mut file| file.read_exact(&mut start));
+        read.is_ok() && is_tensorflow_lite(&start)
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be read, [`Error::Checkpoint`] if it is refused.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        Self::from_bytes(read_bytes(path, LARGEST).map_err(in_file(path))?)
+    }
+
+    /// Reads a file in memory.
+    ///
+    /// # Errors
+    /// [`Error::Checkpoint`] for what is no such file, does not fit together, holds other operators or numbers, or takes
+    /// too much memory.
+    pub fn from_bytes(file: Vec<u8>) -> Result<Self, Error> {
+        Self::of(file, &[])
+    }
+
+    /// The same network with some of its outputs alone, by their numbers and in this order. What they do not depend on
+    /// is not computed.
+    ///
+    /// # Errors
+    /// [`Error::Checkpoint`] for an output that there is not.
+    pub fn keep(self, outputs: &[usize]) -> Result<Self, Error> {
+        Self::of(self.weights.into_file(), outputs)
+    }
+
+    fn of(file: Vec<u8>, kept: &[usize]) -> Result<Self, Error> {
+        let Lowering { graph, weights, input, outputs, .. } = Lowering::of(&file, kept)?;
+        Ok(Self { graph, weights: Weights::new(file, weights), input, outputs })
+    }
+
+    /// Channels, rows and columns of the images that it is given.
+    pub fn input(&self) -> [usize; 3] {
+        self.input.image()
+    }
+
+    /// Channels, rows and columns of each output, in order.
+    pub fn outputs(&self) -> impl Iterator<Item = [usize; 3]> {
+        self.outputs.iter().map(Shape::image)
+    }
+
+    /// Packs the weights and plans the pass.
+    ///
+    /// # Errors
+    /// As of [`Network::load`].
+    pub fn load(self, options: Options) -> Result<Network, Error> {
+        Network::load(&self.graph, self.weights, self.input.size, options)
+    }
+}

@@ -1,0 +1,256 @@
+//! From the operators of a file to the engine's graph.
+//!
+//! What the engine has no layer for is one of its convolutions: a padding that no convolution takes in, a function
+//! or an addition by itself is one of 1 × 1 that multiplies by one.
+
+use std::collections::BTreeMap;
+
+use crate::engine::{Activation, Convolution, Graph};
+use crate::error::Error;
+use crate::weights::tensorflow_lite::{Constant, Model};
+use crate::weights::{Budget, refused};
+
+use super::operators::operate;
+use super::values::{Known, Shape, Written, Zeros};
+use super::weights::{Source, Weight};
+
+/// The most that all activations of a network take together (bytes), were none to share memory.
+const MOST_ACTIVATIONS: usize = 1 << 31;
+
+/// The graph so far.
+#[derive(Debug)]
+pub(super) struct Lowering<'a> {
+    pub(super) model: Model<'a>,
+    budget: Budget,
+    pub(super) graph: Graph,
+    pub(super) weights: BTreeMap<String, Weight>,
+    pub(super) input: Shape,
+    pub(super) outputs: Vec<Shape>,
+    /// What each tensor is, once it is written.
+    written: Vec<Option<Written>>,
+    /// How often each tensor is read.
+    reads: Vec<usize>,
+    /// Bytes of all activations.
+    activations: usize,
+}
+
+impl<'a> Lowering<'a> {
+    /// Builds the graph of a file that gives some of its outputs, in this order; all if none are named.
+    ///
+    /// # Errors
+    /// [`Error::Checkpoint`].
+    pub(super) fn of(file: &'a [u8], kept: &[usize]) -> Result<Self, Error> {
+        let model = Model::of(file)?;
+        let mut budget = Budget::of_file(file.len() as u64);
+        model.pay(&mut budget)?;
+        let given = model.inputs()?;
+        let [image] = given[..] else {
+            let problem = format!("there are {}: networks of one input are read", given.len());
+            return Err(refused("inputs", problem));
+        };
+        let mut reads = vec![0_usize; model.tensors()];
+        let mut ends = model.outputs()?;
+        if !kept.is_empty() {
+            let end = |&index: &usize| ends.get(index).copied();
+            let problem = format!("there are {}, and {kept:?} are to be kept", ends.len());
+            let found = kept.iter().map(end).collect::<Option<_>>();
+            ends = found.ok_or_else(|| refused("outputs", problem))?;
+        }
+        for &end in &ends {
+            reads[end] += 1;
+        }
+        // What no output depends on is left out.
+        let mut needed = vec![false; model.operators()];
+        for (index, needed) in needed.iter_mut().enumerate().rev() {
+            let operator = model.operator(index)?;
+            *needed = operator.outputs.iter().any(|&output| reads[output] > 0);
+            for tensor in operator.inputs.into_iter().flatten().filter(|_| *needed) {
+                reads[tensor] += 1;
+            }
+        }
+        let input = declared(&model, image)?;
+        let mut graph = Graph::new();
+        let value = graph.input(input.channels);
+        let mut lowering = Self {
+            model,
+            budget,
+            graph,
+            weights: BTreeMap::new(),
+            input,
+            outputs: Vec::new(),
+            written: vec![None; reads.len()],
+            reads,
+            activations: 0,
+        };
+        lowering.write(image, Written::Activation(Known { value, shape: input }))?;
+        for (index, _) in needed.into_iter().enumerate().filter(|(_, needed)| *needed) {
+            operate(&mut lowering, index)?;
+        }
+        for end in ends {
+            let Known { value, shape } = lowering.activation(end)?;
+            lowering.graph.output(value);
+            lowering.outputs.push(shape);
+        }
+        Ok(lowering)
+    }
+
+    /// Takes down what an operator has written, if it is what the file says.
+    pub(super) fn write(&mut self, tensor: usize, written: Written) -> Result<(), Error> {
+        let refuse = |model: &Model<'_>, problem: String| Err(refused(model.name(tensor), problem));
+        if self.written[tensor].is_some() {
+            return refuse(&self.model, "it is written twice".into());
+        }
+        if let Some(shape) = written.shape() {
+            let declared = declared(&self.model, tensor)?;
+            if shape != declared {
+                let (made, said) = (shape.image(), declared.image());
+                let problem = format!(
+                    "it comes out as {made:?}, and is said to be {said:?} (channels, rows, columns)"
+                );
+                return refuse(&self.model, problem);
+            }
+            let bytes = shape.elements().saturating_mul(size_of::<f32>());
+            self.activations = self.activations.saturating_add(bytes);
+            if self.activations > MOST_ACTIVATIONS {
+                let problem =
+                    format!("the activations up to here take more than {MOST_ACTIVATIONS} bytes");
+                return refuse(&self.model, problem);
+            }
+        }
+        self.written[tensor] = Some(written);
+        Ok(())
+    }
+
+    /// What a tensor is.
+    pub(super) fn written(&self, tensor: usize) -> Option<&Written> {
+        self.written[tensor].as_ref()
+    }
+
+    /// A convolution that nothing else reads and that is not in the graph yet: with what follows it, it may be one.
+    pub(super) fn lone_convolution(&self, tensor: usize) -> Option<&Written> {
+        let alone = self.reads[tensor] == 1;
+        self.written(tensor)
+            .filter(|written| alone && matches!(written, Written::Convolution { .. }))
+    }
+
+    /// The tensor of the file that holds the elements of a tensor, decoded or not; `None` for one that is computed.
+    pub(super) fn source(&self, tensor: usize) -> Option<usize> {
+        match self.written(tensor) {
+            None => Some(tensor),
+            Some(Written::Constant(source)) => Some(*source),
+            Some(_) => None,
+        }
+    }
+
+    /// The elements of a tensor that the file holds. The budget pays for them.
+    ///
+    /// # Errors
+    /// [`Error::Checkpoint`] for one that is computed.
+    pub(super) fn constant(&mut self, tensor: usize) -> Result<Constant, Error> {
+        let constant = match self.source(tensor) {
+            Some(source) => Constant::of(&self.model, source, &mut self.budget)?,
+            None => None,
+        };
+        let problem = "it is computed, where the file has to hold it";
+        constant.ok_or_else(|| refused(self.model.name(tensor), problem))
+    }
+
+    /// The activation that a tensor is; what is not in the graph yet is then.
+    ///
+    /// # Errors
+    /// [`Error::Checkpoint`] for one that no operator before has written.
+    pub(super) fn activation(&mut self, tensor: usize) -> Result<Known, Error> {
+        let known = match self.written(tensor).cloned() {
+            Some(Written::Activation(known)) => return Ok(known),
+            Some(Written::Convolution { layer, input, shape }) => {
+                Known { value: self.graph.convolution(input, layer), shape }
+            }
+            Some(Written::Padded { input, zeros, shape }) => {
+                let input = self.activation(input)?;
+                self.padded(tensor, input, zeros, shape)?
+            }
+            Some(Written::Constant(_)) | None => {
+                let problem = "it is read as an activation, and no operator before has computed it";
+                return Err(refused(self.model.name(tensor), problem));
+            }
+        };
+        self.written[tensor] = Some(Written::Activation(known));
+        Ok(known)
+    }
+
+    /// The activations that all these tensors are.
+    ///
+    /// # Errors
+    /// As of [`Self::activation`].
+    pub(super) fn known(&mut self, tensors: &[Option<usize>]) -> Result<Vec<Known>, Error> {
+        tensors.iter().flatten().map(|&tensor| self.activation(tensor)).collect()
+    }
+
+    /// Adds a weight, which the budget pays for.
+    pub(super) fn weight(
+        &mut self,
+        name: String,
+        shape: Vec<usize>,
+        source: Source,
+    ) -> Result<(), Error> {
+        let weight = Weight { shape, source };
+        if matches!(weight.source, Source::Ones | Source::Ahead(_) | Source::DepthToSpace) {
+            self.budget.take(weight.elements().saturating_mul(size_of::<f32>()))?;
+        }
+        self.weights.insert(name, weight);
+        Ok(())
+    }
+
+    /// A convolution of 1 × 1 that multiplies every channel by one.
+    pub(super) fn identity(
+        &mut self,
+        name: String,
+        channels: usize,
+        activation: Activation,
+    ) -> Result<Convolution, Error> {
+        self.weight(format!("{name}.weight"), vec![channels, 1, 1, 1], Source::Ones)?;
+        Ok(Convolution::image(name, channels, [1, 1]).groups(channels).activation(activation))
+    }
+
+    /// Zeros around an activation.
+    fn padded(
+        &mut self,
+        tensor: usize,
+        input: Known,
+        [rows, columns, channels]: Zeros,
+        shape: Shape,
+    ) -> Result<Known, Error> {
+        let name = format!("pad.{tensor}");
+        let layer = if channels == [0, 0] {
+            self.identity(name, shape.channels, Activation::None)?
+        } else {
+            let (inputs, source) = (input.shape.channels, Source::Ahead(channels[0]));
+            self.weight(format!("{name}.weight"), vec![shape.channels, inputs, 1, 1], source)?;
+            Convolution::image(name, shape.channels, [1, 1])
+        };
+        let (padding, extra) = paddings([rows, columns]);
+        let layer = layer.padding(padding).extra_padding(extra);
+        Ok(Known { value: self.graph.convolution(input.value, layer), shape })
+    }
+}
+
+/// Zeros before and after rows and columns, as the engine has them.
+pub(super) fn paddings(zeros: [[usize; 2]; 2]) -> ([usize; 3], [isize; 3]) {
+    let [[top, bottom], [left, right]] = zeros;
+    let more = |before: usize, after: usize| after.cast_signed() - before.cast_signed();
+    ([0, top, left], [0, more(top, bottom), more(left, right)])
+}
+
+/// The size that the file says a computed tensor has.
+pub(super) fn declared(model: &Model<'_>, tensor: usize) -> Result<Shape, Error> {
+    let head = model.head(tensor)?;
+    let refuse = |problem: String| refused(model.name(tensor), problem);
+    if head.element != 0 {
+        let problem =
+            format!("it has elements of type {}: networks compute in float32", head.element);
+        return Err(refuse(problem));
+    }
+    let problem =
+        || format!("shape {:?}: give one of at most four axes, for one image", head.shape);
+    Shape::of(&head.shape).ok_or_else(|| refuse(problem()))
+}

@@ -1,0 +1,166 @@
+//! Files of TensorFlow Lite: every operator beside TensorFlow Lite's own kernels, and files that are refused.
+
+use std::fs;
+
+use ndarray::Array5;
+use proptest::prelude::*;
+use serde_json::Value;
+use vision_models::{Error, InstructionSet, Options, TensorFlowLite};
+
+/// Lanes of sums in another order (absolute; outputs are about one).
+const CLOSE: f64 = 5e-6;
+
+fn data(name: &str) -> Vec<u8> {
+    fs::read(format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+fn json(name: &str) -> Value {
+    serde_json::from_slice(&data(name)).unwrap()
+}
+
+/// The numbers that `operators.py` gives to its network.
+fn image([channels, rows, columns]: [usize; 3]) -> Array5<f32> {
+    Array5::from_shape_fn((1, channels, 1, rows, columns), |(_, channel, _, row, column)| {
+        let index = (row * columns + column) * channels + channel;
+        let value = (index * 37 % 101) as f64 / 50.0 - 1.0;
+        #[expect(clippy::cast_possible_truncation, reason = "the network's numbers are f32")]
+        let value = value as f32;
+        value
+    })
+}
+
+/// The outputs of a file, each with its channels last.
+fn outputs(network: TensorFlowLite, options: Options) -> Vec<Vec<f32>> {
+    let image = image(network.input());
+    let count = network.outputs().count();
+    let mut network = network.load(options).unwrap();
+    let inference = network.infer(image.view()).unwrap();
+    let map = |index| inference.map(index).unwrap().permuted_axes([0, 2, 3, 4, 1]);
+    (0..count).map(|index| map(index).iter().copied().collect()).collect()
+}
+
+#[test]
+fn every_operator_is_tensorflow_lites() {
+    let golden = json("operators.json");
+    for instruction_set in InstructionSet::available() {
+        for threads in [1, 3] {
+            let network = TensorFlowLite::from_bytes(data("operators.tflite")).unwrap();
+            let outputs = outputs(network, Options { threads, instruction_set });
+            assert_eq!(outputs.len(), golden.as_array().unwrap().len());
+            for (output, golden) in outputs.iter().zip(golden.as_array().unwrap()) {
+                let golden = golden["values"].as_array().unwrap();
+                assert_eq!(output.len(), golden.len());
+                for (&value, golden) in output.iter().zip(golden) {
+                    let golden = golden.as_f64().unwrap();
+                    assert!((f64::from(value) - golden).abs() < CLOSE, "{value}, not {golden}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_network_of_some_outputs_gives_them_as_before() {
+    let open = || TensorFlowLite::from_bytes(data("operators.tflite")).unwrap();
+    let all = outputs(open(), Options::default());
+    let some = outputs(open().keep(&[2, 0]).unwrap(), Options::default());
+    assert_eq!(some, [all[2].clone(), all[0].clone()]);
+    let last = open().keep(&[2]).unwrap().load(Options::default()).unwrap();
+    let whole = open().load(Options::default()).unwrap();
+    assert!(last.operations() < whole.operations());
+    assert!(open().keep(&[3]).unwrap_err().to_string().contains("there are 3"));
+}
+
+#[test]
+fn what_is_refused_says_why() {
+    for case in json("broken_operators.json").as_array().unwrap() {
+        let (reason, file) = (case[0].as_str().unwrap(), case[1].as_str().unwrap());
+        let byte = |at| u8::from_str_radix(&file[at..at + 2], 16).unwrap();
+        let file = (0..file.len()).step_by(2).map(byte).collect();
+        let network = TensorFlowLite::from_bytes(file);
+        let error = network.and_then(|network| network.load(Options::default())).unwrap_err();
+        assert!(
+            matches!(error, Error::Checkpoint { .. } | Error::Layer { .. }),
+            "{reason}: {error}"
+        );
+        assert!(error.to_string().contains(reason), "{reason}: {error}");
+    }
+    let error = TensorFlowLite::from_bytes(data("plain.pth")).unwrap_err();
+    assert!(error.to_string().contains("not a file of TensorFlow Lite"), "{error}");
+}
+
+#[test]
+fn a_file_that_is_cut_off_is_refused() {
+    let file = data("operators.tflite");
+    for length in (0..file.len()).step_by(61).chain(0..200) {
+        let error = TensorFlowLite::from_bytes(file[..length].to_vec()).unwrap_err();
+        assert!(matches!(error, Error::Checkpoint { .. }), "{length}: {error}");
+    }
+}
+
+/// Reads a file, loads what is read, and checks the memory that reading promises.
+fn is_harmless(file: Vec<u8>) -> Result<(), TestCaseError> {
+    let promised = 4 * file.len() as u64 + (16 << 20);
+    let mut read = None;
+    let held = allocation_counter::measure(|| read = Some(TensorFlowLite::from_bytes(file)));
+    prop_assert!(held.bytes_max <= promised, "{} bytes", held.bytes_max);
+    match read {
+        Some(Ok(network)) => {
+            let image = image(network.input());
+            if let Ok(mut network) = network.load(Options::default()) {
+                let _ = network.infer(image.view());
+            }
+        }
+        Some(Err(error)) => {
+            prop_assert!(matches!(error, Error::Checkpoint { .. }), "{error}");
+        }
+        None => {}
+    }
+    Ok(())
+}
+
+#[test]
+fn tables_that_are_listed_again_and_again_stay_small() {
+    // A vector of a million offsets to one table, where the list of tensors was.
+    let mut file = data("operators.tflite");
+    let at = file.len();
+    let count = 1_u32 << 20;
+    file.extend(count.to_le_bytes());
+    for index in 0..count {
+        // Each to the root table, wherever that is.
+        let place = at + 4 + 4 * index as usize;
+        let root = u32::from_le_bytes([file[0], file[1], file[2], file[3]]) as usize;
+        let ahead = u32::try_from((root.wrapping_sub(place)) & 0xffff_ffff).unwrap();
+        file.extend(ahead.to_le_bytes());
+    }
+    for place in (4..at.min(4096)).step_by(4) {
+        let mut changed = file.clone();
+        let ahead = u32::try_from(at - place).unwrap();
+        changed[place..place + 4].copy_from_slice(&ahead.to_le_bytes());
+        let promised = 4 * changed.len() as u64 + (16 << 20);
+        let read = || drop(TensorFlowLite::from_bytes(changed));
+        assert!(allocation_counter::measure(read).bytes_max <= promised, "{place}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(512))]
+
+    #[test]
+    fn changed_files_are_harmless(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+        small in any::<bool>(),
+    ) {
+        let mut bytes = data("operators.tflite");
+        if small {
+            let case = json("broken_operators.json")[5][1].as_str().unwrap_or_default().to_owned();
+            let byte = |at| u8::from_str_radix(&case[at..at + 2], 16).unwrap_or(0);
+            bytes = (0..case.len()).step_by(2).map(byte).collect();
+        }
+        for (place, byte) in changes {
+            let place = place.index(bytes.len());
+            bytes[place] = byte;
+        }
+        is_harmless(bytes)?;
+    }
+}
