@@ -14,7 +14,7 @@ use super::person::Person;
 
 /// How fast people walk at most (m/s): with the [`Gait::CAREFUL`] no part of the body but the arms is then
 /// faster than the 1.6 m/s that the protective distance assumes where it is not measured.
-const SPEED: f64 = 0.98;
+const SPEED: f64 = 1.0;
 
 /// Slower than this they stand, and may begin a movement on the spot (m/s).
 const STANDING: f64 = 0.05;
