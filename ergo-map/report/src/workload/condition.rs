@@ -86,7 +86,7 @@ impl Condition {
     }
 }
 
-/// Of a subject without weights, where others have them.
+/// Error for a subject without weights where others have them.
 pub(super) fn unweighted(subject: &str, condition: &str) -> Error {
     Error::Study(format!(
         "subject {subject:?} has no weights for the condition {condition:?} but others have; \

@@ -88,7 +88,7 @@ impl PoseNetwork {
     /// Loads BlazePose: its landmarks and its detector, for so many people at most.
     ///
     /// # Errors
-    /// With the name of the file that does not fit.
+    /// Adds the name of the file that does not fit.
     fn blaze_pose(
         landmarks: &Path,
         detector: &Path,
