@@ -16,7 +16,7 @@ const ACCELERATION_CHANGE: f64 = 2.0;
 /// A speed, or an acceleration, is sure beyond so many of its standard deviations.
 const SURE: f64 = 2.5;
 /// Elbows and wrists, and knees and ankles, accelerate so much more than trunk and head.
-const ARM: f64 = 3.0;
+const ARM: f64 = 5.0;
 const LEG: f64 = 2.0;
 
 /// How long an acceleration lasts \[s\].

@@ -121,7 +121,7 @@ impl Movement {
         let seated = Posture { lean: 0.1, drop: 0.24, back: 0.2, ..still };
         let sitting = Posture { lean: 0.7, drop: 0.12, back: 0.1, ..still };
         match self {
-            Self::Bow => there_and_back(Posture { lean: 0.95 * size, ..still }, time),
+            Self::Bow => there_and_back(Posture { lean: 0.87 * size, ..still }, time),
             Self::Kneel => {
                 let kneeling = Posture { drop: 0.235, feet_back: 0.22, lean: 0.1, ..still };
                 there_and_back(kneeling, 1.2 * time)
@@ -158,10 +158,10 @@ impl Movement {
             Self::PickUp => {
                 let hands = [Vector3::zeros(), Vector3::new(0.1, 0.05, -0.15)];
                 let down = Posture { drop: 0.14, lean: 1.0 * size, hands, ..still };
-                there_and_back(down, 1.3 * time)
+                there_and_back(down, 1.4 * time)
             }
             Self::StepSideways => {
-                there_and_back(Posture { step: side * 0.3 * size, ..still }, 0.8 * time)
+                there_and_back(Posture { step: side * 0.3 * size, ..still }, 0.87 * time)
             }
             Self::SwingArms => {
                 let at = |forwards: f64| {
