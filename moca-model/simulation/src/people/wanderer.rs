@@ -121,6 +121,7 @@ impl Wanderer {
         let stands = self.person.velocity().norm() < STANDING;
         if let Some(movement) = self.movement.take_if(|_| stands) {
             self.person.begin(movement, &mut self.draw);
+            self.goal.floor = self.person.floor();
             self.goal_ends = time + self.draw.random_range(0.5..1.5);
         }
         if time >= self.together.1 {
