@@ -80,7 +80,7 @@ use undercut::Undercut;
 /// assert!((nearest.map_or(0.0, |pair| pair.distance) - 1.3).abs() < 1e-12);
 /// let limit = SeparationSettings::default().approach_limit(1.3, 0.0);
 /// assert!((rows.upper()[0] - limit).abs() < 1e-12);
-/// # Ok::<(), hrsw_safety::Error>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct ApproachRows {

@@ -28,7 +28,7 @@ pub struct Proximity {
 /// let near = proximity(&head, &arm);
 /// assert!((near.distance - 0.7).abs() < 1e-15);
 /// assert_eq!(near.normal, Vector3::z());
-/// # Ok::<(), hrsw_safety::Error>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn proximity(first: &Capsule, second: &Capsule) -> Proximity {
     let (on_first, on_second) = nearest_on_segments(first, second);

@@ -54,10 +54,6 @@ pub enum Error {
         speed: f64,
     },
 
-    /// A capsule was refused.
-    #[error(transparent)]
-    Capsule(#[from] hrsw::Error),
-
     /// The solver's crate refused the rows.
     #[error(transparent)]
     Hierarchy(#[from] ahqp_core::Error),

@@ -336,10 +336,4 @@ impl Safety {
     pub fn person_bodies(&self) -> &[PersonBody] {
         self.person.placed()
     }
-
-    #[allow(missing_docs)]
-    /// Those of everybody.
-    pub fn all_bodies(&self) -> &[PersonBody] {
-        &self.people
-    }
 }

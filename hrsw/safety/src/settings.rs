@@ -75,7 +75,7 @@ impl Default for PersonBodySettings {
 /// let hand = LinkCapsule { link: "hand".to_owned(), capsule };
 /// let settings = SafetySettings { bodies: vec![hand], ..SafetySettings::default() };
 /// assert!(settings.validate().is_ok());
-/// # Ok::<(), hrsw_safety::Error>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]

@@ -186,9 +186,11 @@ impl<'a> Run<'a> {
         // Too many people, or a body that is nobody's, stop the robot; the run goes on.
         match taken {
             Err(Error::Controller(
-                moca_model::Error::Safety(hrsw_safety::Error::TooManyPeople { .. })
-                | moca_model::Error::Body { .. }
-                | moca_model::Error::Safety(hrsw_safety::Error::BodySpeed { .. }),
+                moca_model::Error::Body { .. }
+                | moca_model::Error::Safety(
+                    hrsw_safety::Error::TooManyPeople { .. }
+                    | hrsw_safety::Error::BodySpeed { .. },
+                ),
             )) => Ok(()),
             taken => taken,
         }
