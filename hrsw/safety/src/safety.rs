@@ -336,4 +336,10 @@ impl Safety {
     pub fn person_bodies(&self) -> &[PersonBody] {
         self.person.placed()
     }
+
+    /// The bodies of everybody as they are taken to be, in the world: first those of
+    /// [`person_bodies`](Self::person_bodies).
+    pub fn all_bodies(&self) -> &[PersonBody] {
+        &self.people
+    }
 }

@@ -107,7 +107,7 @@ fn share_in_retreat(towards: f64) -> f64 {
     settings.supervisor.ramp = PERIOD;
     settings.supervisor.retreat_after = 0.0;
     let retreat_scale = settings.supervisor.retreat_scale;
-    let mut robot = Kinematics::new(MOCA.clone(), MOCA_TOOL, &settings.bodies, &MOCA_HOME).unwrap();
+    let robot = Kinematics::new(MOCA.clone(), MOCA_TOOL, &settings.bodies, &MOCA_HOME).unwrap();
     let layout = CollaborationStack::layout(MOCA_HOME.len());
     let accelerations: Vec<f64> = MOCA.limits().iter().map(|limits| limits.acceleration).collect();
     let limits = RobotLimits { accelerations: &accelerations, speed: MOCA_AXIS_SPEED };

@@ -188,8 +188,7 @@ impl<'a> Run<'a> {
             Err(Error::Controller(
                 moca_model::Error::Body { .. }
                 | moca_model::Error::Safety(
-                    hrsw_safety::Error::TooManyPeople { .. }
-                    | hrsw_safety::Error::BodySpeed { .. },
+                    hrsw_safety::Error::TooManyPeople { .. } | hrsw_safety::Error::BodySpeed { .. },
                 ),
             )) => Ok(()),
             taken => taken,
