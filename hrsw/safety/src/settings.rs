@@ -82,7 +82,7 @@ impl Default for PersonBodySettings {
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SafetySettings {
     /// The terms of the protective distance. Default: that of [`SeparationSettings`] with C = 0.05 m, since every
-    /// part of the body is tracked.
+    /// part of the body is tracked, and the braking of the robot's base.
     pub separation: SeparationSettings,
     /// Pairs of a robot's and a person's body that get a row. Default 40.
     pub pairs: usize,
@@ -101,10 +101,10 @@ pub struct SafetySettings {
     pub supervisor: SupervisorSettings,
     /// The person's body.
     pub person: PersonBodySettings,
-    /// The robot's bodies, best from the hand down: the nearest are then found first, and many others need no
-    /// search.
+    /// The robot's bodies, best from the hand down: the nearest are then found first. Default: those of the robot,
+    /// none where it is not known.
     pub bodies: Vec<LinkCapsule>,
-    /// Pairs of those that are kept apart, by index.
+    /// Pairs of those that are kept apart, by index. Default: those of the robot.
     pub own_pairs: Vec<(usize, usize)>,
     /// Pairs of the robot's own bodies that get a row. Default 6.
     pub own_rows: usize,
