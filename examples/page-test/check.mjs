@@ -64,7 +64,7 @@ try {
   // The states of each run, and the changes of phase that the program prints of the first case.
   const lanes = await page.evaluate(() => viewer.page.runs.map((run) => run.lanes));
   for (const lane of lanes)
-    for (const name of ["phase", "intention", "safety"])
+    for (const name of ["phase", "intention", "safety", "base"])
       assert.ok(lane.find((one) => one.name === name)?.spans.length > 0, `the states of ${name}`);
   const times = (lines) => lines.map((one) => one.match(/^ *(\d+\.\d{3}) s  \w+.* -> /)?.[1]);
   const end = printed.findIndex((one, index) => index > 0 && !times([one])[0]);

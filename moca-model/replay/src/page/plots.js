@@ -77,6 +77,16 @@ const COMPARED = [
     digits: 2,
   },
   {
+    title: "tool speed",
+    unit: "mm/s",
+    series: "speed of the tool",
+    extra: "speed of the person",
+    factor: 1000,
+    floor: 0,
+    height: 64,
+    digits: 0,
+  },
+  {
     title: "tracking error",
     unit: "mm",
     series: "tracking error",

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use hrsw_safety::{Cause, SafetyState};
-use moca_model::{BoxSide, Intention, Outcome, Phase, Reason};
+use moca_model::{BaseMotion, BoxSide, DriveReason, Intention, Outcome, Phase, Reason};
 use serde::Serialize;
 use vision_models::{Surface, WalkingDirection};
 
@@ -173,6 +173,18 @@ pub(super) fn safety(state: SafetyState, cause: Option<&Cause>) -> (Cow<'static,
         SafetyState::Reduced => (format!("reduced speed{why}").into(), Tone::Caution),
         SafetyState::Retreat => (format!("retreat{why}").into(), Tone::Caution),
         SafetyState::ProtectiveStop => (format!("protective stop{why}").into(), Tone::Stop),
+    }
+}
+
+/// The label of what the base does, with why it drives.
+pub(super) fn base(motion: BaseMotion) -> (&'static str, Tone) {
+    match motion {
+        BaseMotion::Stands => ("stands", Tone::Quiet),
+        BaseMotion::Drives(DriveReason::PersonMoves) => ("drives: the workspace moves", Tone::Walk),
+        BaseMotion::Drives(DriveReason::Reach) => ("drives: the arm is stretched", Tone::Work),
+        BaseMotion::Drives(DriveReason::Separation) => {
+            ("drives: somebody is too near", Tone::Caution)
+        }
     }
 }
 

@@ -25,7 +25,7 @@ const INTERVAL: f64 = 0.02;
 const OWN_FRAMES: [&str; 4] = ["tool", "desired", "workspace", "person"];
 
 /// What is one number a sample.
-const SERIES: [&str; 23] = [
+const SERIES: [&str; 25] = [
     "e_s",
     "REBA predicted",
     "REBA measured",
@@ -43,6 +43,8 @@ const SERIES: [&str; 23] = [
     "upper y",
     "upper z",
     "tracking error",
+    "speed of the tool",
+    "speed of the person",
     "slack of position",
     "slack of orientation",
     "share of ergonomics",
@@ -116,9 +118,12 @@ pub struct Recorder {
     /// Ticks between two samples, and up to the next.
     stride: u32,
     left: u32,
+    /// Where the tool was at the last sample, and when \[m, s\].
+    actual: Option<(Vector3<f64>, f64)>,
     phase: Lane,
     intention: Lane,
     safety: Lane,
+    base: Lane,
     solver: Lane,
     action: Lane,
     surface: Lane,
@@ -169,6 +174,8 @@ impl Recorder {
             phase: Lane::new("phase"),
             intention: Lane::new("intention"),
             safety: Lane::new("safety"),
+            base: Lane::new("base"),
+            actual: None,
             solver: Lane::new("solver"),
             action: Lane::new("action seen"),
             surface: Lane::new("surface seen"),
@@ -274,6 +281,10 @@ impl Recorder {
         let cause = controller.safety().supervisor().cause();
         let (safety, tone) = lanes::safety(command.safety, cause);
         self.safety.set(row.time, safety, tone);
+        if self.limits.is_of_wheels() {
+            let (base, tone) = lanes::base(command.base_motion);
+            self.base.set(row.time, base, tone);
+        }
         let (solver, tone) = lanes::solver(command.outcome);
         self.solver.set(row.time, solver, tone);
         self.limits.update(command, configuration);
@@ -290,7 +301,11 @@ impl Recorder {
         let workspace = controller.space().workspace().position();
         write_vectors(&[*workspace.min(), *workspace.max()], &mut values);
         self.write_predicted(controller, row, &mut values);
-        write_series(controller, row, &mut values);
+        let (actual, time) = (Vector3::from(row.actual), row.time);
+        let before = self.actual.replace((actual, time));
+        let speed =
+            before.map_or(f64::NAN, |(place, then)| (actual - place).norm() / (time - then));
+        write_series(controller, row, speed, &mut values);
         self.limits.take(&mut values);
         let (stage, model, on_wheels) = (&self.stage, &self.model, self.limits.is_of_wheels());
         let table = self.samples.get_or_insert_with(|| Table::new(groups(stage, model, on_wheels)));
@@ -369,8 +384,15 @@ impl Recorder {
             values
         };
         samples.add_group(Group::new("nearest", &NEAREST, 1, Encoding::Exact), near);
-        let lanes =
-            [self.phase, self.intention, self.safety, self.action, self.surface, self.solver];
+        let lanes = [
+            self.phase,
+            self.intention,
+            self.safety,
+            self.base,
+            self.action,
+            self.surface,
+            self.solver,
+        ];
         Replay {
             title,
             stage,
@@ -435,7 +457,7 @@ fn write_optional(vector: Option<Vector3<f64>>, row: &mut Vec<f32>) {
 
 /// In the order of [`SERIES`].
 #[expect(clippy::cast_possible_truncation, reason = "f32 is what is kept")]
-fn write_series(controller: &Controller, tick: &TickRow, row: &mut Vec<f32>) {
+fn write_series(controller: &Controller, tick: &TickRow, speed: f64, row: &mut Vec<f32>) {
     let scored = tick.reba > 0;
     let known = |value: f64| if scored { value } else { f64::NAN };
     let (desired, actual) = (Vector3::from(tick.desired), Vector3::from(tick.actual));
@@ -450,6 +472,8 @@ fn write_series(controller: &Controller, tick: &TickRow, row: &mut Vec<f32>) {
     let places = [tick.desired, tick.actual, tick.workspace_min, tick.workspace_max];
     let rest = [
         (desired - actual).norm(),
+        speed,
+        controller.space().person().map_or(f64::NAN, |person| person.velocity.norm()),
         Vector3::new(x, y, z).norm(),
         Vector3::new(roll, pitch, yaw).norm(),
         controller.command().activation,

@@ -32,6 +32,10 @@ pub struct VersusLine {
     outside_s_off: Spread,
     out_of_reach_s_on: Spread,
     out_of_reach_s_off: Spread,
+    workpiece_mm_s_on: Spread,
+    workpiece_mm_s_off: Spread,
+    base_at_rest_on: Spread,
+    base_at_rest_off: Spread,
     limit_violations: u64,
     torque_violations: u64,
     separation_violations: u64,
@@ -43,7 +47,7 @@ pub struct VersusLine {
 /// One row of the table: what it says, its digits, and where the number comes from.
 type Row = (&'static str, usize, fn(&Summary) -> f64);
 
-const ROWS: [Row; 8] = [
+const ROWS: [Row; 10] = [
     ("e_s mean (0 good, 4.25 bad)", 2, |run| run.score_mean),
     ("e_s maximum", 2, |run| run.score_max),
     ("REBA predicted, mean (1 good, 15 bad)", 1, |run| run.reba_mean),
@@ -51,8 +55,20 @@ const ROWS: [Row; 8] = [
     ("  of it outside the shared workspace [s]", 2, |run| run.outside),
     ("  of it hand out of reach [s]", 2, |run| run.out_of_reach),
     ("tracking error, root mean square [mm]", 2, |run| run.tracking_error_rms_mm),
+    ("workpiece of who stands, rms [mm/s]", 0, workpiece_mm_s),
+    ("base at rest then [%]", 0, base_at_rest),
     ("ticks not solved", 1, |run| run.solver_failures as f64),
 ];
+
+/// How fast the workpiece is while the person stands, root mean square \[mm/s\]; NaN where they never did.
+fn workpiece_mm_s(run: &Summary) -> f64 {
+    run.calmness.standing.map_or(f64::NAN, |motion| 1e3 * motion.workpiece)
+}
+
+/// How long the base is at rest while the person stands \[%\]; NaN where they never did.
+fn base_at_rest(run: &Summary) -> f64 {
+    run.calmness.standing.map_or(f64::NAN, |motion| 1e2 * motion.base_at_rest)
+}
 
 /// A count's name, and how it is found.
 type Count = (&'static str, fn(&Summary) -> u64);
@@ -76,7 +92,9 @@ impl Versus {
     }
 
     fn spread(&self, run: usize, of: fn(&Summary) -> f64) -> Spread {
-        Spread::of(self.pairs.iter().map(|pair| of(&pair[run])))
+        let values = self.pairs.iter().map(|pair| of(&pair[run]));
+        // A case in which the person never stood says nothing of it.
+        Spread::of(values.filter(|value| !value.is_nan()))
     }
 
     fn sum(&self, of: fn(&Summary) -> u64) -> u64 {
@@ -109,6 +127,10 @@ impl Versus {
             outside_s_off: self.spread(1, |run| run.outside),
             out_of_reach_s_on: self.spread(0, |run| run.out_of_reach),
             out_of_reach_s_off: self.spread(1, |run| run.out_of_reach),
+            workpiece_mm_s_on: self.spread(0, workpiece_mm_s),
+            workpiece_mm_s_off: self.spread(1, workpiece_mm_s),
+            base_at_rest_on: self.spread(0, base_at_rest),
+            base_at_rest_off: self.spread(1, base_at_rest),
             limit_violations: self.sum(|run| run.limit_violations),
             torque_violations: self.sum(|run| run.torque_violations.unwrap_or_default()),
             separation_violations: self.sum(|run| run.separation_violations),

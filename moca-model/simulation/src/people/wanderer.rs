@@ -134,7 +134,12 @@ impl Wanderer {
         if self.jumped {
             self.next_jump = time + self.draw.random_range(3.0..15.0);
             let direction = Rotation2::new(self.draw.random_range(0.0..TAU));
-            self.person.jump(direction * Vector2::x() * self.draw.random_range(0.1..JUMP));
+            let jump = direction * Vector2::x() * self.draw.random_range(0.1..JUMP);
+            self.person.jump(jump);
+            // Who moves on the spot stays where they are then.
+            if self.person.is_busy() {
+                self.goal.floor += jump;
+            }
         }
         self.person.reach_for(Some(object).filter(|_| self.together.0));
         self.person.advance(&self.goal, activity(self.together.0), dt);

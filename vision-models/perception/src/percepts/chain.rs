@@ -108,16 +108,16 @@ impl Perceiver {
         &self.people
     }
 
-    /// The joints of who works with the robot, if they are in the newest frame.
+    /// The joints of who works with the robot as measured, if they are in the newest frame.
     pub fn body(&self) -> Option<&Body> {
-        self.engaged().filter(|person| person.is_in_frame()).map(PersonTrack::body)
+        self.engaged().filter(|person| person.is_in_frame()).map(PersonTrack::measured)
     }
 
-    /// The joints of everybody else in the newest frame.
+    /// The joints of everybody else in the newest frame, as measured.
     pub fn others(&self) -> impl Iterator<Item = &Body> {
         let engaged = self.engaged().map(PersonTrack::id);
         let others = self.people.tracks().iter().filter(move |person| Some(person.id()) != engaged);
-        others.filter(|person| person.is_in_frame()).map(PersonTrack::body)
+        others.filter(|person| person.is_in_frame()).map(PersonTrack::measured)
     }
 
     /// How long lifting and tracking took for the newest frame.

@@ -187,7 +187,7 @@ impl Pipeline {
         times.tracking = self.perceiver.time_taken();
         let body = self.perceiver.body().cloned();
         let others = self.perceiver.others().cloned().collect();
-        let posture = self.assess(entry.time, body.as_ref())?;
+        let posture = self.assess(entry.time)?;
         let stature = self.perceiver.engaged().and_then(PersonTrack::stature);
         self.stature = stature.or(self.stature);
         let mut timing = Timing { arrived: known(), ..Timing::default() };
@@ -226,19 +226,16 @@ impl Pipeline {
     }
 
     /// The posture of who works with the robot, followed from frame to frame; anew for another person.
-    fn assess(
-        &mut self,
-        time: f64,
-        body: Option<&Body>,
-    ) -> Result<Option<MeasuredAssessment>, Error> {
-        let Some((id, body)) = self.perceiver.engaged().map(PersonTrack::id).zip(body) else {
+    fn assess(&mut self, time: f64) -> Result<Option<MeasuredAssessment>, Error> {
+        let Some(person) = self.perceiver.engaged().filter(|person| person.is_in_frame()) else {
             return Ok(None);
         };
+        let id = person.id();
         let (_, assessor) = match &mut self.assessor {
             Some(same) if same.0 == id => same,
             other => other.insert((id, Assessor::new(self.posture))),
         };
-        Ok(assessor.update(time, body)?)
+        Ok(assessor.update(time, person.body())?)
     }
 }
 

@@ -79,6 +79,12 @@ impl PersonTrack {
         &self.body
     }
 
+    /// The joints as they were measured in the newest frame in which the person was seen: for who follows or
+    /// judges them by itself, as a controller does. A body that is filtered is not to be filtered again.
+    pub fn measured(&self) -> &Body {
+        &self.measured
+    }
+
     /// Returns true if the person was seen in the newest frame.
     pub fn is_in_frame(&self) -> bool {
         self.claimed
