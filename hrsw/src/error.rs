@@ -1,4 +1,4 @@
-//! What can be wrong with a workspace, a body or a safety setting.
+//! What can be wrong with a shape or a workspace.
 
 use nalgebra::Isometry3;
 
@@ -111,12 +111,6 @@ pub(crate) fn check_all<'a>(
         Some(&got) => Err(Error::Value { what, got, wanted: "finite" }),
         None => Ok(()),
     }
-}
-
-/// The same of numbers in one piece, quicker.
-pub(crate) fn check_slice(what: &'static str, values: &[f64]) -> Result<(), Error> {
-    let fine = values.iter().fold(true, |fine, value| fine & value.is_finite());
-    if fine { Ok(()) } else { check_all(what, values.iter()) }
 }
 
 pub(crate) fn check_pose(pose: &Isometry3<f64>) -> Result<(), Error> {

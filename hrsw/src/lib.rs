@@ -1,8 +1,4 @@
-//! Human-robot shared workspaces: their shapes, softening and motion with the person, and rows
-//! that keep the robot's speed within its separation from people.
-//!
-//! Speed and separation monitoring follows ISO/TS 15066, the limits of contacts ISO 10218-2; this is not
-//! safety-rated software.
+//! Human-robot shared workspaces: their shapes, softening and motion with the person.
 //!
 //! The rows of a workspace stand in a stack of one's own: here the desired pose of a tool stays in a box that goes
 //! with a person and, below that, moves as little as it can.
@@ -47,58 +43,31 @@
 //! # }
 //! ```
 
-mod age;
 mod anchor;
-mod approach;
-mod body_region;
 mod change;
-mod clock;
-mod contact;
-mod distance;
-mod distance_bounds;
 mod error;
-mod fault;
-mod headway;
 mod held_frame;
-mod measured_velocity;
 mod motion;
 mod moving;
 mod path;
 mod reorientation;
 mod rows;
-mod safety_state;
-mod separation;
 mod shape;
 mod softening;
-mod speed_cap;
-mod supervisor;
 mod workspace;
 
-pub use age::Age;
 pub use anchor::{Anchor, AnchorSettings};
-pub use approach::{ApproachRows, JointMotion, Nearest, PersonBody, RobotBody};
-pub use body_region::{BodyRegion, ContactKind, ContactLimits, RegionLimits};
-pub use clock::{ClockSettings, LoopClock, Tick};
-pub use contact::{Contact, ContactLimit};
-pub use distance::{Proximity, proximity};
 pub use error::Error;
-pub use fault::{ClockFault, Fault, FrameFault};
-pub use headway::Headway;
 pub use held_frame::{FloorMotion, HeldFrame, HoldSettings};
-pub use measured_velocity::MeasuredVelocity;
 pub use motion::{FollowerSettings, FrameFollower};
 pub use moving::{Attachment, MovingSettings, MovingWorkspace};
 pub use nalgebra;
 pub use path::Path;
 pub use rows::PoseRow;
-pub use safety_state::SafetyState;
-pub use separation::{BaseBraking, SeparationSettings};
 pub use shape::{
     Bounds, Capsule, Cone, HalfSpace, Mesh, OrientationShape, OrientedBox, Polytope, PositionShape,
 };
 pub use softening::{SoftWorkspace, Softening};
-pub use speed_cap::SpeedCap;
-pub use supervisor::{Cause, Observation, Supervisor, SupervisorSettings};
 pub use workspace::Workspace;
 
 /// The program of the crate's README.

@@ -5,7 +5,7 @@
 
 use divan::{Bencher, black_box};
 use moca_model::whole_body::{Axes, Data, FrameId, Model};
-use moca_model::{Kinematics, MOCA_HOME, MOCA_TOOL, SafetySettings, moca};
+use moca_model::{Kinematics, MOCA_HOME, MOCA_TOOL, moca, moca_safety};
 use nalgebra::Matrix6xX;
 
 fn main() {
@@ -73,7 +73,7 @@ fn fk_jacobian_gravity(bencher: Bencher) {
 /// What a tick of the controller asks: tool, Jacobian and the bodies' places.
 #[divan::bench(sample_count = 500, sample_size = 100)]
 fn kinematics_of_a_tick(bencher: Bencher) {
-    let bodies = SafetySettings::default().bodies;
+    let bodies = moca_safety().bodies;
     let mut robot = Kinematics::new(moca().unwrap(), MOCA_TOOL, &bodies, &MOCA_HOME).unwrap();
     let q = MOCA_HOME.map(|position| position + 0.1);
     bencher.bench_local(move || robot.update(black_box(&q)).unwrap());

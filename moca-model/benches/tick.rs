@@ -15,10 +15,11 @@ use std::time::Instant;
 
 use divan::black_box;
 use ergo_map::ErgonomicsQuadratic;
+use hrsw_safety::SafetySettings;
 use moca_model::whole_body::{Compensation, RandomSource};
 use moca_model::{
     Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, HeldObject, MOCA_HOME,
-    MOCA_TOOL, SafetySettings, SimulatedRobot, TorqueController, TorqueLoopSettings, moca,
+    MOCA_TOOL, SimulatedRobot, TorqueController, TorqueLoopSettings, moca, moca_safety,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, Tool};
@@ -91,7 +92,7 @@ struct Everything {
 
 impl Everything {
     fn new() -> Self {
-        let controller = controller(SafetySettings::default());
+        let controller = controller(moca_safety());
         let mut controller =
             TorqueController::new(controller, TorqueLoopSettings::new(Compensation::BARE)).unwrap();
         controller.hold(HeldObject::default()).unwrap();
@@ -128,7 +129,7 @@ struct Nothing {
 
 impl Nothing {
     fn new() -> Self {
-        let controller = controller(SafetySettings::off());
+        let controller = controller(moca_safety().off());
         let robot = SimulatedRobot::new(&moca().unwrap(), &MOCA_HOME).unwrap();
         Self { controller, robot }
     }

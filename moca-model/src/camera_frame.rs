@@ -1,8 +1,7 @@
 //! What a camera frame shows of everybody.
 
+use hrsw_safety::MOST_OTHERS;
 use vision_models::{Body, Percept};
-
-use crate::safety::MOST_OTHERS;
 
 /// One more than the robot can keep away from, which then stops.
 const ROOM: usize = MOST_OTHERS + 1;

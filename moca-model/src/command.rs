@@ -1,7 +1,7 @@
 //! What the controller sends each tick.
 
 use ahqp_core::Status;
-use hrsw::{Fault, SafetyState};
+use hrsw_safety::{Fault, SafetyState};
 use nalgebra::{Isometry3, Vector6};
 use vision_models::Intention;
 

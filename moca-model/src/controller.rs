@@ -10,7 +10,8 @@ mod turning;
 
 use ahqp_core::{JerkLimits, Limits, Status, VelocityInterval, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::{Fault, LoopClock, SafetyState, Softening};
+use hrsw::Softening;
+use hrsw_safety::{Fault, JointMotion, LoopClock, RobotLimits, Safety, SafetyInput, SafetyState};
 use nalgebra::{Isometry3, Vector3};
 use whole_body::{Following, Model};
 
@@ -24,8 +25,7 @@ use crate::motion_limits::{
     write_intervals,
 };
 use crate::robot::kinematics::Kinematics;
-use crate::robot::moca::MOCA_BASE_JOINTS;
-use crate::safety::{Safety, SafetyInput};
+use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_BASE_JOINTS};
 use crate::settings::{ControllerSettings, DesiredMotion, Goal};
 use crate::shared_space::SharedSpace;
 use crate::singularity::{SINGULAR, manipulability};
@@ -44,7 +44,7 @@ const ODOMETRY: f64 = 0.15;
 /// Ticks and camera frames are timed on one clock, in seconds from any origin. Whatever goes wrong
 /// in the loop is a [`Fault`]: the supervisor of [`safety`](Self::safety) hears of it at once, and
 /// the robot slows down or stops as [`Fault::state`] says, always within its limits. A stop that
-/// waits for somebody ends with [`Supervisor::acknowledge`](hrsw::Supervisor::acknowledge).
+/// waits for somebody ends with [`Supervisor::acknowledge`](hrsw_safety::Supervisor::acknowledge).
 ///
 /// ```
 /// use ergo_map::ErgonomicsQuadratic;
@@ -132,8 +132,10 @@ impl Controller {
         let mut robot = Kinematics::new(model, &settings.tool, bodies, configuration)?;
         let n = configuration.len();
         let layout = CollaborationStack::layout(n);
-        let limits = robot.model().limits();
-        let mut safety = Safety::new(layout, settings.safety.clone(), limits, settings.period)?;
+        let limits = robot.model().limits().iter();
+        let accelerations: Vec<f64> = limits.map(|limits| limits.acceleration).collect();
+        let limits = RobotLimits { accelerations: &accelerations, speed: MOCA_AXIS_SPEED };
+        let mut safety = Safety::new(layout, settings.safety.clone(), &limits, settings.period)?;
         let clock = LoopClock::new(settings.period, settings.clock)?;
         let rest = vec![0.0; n];
         let softening = Softening {
@@ -151,7 +153,8 @@ impl Controller {
             posture: settings.posture.clone(),
             budget: settings.budget,
         };
-        let stack = CollaborationStack::new(&robot, &stack, safety.bound(&robot, &rest, &rest)?)?;
+        let resting = JointMotion { braking: Some(&rest), ..robot.motion(&rest) };
+        let stack = CollaborationStack::new(&robot, &stack, safety.bound(&resting)?)?;
         robot.update(&settings.posture.configuration)?;
         let base_drive = match settings.base {
             Some(_) => {
@@ -339,14 +342,26 @@ impl Controller {
         let Some(now) = self.clock.now() else { return Ok(()) };
         self.space.advance(now, elapsed)?;
         let input = SafetyInput {
-            velocity: &self.command.joint_velocity,
             now,
             elapsed,
             age: self.clock.age(),
             together: self.space.is_shared(),
             feels: self.feels,
         };
-        self.safety.watch(&mut self.robot, &input)
+        let (robot, safety, velocity) =
+            (&mut self.robot, &mut self.safety, &self.command.joint_velocity);
+        if safety.needs_inertia() {
+            robot.weigh()?;
+        }
+        safety.measure(&robot.motion(velocity), robot.bodies(), &input)?;
+        if safety.needs_inertia() && robot.inverse_inertia().is_none() {
+            robot.weigh()?;
+            if robot.inverse_inertia().is_some() {
+                safety.measure_people(&robot.motion(velocity), robot.bodies())?;
+            }
+        }
+        safety.decide(robot.bodies(), &input);
+        Ok(())
     }
 
     /// Rest when nothing has been seen for too long, by way of a shrinking velocity limit.
@@ -427,7 +442,8 @@ impl Controller {
         let comfort = self.comfort.placed(&self.space.working_frame()?);
         let ergonomics = self.space.person().map(|_| &comfort);
         let velocity = &self.command.joint_velocity;
-        let safety = self.safety.bound(&self.robot, velocity, &self.braking)?;
+        let motion = JointMotion { braking: Some(&self.braking), ..self.robot.motion(velocity) };
+        let safety = self.safety.bound(&motion)?;
         let input = StackInput {
             desired: &self.command.desired,
             workspace: self.space.workspace(),
@@ -450,8 +466,8 @@ impl Controller {
         self.command.joint_velocity.copy_from_slice(joints);
         self.command.desired_twist.copy_from_slice(desired);
         self.command.slack.copy_from_slice(slack);
-        let velocity = &self.command.joint_velocity;
-        let share = self.safety.braking_share(&self.robot, velocity, &self.braking);
+        let motion = self.robot.motion(&self.command.joint_velocity);
+        let share = self.safety.braking_share(&motion, &self.braking);
         self.keeps_separation = share == 0.0;
         self.go_towards_rest(share);
         Ok(status)

@@ -1,6 +1,6 @@
 //! What can be wrong with what this crate is given.
 
-use hrsw::FrameFault;
+use hrsw_safety::FrameFault;
 use thiserror::Error;
 use vision_models::ImpossibleBody;
 use whole_body::{Base, Model};
@@ -69,20 +69,6 @@ pub enum Error {
         link: String,
         /// The tool.
         tool: String,
-    },
-
-    /// More people are in view than are kept apart.
-    #[error(
-        "{got} people are in view beside the one who may work with the robot, {left_out} more than are kept \
-         apart with those of the frames before: there is room for {most}"
-    )]
-    TooManyPeople {
-        /// How many were given.
-        got: usize,
-        /// How many of them there was no room for.
-        left_out: usize,
-        /// How many there is room for.
-        most: usize,
     },
 
     /// The object has no side to work on.
@@ -169,16 +155,6 @@ pub enum Error {
         body: ImpossibleBody,
     },
 
-    /// A camera frame counts as no data: nobody can have come so far since the frame before.
-    #[error(
-        "{}: they would have moved at {speed:.1} m/s or more since the frame before; give metres and seconds",
-        FrameFault::ImpossibleSpeed
-    )]
-    BodySpeed {
-        /// The least speed that explains it \[m/s\].
-        speed: f64,
-    },
-
     /// The robot's URDF, its description or a configuration was refused.
     #[error(transparent)]
     Robot(#[from] whole_body::Error),
@@ -190,6 +166,10 @@ pub enum Error {
     /// The shared workspace was refused.
     #[error(transparent)]
     Workspace(#[from] hrsw::Error),
+
+    /// A safety setting, the clock's, or people as a camera frame shows them were refused.
+    #[error(transparent)]
+    Safety(#[from] hrsw_safety::Error),
 
     /// The ergonomics were refused.
     #[error(transparent)]

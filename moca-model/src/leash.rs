@@ -1,7 +1,7 @@
 //! How far the commanded state may run ahead of the measured one.
 
 use ahqp_core::rotation_log;
-use hrsw::SafetyState;
+use hrsw_safety::SafetyState;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use whole_body::{Following, JointKind, Model, Resynchronisation};
 

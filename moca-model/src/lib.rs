@@ -61,7 +61,6 @@ mod leash;
 mod loop_controller;
 mod motion_limits;
 mod robot;
-mod safety;
 #[cfg(feature = "serde")]
 mod serial;
 mod settings;
@@ -83,14 +82,13 @@ pub use leash::LeashSettings;
 pub use loop_controller::LoopController;
 pub use motion_limits::MecanumBase;
 pub use nalgebra;
-pub use robot::bodies::LinkCapsule;
 pub use robot::kinematics::Kinematics;
 pub use robot::moca::{
     CartesianLimits, MOCA_ARM_MOUNT, MOCA_AXIS_SPEED, MOCA_BASE_JOINTS, MOCA_HOME, MOCA_JOINTS,
     MOCA_TOOL, MOCA_URDF, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, PANDA_CARTESIAN_LIMITS, moca,
     moca_description,
 };
-pub use safety::{PersonBodySettings, Safety, SafetyInput, SafetyRows, SafetySettings};
+pub use robot::moca_safety::moca_safety;
 pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings, StaleSettings};
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;

@@ -2,7 +2,7 @@
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-use hrsw::Fault;
+use hrsw_safety::Fault;
 use whole_body::{ControlLaw, JointCommand, JointMeasurement, RobotStatus};
 
 use crate::camera_frame::CameraFrame;
@@ -125,8 +125,10 @@ impl ControlLaw for LoopController {
                 | Err(
                     Error::Frame { .. }
                     | Error::Body { .. }
-                    | Error::BodySpeed { .. }
-                    | Error::TooManyPeople { .. },
+                    | Error::Safety(
+                        hrsw_safety::Error::BodySpeed { .. }
+                        | hrsw_safety::Error::TooManyPeople { .. },
+                    ),
                 ) => {}
                 Err(error) => return Err(error),
             }

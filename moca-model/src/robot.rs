@@ -4,3 +4,4 @@ pub(crate) mod bodies;
 mod inertia;
 pub(crate) mod kinematics;
 pub(crate) mod moca;
+pub(crate) mod moca_safety;

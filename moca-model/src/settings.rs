@@ -2,7 +2,8 @@
 
 use ahqp_core::Budget;
 use ergo_map::{Person, Region, Side};
-use hrsw::{Bounds, ClockSettings, FollowerSettings, HoldSettings};
+use hrsw::{Bounds, FollowerSettings, HoldSettings};
+use hrsw_safety::{ClockSettings, SafetySettings};
 use nalgebra::{UnitQuaternion, Vector3, Vector6};
 use vision_models::TrackerSettings;
 
@@ -12,7 +13,7 @@ use crate::intention::IntentionSettings;
 use crate::leash::LeashSettings;
 use crate::motion_limits::MecanumBase;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_HOME, MOCA_TOOL};
-use crate::safety::SafetySettings;
+use crate::robot::moca_safety::moca_safety;
 use crate::singularity::SingularitySettings;
 use crate::stack::PostureSettings;
 
@@ -89,7 +90,7 @@ pub struct SpaceSettings {
     pub lead: f64,
     /// How far the robot, where it works with somebody who stands, counts as being from the nearest part of them
     /// that it may not touch \[m\]. When they walk away from the robot, and its separation asks for more at their
-    /// speed, the workspace falls behind by the difference ([`Headway`](hrsw::Headway)). The larger it is, the
+    /// speed, the workspace falls behind by the difference ([`Headway`](hrsw_safety::Headway)). The larger it is, the
     /// nearer to them the workspace stays, and the farther back in it the robot. Default 0.4, with which the robot
     /// kept its place best in the walks of `experiment following`.
     pub clearance: f64,
@@ -222,7 +223,7 @@ pub struct ControllerSettings {
     pub singularity: Option<SingularitySettings>,
     /// The posture of the fourth level.
     pub posture: PostureSettings,
-    /// What solving the stack may cost a tick; where it runs out, [`Fault::IterationLimit`](hrsw::Fault::IterationLimit) says so,
+    /// What solving the stack may cost a tick; where it runs out, [`Fault::IterationLimit`](hrsw_safety::Fault::IterationLimit) says so,
     /// limits hold, and the next tick goes on. Default: the solver's iterations, in any time.
     pub budget: Budget,
     /// When actions become intentions.
@@ -275,7 +276,7 @@ impl Default for ControllerSettings {
             stale: StaleSettings::default(),
             clock: ClockSettings::default(),
             leash: LeashSettings::default(),
-            safety: SafetySettings::default(),
+            safety: moca_safety(),
         }
     }
 }
@@ -284,7 +285,7 @@ impl ControllerSettings {
     /// Checks the ranges that no part checks at construction.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the first that is out of its range, [`Error::Workspace`] one of the
+    /// [`Error::Setting`] names the first that is out of its range, [`Error::Safety`] one of the
     /// clock's.
     pub fn validate(&self) -> Result<(), Error> {
         let desired = &self.desired;

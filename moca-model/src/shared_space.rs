@@ -2,9 +2,10 @@
 
 use ergo_map::PersonFrame;
 use hrsw::{
-    Attachment, Bounds, FloorMotion, FrameFollower, Headway, HeldFrame, MovingSettings,
-    MovingWorkspace, OrientationShape, PositionShape, Workspace,
+    Attachment, Bounds, FloorMotion, FrameFollower, HeldFrame, MovingSettings, MovingWorkspace,
+    OrientationShape, PositionShape, Workspace,
 };
+use hrsw_safety::Headway;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 use vision_models::{BodyTracker, Intention, Percept, StatureEstimate, TrackedPerson};
 

@@ -6,6 +6,7 @@ mod settings;
 
 use ahqp_core::{AugmentedState, Budget, Rows, Settings, Solution, VelocityInterval};
 use hrsw::{SoftWorkspace, Workspace};
+use hrsw_safety::SafetyRows;
 use nalgebra::{Isometry3, Translation3};
 use whole_body::{AugmentedFrameTask, TaskId, TaskLevel, TaskStack, VariableLayout, VelocityTask};
 
@@ -13,7 +14,6 @@ use crate::error::Error;
 use crate::motion_limits::MecanumBase;
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_BASE_JOINTS;
-use crate::safety::SafetyRows;
 use goal::GoalTask;
 pub use goal::GoalTerms;
 pub use settings::{PostureSettings, StackSettings};

@@ -3,7 +3,7 @@
 use std::fs;
 
 use examples::settings::{RobotSettings, SettingsError, SettingsFile};
-use hrsw::{Capsule, ContactKind};
+use hrsw_safety::{Capsule, ContactKind};
 use moca_model::Goal;
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;

@@ -72,23 +72,25 @@ impl Capsule {
         Self { start: place(&self.start), end: place(&self.end), ..*self }
     }
 
-    /// The middle of the segment.
-    pub(crate) fn middle(&self) -> Vector3<f64> {
+    /// The middle of the segment \[m\].
+    pub fn middle(&self) -> Vector3<f64> {
         (self.start + self.end) * 0.5
     }
 
-    /// Both ends of the segment.
-    pub(crate) fn ends(&self) -> [Vector3<f64>; 2] {
+    /// Both ends of the segment \[m\].
+    pub fn ends(&self) -> [Vector3<f64>; 2] {
         [self.start, self.end]
     }
 
-    /// The sphere of the same radius at a point of the segment.
-    pub(crate) fn at(&self, point: Vector3<f64>) -> Self {
+    /// The sphere of the same radius at a point of the segment \[m\].
+    #[must_use]
+    pub fn at(&self, point: Vector3<f64>) -> Self {
         Self { start: point, end: point, reach: self.radius, ..*self }
     }
 
-    /// The same capsule elsewhere.
-    pub(crate) fn moved(&self, by: &Vector3<f64>) -> Self {
+    /// The same capsule, moved by a vector \[m\].
+    #[must_use]
+    pub fn moved(&self, by: &Vector3<f64>) -> Self {
         Self { start: self.start + by, end: self.end + by, ..*self }
     }
 
@@ -117,7 +119,7 @@ impl Capsule {
     }
 
     /// The radius of the sphere around it, about its middle \[m\].
-    pub(crate) fn reach(&self) -> f64 {
+    pub fn reach(&self) -> f64 {
         self.reach
     }
 
@@ -135,17 +137,8 @@ impl Capsule {
         direction.dot(&self.start).max(direction.dot(&self.end)) + self.radius * direction.norm()
     }
 
-    /// Placed by a pose that is not finite, a capsule is not either.
-    pub(crate) fn check(&self, what: &'static str) -> Result<(), Error> {
-        // The sum of finite numbers is not finite at most where they are very large.
-        if (self.start + self.end).sum().is_finite() {
-            return Ok(());
-        }
-        check_all(what, self.start.iter().chain(&self.end))
-    }
-
-    /// A direction across the segment.
-    pub(crate) fn across(&self) -> Vector3<f64> {
+    /// A direction across the segment, of length 1.
+    pub fn across(&self) -> Vector3<f64> {
         let along = self.end - self.start;
         let other = if along.x.abs() > along.y.abs() { Vector3::y() } else { Vector3::x() };
         along.cross(&other).try_normalize(0.0).unwrap_or_else(Vector3::x)

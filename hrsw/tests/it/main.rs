@@ -2,17 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
 mod allocation;
-mod clock;
 mod closed_loop;
-mod contact;
-mod culling;
-mod headway;
 mod held_frame;
 mod motion;
-mod nearness;
 mod properties;
-mod safety;
 mod shapes;
 mod softening;
-mod supervisor;
 mod support;

@@ -1,6 +1,6 @@
 //! When faults began, and how long they lasted.
 
-use hrsw::Fault;
+use hrsw_safety::Fault;
 use serde::Serialize;
 
 /// More faults than these are only counted.
@@ -19,7 +19,7 @@ struct Episode {
 ///
 /// ```
 /// use moca_drivers::FaultLog;
-/// use hrsw::Fault;
+/// use hrsw_safety::Fault;
 ///
 /// let mut log = FaultLog::default();
 /// for (now, fault) in [(5.0, None), (5.001, Some(Fault::LateTick)), (5.002, None)] {

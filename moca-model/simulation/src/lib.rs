@@ -11,4 +11,4 @@ pub mod soak;
 
 pub use error::Error;
 // What the public types speak.
-pub use {ergo_map, hrsw, moca_model, vision_models};
+pub use {ergo_map, hrsw, hrsw_safety, moca_model, vision_models};

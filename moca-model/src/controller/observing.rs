@@ -1,6 +1,6 @@
 //! What the camera sees.
 
-use hrsw::{Fault, FrameFault};
+use hrsw_safety::{Fault, FrameFault};
 use vision_models::{Body, ImpossibleBody, Percept};
 
 use super::Controller;
@@ -17,7 +17,7 @@ impl Controller {
     ///
     /// # Errors
     /// [`Error::Frame`] for one that counts as no data because of its time, [`Error::Body`] for one that shows what
-    /// no person can be; it leaves no trace but the fault that the supervisor is told. [`Error::BodySpeed`] for a
+    /// no person can be; it leaves no trace but the fault that the supervisor is told. [`BodySpeed`](hrsw_safety::Error::BodySpeed) for a
     /// person who is where nobody can have gone since the frame before: the robot keeps its distance from there,
     /// and from where they were, and follows neither.
     pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
@@ -28,7 +28,7 @@ impl Controller {
     /// from each of them, and works with none.
     ///
     /// # Errors
-    /// Those of [`observe`](Self::observe), and [`Error::TooManyPeople`] for more than there is room for, which
+    /// Those of [`observe`](Self::observe), and [`TooManyPeople`](hrsw_safety::Error::TooManyPeople) for more than there is room for, which
     /// stops the robot.
     pub fn observe_people(&mut self, percept: &Percept, others: &[Body]) -> Result<(), Error> {
         self.check_bodies(percept.body.iter().chain(others))?;
@@ -39,7 +39,7 @@ impl Controller {
         }
         if let Err(error) = self.safety.observe(percept) {
             self.report(FrameFault::ImpossibleSpeed.into());
-            return Err(error);
+            return Err(error.into());
         }
         self.space.observe(percept)?;
         self.look(percept);
@@ -48,7 +48,7 @@ impl Controller {
         if kept.is_err() {
             self.report(Fault::TooManyPeople);
         }
-        kept
+        Ok(kept?)
     }
 
     /// Checks that people can have these bodies, in metres about the robot. Every source of frames comes by here.

@@ -1,6 +1,6 @@
 //! What the supervisor hears of.
 
-use hrsw::Fault;
+use hrsw_safety::Fault;
 
 use super::Controller;
 

@@ -1,20 +1,9 @@
 //! The robot's bodies, capsules fixed to its links.
 
-use hrsw::{Capsule, RobotBody};
+use hrsw_safety::{Capsule, LinkCapsule, RobotBody};
 use whole_body::{FrameId, Model, Posed};
 
 use crate::error::Error;
-
-/// A capsule fixed to a link of the robot.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct LinkCapsule {
-    /// The link's name in the URDF.
-    pub link: String,
-    /// In the link's frame \[m\].
-    pub capsule: Capsule,
-}
 
 /// The capsules of a robot and where they are.
 #[derive(Debug, Clone)]

@@ -1,10 +1,10 @@
 //! The robot at one configuration, as the stack of tasks sees it.
 
-use hrsw::{Capsule, RobotBody};
+use hrsw_safety::{Capsule, JointMotion, LinkCapsule, RobotBody};
 use nalgebra::{DMatrix, Isometry3, Matrix6xX, Translation3, Vector3};
 use whole_body::{Axes, Data, FrameId, Model, PayloadId, Posed};
 
-use super::bodies::{LinkCapsule, RobotBodies};
+use super::bodies::RobotBodies;
 use super::inertia::InverseInertia;
 use crate::error::{Error, check_plain};
 use crate::held_object::HeldObject;
@@ -197,6 +197,19 @@ impl Kinematics {
     /// [computed](Self::weigh) at this configuration, and for a robot with a joint that moves no mass.
     pub fn inverse_inertia(&self) -> Option<&DMatrix<f64>> {
         self.inertia.get()
+    }
+
+    /// How the robot's bodies move at these velocities of its joints, n \[m/s or rad/s\], for
+    /// [`Safety`](hrsw_safety::Safety).
+    pub fn motion<'a>(&'a self, velocity: &'a [f64]) -> JointMotion<'a> {
+        JointMotion {
+            jacobian: &self.jacobian,
+            origin: self.world_from_tool.translation.vector,
+            velocity,
+            braking: None,
+            change: None,
+            inverse_inertia: self.inverse_inertia(),
+        }
     }
 
     /// The robot's bodies in the world.

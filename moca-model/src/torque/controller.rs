@@ -2,7 +2,7 @@
 
 mod sensing;
 
-use hrsw::SafetyState;
+use hrsw_safety::SafetyState;
 use nalgebra::Vector3;
 use vision_models::{Body, Percept};
 use whole_body::{
@@ -321,10 +321,10 @@ impl TorqueController {
     ///
     /// Between measurements the state is predicted ([`StatePrediction`]): spring and damper act on the prediction, and
     /// fade with its age until the arm only carries itself. What is missing for 6 to 8 ms, or frozen
-    /// ([`MeasurementWatch`]), is a [`Fault::MissingMeasurement`](hrsw::Fault::MissingMeasurement) or
-    /// [`Fault::FrozenMeasurement`](hrsw::Fault::FrozenMeasurement).
+    /// ([`MeasurementWatch`]), is a [`Fault::MissingMeasurement`](hrsw_safety::Fault::MissingMeasurement) or
+    /// [`Fault::FrozenMeasurement`](hrsw_safety::Fault::FrozenMeasurement).
     ///
-    /// A measurement of which any number cannot be used is a [`Fault::BadMeasurement`](hrsw::Fault::BadMeasurement), and the command
+    /// A measurement of which any number cannot be used is a [`Fault::BadMeasurement`](hrsw_safety::Fault::BadMeasurement), and the command
     /// brakes. Joints without a position count as moved by their velocities since they had one. Without
     /// these too the arm has no spring, and carries itself as where it was measured last; without a velocity
     /// it has no damper. Without measured torques nobody is felt, so that nobody may be touched.
@@ -415,7 +415,7 @@ impl TorqueController {
         self.observer.torque()
     }
 
-    /// The mass that the tool carries and nobody told of, while that is a [`Fault::UnknownPayload`](hrsw::Fault::UnknownPayload) \[kg\].
+    /// The mass that the tool carries and nobody told of, while that is a [`Fault::UnknownPayload`](hrsw_safety::Fault::UnknownPayload) \[kg\].
     pub fn unknown_payload(&self) -> Option<f64> {
         self.unknown_payload
     }

@@ -4,7 +4,7 @@ use ergo_map::ErgonomicsQuadratic;
 use moca_model::whole_body::{ControlLaw, Data, JointCommand};
 use moca_model::{
     CameraFrame, Controller, ControllerSettings, HeldObject, ImpedanceSettings, JointImpedance,
-    JointState, Kinematics, MOCA_HOME, MOCA_TOOL, SafetySettings, SimulatedRobot, moca,
+    JointState, Kinematics, MOCA_HOME, MOCA_TOOL, SimulatedRobot, moca, moca_safety,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, Tool};
@@ -26,7 +26,7 @@ fn kinematics_and_gravity_allocate_nothing() {
     let model = moca().unwrap();
     let mut data = Data::new(&model);
     let mut gravity = [0.0; 10];
-    let bodies = SafetySettings::default().bodies;
+    let bodies = moca_safety().bodies;
     let mut robot = Kinematics::new(model.clone(), MOCA_TOOL, &bodies, &MOCA_HOME).unwrap();
     let count = allocations(|| {
         for _ in 0..10 {

@@ -4,11 +4,12 @@
 //! `whole-body`.
 
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::Capsule;
+use hrsw_safety::Capsule;
+use hrsw_safety::LinkCapsule;
 use moca_model::whole_body::{self, Base, Description, Model};
 use moca_model::{
-    Controller, ControllerSettings, Error, Kinematics, LinkCapsule, MOCA_HOME, MOCA_TOOL,
-    MOCA_URDF, SafetySettings, SimulatedRobot, moca_description,
+    Controller, ControllerSettings, Error, Kinematics, MOCA_HOME, MOCA_TOOL, MOCA_URDF,
+    SimulatedRobot, moca_description, moca_safety,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -108,7 +109,7 @@ fn bad_settings_of_space_clock_and_leash_are_named() {
     let mut named = Vec::new();
     let mut check = |change: &dyn Fn(&mut ControllerSettings), name: &'static str| {
         let mut settings =
-            ControllerSettings { safety: SafetySettings::off(), ..ControllerSettings::default() };
+            ControllerSettings { safety: moca_safety().off(), ..ControllerSettings::default() };
         change(&mut settings);
         let error = Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap_err();
         assert!(error.to_string().contains(name), "{error}");

@@ -1,7 +1,7 @@
 //! The controller in a loop with the simulated robot and a person who stands, walks or vanishes.
 
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::Fault;
+use hrsw_safety::Fault;
 use moca_model::{
     Controller, ControllerSettings, DesiredMotion, Error, Goal, Intention, MOCA_HOME, Outcome,
     SimulatedRobot, SpaceSettings,
@@ -77,7 +77,13 @@ impl Loop {
             {
                 let seen = self.controller.observe(&percept);
                 // Nobody jumps: who does is believed from the next frame on.
-                assert!(matches!(seen, Ok(()) | Err(Error::BodySpeed { .. })), "{seen:?}");
+                assert!(
+                    matches!(
+                        seen,
+                        Ok(()) | Err(Error::Safety(hrsw_safety::Error::BodySpeed { .. }))
+                    ),
+                    "{seen:?}"
+                );
             }
             self.controller.step(self.now(), self.robot.position()).unwrap();
             let command = self.controller.command();

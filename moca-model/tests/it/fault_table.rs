@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use hrsw::{ClockFault, Fault, FrameFault, SafetyState};
+use hrsw_safety::{ClockFault, Fault, FrameFault, SafetyState};
 use moca_model::Error;
 use vision_models::Percept;
 
@@ -59,7 +59,10 @@ fn scenarios() -> BTreeMap<String, Scenario> {
             drive.camera = false;
             let jumped = percept(drive.time(), Some(22.0));
             let error = drive.controller.observe(&jumped).unwrap_err();
-            assert!(matches!(error, Error::BodySpeed { speed } if speed > 20.0), "{error}");
+            assert!(
+                matches!(error, Error::Safety(hrsw_safety::Error::BodySpeed { speed }) if speed > 20.0),
+                "{error}"
+            );
             drive.step();
             drive.camera = true;
         }),
@@ -70,7 +73,10 @@ fn scenarios() -> BTreeMap<String, Scenario> {
             drive.camera = false;
             let frame = percept(drive.time(), drive.person);
             let error = drive.controller.observe_people(&frame, &others).unwrap_err();
-            assert!(matches!(error, Error::TooManyPeople { got: 5, left_out: 1, most: 4 }));
+            assert!(matches!(
+                error,
+                Error::Safety(hrsw_safety::Error::TooManyPeople { got: 5, left_out: 1, most: 4 })
+            ));
             drive.step();
             drive.camera = true;
         }),

@@ -3,7 +3,7 @@
 
 use ahqp_core::Budget;
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::{ClockFault, Fault, FrameFault, SafetyState};
+use hrsw_safety::{ClockFault, Fault, FrameFault, SafetyState};
 use moca_model::{ControllerSettings, Error, LeashSettings, MOCA_HOME, Outcome};
 use nalgebra::{Matrix3, Vector3};
 use vision_models::{Action, Tool};

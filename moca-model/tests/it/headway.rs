@@ -1,6 +1,6 @@
 //! The workspace of who walks away from the robot falls behind by what the separation asks for.
 
-use moca_model::{ControllerSettings, SafetySettings, SharedSpace};
+use moca_model::{ControllerSettings, SharedSpace, moca_safety};
 use nalgebra::{Isometry3, Point3, Vector2, Vector3};
 use vision_models::{Action, Body25, Confidence, Keypoint, Tool};
 
@@ -89,7 +89,7 @@ fn the_workspace_stays_with_who_comes_nearer_or_passes() {
 #[test]
 fn without_separation_the_workspace_stays_with_them() {
     let settings =
-        ControllerSettings { safety: SafetySettings::off(), ..ControllerSettings::default() };
+        ControllerSettings { safety: moca_safety().off(), ..ControllerSettings::default() };
     let [walking, _] = places(&settings, [-0.8, 0.0]);
     assert!(walking.norm() < 0.02, "{walking:?}");
 }

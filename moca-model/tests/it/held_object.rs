@@ -6,8 +6,8 @@ use std::f64::consts::{PI, TAU};
 use moca_model::whole_body::{Compensation, Data, Model};
 use moca_model::{
     BoxSide, Controller, ControllerSettings, Error, HandSettings, HeldObject, MOCA_HOME, MOCA_URDF,
-    Phase, Reason, SafetySettings, SimulatedRobot, TorqueController, TorqueLoopSettings, WorkFace,
-    moca_description,
+    Phase, Reason, SimulatedRobot, TorqueController, TorqueLoopSettings, WorkFace,
+    moca_description, moca_safety,
 };
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use proptest::prelude::*;
@@ -202,7 +202,7 @@ fn half_turn(turned: f64, room: f64) -> (f64, f64) {
     let mut start = MOCA_HOME;
     start[9] -= turned;
     let mut settings =
-        ControllerSettings { safety: SafetySettings::off(), ..ControllerSettings::default() };
+        ControllerSettings { safety: moca_safety().off(), ..ControllerSettings::default() };
     settings.posture.configuration = start.to_vec();
     let mut controller = Controller::new(model.clone(), comfort, settings, &start).unwrap();
     controller.hold(HeldObject::default()).unwrap();

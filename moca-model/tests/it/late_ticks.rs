@@ -3,7 +3,7 @@
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
-use hrsw::{ClockSettings, Fault, LoopClock, SafetyState};
+use hrsw_safety::{ClockSettings, Fault, LoopClock, SafetyState};
 use moca_model::whole_body::{
     Clock, ControlLaw, ControlLoop, DeadlineStatistics, JointCommand, JointMeasurement,
     LoopSettings, MonotonicClock, Received, RobotSide,
@@ -152,7 +152,7 @@ fn the_clock_of_the_system_is_late_without_an_early_tick() {
     };
     let (law, statistics) = watch(MonotonicClock::new(0.0), 1.5, law);
     // A machine that is busy may be late on most ticks, and stand for longer.
-    let known = [Fault::LateTick, hrsw::ClockFault::SetAhead.into()];
+    let known = [Fault::LateTick, hrsw_safety::ClockFault::SetAhead.into()];
     assert!(law.faults.iter().all(|fault| known.contains(fault)), "{:?}", law.faults);
     let (first, last) = (law.times[0], law.times[law.times.len() - 1]);
     let due = (statistics.ticks + statistics.missed) as f64;

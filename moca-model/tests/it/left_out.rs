@@ -4,7 +4,7 @@
 //! a joint of the true person nearer, more room above the protective distance, a greater share of the speeds.
 
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::{Capsule, SafetyState, proximity};
+use hrsw_safety::{Capsule, SafetyState, proximity};
 use moca_model::whole_body::{ControlLaw, Data, JointCommand, RobotMode, RobotStatus};
 use moca_model::{
     Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, MOCA_HOME, Measured,
@@ -118,7 +118,7 @@ impl Run {
         let safety = self.controller.controller().safety();
         self.ticks.push(Boldness {
             contact_speed: safety.contact_speed(),
-            room: safety.nearest().map_or(f64::INFINITY, hrsw::Nearest::room),
+            room: safety.nearest().map_or(f64::INFINITY, hrsw_safety::Nearest::room),
             scale: safety.speed_scale(),
             distance: self.distance(now),
         });
@@ -272,7 +272,7 @@ fn a_joint_that_is_seen_no_more_leaves_no_more_room() {
             let safety = controller.safety();
             Boldness {
                 contact_speed: safety.contact_speed(),
-                room: safety.nearest().map_or(f64::INFINITY, hrsw::Nearest::room),
+                room: safety.nearest().map_or(f64::INFINITY, hrsw_safety::Nearest::room),
                 scale: safety.speed_scale(),
                 distance: 0.0,
             }

@@ -1,6 +1,6 @@
 //! Commands that the robot does not take.
 
-use hrsw::Fault;
+use hrsw_safety::Fault;
 use moca_model::whole_body::{ControlLaw, JointCommand};
 use moca_model::{CameraFrame, DynamicRobot, DynamicRobotSettings, MOCA_HOME};
 

@@ -1,9 +1,11 @@
 //! How fast a person is taken to be whom the camera misses, and what the noise of the joints is not.
 
-use hrsw::{Age, Capsule, MeasuredVelocity, SafetyState, proximity};
+use hrsw_safety::{
+    Age, Capsule, MeasuredVelocity, RobotLimits, Safety, SafetyInput, SafetyState, proximity,
+};
 use moca_model::{
     CollaborationStack, ControllerSettings, Kinematics, MOCA_AXIS_SPEED, MOCA_HOME, MOCA_TOOL,
-    Safety, SafetyInput, SafetySettings,
+    moca_safety,
 };
 use nalgebra::{Matrix3, Point3, Vector2, Vector3};
 use rand::Rng;
@@ -101,13 +103,15 @@ fn joints_that_disagree_are_nobody_elsewhere() {
 /// The share of its speeds at which the robot, at rest, may leave somebody who is too near, as fast as this
 /// towards it.
 fn share_in_retreat(towards: f64) -> f64 {
-    let mut settings = SafetySettings::default();
+    let mut settings = moca_safety();
     settings.supervisor.ramp = PERIOD;
     settings.supervisor.retreat_after = 0.0;
     let retreat_scale = settings.supervisor.retreat_scale;
-    let mut robot = Kinematics::new(MOCA.clone(), MOCA_TOOL, &settings.bodies, &MOCA_HOME).unwrap();
+    let robot = Kinematics::new(MOCA.clone(), MOCA_TOOL, &settings.bodies, &MOCA_HOME).unwrap();
     let layout = CollaborationStack::layout(MOCA_HOME.len());
-    let mut safety = Safety::new(layout, settings, MOCA.limits(), PERIOD).unwrap();
+    let accelerations: Vec<f64> = MOCA.limits().iter().map(|limits| limits.acceleration).collect();
+    let limits = RobotLimits { accelerations: &accelerations, speed: MOCA_AXIS_SPEED };
+    let mut safety = Safety::new(layout, settings, &limits, PERIOD).unwrap();
     // Where the trunk is a little nearer than somebody at 0.45 m/s asks for of a robot at rest.
     let distance = |x: f64| {
         let at = |z: f64| Vector3::new(x, 0.0, z);
@@ -125,14 +129,14 @@ fn share_in_retreat(towards: f64) -> f64 {
             safety.observe(&percept(now, Some(x + towards * (1.95 - now)))).unwrap();
         }
         let input = SafetyInput {
-            velocity: &[0.0; 10],
             now,
             elapsed: PERIOD,
             age: Age::new(0.0).unwrap(),
             together: false,
             feels: false,
         };
-        safety.watch(&mut robot, &input).unwrap();
+        safety.measure(&robot.motion(&[0.0; 10]), robot.bodies(), &input).unwrap();
+        safety.decide(robot.bodies(), &input);
     }
     assert_eq!(safety.supervisor().state(), SafetyState::Retreat);
     safety.speed_scale() - retreat_scale

@@ -3,7 +3,7 @@
 use approx::assert_abs_diff_eq;
 use moca_model::whole_body::{Data, JointLimits, Model};
 use moca_model::{
-    Kinematics, MOCA_ARM_MOUNT, MOCA_HOME, MOCA_TOOL, MOCA_URDF, SafetySettings, moca_description,
+    Kinematics, MOCA_ARM_MOUNT, MOCA_HOME, MOCA_TOOL, MOCA_URDF, moca_description, moca_safety,
 };
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, Vector6};
 use proptest::prelude::*;
@@ -14,7 +14,7 @@ const STEP: f64 = 1e-6;
 
 /// MOCA with its bodies at q.
 fn moca_at(q: &[f64]) -> Kinematics {
-    Kinematics::new(MOCA.clone(), MOCA_TOOL, &SafetySettings::default().bodies, q).unwrap()
+    Kinematics::new(MOCA.clone(), MOCA_TOOL, &moca_safety().bodies, q).unwrap()
 }
 
 fn gravity(q: &[f64]) -> [f64; 10] {

@@ -1,11 +1,10 @@
 //! The controller keeps its distance from people, and its bodies hold the robot.
 
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::{Attachment, Bounds, Cause, PersonBody, SafetyState};
-use moca_model::whole_body;
-use moca_model::{
-    Controller, ControllerSettings, Error, LinkCapsule, MOCA_HOME, SafetySettings, SimulatedRobot,
-};
+use hrsw::{Attachment, Bounds};
+use hrsw_safety::{Cause, LinkCapsule, PersonBody, SafetySettings, SafetyState};
+use moca_model::{Controller, ControllerSettings, Error, MOCA_HOME, SimulatedRobot};
+use moca_model::{moca_safety, whole_body};
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -64,7 +63,7 @@ impl Loop {
         let safety = self.controller.safety();
         let pairs = self.controller.robot().bodies().iter().flat_map(|robot| {
             let person = safety.person_bodies().iter();
-            person.map(|part| hrsw::proximity(&robot.capsule, &part.capsule).distance)
+            person.map(|part| hrsw_safety::proximity(&robot.capsule, &part.capsule).distance)
         });
         pairs.fold(f64::INFINITY, f64::min)
     }
@@ -77,7 +76,7 @@ fn a_person_in_the_way_is_not_touched() {
         run.step(Some(2.5));
     }
     run.ask(4.0);
-    let settings = SafetySettings::default().separation;
+    let settings = moca_safety().separation;
     for _ in 0..12_000 {
         run.step(Some(2.5));
         assert!(run.least_distance() > settings.protective_distance(0.0, 0.0) - 0.01);
@@ -116,7 +115,7 @@ fn a_hand_is_known_less_well_than_the_joints() {
         of_joint += w.norm_squared();
         of_hand += (hand(elbow + e, wrist + w) - hand(elbow, wrist)).norm_squared();
     }
-    let known = SafetySettings::default().separation.human_uncertainty;
+    let known = moca_safety().separation.human_uncertainty;
     let farther = f64::sqrt(of_hand / of_joint) - 1.0;
     // Along the forearm less: there the hand is off by no more than the wrist.
     let counted = forearm.uncertainty / known;
@@ -176,7 +175,7 @@ fn without_frames_the_robot_stops() {
 /// Every point of the chassis' faces but the inside of the deck lies in a capsule.
 #[test]
 fn the_capsules_hold_the_chassis() {
-    let bodies = SafetySettings::default().bodies;
+    let bodies = moca_safety().bodies;
     let chassis: Vec<_> = bodies.iter().filter(|body| body.link == "base_link").collect();
     let (x, y) = (0.3595, 0.2893);
     for i in 0..=20_i32 {
@@ -200,10 +199,10 @@ fn bad_safety_settings_are_named() {
         let settings = ControllerSettings { safety, ..ControllerSettings::default() };
         Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap_err()
     };
-    let standard = SafetySettings::default;
+    let standard = moca_safety;
     let error = make(SafetySettings { contact_speed: f64::NAN, ..standard() });
     assert!(error.to_string().contains("contact_speed"), "{error}");
-    let capsule = hrsw::Capsule::sphere(Vector3::zeros(), 0.1).unwrap();
+    let capsule = hrsw_safety::Capsule::sphere(Vector3::zeros(), 0.1).unwrap();
     let foreign = LinkCapsule { link: "tail".into(), capsule };
     let error = make(SafetySettings { bodies: vec![foreign], own_pairs: vec![], ..standard() });
     let unknown = |error: &Error| matches!(error, Error::Robot(whole_body::Error::UnknownName { name, .. }) if name == "tail");

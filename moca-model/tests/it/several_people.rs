@@ -1,6 +1,6 @@
 //! People beside the one who works with the robot.
 
-use hrsw::{PersonBody, SafetyState};
+use hrsw_safety::{PersonBody, SafetyState};
 use moca_model::Error;
 use nalgebra::Point3;
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Tool};
@@ -86,7 +86,13 @@ fn people_are_told_apart_by_where_they_are() {
         look(&[legs.clone()]).unwrap();
     }
     let error = look(&[body(20.0)]).unwrap_err();
-    assert!(matches!(error, Error::TooManyPeople { got: 1, left_out: 1, most: 4 }), "{error}");
+    assert!(
+        matches!(
+            error,
+            Error::Safety(hrsw_safety::Error::TooManyPeople { got: 1, left_out: 1, most: 4 })
+        ),
+        "{error}"
+    );
 }
 
 /// Who stood among the others and then comes to work is not kept away from as one of them.
@@ -116,7 +122,7 @@ fn who_begins_to_work_is_nobody_else_any_more() {
 
 /// Frames come from another thread.
 mod from_another_thread {
-    use hrsw::SafetyState;
+    use hrsw_safety::SafetyState;
     use moca_model::CameraFrame;
     use moca_model::whole_body::{ControlLaw, JointCommand};
 

@@ -1,7 +1,8 @@
 //! Measurements that stop, freeze, come late or seldom, of a simulated robot whose true state is judged.
 
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::{Attachment, Cause, Fault, SafetyState};
+use hrsw::Attachment;
+use hrsw_safety::{Cause, Fault, SafetyState};
 use moca_model::whole_body::{
     Clock, Compensation, ControlLoop, JointCommand, JointMeasurement, LoopSettings, ManualClock,
     RandomSource, Received, RobotSide, StopCause,

@@ -3,8 +3,8 @@
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::Attachment;
 use moca_model::{
-    Controller, ControllerSettings, Error, MOCA_HOME, SafetySettings, SimulatedRobot,
-    SingularitySettings, manipulability,
+    Controller, ControllerSettings, Error, MOCA_HOME, SimulatedRobot, SingularitySettings,
+    manipulability, moca_safety,
 };
 use nalgebra::{Isometry3, Matrix3, Matrix6xX, Vector3};
 use proptest::prelude::*;
@@ -32,7 +32,7 @@ fn measure(jacobian: &Matrix6xX<f64>) -> f64 {
 
 fn controller(singularity: Option<SingularitySettings>) -> Result<Controller, Error> {
     let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
-    let safety = SafetySettings::off();
+    let safety = moca_safety().off();
     let settings = ControllerSettings { safety, singularity, ..ControllerSettings::default() };
     Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME)
 }

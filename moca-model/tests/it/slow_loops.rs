@@ -3,8 +3,9 @@
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::Attachment;
+use hrsw_safety::SafetySettings;
 use moca_model::whole_body::JointLimits;
-use moca_model::{Controller, ControllerSettings, DesiredMotion, MOCA_HOME, SafetySettings};
+use moca_model::{Controller, ControllerSettings, DesiredMotion, MOCA_HOME, moca_safety};
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 use crate::drive::{PERIOD, percept};
@@ -147,7 +148,7 @@ fn outside(q: f64, limits: &JointLimits) -> f64 {
 }
 
 fn both() -> [SafetySettings; 2] {
-    [SafetySettings::off(), SafetySettings::default()]
+    [moca_safety().off(), moca_safety()]
 }
 
 /// Runs with commands that last for as long as `time` says; limits are checked at each.
@@ -206,7 +207,7 @@ fn ticks_that_come_irregularly_up_to_twenty_periods_apart_keep_the_limits() {
 #[test]
 fn a_slow_loop_that_brakes_stays_within_its_limits() {
     for periods in [1, 2, 5, 20_u32] {
-        let mut held = Held::new(SafetySettings::off(), 3);
+        let mut held = Held::new(moca_safety().off(), 3);
         for _ in 0..40 {
             let begin = held.now;
             while held.now - begin < 0.3 {

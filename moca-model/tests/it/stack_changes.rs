@@ -2,9 +2,7 @@
 //! the protective distance and leave it, contacts are permitted and are not. The command does not jump.
 
 use ergo_map::ErgonomicsQuadratic;
-use moca_model::{
-    Controller, ControllerSettings, Error, MOCA_HOME, SafetySettings, SimulatedRobot,
-};
+use moca_model::{Controller, ControllerSettings, Error, MOCA_HOME, SimulatedRobot, moca_safety};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use proptest::prelude::*;
 use vision_models::{Action, Tool};
@@ -46,7 +44,7 @@ proptest! {
         let hessian = Matrix3::from_diagonal(&Vector3::new(10.0, 5.0, 7.0));
         let best = Vector3::new(0.42, -0.1, 1.1);
         let comfort = ErgonomicsQuadratic::new(hessian, -(hessian * best), 8.0).unwrap();
-        let safety = if keeps_distance { SafetySettings::default() } else { SafetySettings::off() };
+        let safety = if keeps_distance { moca_safety() } else { moca_safety().off() };
         let settings = ControllerSettings { safety, ..ControllerSettings::default() };
         let desired = settings.desired;
         let mut controller = Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME).unwrap();
@@ -60,7 +58,7 @@ proptest! {
                 if tick.is_multiple_of(FRAME) {
                     let seen = controller.observe(&doing(action, now, person));
                     // Nobody jumps: who does is believed from the next frame on.
-                    prop_assert!(matches!(seen, Ok(()) | Err(Error::BodySpeed { .. })), "{seen:?}");
+                    prop_assert!(matches!(seen, Ok(()) | Err(Error::Safety(hrsw_safety::Error::BodySpeed { .. }))), "{seen:?}");
                 }
                 if feels {
                     controller.feel(0.0);

@@ -1,7 +1,7 @@
 //! The states of the supervisor, row by row of the book's table.
 
-use hrsw::{Cause, SafetyState};
-use moca_model::SafetySettings;
+use hrsw_safety::{Cause, SafetyState};
+use moca_model::moca_safety;
 use nalgebra::{Point3, Vector3};
 use vision_models::{Body25, Confidence, Keypoint};
 
@@ -31,7 +31,7 @@ fn share(drive: &Drive) -> f64 {
 fn every_state_is_what_the_table_of_the_book_says() {
     let states: Vec<_> = table().into_iter().map(|[state, _]| state).collect();
     assert_eq!(states, ["normal", "reduced", "retreat", "protective stop"]);
-    let settings = SafetySettings::default().supervisor;
+    let settings = moca_safety().supervisor;
     for [state, left] in table() {
         let mut drive = Drive::fast();
         match state.as_str() {
@@ -97,7 +97,7 @@ fn every_state_is_what_the_table_of_the_book_says() {
 /// Frames in which the person is somewhere else each time say nothing of where they are.
 #[test]
 fn a_person_who_is_everywhere_is_no_news() {
-    let settings = SafetySettings::default().supervisor;
+    let settings = moca_safety().supervisor;
     let mut drive = Drive::fast();
     drive.person = Some(drive.controller.actual().translation.x + 5.0);
     drive.run(0.5);

@@ -3,7 +3,8 @@
 mod giving_way;
 
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::{Attachment, Fault, SafetyState};
+use hrsw::Attachment;
+use hrsw_safety::{Fault, SafetyState};
 use moca_model::whole_body::{Compensation, Contact, Data, ExternalWrench, RandomSource};
 use moca_model::{
     Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, LeashSettings, MOCA_HOME,

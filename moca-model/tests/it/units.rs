@@ -1,7 +1,7 @@
 //! People and robots in other units than metres and radians.
 
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::{Fault, FrameFault, SafetyState};
+use hrsw_safety::{Fault, FrameFault, SafetyState};
 use moca_model::whole_body::{
     ControlLoop, JointCommand, JointMeasurement, LoopSettings, ManualClock, Received, RobotSide,
 };
@@ -207,7 +207,11 @@ fn who_moves_faster_than_anybody_runs_is_no_data_until_seen_again() {
         };
         let before = followed(&drive);
         let taken = show(&mut drive, person + way);
-        assert_eq!(matches!(taken, Err(Error::BodySpeed { .. })), refused, "{way} m: {taken:?}");
+        assert_eq!(
+            matches!(taken, Err(Error::Safety(hrsw_safety::Error::BodySpeed { .. }))),
+            refused,
+            "{way} m: {taken:?}"
+        );
         if refused {
             let cause = drive.cause();
             assert_eq!(cause, Some(FrameFault::ImpossibleSpeed.into()), "{way} m");

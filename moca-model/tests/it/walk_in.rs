@@ -1,10 +1,9 @@
 //! A person who works with the robot walks into it while it moves.
 
-use hrsw::{Capsule, proximity};
+use hrsw_safety::{Capsule, proximity};
 use moca_model::whole_body::{Data, FrameId};
 use moca_model::{
-    Controller, ControllerSettings, HeldObject, MOCA_HOME, MOCA_TOOL, SafetySettings,
-    SimulatedRobot,
+    Controller, ControllerSettings, HeldObject, MOCA_HOME, MOCA_TOOL, SimulatedRobot, moca_safety,
 };
 use nalgebra::{DMatrix, Isometry3, Matrix3, Point3, Vector3};
 use rand::Rng;
@@ -134,7 +133,7 @@ fn walk_in(seed: u64, count: &mut Count) {
     let mut data = Data::new(&model);
     let hand = model.frame_id(MOCA_TOOL).unwrap();
     data.attach(&model, &object.payload(hand)).unwrap();
-    let mut bodies: Vec<(FrameId, Capsule)> = SafetySettings::default()
+    let mut bodies: Vec<(FrameId, Capsule)> = moca_safety()
         .bodies
         .iter()
         .map(|body| (model.frame_id(&body.link).unwrap(), body.capsule))

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use hrsw::{Cause, SafetyState};
+use hrsw_safety::{Cause, SafetyState};
 use moca_model::{BaseMotion, BoxSide, DriveReason, Intention, Outcome, Phase, Reason};
 use serde::Serialize;
 use vision_models::{Surface, WalkingDirection};

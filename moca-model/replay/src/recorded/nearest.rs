@@ -1,6 +1,6 @@
 //! Where robot and person are nearest, of the shapes that are drawn.
 
-use hrsw::{Capsule, proximity};
+use hrsw_safety::{Capsule, proximity};
 use nalgebra::{Isometry3, Vector3};
 
 use super::body::{BodyPart, LIMBS, Points};

@@ -1,9 +1,9 @@
 //! Collects what a picture of a run needs, while the run goes on.
 
 use ergo_map::{Conditions, ErgonomicsMap, PersonFrame, RebaSubScores, Side};
-use hrsw::Capsule;
+use hrsw_safety::Capsule;
 use moca_model::whole_body::{Data, FrameId, Model};
-use moca_model::{Controller, ControllerSettings, HeldObject, SafetySettings};
+use moca_model::{Controller, ControllerSettings, HeldObject, moca_safety};
 use nalgebra::{Isometry3, Translation3, Vector3};
 use vision_models::{Body, Percept, TrackedPerson};
 
@@ -147,7 +147,7 @@ impl Recorder {
         let mut stage = Stage::of_robot(model, urdf)?;
         let bodies = match &settings.safety.bodies {
             // Nothing is monitored; the distance is of interest all the same.
-            none if none.is_empty() => SafetySettings::default().bodies,
+            none if none.is_empty() => moca_safety().bodies,
             bodies => bodies.clone(),
         };
         let known = bodies.iter().filter(|body| model.frame_id(&body.link).is_ok());

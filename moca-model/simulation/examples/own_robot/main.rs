@@ -4,12 +4,10 @@ use std::{fs, ops::ControlFlow};
 
 use moca_replay::page::page;
 use moca_simulation::ergo_map::{ErgonomicsMap, MapOptions, Person};
-use moca_simulation::hrsw::Capsule;
+use moca_simulation::hrsw_safety::{Capsule, LinkCapsule, SafetySettings};
 use moca_simulation::moca_model::nalgebra::Vector3;
 use moca_simulation::moca_model::whole_body::{Description, LimitOverride, Model};
-use moca_simulation::moca_model::{
-    ControllerSettings, Goal, LinkCapsule, PostureSettings, SafetySettings,
-};
+use moca_simulation::moca_model::{ControllerSettings, Goal, PostureSettings, moca_safety};
 use moca_simulation::people::{Walker, WalkerSettings};
 use moca_simulation::run::{Comparison, Run, Scenario};
 
@@ -42,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 body("carriage", Capsule::new(Vector3::zeros(), Vector3::x() * 0.4, 0.06)?),
             ],
             own_pairs: Vec::new(),
-            ..SafetySettings::default()
+            ..moca_safety()
         },
         ..ControllerSettings::default()
     };

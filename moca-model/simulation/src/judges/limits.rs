@@ -5,7 +5,7 @@
 //! ‖ẍ_d‖ of the linear and of the angular part, and jerks for each joint that has a limit. A joint stays within its range; one that starts
 //! outside does not move farther out and returns. The base keeps to what its wheels can do.
 
-use hrsw::Fault;
+use hrsw_safety::Fault;
 use moca_model::whole_body::{JointLimits, Model};
 use moca_model::{Command, ControllerSettings, DesiredMotion, MecanumBase, TorqueLoopSettings};
 use nalgebra::{Vector3, Vector6};

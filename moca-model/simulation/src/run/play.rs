@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use ergo_map::PersonFrame;
-use hrsw::{SafetyState, Workspace};
+use hrsw::Workspace;
+use hrsw_safety::SafetyState;
 use human_perception::percepts::{Assessor, MeasuredAssessment};
 use moca_model::{
     Command, Controller, ControllerSettings, Goal, HeldObject, MOCA_BASE_JOINTS, Phase,
@@ -185,9 +186,10 @@ impl<'a> Run<'a> {
         // Too many people, or a body that is nobody's, stop the robot; the run goes on.
         match taken {
             Err(Error::Controller(
-                moca_model::Error::TooManyPeople { .. }
-                | moca_model::Error::Body { .. }
-                | moca_model::Error::BodySpeed { .. },
+                moca_model::Error::Body { .. }
+                | moca_model::Error::Safety(
+                    hrsw_safety::Error::TooManyPeople { .. } | hrsw_safety::Error::BodySpeed { .. },
+                ),
             )) => Ok(()),
             taken => taken,
         }

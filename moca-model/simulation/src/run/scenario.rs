@@ -4,8 +4,8 @@ use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, FitOptions, Person};
 use human_perception::percepts::PostureSettings;
 use moca_model::whole_body::{Compensation, Model};
 use moca_model::{
-    CameraFrame, ControllerSettings, HeldObject, MOCA_HOME, SafetySettings, SpaceSettings,
-    TorqueLoopSettings, moca,
+    CameraFrame, ControllerSettings, HeldObject, MOCA_HOME, SpaceSettings, TorqueLoopSettings,
+    moca, moca_safety,
 };
 use moca_replay::recorded::Recorder;
 use percept_recording::{Timing, arrivals};
@@ -140,7 +140,7 @@ impl Scenario {
     /// The same without protective distances, speed cap and self-collision: the paper's stack alone.
     #[must_use]
     pub fn without_separation(mut self) -> Self {
-        self.settings.safety = SafetySettings::off();
+        self.settings.safety = moca_safety().off();
         self
     }
 

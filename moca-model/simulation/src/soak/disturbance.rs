@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use hrsw::SafetyState;
+use hrsw_safety::SafetyState;
 use moca_model::DynamicRobotSettings;
 use nalgebra::{Isometry3, Vector3};
 use rand::Rng;

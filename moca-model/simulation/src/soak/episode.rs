@@ -266,7 +266,9 @@ impl Episode {
             let jumped = matches!(
                 taken,
                 // A camera that is turned moves everybody at once.
-                Err(Error::Controller(moca_model::Error::BodySpeed { .. }))
+                Err(Error::Controller(moca_model::Error::Safety(
+                    hrsw_safety::Error::BodySpeed { .. }
+                )))
             );
             if disturbance.is_none() && now > self.ended + ACKNOWLEDGED && !jumped {
                 taken?;

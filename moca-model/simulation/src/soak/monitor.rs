@@ -1,6 +1,6 @@
 //! The checks of every tick.
 
-use hrsw::{Capsule, Fault, SafetyState};
+use hrsw_safety::{Capsule, Fault, SafetyState};
 use moca_model::whole_body::{FrameId, Model};
 use moca_model::{Command, ControllerSettings};
 use serde::{Deserialize, Serialize};

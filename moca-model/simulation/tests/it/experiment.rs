@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use moca_model::{ControllerSettings, Goal, SafetySettings};
+use moca_model::{ControllerSettings, Goal, moca_safety};
 use moca_replay::report::TickRow;
 use moca_simulation::experiment::reorientation::ReorientationResult;
 use moca_simulation::experiment::{
@@ -85,7 +85,7 @@ fn the_same_case_twice_gives_the_same_bits() {
 fn a_hand_that_lags_is_a_steady_error() {
     let mut on = ControllerSettings::default();
     on.space.clearance = 0.25;
-    let off = ControllerSettings { safety: SafetySettings::off(), ..on.clone() };
+    let off = ControllerSettings { safety: moca_safety().off(), ..on.clone() };
     let outward = (on.space.min + on.space.max).xy().normalize();
     // 0.25 m are there; T_r = 0.15 s, a = 0.5 m/s², C + Z_d + Z_r = 0.11 m.
     let away = 0.5 * outward.x;

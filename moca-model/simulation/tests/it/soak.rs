@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use hrsw::SafetyState;
+use hrsw_safety::SafetyState;
 use moca_simulation::plant::PlantSettings;
 use moca_simulation::soak::{Counts, Disturbance, Movements, Soak, StateCounts, Summary};
 

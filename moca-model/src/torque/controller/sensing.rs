@@ -1,6 +1,6 @@
 //! What a tick measures, what is known of the robot by it, and who pushes.
 
-use hrsw::Fault;
+use hrsw_safety::Fault;
 use nalgebra::Vector3;
 use whole_body::{JointState, MeasurementFault, SupportedMotion};
 

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use ergo_map::ErgonomicsMap;
-use moca_model::{DesiredMotion, Goal, MOCA_AXIS_SPEED, SafetySettings};
+use moca_model::{DesiredMotion, Goal, MOCA_AXIS_SPEED, moca_safety};
 use nalgebra::{Point2, Rotation2, Vector2};
 use rand::Rng;
 use serde::{Deserialize, Serialize};
@@ -170,7 +170,7 @@ fn quick(mut scenario: Scenario) -> Scenario {
 }
 
 fn row(speed: f64, separation: bool, trials: &[&StrollTrial]) -> SpeedResult {
-    let terms = SafetySettings::default().separation.braking_by_parts(speed, 0.0);
+    let terms = moca_safety().separation.braking_by_parts(speed, 0.0);
     let sum = |of: fn(&Summary) -> u64| trials.iter().map(|trial| of(&trial.summary)).sum();
     SpeedResult {
         speed,

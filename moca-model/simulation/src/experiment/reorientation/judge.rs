@@ -1,6 +1,6 @@
 //! Whether and when the right surface is before the person, seen from outside.
 
-use hrsw::SafetyState;
+use hrsw_safety::SafetyState;
 use moca_model::{DesiredMotion, Phase};
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};

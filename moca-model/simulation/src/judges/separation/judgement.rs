@@ -20,7 +20,7 @@
 //! Every other breach is a **violation**. A person who works with the robot may touch it, but for
 //! their head: these pairs count apart, as contact, of which the force is what counts.
 
-use hrsw::SeparationSettings;
+use hrsw_safety::SeparationSettings;
 use moca_model::whole_body::JointLimits;
 
 use super::body::{self, PART_COUNT};

@@ -1,7 +1,6 @@
 //! The robot's capsules, tick by tick.
 
-use hrsw::{Capsule, SeparationSettings};
-use moca_model::SafetySettings;
+use hrsw_safety::{Capsule, SafetySettings, SeparationSettings};
 use moca_model::whole_body::{Data, FrameId, JointLimits, Model};
 use nalgebra::Point3;
 

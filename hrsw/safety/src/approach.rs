@@ -1,0 +1,408 @@
+//! Rows that bound how fast bodies of the robot approach others.
+
+mod bodies;
+mod body_motion;
+mod candidate;
+mod joint_changes;
+mod joint_motion;
+mod nearest;
+mod own_motion;
+mod own_pairs;
+mod part_speeds;
+mod person_pairs;
+mod places;
+mod reach;
+mod undercut;
+
+use ahqp_core::{AugmentedState, Rows};
+
+use crate::contact::Mobility;
+use crate::distance::proximity;
+use crate::distance_bounds::DistanceBounds;
+use crate::error::{Error, check_capsule, check_size};
+use crate::separation::SeparationSettings;
+pub use bodies::{PersonBody, RobotBody};
+use body_motion::BodyMotion;
+use candidate::Candidate;
+use hrsw::Capsule;
+use joint_changes::JointChanges;
+pub use joint_motion::JointMotion;
+pub use nearest::Nearest;
+use part_speeds::PartSpeeds;
+use person_pairs::Pair;
+use places::Places;
+use reach::Reach;
+use undercut::Undercut;
+
+/// Writes a block of rows, −∂d/∂q q̇ ≤ v_max(d), for the pairs of bodies that come nearest to
+/// their largest speed of approach, or exceed it most, at the last commanded velocity.
+///
+/// Rest and retreat are always admitted. Where acceleration limits admit neither, as when
+/// somebody steps in front of a moving robot, there are two ways to keep the problem feasible:
+/// as the first level of the hierarchy, `Level::least_squares(rows)`, the rows are exceeded by
+/// as little as can be; as hard constraints they are relaxed to admit
+/// [`JointMotion::braking`]. The first keeps them wherever they can be kept, the second costs
+/// no level. A block holds `capacity` rows; those not needed bound nothing.
+///
+/// ```
+/// use ahqp_core::AugmentedState;
+/// use hrsw_safety::{
+///     ApproachRows, Capsule, JointMotion, MeasuredVelocity, PersonBody, RobotBody, SeparationSettings,
+/// };
+/// use nalgebra::{Matrix6xX, Vector3};
+///
+/// // One joint slides the robot along x, towards a person.
+/// let state = AugmentedState { joints: 1, task: 6, slack: 6 };
+/// let mut separation = ApproachRows::new(state, SeparationSettings::default(), 4)?;
+/// let mut rows = separation.rows();
+/// let mut jacobian = Matrix6xX::zeros(1);
+/// jacobian[(0, 0)] = 1.0;
+/// let motion = JointMotion {
+///     jacobian: &jacobian,
+///     origin: Vector3::zeros(),
+///     velocity: &[0.0],
+///     braking: Some(&[0.0]),
+///     change: None,
+///     inverse_inertia: None,
+/// };
+/// let robot = [RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.1)?, joints: 1 }];
+/// let head = Capsule::sphere(Vector3::new(1.5, 0.0, 0.0), 0.1)?;
+/// let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
+/// let person = [PersonBody {
+///     capsule: head,
+///     velocity,
+///     assumed_speed: 1.6,
+///     age: 0.0,
+///     uncertainty: 0.0,
+///     contact: None,
+/// }];
+/// let nearest = separation.write(&motion, &robot, &person, &mut rows)?;
+/// assert!((nearest.map_or(0.0, |pair| pair.distance) - 1.3).abs() < 1e-12);
+/// let limit = SeparationSettings::default().approach_limit(1.3, 0.0);
+/// assert!((rows.upper()[0] - limit).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct ApproachRows {
+    state: AugmentedState,
+    settings: SeparationSettings,
+    capacity: usize,
+    candidates: Vec<Candidate>,
+    places: Places,
+    /// Of the parts of which distances are remembered.
+    speeds: Vec<PartSpeeds>,
+    changes: JointChanges,
+    nearest: Option<Nearest>,
+    mobility: Mobility,
+    /// Pairs with less room than this are looked for \[m\].
+    watched_room: f64,
+    bounds: DistanceBounds,
+    /// The pair that is nearest, and its distance \[m\].
+    closest: Option<(usize, usize)>,
+    least_distance: f64,
+    /// Whether the mass of the robot decided what a contact permits.
+    needs_inertia: bool,
+    /// Whether a pair got no row that needs one.
+    crowded: bool,
+    undercut: Undercut,
+}
+
+/// What rounding may make of a speed of approach \[m/s\].
+const ROUNDING: f64 = 1e-7;
+
+/// Bodies of robot and person of which the distances are remembered.
+const BODIES: usize = 32;
+const PARTS: usize = 48;
+
+impl ApproachRows {
+    /// For the layout of χ, with room for `capacity` pairs.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for settings out of range.
+    pub fn new(
+        state: AugmentedState,
+        settings: SeparationSettings,
+        capacity: usize,
+    ) -> Result<Self, Error> {
+        settings.validate()?;
+        let candidates = Vec::with_capacity(capacity + 1);
+        let mobility = Mobility::new(state.joints);
+        Ok(Self {
+            state,
+            settings,
+            capacity,
+            candidates,
+            places: Places::new(capacity),
+            speeds: Vec::with_capacity(PARTS),
+            changes: JointChanges::new(state.joints),
+            nearest: None,
+            mobility,
+            watched_room: 0.0,
+            bounds: DistanceBounds::new(BODIES, PARTS),
+            closest: None,
+            least_distance: f64::INFINITY,
+            needs_inertia: false,
+            crowded: false,
+            undercut: Undercut::new(),
+        })
+    }
+
+    /// The same, but with [`JointMotion::change`] pairs with less room than this are found as well, so that
+    /// the nearest of them is the one with the least \[m\]. Default 0.
+    #[must_use]
+    pub fn watching(self, room: f64) -> Self {
+        Self { watched_room: room, ..self }
+    }
+
+    /// The block, bounding nothing yet.
+    pub fn rows(&self) -> Rows {
+        let mut rows = Rows::zeros(self.capacity, self.state.len());
+        rows.lower_mut().fill(f64::NEG_INFINITY);
+        rows.upper_mut().fill(f64::INFINITY);
+        rows
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &SeparationSettings {
+        &self.settings
+    }
+
+    /// Writes the rows for the robot and the person into a block made by [`rows`](Self::rows),
+    /// and returns, of the pairs that may not touch, the one with the least room. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::Size`] for a block, Jacobian or velocities that do not fit; [`Error::Value`].
+    /// The block then bounds what it did before.
+    pub fn write(
+        &mut self,
+        motion: &JointMotion<'_>,
+        robot: &[RobotBody],
+        person: &[PersonBody],
+        rows: &mut Rows,
+    ) -> Result<Option<Nearest>, Error> {
+        self.check(motion, robot, rows)?;
+        person.iter().try_for_each(PersonBody::check)?;
+        self.clear();
+        self.needs_inertia = false;
+        self.mobility.clear();
+        self.bounds.advance(capsules(robot), person.iter().map(|part| &part.capsule));
+        self.find_closest(robot, person);
+        let base_joints = self.settings.base.map_or(0, |base| base.joints);
+        self.changes.update(motion);
+        self.speeds.clear();
+        let watched = self.watched_room;
+        let speeds_of = |part: &PersonBody| PartSpeeds::of(part, watched);
+        self.speeds.extend(person.iter().take(PARTS).map(speeds_of));
+        let mut before: Option<BodyMotion> = None;
+        for (i, body) in robot.iter().enumerate() {
+            let known = before.as_ref();
+            let mut moves = BodyMotion::new(motion, body, base_joints, &self.changes, known);
+            let (mut next, mut reach) = (0, self.reach(moves.fastest, moves.change));
+            while let Some((j, part, farthest)) =
+                self.find_in_sight(i, (&moves, reach), person, next)
+            {
+                next = j + 1;
+                let near = proximity(&body.capsule, &part.capsule);
+                self.bounds.set(i, j, near.distance);
+                self.keep_closest((i, j), near.distance);
+                if near.distance <= farthest {
+                    let pair = Pair { robot: (i, body), other: (j, part), near, farthest };
+                    self.weigh(motion, &mut moves, &pair);
+                    reach = self.reach(moves.fastest, moves.change);
+                }
+            }
+            before = Some(moves);
+        }
+        self.write_candidates(motion, rows)
+    }
+
+    /// Finds the first part of the person, from this one on, that may be near enough to a body of the robot to
+    /// matter, and up to which distance it does.
+    fn find_in_sight<'a>(
+        &self,
+        robot: usize,
+        (moves, reach): (&BodyMotion, Reach),
+        person: &'a [PersonBody],
+        from: usize,
+    ) -> Option<(usize, &'a PersonBody, f64)> {
+        let bounds = self.bounds.of(robot);
+        let remembered = bounds.iter().zip(&self.speeds).enumerate().skip(from);
+        let mut farthest = remembered.map(|(other, (&bound, speeds))| {
+            let farthest = speeds.farthest(moves, reach);
+            (other, farthest, bound <= farthest.max(self.least_distance))
+        });
+        if let Some((other, farthest, _)) = farthest.find(|&(_, _, in_sight)| in_sight) {
+            return Some((other, person.get(other)?, farthest));
+        }
+        let other = from.max(bounds.len());
+        let part = person.get(other)?;
+        let speeds = PartSpeeds::of(part, self.watched_room);
+        Some((other, part, speeds.farthest(moves, reach)))
+    }
+
+    /// Keeps, of the pairs that may not touch, the one with the least room.
+    fn see(&mut self, pair: Nearest) {
+        if self.nearest.is_none_or(|other| pair.room() < other.room()) {
+            self.nearest = Some(pair);
+        }
+    }
+
+    /// The least share of the way from `velocity` to `braking`, each n, after which every pair of the rows written last
+    /// comes nearer no faster than it may, or than with `braking` \[-\]. Rows that contradict each other, as between two
+    /// people, are then not weighed against one another.
+    ///
+    /// If a person is nearer than a robot at rest should be, the robot must surely come no nearer, wherever they are:
+    /// they have moved since they were seen, and may have done so otherwise than measured. Where it would, all of the
+    /// way is needed.
+    pub fn braking_share(
+        &self,
+        motion: &JointMotion<'_>,
+        rows: &Rows,
+        velocity: &[f64],
+        braking: &[f64],
+    ) -> f64 {
+        let mut share = 0.0_f64;
+        for (candidate, (row, _, upper)) in self.places.candidates().zip(rows.iter()) {
+            if candidate.is_none() {
+                continue;
+            }
+            let along =
+                |velocity: &[f64]| -> f64 { row.iter().zip(velocity).map(|(a, b)| a * b).sum() };
+            let (approach, least) = (along(velocity) - ROUNDING, along(braking));
+            if approach > upper.max(least) {
+                share = share.max((approach - upper.max(least)) / (approach - least));
+            }
+        }
+        let is_left = self.undercut.is_left_by(motion, velocity, ROUNDING);
+        if is_left && (share == 0.0 || self.undercut.is_empty()) { share.min(1.0) } else { 1.0 }
+    }
+
+    /// Returns true if a pair that may not touch is nearer than what is not known of both places: no
+    /// direction is surely away then, and the robot must stand.
+    pub fn is_too_near_to_tell(&self) -> bool {
+        self.undercut.is_too_near()
+    }
+
+    /// Returns true if [`JointMotion::inverse_inertia`] has decided how fast a pair written last may come
+    /// nearer, or would have: elsewhere even a robot that does not give way may move as fast as it can.
+    pub fn needs_inertia(&self) -> bool {
+        self.needs_inertia
+    }
+
+    /// Returns true if more pairs are at their limits than there are rows: the robot must then brake, which
+    /// keeps them all.
+    pub fn is_crowded(&self) -> bool {
+        self.crowded || self.undercut.overflows()
+    }
+
+    /// The least distance of the pairs written last \[m\]; infinite for none.
+    pub fn least_distance(&self) -> f64 {
+        self.least_distance
+    }
+
+    fn clear(&mut self) {
+        self.candidates.clear();
+        self.nearest = None;
+        self.least_distance = f64::INFINITY;
+        self.crowded = false;
+        self.undercut.clear();
+    }
+
+    /// Measures the pair that was nearest last, which bounds the least distance from above.
+    fn find_closest(&mut self, robot: &[RobotBody], person: &[PersonBody]) {
+        let Some((i, j)) = self.closest.take() else { return };
+        if let (Some(body), Some(part)) = (robot.get(i), person.get(j)) {
+            let distance = proximity(&body.capsule, &part.capsule).distance;
+            self.keep_closest((i, j), distance);
+        }
+    }
+
+    fn keep_closest(&mut self, pair: (usize, usize), distance: f64) {
+        if distance <= self.least_distance {
+            (self.closest, self.least_distance) = (Some(pair), distance);
+        }
+    }
+
+    fn check(
+        &self,
+        motion: &JointMotion<'_>,
+        robot: &[RobotBody],
+        rows: &Rows,
+    ) -> Result<(), Error> {
+        robot.iter().try_for_each(|body| check_capsule("a capsule of the robot", &body.capsule))?;
+        check_size("the block of rows", rows.len(), self.capacity)?;
+        check_size("a row of the block", rows.columns(), self.state.len())?;
+        motion.check(self.state.joints)
+    }
+
+    /// How far a body that approaches by no more than `speed`, and in this tick by no more than `change`
+    /// faster, has to look for pairs.
+    fn reach(&self, speed: f64, change: f64) -> Reach {
+        let headroom = match self.candidates.last() {
+            _ if self.capacity == 0 => 0.0,
+            Some(worst) if self.candidates.len() == self.capacity => change.min(worst.headroom),
+            _ => change,
+        };
+        if headroom == f64::INFINITY {
+            return Reach { standing: f64::INFINITY, time: 0.0 };
+        }
+        let (settings, speed) = (self.settings.braking_worst(), speed + headroom.max(0.0));
+        let standing = settings.protective_distance(0.0, speed);
+        Reach { standing, time: settings.reaction_time + speed / settings.deceleration }
+    }
+
+    /// Keeps the pairs with the least headroom, by insertion.
+    fn consider(&mut self, candidate: Candidate, change: f64) {
+        if candidate.headroom > change {
+            return;
+        }
+        let key = |candidate: &Candidate| (candidate.headroom, candidate.room);
+        let own = key(&candidate);
+        let place = self.candidates.partition_point(|other| key(other) <= own);
+        if place < self.capacity {
+            self.candidates.insert(place, candidate);
+        } else {
+            self.leave_out(&candidate);
+        }
+        if self.candidates.len() > self.capacity
+            && let Some(dropped) = self.candidates.pop()
+        {
+            self.leave_out(&dropped);
+        }
+    }
+
+    fn leave_out(&mut self, candidate: &Candidate) {
+        // Within a tick it could reach its limit.
+        self.crowded |= !candidate.contact || candidate.headroom < 0.0;
+    }
+
+    fn write_candidates(
+        &mut self,
+        motion: &JointMotion<'_>,
+        rows: &mut Rows,
+    ) -> Result<Option<Nearest>, Error> {
+        self.places.assign(&self.candidates);
+        for (index, candidate) in self.places.candidates().enumerate() {
+            let candidate = candidate.and_then(|candidate| self.candidates.get(candidate));
+            if candidate.is_none() && rows.upper()[index] == f64::INFINITY {
+                continue;
+            }
+            let row = rows.row_mut(index)?;
+            row.fill(0.0);
+            let mut upper = f64::INFINITY;
+            if let Some(candidate) = candidate {
+                candidate.write(motion, row);
+                let along = |velocity: &[f64]| -> f64 {
+                    row.iter().zip(velocity).map(|(a, b)| a * b).sum()
+                };
+                upper = candidate.limit.max(motion.braking.map_or(0.0, along));
+            }
+            rows.upper_mut()[index] = upper;
+        }
+        Ok(self.nearest)
+    }
+}
+
+fn capsules(robot: &[RobotBody]) -> impl Iterator<Item = &Capsule> + Clone {
+    robot.iter().map(|body| &body.capsule)
+}

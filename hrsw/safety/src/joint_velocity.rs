@@ -1,0 +1,452 @@
+//! How fast the joints of a person move, from where they are seen in camera frames and nothing else.
+
+use nalgebra::{Matrix3, Vector3};
+use vision_models::{Body, Body25};
+
+use crate::measured_velocity::MeasuredVelocity;
+use crate::settings::PersonBodySettings;
+
+/// How long errors of joints with known covariances last \[s\].
+const CORRELATION_TIME: f64 = 0.05;
+
+/// The acceleration of who surely moves is as large as their speed times this \[1/s\], or as the acceleration seen so
+/// far times that.
+const SPEED_CHANGE: f64 = 6.0;
+const ACCELERATION_CHANGE: f64 = 2.0;
+/// A speed, or an acceleration, is sure beyond so many of its standard deviations.
+const SURE: f64 = 2.5;
+/// Elbows and wrists, and knees and ankles, accelerate so much more than trunk and head.
+const ARM: f64 = 5.0;
+const LEG: f64 = 2.0;
+
+/// How long an acceleration lasts \[s\].
+const LASTS: f64 = 0.3;
+
+/// No joint accelerates more than this \[m/s²\].
+const MOST: f64 = 25.0;
+
+/// Joints that move alike \[-\]: the first is the one of which the velocity is asked for.
+#[derive(Debug, Clone)]
+struct Group {
+    joints: &'static [Body25],
+    kind: Kind,
+    /// Where each is expected \[m\].
+    places: [Option<Vector3<f64>>; LARGEST],
+    /// The state that they share \[m/s, m/s²\].
+    velocity: Vector3<f64>,
+    acceleration: Vector3<f64>,
+    /// Of place, velocity and acceleration, the same for each axis.
+    covariance: Matrix3<f64>,
+    /// When it was seen last, and since when without a gap \[s\].
+    seen: Option<Span>,
+}
+
+/// How joints accelerate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    /// As those of somebody who may do anything, so much more than trunk and head.
+    Any(f64),
+    /// As evenly as the trunk of somebody who works.
+    Even,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Span {
+    since: f64,
+    last: f64,
+}
+
+/// The most joints of a group.
+const LARGEST: usize = 6;
+
+/// The joints of the trunk, which move alike as long as somebody stands or walks upright.
+const TRUNK: &[Body25] = {
+    use Body25::{LeftHip, LeftShoulder, MidHip, Neck, RightHip, RightShoulder};
+    &[Neck, MidHip, LeftShoulder, RightShoulder, LeftHip, RightHip]
+};
+
+/// Which joints move alike. Eyes and ears move as the nose does but for a turn of the head; neck and mid hip as the
+/// mean of shoulders and hips.
+const GROUPS: [&[Body25]; 15] = {
+    use Body25::{
+        LeftAnkle, LeftEar, LeftElbow, LeftEye, LeftHip, LeftKnee, LeftShoulder, LeftWrist, MidHip,
+        Neck, Nose, RightAnkle, RightEar, RightElbow, RightEye, RightHip, RightKnee, RightShoulder,
+        RightWrist,
+    };
+    [
+        &[Nose, LeftEye, RightEye, LeftEar, RightEar],
+        &[Neck, LeftShoulder, RightShoulder],
+        &[MidHip, LeftHip, RightHip],
+        &[LeftShoulder],
+        &[RightShoulder],
+        &[LeftHip],
+        &[RightHip],
+        &[LeftElbow],
+        &[RightElbow],
+        &[LeftWrist],
+        &[RightWrist],
+        &[LeftKnee],
+        &[RightKnee],
+        &[LeftAnkle],
+        &[RightAnkle],
+    ]
+};
+
+/// The velocities of a person's joints, by a Kalman filter for each group of joints that move alike.
+///
+/// State: place, velocity and acceleration, which fades within [`LASTS`] (Singer, 1970). The acceleration has the
+/// standard deviation √(a₀² + (6 v / s)² + (2 a)²), with a₀ of the settings and v and a as filtered, beyond what noise
+/// makes of them: who stands may begin to move, and who moves may stop or turn back. A joint alone has an innovation of its own; a group the mean of
+/// those of its joints that are seen.
+#[derive(Debug, Clone)]
+pub(super) struct JointVelocities {
+    groups: [Group; GROUPS.len()],
+    trunk: Group,
+}
+
+impl JointVelocities {
+    pub(super) fn new() -> Self {
+        Self {
+            groups: GROUPS.map(Group::new),
+            trunk: Group { kind: Kind::Even, ..Group::new(TRUNK) },
+        }
+    }
+
+    /// Forgets all of them.
+    pub(super) fn forget(&mut self) {
+        self.groups.iter_mut().chain([&mut self.trunk]).for_each(|group| group.seen = None);
+    }
+
+    /// Takes a frame. `place` says where a joint is that is seen and believed \[m\].
+    pub(super) fn observe(
+        &mut self,
+        time: f64,
+        body: &Body,
+        place: impl Fn(Body25) -> Option<Vector3<f64>>,
+        settings: &PersonBodySettings,
+    ) {
+        for group in self.groups.iter_mut().chain([&mut self.trunk]) {
+            group.observe(time, body, &place, settings);
+        }
+    }
+
+    /// The velocity of a joint at the time `now`, where it is measured: followed for long enough, seen of late, and known
+    /// better than to the speed `assumed` of a joint of which nothing is known \[m/s\].
+    pub(super) fn of(
+        &self,
+        joint: Body25,
+        now: f64,
+        assumed: f64,
+        settings: &PersonBodySettings,
+    ) -> Option<MeasuredVelocity> {
+        let group = self.groups.iter().find(|group| group.joints.first() == Some(&joint))?;
+        group.velocity(now, settings).filter(|velocity| velocity.uncertainty < assumed)
+    }
+
+    /// The velocity of a part that is `own`, as far as that is measured, for contacts: that of the trunk, or the
+    /// nearest to it that the part may have. A trunk has more joints than a part, and is known the better
+    /// \[m/s\].
+    pub(super) fn for_contact(
+        &self,
+        own: Option<MeasuredVelocity>,
+        now: f64,
+        settings: &PersonBodySettings,
+    ) -> Option<MeasuredVelocity> {
+        let mut trunk = self.trunk.velocity(now, settings)?;
+        trunk.uncertainty = settings.speed_deviations * self.trunk.deviation();
+        let Some(own) = own else { return Some(trunk) };
+        let away = (trunk.mean - own.mean).cap_magnitude(own.uncertainty);
+        Some(MeasuredVelocity { mean: own.mean + away, ..trunk })
+    }
+}
+
+impl Group {
+    fn new(joints: &'static [Body25]) -> Self {
+        use Body25::{
+            LeftAnkle, LeftElbow, LeftKnee, LeftWrist, RightAnkle, RightElbow, RightKnee,
+            RightWrist,
+        };
+        Self {
+            joints,
+            kind: Kind::Any(match joints.first() {
+                Some(LeftElbow | RightElbow | LeftWrist | RightWrist) => ARM,
+                Some(LeftKnee | RightKnee | LeftAnkle | RightAnkle) => LEG,
+                _ => 1.0,
+            }),
+            places: [None; LARGEST],
+            velocity: Vector3::zeros(),
+            acceleration: Vector3::zeros(),
+            covariance: Matrix3::zeros(),
+            seen: None,
+        }
+    }
+
+    fn observe(
+        &mut self,
+        time: f64,
+        body: &Body,
+        place: &impl Fn(Body25) -> Option<Vector3<f64>>,
+        settings: &PersonBodySettings,
+    ) {
+        let elapsed = self.seen.map(|seen| time - seen.last);
+        if elapsed.is_none_or(|elapsed| elapsed > settings.gap) {
+            self.begin(settings);
+        } else if let Some(elapsed) = elapsed.filter(|elapsed| *elapsed > 0.0) {
+            self.predict(elapsed, settings);
+        }
+        let interval = elapsed.unwrap_or(f64::INFINITY);
+        let (mut innovation, mut variance, mut count) = (Vector3::zeros(), 0.0, 0.0);
+        let mut sees = false;
+        for (&joint, expected) in self.joints.iter().zip(&mut self.places) {
+            let Some(seen) = place(joint) else { continue };
+            sees = true;
+            if let Some(expected) = expected {
+                innovation += seen - *expected;
+                variance += noise(body, joint, interval, settings);
+                count += 1.0;
+            } else {
+                *expected = Some(seen);
+            }
+        }
+        if !sees {
+            return;
+        }
+        let since = self.seen.map_or(time, |seen| seen.since);
+        self.seen = Some(Span { since, last: time });
+        if count == 0.0 {
+            return;
+        }
+        let (innovation, variance) = (innovation / count, variance / (count * count));
+        if innovation.norm() > settings.limb_gate {
+            // Elsewhere at once: that is no motion.
+            self.begin(settings);
+            for (&joint, expected) in self.joints.iter().zip(&mut self.places) {
+                *expected = place(joint);
+            }
+            self.seen = Some(Span { since: time, last: time });
+            return;
+        }
+        let first = self.covariance.column(0).into_owned();
+        let gain = first / (first.x + variance);
+        self.covariance -= gain * first.transpose();
+        self.velocity += innovation * gain.y;
+        self.acceleration += innovation * gain.z;
+        for (&joint, expected) in self.joints.iter().zip(&mut self.places) {
+            let Some(expected) = expected else { continue };
+            // Each joint keeps its place among the others, which the frames show better and better.
+            let own = place(joint).map_or(innovation, |seen| seen - *expected);
+            *expected += own * gain.x;
+        }
+    }
+
+    /// As of joints of which nothing is known but where they are.
+    fn begin(&mut self, settings: &PersonBodySettings) {
+        self.places = [None; LARGEST];
+        self.velocity = Vector3::zeros();
+        self.acceleration = Vector3::zeros();
+        let (place, speed) = (settings.position_sigma, settings.jump_speed);
+        let acceleration = settings.acceleration;
+        self.covariance = Matrix3::from_diagonal(
+            &Vector3::new(place, speed, acceleration).map(|sigma| sigma * sigma),
+        );
+        self.seen = None;
+    }
+
+    /// Goes on by a time \[s\].
+    fn predict(&mut self, elapsed: f64, settings: &PersonBodySettings) {
+        let Transition { state, noise } = Transition::over(elapsed);
+        let moved = self.velocity * elapsed + self.acceleration * state[(0, 2)];
+        for place in self.places.iter_mut().flatten() {
+            *place += moved;
+        }
+        let sure = |value: &Vector3<f64>, variance: f64| {
+            (value.norm() - SURE * variance.max(0.0).sqrt()).max(0.0)
+        };
+        let spread = match self.kind {
+            Kind::Even => settings.working_acceleration.powi(2),
+            Kind::Any(share) => {
+                let moves = SPEED_CHANGE * sure(&self.velocity, self.covariance[(1, 1)]);
+                let changes =
+                    ACCELERATION_CHANGE * sure(&self.acceleration, self.covariance[(2, 2)]);
+                (share * settings.acceleration).powi(2) + moves.powi(2) + changes.powi(2)
+            }
+        };
+        self.velocity += self.acceleration * state[(1, 2)];
+        self.acceleration *= state[(2, 2)];
+        self.covariance =
+            state * self.covariance * state.transpose() + noise * spread.min(MOST * MOST);
+    }
+
+    fn velocity(&self, now: f64, settings: &PersonBodySettings) -> Option<MeasuredVelocity> {
+        let seen = self.seen?;
+        let age = (now - seen.last).max(0.0);
+        let is_measured =
+            age <= settings.believed_for && seen.last - seen.since >= settings.settling;
+        let uncertainty = settings.speed_deviations * self.deviation() + settings.onset * age;
+        is_measured.then_some(MeasuredVelocity { mean: self.velocity, uncertainty })
+    }
+
+    /// The standard deviation of the velocity, each axis \[m/s\].
+    fn deviation(&self) -> f64 {
+        self.covariance[(1, 1)].max(0.0).sqrt()
+    }
+}
+
+/// The variance of where a joint is seen, each axis \[m²\].
+fn noise(body: &Body, joint: Body25, interval: f64, settings: &PersonBodySettings) -> f64 {
+    let assumed = settings.position_sigma.powi(2);
+    let Some(covariance) = body.covariance(joint) else { return assumed };
+    let correlation = (-interval / CORRELATION_TIME).exp();
+    let largest = covariance.symmetric_eigenvalues().max();
+    let variance = largest * (1.0 + correlation) / (1.0 - correlation);
+    if variance.is_finite() && variance > 0.0 { variance } else { assumed }
+}
+
+/// What an elapsed time does to place, velocity and acceleration, and what accelerations of unit variance that fade
+/// add to their covariance.
+struct Transition {
+    state: Matrix3<f64>,
+    noise: Matrix3<f64>,
+}
+
+impl Transition {
+    /// Singer, "Estimating optimal tracking filter performance for manned maneuvering targets" (1970), equations
+    /// for white noise of density 2/τ that drives the acceleration.
+    fn over(elapsed: f64) -> Self {
+        let (t, tau) = (elapsed, LASTS);
+        let x = t / tau;
+        let (fades, twice) = ((-x).exp(), (-2.0 * x).exp());
+        let state = Matrix3::new(
+            1.0,
+            t,
+            tau * tau * (x - 1.0 + fades),
+            0.0,
+            1.0,
+            tau * (1.0 - fades),
+            0.0,
+            0.0,
+            fades,
+        );
+        let place = tau.powi(4)
+            * (1.0 - twice + 2.0 * x + 2.0 * x.powi(3) / 3.0 - 2.0 * x * x - 4.0 * x * fades);
+        let place_velocity =
+            tau.powi(3) * (twice + 1.0 - 2.0 * fades + 2.0 * x * fades - 2.0 * x + x * x);
+        let place_acceleration = tau.powi(2) * (1.0 - twice - 2.0 * x * fades);
+        let velocity = tau.powi(2) * (4.0 * fades - 3.0 - twice + 2.0 * x);
+        let velocity_acceleration = tau * (twice + 1.0 - 2.0 * fades);
+        let acceleration = 1.0 - twice;
+        let noise = Matrix3::new(
+            place,
+            place_velocity,
+            place_acceleration,
+            place_velocity,
+            velocity,
+            velocity_acceleration,
+            place_acceleration,
+            velocity_acceleration,
+            acceleration,
+        );
+        Self { state, noise }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::Rng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+
+    use super::*;
+
+    const FRAME: f64 = 0.05;
+
+    /// Nearly normal, of deviation 1: twelve uniform numbers.
+    fn normal(draw: &mut ChaCha8Rng) -> f64 {
+        (0..12).map(|_| draw.random_range(-0.5..0.5_f64)).sum()
+    }
+
+    /// Place and velocity along x of somebody who stands, moves with the least jerk and stands again, each time with
+    /// at most this acceleration \[m, m/s\]; frame by frame.
+    fn bows(most: f64, draw: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
+        let (mut frames, mut begin, mut from, mut side) = (Vec::new(), 1.0, 0.0, 1.0);
+        while frames.len() < 400 {
+            let time: f64 = draw.random_range(0.6..1.4);
+            // The largest acceleration of the least jerk is 10/√3 D/T².
+            let way =
+                side * most * draw.random_range(0.3..1.0) * time * time * 3.0_f64.sqrt() / 10.0;
+            let end = begin + time + draw.random_range(0.3..2.0);
+            while FRAME * (frames.len() as f64) < end {
+                let s = ((FRAME * (frames.len() as f64) - begin) / time).clamp(0.0, 1.0);
+                let place = from + way * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
+                frames.push((place, way / time * 30.0 * (s * (1.0 - s)).powi(2)));
+            }
+            (from, begin, side) = (from + way, end, -side);
+        }
+        frames
+    }
+
+    /// The share of frames in which the claim about the head holds, and what it is in the mean \[m/s\].
+    fn holds(most: f64, sigma: f64) -> (f64, f64) {
+        let settings = PersonBodySettings::default();
+        let mut draw = ChaCha8Rng::seed_from_u64(7);
+        let (mut kept, mut frames, mut sum) = (0.0, 0.0, 0.0);
+        for _ in 0..20 {
+            let mut velocities = JointVelocities::new();
+            for (frame, (place, speed)) in bows(most, &mut draw).into_iter().enumerate() {
+                let time = FRAME * (frame as f64);
+                let noisy = Vector3::from_fn(|_, _| sigma * normal(&mut draw));
+                let place = Vector3::new(place, 0.0, 1.6) + noisy;
+                velocities.observe(
+                    time,
+                    &Body::default(),
+                    |joint| (joint == Body25::Nose).then_some(place),
+                    &settings,
+                );
+                let Some(known) = velocities.of(Body25::Nose, time, 9.0, &settings) else {
+                    continue;
+                };
+                frames += 1.0;
+                sum += known.uncertainty;
+                kept += f64::from(u8::from((known.mean.x - speed).abs() <= known.uncertainty));
+            }
+        }
+        (kept / frames, sum / frames)
+    }
+
+    #[test]
+    fn who_stands_is_known_to_half_a_metre_a_second() {
+        let (kept, uncertainty) = holds(0.0, 0.02);
+        assert!(kept > 0.998 && uncertainty < 0.55, "{kept} {uncertainty}");
+    }
+
+    #[test]
+    fn the_claim_about_a_head_that_leans_holds() {
+        for most in [1.0, 3.0, 4.5] {
+            let (kept, _) = holds(most, 0.02);
+            assert!(kept >= 0.995, "{kept} at {most} m/s²");
+        }
+        let (kept, _) = holds(6.0, 0.02);
+        assert!(kept >= 0.98, "{kept} at 6 m/s²");
+    }
+
+    #[test]
+    fn who_is_not_seen_long_enough_or_no_more_is_not_measured() {
+        let settings = PersonBodySettings::default();
+        let mut velocities = JointVelocities::new();
+        for frame in 0..20_u32 {
+            let time = FRAME * f64::from(frame);
+            let place = Vector3::new(0.5 * time, 0.0, 1.6);
+            let seen = |joint| (joint == Body25::Nose).then_some(place);
+            velocities.observe(time, &Body::default(), seen, &settings);
+            let known = velocities.of(Body25::Nose, time, 9.0, &settings);
+            assert_eq!(known.is_some(), time >= settings.settling - 1e-9, "{time} s");
+        }
+        let of = |now| velocities.of(Body25::Nose, now, 9.0, &settings);
+        let (fresh, old) = (of(0.95).unwrap(), of(1.4).unwrap());
+        assert!((fresh.mean.x - 0.5).abs() < 0.02 && old.mean == fresh.mean);
+        assert!(old.uncertainty >= fresh.uncertainty + 0.44 * settings.onset);
+        assert_eq!(of(1.5), None);
+        assert_eq!(velocities.of(Body25::Nose, 0.95, 0.1, &settings), None);
+        assert_eq!(velocities.of(Body25::Neck, 0.95, 9.0, &settings), None);
+    }
+}

@@ -1,0 +1,138 @@
+//! A cap on the speed of the tool near people.
+
+use ahqp_core::{AugmentedState, Rows};
+use nalgebra::Vector3;
+
+use crate::approach::JointMotion;
+use crate::error::{Error, check_size, check_slice, positive};
+
+/// How fast the tool may move at a distance from the nearest person.
+///
+/// ```
+/// use hrsw_safety::SpeedCap;
+///
+/// let cap = SpeedCap::default();
+/// assert_eq!(cap.limit(0.2), 0.25);
+/// assert_eq!(cap.limit(10.0), f64::INFINITY);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub struct SpeedCap {
+    /// Nearer than `near` \[m/s\]. Default 0.25.
+    pub reduced: f64,
+    /// At `far` \[m/s\]; between the two it grows evenly, beyond there is no cap. Default 1.7.
+    pub full: f64,
+    /// Default 0.6 m.
+    pub near: f64,
+    /// Default 2.0 m.
+    pub far: f64,
+}
+
+impl Default for SpeedCap {
+    fn default() -> Self {
+        Self { reduced: 0.25, full: 1.7, near: 0.6, far: 2.0 }
+    }
+}
+
+/// The axes and the diagonals of a cube: the polyhedron |dᵢ · v| ≤ h has no point farther from
+/// zero than h / [`INNER`].
+const DIRECTIONS: [[f64; 3]; 7] = {
+    const D: f64 = 0.577_350_269_189_625_8;
+    [
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [D, D, D],
+        [D, D, -D],
+        [D, -D, D],
+        [D, -D, -D],
+    ]
+};
+
+/// 1/√(1 + (√3 − 1)²): the distance from zero of the facets of the hull of ±dᵢ.
+const INNER: f64 = 0.806_898_221_355_073_5;
+
+/// How much more than braking needs is admitted \[m/s\]: rows that leave nothing but one velocity are kept no more exactly
+/// than the solver computes.
+const ROOM: f64 = 1e-6;
+
+impl SpeedCap {
+    /// How many rows [`rows`](Self::rows) has.
+    pub const ROWS: usize = DIRECTIONS.len();
+
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`Error::Value`] names the first that is out of its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        positive("the reduced speed", self.reduced)?;
+        positive("the full speed", self.full)?;
+        positive("the distance of reduced speed", self.near)?;
+        positive("the distance of full speed", self.far)?;
+        if self.full < self.reduced {
+            let (name, expected) = ("the full speed", "at least the reduced speed");
+            return Err(Error::Value { what: name, got: self.full, wanted: expected });
+        }
+        if self.far <= self.near {
+            let (name, expected) = ("the distance of full speed", "above that of reduced speed");
+            return Err(Error::Value { what: name, got: self.far, wanted: expected });
+        }
+        Ok(())
+    }
+
+    /// The largest speed at `distance` \[m\] from the nearest person \[m/s\].
+    pub fn limit(&self, distance: f64) -> f64 {
+        if distance >= self.far {
+            return f64::INFINITY;
+        }
+        let share = ((distance - self.near) / (self.far - self.near)).max(0.0);
+        self.reduced + share * (self.full - self.reduced)
+    }
+
+    /// The block, bounding nothing yet.
+    pub fn rows(state: AugmentedState) -> Rows {
+        let mut rows = Rows::zeros(Self::ROWS, state.len());
+        rows.set_free();
+        rows
+    }
+
+    /// Writes ‖v − w‖ ≤ `speed` for the velocity v of the point that the Jacobian is of and that
+    /// of the `person`, w, through directions that keep within it: 7 rows of both signs, relaxed
+    /// so that they admit rest, and as far as [`JointMotion::braking`] needs, with 1e-6 m/s to spare.
+    /// An infinite speed bounds nothing. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::Size`] for what does not fit; [`Error::Value`] for a negative speed
+    /// and for what is not finite.
+    pub fn write(
+        motion: &JointMotion<'_>,
+        person: &Vector3<f64>,
+        speed: f64,
+        rows: &mut Rows,
+    ) -> Result<(), Error> {
+        check_size("the block of rows", rows.len(), Self::ROWS)?;
+        let joints = motion.jacobian.ncols();
+        check_size("the braking velocity", motion.braking.map_or(joints, <[f64]>::len), joints)?;
+        check_slice("the Jacobian", motion.jacobian.as_slice())?;
+        check_slice("the velocity of the person", person.as_slice())?;
+        if speed.is_nan() || speed < 0.0 {
+            let (name, expected) = ("the cap of the speed", "not negative");
+            return Err(Error::Value { what: name, got: speed, wanted: expected });
+        }
+        for (index, direction) in DIRECTIONS.iter().enumerate() {
+            let direction = Vector3::from(*direction);
+            let row = rows.row_mut(index)?;
+            row.fill(0.0);
+            for (out, [linear, _]) in row.iter_mut().zip(motion.columns(joints)) {
+                *out = linear.dot(&direction);
+            }
+            let along = |rates: &[f64]| row.iter().zip(rates).map(|(a, b)| a * b).sum::<f64>();
+            let braking = motion.braking.map_or(0.0, along);
+            let (bound, carried) = (INNER * speed, direction.dot(person));
+            rows.upper_mut()[index] = (bound + carried).max(braking.max(0.0) + ROOM);
+            rows.lower_mut()[index] = (carried - bound).min(braking.min(0.0) - ROOM);
+        }
+        Ok(())
+    }
+}

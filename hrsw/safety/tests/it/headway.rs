@@ -1,0 +1,88 @@
+//! A robot that stays behind by the headway stops in time, and is never asked to go back.
+
+use hrsw_safety::{BaseBraking, Headway, SeparationSettings};
+use proptest::prelude::*;
+
+const PERIOD: f64 = 1e-3;
+
+/// Terms of S_p, how far away the robot works, and at what speeds the person goes away, for how many ticks each.
+fn walks() -> impl Strategy<Value = (SeparationSettings, f64, Vec<(f64, u32)>)> {
+    let terms = (0.05..0.4, 0.3..3.0, 0.0..0.2, 0.0..0.1, prop::option::of(0.3..2.0)).prop_map(
+        |(reaction_time, deceleration, intrusion, human_uncertainty, base)| SeparationSettings {
+            reaction_time,
+            deceleration,
+            intrusion,
+            human_uncertainty,
+            base: base.map(|deceleration| BaseBraking { joints: 3, deceleration }),
+            ..SeparationSettings::default()
+        },
+    );
+    let walk = prop::collection::vec((-1.0..1.6, 1..3000_u32), 1..6);
+    // Where the robot works it may be at rest.
+    (terms, 0.31..0.6, walk)
+}
+
+/// S_p of who stands, but for the terms of places \[m\].
+fn stopping(terms: &SeparationSettings, speed: f64) -> f64 {
+    let deceleration = terms.base.map_or(terms.deceleration, |base| base.deceleration);
+    speed * terms.reaction_time + speed * speed / (2.0 * deceleration)
+}
+
+fn margin(terms: &SeparationSettings) -> f64 {
+    terms.intrusion + terms.human_uncertainty + terms.robot_uncertainty
+}
+
+proptest! {
+    /// Whenever the person stands still, a robot that has kept the headway so far comes to rest before them.
+    #[test]
+    fn who_keeps_the_headway_stops_in_time((terms, clearance, walk) in walks()) {
+        let mut headway = Headway::new(terms, clearance).unwrap();
+        for (speed, ticks) in walk {
+            for _ in 0..ticks {
+                let before = headway.distance();
+                headway.advance(speed, PERIOD).unwrap();
+                let growth = (headway.distance() - before) / PERIOD;
+                let follows = speed.max(0.0) - growth;
+                prop_assert!(follows > -1e-9, "it goes back at {follows} m/s");
+                let rest = clearance + before - stopping(&terms, follows) - margin(&terms);
+                prop_assert!(rest > -1e-9, "it comes too near by {rest} m");
+                // Where the camera shows them, T_r late, it is allowed to move as fast, too.
+                let seen = rest - speed.max(0.0) * terms.reaction_time;
+                prop_assert!(seen > -1e-9 || follows < 1e-9, "it seems too near by {seen} m");
+            }
+        }
+    }
+
+    /// Behind who goes on at one speed, and is seen T_r late, it is what S_p asks for beyond the clearance.
+    #[test]
+    fn it_settles_at_the_protective_distance((terms, clearance, walk) in walks(), period in 1e-3..0.5) {
+        let mut headway = Headway::new(terms, clearance).unwrap();
+        for &(speed, _) in &walk {
+            for _ in 0..100_000 {
+                headway.advance(speed, period).unwrap();
+            }
+            let speed = speed.max(0.0);
+            let needed = stopping(&terms, speed) + margin(&terms) + speed * terms.reaction_time;
+            let expected = (needed - clearance).max(0.0);
+            prop_assert!((headway.distance() - expected).abs() < 1e-6);
+            prop_assert!((headway.at(speed) - expected).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn what_is_no_motion_changes_nothing() {
+    let terms = SeparationSettings::default();
+    let mut headway = Headway::new(terms, 0.2).unwrap();
+    headway.advance(1.0, 0.5).unwrap();
+    let before = headway;
+    for (speed, period) in
+        [(f64::NAN, PERIOD), (f64::INFINITY, PERIOD), (1.0, 0.0), (1.0, -1.0), (1.0, f64::NAN)]
+    {
+        assert!(headway.advance(speed, period).is_err());
+        assert_eq!(headway, before);
+    }
+    assert!(Headway::new(terms, -0.1).is_err());
+    assert!(Headway::new(terms, f64::NAN).is_err());
+    assert!(Headway::new(SeparationSettings { deceleration: 0.0, ..terms }, 0.2).is_err());
+}

@@ -1,0 +1,228 @@
+//! Who is nearer than they should be, and which rows points have.
+
+use ahqp_core::{AugmentedState, integrate_pose};
+use hrsw_safety::{
+    ApproachRows, Capsule, JointMotion, MeasuredVelocity, PersonBody, RobotBody,
+    SeparationSettings, proximity,
+};
+use nalgebra::{Isometry3, Matrix6xX, Vector3, Vector6};
+use proptest::prelude::*;
+
+use crate::support::{capsule, vector};
+
+/// The joints of a robot that flies: its velocities are the twist.
+const JOINTS: usize = 6;
+const STATE: AugmentedState = AugmentedState { joints: JOINTS, task: 6, slack: 6 };
+
+fn moved(capsule: &Capsule, by: &Vector3<f64>) -> Capsule {
+    Capsule::new(capsule.start() + by, capsule.end() + by, capsule.radius()).unwrap()
+}
+
+/// After `time` of the twist, linear at the world's origin.
+fn carried(capsule: &Capsule, twist: &[f64], time: f64) -> Capsule {
+    let twist = Vector6::from_column_slice(twist);
+    capsule.placed(&integrate_pose(&Isometry3::identity(), &twist, time))
+}
+
+fn flying<'a>(jacobian: &'a Matrix6xX<f64>, velocity: &'a [f64]) -> JointMotion<'a> {
+    JointMotion {
+        jacobian,
+        origin: Vector3::zeros(),
+        velocity,
+        braking: None,
+        change: None,
+        inverse_inertia: None,
+    }
+}
+
+/// How fast the robot's capsule comes nearer to one that is held still \[m/s\].
+fn approach(robot: &Capsule, twist: &[f64], person: &Capsule) -> f64 {
+    let step = 1e-6;
+    let at = |time| proximity(&carried(robot, twist, time), person).distance;
+    (at(-step) - at(step)) / (2.0 * step)
+}
+
+proptest! {
+    /// Rows bound the nearest point and both ends, of a capsule that turns about its nearest point too.
+    #[test]
+    fn both_ends_of_a_capsule_keep_their_distance(
+        robot in capsule(0.8), person in capsule(1.5), twist in prop::array::uniform6(-1.5..1.5_f64),
+        turns in any::<bool>(),
+    ) {
+        let settings = SeparationSettings::default();
+        let near = proximity(&robot, &person);
+        prop_assume!((near.on_first - near.on_second).norm() > 1e-2);
+        let jacobian = Matrix6xX::identity(JOINTS);
+        // A turn about the nearest point, which comes no nearer by it.
+        let mut twist = twist;
+        if turns {
+            let angular = Vector3::new(twist[3], twist[4], twist[5]);
+            let linear = near.on_first.cross(&angular);
+            twist[..3].copy_from_slice(linear.as_slice());
+        }
+        let motion = flying(&jacobian, &twist);
+        let body = RobotBody { capsule: robot, joints: JOINTS };
+        let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
+        let part = PersonBody { assumed_speed: 1.6, capsule: person, velocity, age: 0.0, uncertainty: 0.0, contact: None };
+        let mut separation = ApproachRows::new(STATE, settings, 3).unwrap();
+        let mut rows = separation.rows();
+        separation.write(&motion, &[body], &[part], &mut rows).unwrap();
+        // As fast as the rows let it.
+        let slowed = rows.iter().map(|(row, _, upper)| {
+            let speed: f64 = row.iter().zip(&twist).map(|(a, b)| a * b).sum();
+            if speed > upper { upper / speed } else { 1.0 }
+        });
+        let slowed = slowed.fold(1.0, f64::min);
+        let twist = twist.map(|v| v * slowed);
+        for point in [near.on_first, *robot.start(), *robot.end()] {
+            let ball = Capsule::sphere(point, robot.radius()).unwrap();
+            let near = proximity(&ball, &person);
+            prop_assume!((near.on_first - near.on_second).norm() > 1e-2);
+            let speed = approach(&ball, &twist, &person);
+            prop_assert!(speed <= settings.approach_limit(near.distance, 0.0) + 1e-4);
+        }
+    }
+
+    /// Velocities are drawn to braking just so far that each pair is as slow as it may be, or as with braking.
+    #[test]
+    fn velocities_are_drawn_to_braking_no_farther_than_needed(
+        robot in capsule(0.8), people in prop::array::uniform2(capsule(1.5)),
+        twist in prop::array::uniform6(-1.5..1.5_f64), braking in prop::array::uniform6(-0.2..0.2_f64),
+    ) {
+        let jacobian = Matrix6xX::identity(JOINTS);
+        let motion = flying(&jacobian, &twist);
+        let body = RobotBody { capsule: robot, joints: JOINTS };
+        let velocity = Some(MeasuredVelocity::exact(Vector3::zeros()));
+        let people = people.map(|capsule| PersonBody {
+            assumed_speed: 1.6, capsule, velocity, age: 0.0, uncertainty: 0.0, contact: None,
+        });
+        let mut separation = ApproachRows::new(STATE, SeparationSettings::default(), 6).unwrap();
+        let mut rows = separation.rows();
+        separation.write(&motion, &[body], &people, &mut rows).unwrap();
+        let share = separation.braking_share(&motion, &rows, &twist, &braking);
+        prop_assert!((0.0..=1.0).contains(&share));
+        let most_too_fast = |share: f64| {
+            let along = |row: &[f64], velocity: [f64; JOINTS]| -> f64 {
+                row.iter().zip(&velocity).map(|(a, b)| a * b).sum()
+            };
+            let drawn = std::array::from_fn(|i| twist[i] + share * (braking[i] - twist[i]));
+            rows.iter()
+                .map(|(row, _, upper)| along(row, drawn) - upper.max(along(row, braking)))
+                .fold(f64::NEG_INFINITY, f64::max)
+        };
+        prop_assert!(most_too_fast(share) <= 1e-6);
+        // Somebody who is too near asks for all of it.
+        let is_too_near = people.iter().any(|part| {
+            let distance = proximity(&robot, &part.capsule).distance;
+            distance < SeparationSettings::default().protective_distance(0.0, 0.0)
+        });
+        if share > 1e-3 && !is_too_near {
+            prop_assert!(most_too_fast(share - 1e-3) > 0.0);
+        }
+    }
+
+    /// A robot that is nearer than it may be comes no nearer wherever the person is: they have moved on since
+    /// they were seen, at a speed known only so well, and were seen only so exactly.
+    #[test]
+    fn the_robot_leaves_wherever_the_person_is(
+        robot in capsule(0.5), person in capsule(0.5), away in 0.2..0.5_f64,
+        leaving in prop::array::uniform6(-0.3..0.3_f64), speed in 0.05..0.8_f64,
+        walking in prop::option::of((vector(0.8), 0.0..0.3_f64)), age in 0.0..0.15_f64,
+        beside in vector(1.0), uncertainty in prop_oneof![Just(0.0), 0.0..0.2_f64],
+    ) {
+        let settings = SeparationSettings::default();
+        let near = proximity(&robot, &person);
+        prop_assume!((near.on_first - near.on_second).norm() > 1e-3);
+        // The person stands so far before the robot, but for what is not known of their place.
+        let person = moved(&person, &(near.normal * (near.distance - away - uncertainty)));
+        let shape = Capsule::new(*person.start(), *person.end(), person.radius() + uncertainty).unwrap();
+        let velocity = walking.map(|(mean, uncertainty)| MeasuredVelocity { mean, uncertainty });
+        let part = PersonBody { assumed_speed: 1.6, capsule: shape, velocity, age, uncertainty, contact: None };
+        let human = velocity.map_or(part.assumed_speed, |v| v.mean.dot(&near.normal).max(0.0));
+        prop_assume!(away < settings.protective_distance(human, 0.0));
+
+        let jacobian = Matrix6xX::identity(JOINTS);
+        let mut twist = leaving;
+        for (v, n) in twist.iter_mut().zip(near.normal.iter()) {
+            *v += speed * n;
+        }
+        let motion = flying(&jacobian, &twist);
+        let body = RobotBody { capsule: robot, joints: JOINTS };
+        let mut separation = ApproachRows::new(STATE, settings, 3).unwrap();
+        let mut rows = separation.rows();
+        separation.write(&motion, &[body], &[part], &mut rows).unwrap();
+        prop_assume!(separation.braking_share(&motion, &rows, &twist, &[0.0; JOINTS]) == 0.0);
+
+        let (mean, spread) = match velocity {
+            Some(v) => (v.mean * age, v.uncertainty * age),
+            None => (Vector3::zeros(), part.assumed_speed * age),
+        };
+        let beside = beside.cap_magnitude(1.0) * (settings.human_uncertainty + spread + uncertainty);
+        let person = moved(&person, &(mean + beside));
+        prop_assume!(proximity(&robot, &person).distance > -0.5 * robot.radius());
+        prop_assert!(approach(&robot, &twist, &person) <= 1e-5);
+    }
+}
+
+/// Somebody walks to the robot's side: it leaves where they were seen, and comes nearer to where they are.
+#[test]
+fn a_direction_away_from_where_the_person_was_is_none_away_from_where_they_are() {
+    let settings = SeparationSettings::default();
+    let robot = RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.05).unwrap(), joints: 6 };
+    let walking = MeasuredVelocity { mean: Vector3::new(0.0, 1.5, 0.0), uncertainty: 0.0 };
+    let jacobian = Matrix6xX::identity(JOINTS);
+    let mut separation = ApproachRows::new(STATE, settings, 3).unwrap();
+    let mut rows = separation.rows();
+    let mut keeps = |away: f64, twist: [f64; JOINTS], age: f64| {
+        let capsule = Capsule::sphere(Vector3::new(-0.15 - away, 0.0, 0.0), 0.1).unwrap();
+        let person = PersonBody {
+            assumed_speed: 1.6,
+            capsule,
+            velocity: Some(walking),
+            age,
+            uncertainty: 0.0,
+            contact: None,
+        };
+        let motion = flying(&jacobian, &twist);
+        separation.write(&motion, &[robot], &[person], &mut rows).unwrap();
+        separation.braking_share(&motion, &rows, &twist, &[0.0; JOINTS]) == 0.0
+    };
+    let aside = [0.1, 0.15, 0.0, 0.0, 0.0, 0.0];
+    assert!(keeps(0.25, aside, 0.1), "farther than the protective distance of 0.16 m");
+    assert!(keeps(0.15, aside, 0.0), "away wherever they are within 0.05 m");
+    assert!(!keeps(0.15, aside, 0.1), "by now they are 0.15 m farther to the side");
+    assert!(keeps(0.15, [0.1, -0.1, 0.0, 0.0, 0.0, 0.0], 0.1));
+}
+
+/// A solver begins with the rows that were active: they are those of the same points in the next tick.
+#[test]
+fn a_point_keeps_its_row() {
+    let robot = RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.1).unwrap(), joints: 6 };
+    let jacobian = Matrix6xX::identity(JOINTS);
+    let mut separation = ApproachRows::new(STATE, SeparationSettings::default(), 3).unwrap();
+    let mut rows = separation.rows();
+    let mut directions = |people: &[Vector3<f64>]| {
+        let parts: Vec<_> = people
+            .iter()
+            .map(|at| PersonBody {
+                assumed_speed: 1.6,
+                capsule: Capsule::sphere(*at, 0.1).unwrap(),
+                velocity: Some(MeasuredVelocity::exact(Vector3::zeros())),
+                age: 0.0,
+                uncertainty: 0.0,
+                contact: None,
+            })
+            .collect();
+        separation.write(&flying(&jacobian, &[0.0; JOINTS]), &[robot], &parts, &mut rows).unwrap();
+        let directions = rows.iter().map(|(row, ..)| [row[0], row[1]]);
+        directions.collect::<Vec<_>>()
+    };
+    let (x, y) = ([1.0, 0.0], [0.0, 1.0]);
+    let both = [Vector3::x() * 0.8, Vector3::y() * 0.9];
+    assert_eq!(directions(&both), [x, y, [0.0; 2]], "the nearest first");
+    let both = [Vector3::x() * 1.0, Vector3::y() * 0.9];
+    assert_eq!(directions(&both), [x, y, [0.0; 2]], "the other is nearer now");
+    let three = [both[0], both[1], -Vector3::x() * 0.5];
+    assert_eq!(directions(&three), [x, y, [-1.0, 0.0]]);
+    assert_eq!(directions(&both[..1]), [x, [0.0; 2], [0.0; 2]]);
+}
