@@ -10,10 +10,13 @@ const MEAN: f64 = 1.0;
 const SLOW: f64 = 0.12;
 /// Whoever turns slower does not turn \[rad/s\].
 const SLOW_TURN: f64 = 0.15;
-/// Time for which a person must be slow before the frame is held \[s\]: four frames of a camera.
-const SETTLING: f64 = 0.2;
-/// A person leaves who is beyond [`LEAVES`] zones so much later, by their velocity \[s\].
-const AHEAD: f64 = 0.3;
+/// The mean goes over so long of who is followed \[s\]: whoever is near to it is slow, whatever noise the frames have.
+const FOLLOWED: f64 = 0.3;
+/// Time for which a person must be slow before the frame is held \[s\]: two frames of a camera.
+const SETTLING: f64 = 0.1;
+/// A person leaves who is beyond [`LEAVES`] zones so much later, by their velocity and their turning \[s\].
+const AHEAD: f64 = 0.15;
+const AHEAD_TURN: f64 = 0.1;
 const LEAVES: f64 = 1.6;
 /// Whoever is farther from the held place is not swaying \[zones\].
 const ELSEWHERE: f64 = 3.0;
@@ -90,25 +93,24 @@ impl HeldFrame {
     }
 
     /// Goes on by `period` \[s\] with the person as `seen`, moving at `rate`, and returns the target of what follows
-    /// and how fast that moves. A frame that begins to be held stays where what follows `stops`. Who `walks` is
-    /// followed. Headings are continuous, in any branch.
+    /// and how fast that moves. A frame that begins to be held stays where what follows `stops`. Headings are continuous,
+    /// in any branch.
     pub fn advance(
         &mut self,
         seen: FloorMotion,
         rate: FloorMotion,
         stops: FloorMotion,
-        walks: bool,
         period: f64,
     ) -> (FloorMotion, FloorMotion) {
-        let zone = Zone { width: self.settings.position, slow: SLOW };
-        let seen_at = Seen { place: seen.position, rate: rate.position, walks };
+        let zone = Zone { width: self.settings.position, slow: SLOW, ahead: AHEAD };
+        let seen_at = Seen { place: seen.position, rate: rate.position };
         let (position, velocity) = self.position.advance(&seen_at, stops.position, &zone, period);
         // Angles in the branch of the heading that is seen.
         let near = |angle: f64| seen.heading + wrapped(angle - seen.heading);
         self.heading.map(near);
-        let zone = Zone { width: self.settings.heading, slow: SLOW_TURN };
+        let zone = Zone { width: self.settings.heading, slow: SLOW_TURN, ahead: AHEAD_TURN };
         let vector = |value: f64| Vector1::new(value);
-        let seen_at = Seen { place: vector(seen.heading), rate: vector(rate.heading), walks };
+        let seen_at = Seen { place: vector(seen.heading), rate: vector(rate.heading) };
         let stops = vector(near(stops.heading));
         let (heading, turn) = self.heading.advance(&seen_at, stops, &zone, period);
         (
@@ -126,13 +128,13 @@ fn wrapped(angle: f64) -> f64 {
 struct Zone {
     width: f64,
     slow: f64,
+    ahead: f64,
 }
 
 /// Where somebody is, and how fast that changes.
 struct Seen<const N: usize> {
     place: SVector<f64, N>,
     rate: SVector<f64, N>,
-    walks: bool,
 }
 
 /// Holds a place or a heading.
@@ -142,8 +144,8 @@ struct Hold<const N: usize> {
     place: Option<SVector<f64, N>>,
     /// The target on the way to a new place.
     target: SVector<f64, N>,
-    /// Slow mean of where the person is.
-    mean: SVector<f64, N>,
+    /// Mean of where the person is, once they were seen.
+    mean: Option<SVector<f64, N>>,
     /// Time for which the person has been slow \[s\].
     slow: f64,
 }
@@ -152,12 +154,12 @@ impl<const N: usize> Hold<N> {
     const FOLLOWING: Self = Self {
         place: None,
         target: SVector::<f64, N>::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; 1])),
-        mean: SVector::<f64, N>::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; 1])),
+        mean: None,
         slow: 0.0,
     };
 
     fn map(&mut self, by: impl Fn(f64) -> f64) {
-        self.mean = self.mean.map(&by);
+        self.mean = self.mean.map(|mean| mean.map(&by));
         self.target = self.target.map(&by);
         self.place = self.place.map(|place| place.map(&by));
     }
@@ -170,24 +172,26 @@ impl<const N: usize> Hold<N> {
         zone: &Zone,
         period: f64,
     ) -> (SVector<f64, N>, SVector<f64, N>) {
-        let Seen { place: seen, rate, walks } = *seen;
-        let speed = rate.norm();
+        let Seen { place: seen, rate } = *seen;
+        let over = if self.place.is_some() { MEAN } else { FOLLOWED };
+        let mean = self.mean.get_or_insert(seen);
+        *mean += (seen - *mean) * -(-period / over).exp_m1();
+        let mean = *mean;
         if let Some(place) = self.place {
-            self.mean += (seen - self.mean) * -(-period / MEAN).exp_m1();
-            let ahead = seen + rate * AHEAD - place;
-            let leaves = walks || ahead.norm() > LEAVES * zone.width;
-            let is_elsewhere = (seen - place).norm() > ELSEWHERE * zone.width;
-            if is_elsewhere || leaves && speed > zone.slow {
-                self.place = None;
-                self.slow = 0.0;
-            } else if (self.mean - place).norm() > zone.width {
-                self.place = Some(self.mean);
+            let ahead = seen + rate * zone.ahead - place;
+            let leaves = ahead.norm() > LEAVES * zone.width && rate.norm() > zone.slow;
+            if leaves || (seen - place).norm() > ELSEWHERE * zone.width {
+                (self.place, self.mean, self.slow) = (None, Some(place), 0.0);
+            } else if (mean - place).norm() > zone.width {
+                self.place = Some(mean);
             }
-        } else {
-            self.slow = if speed < zone.slow && !walks { self.slow + period } else { 0.0 };
+        }
+        let speed = (seen - self.mean.unwrap_or(seen)).norm() / FOLLOWED;
+        if self.place.is_none() {
+            self.slow = if speed < zone.slow { self.slow + period } else { 0.0 };
             if self.slow >= SETTLING && (stops - seen).norm() <= zone.width {
                 self.place = Some(stops);
-                (self.target, self.mean) = (stops, seen);
+                (self.target, self.mean) = (stops, Some(seen));
             }
         }
         let Some(place) = self.place else {

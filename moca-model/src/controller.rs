@@ -2,8 +2,10 @@
 
 mod base_drive;
 mod coming_to_rest;
+mod goal_share;
 mod holding;
 mod looking;
+mod measuring;
 mod observing;
 mod reporting;
 mod turning;
@@ -13,7 +15,7 @@ use ergo_map::ErgonomicsQuadratic;
 use hrsw::Softening;
 use hrsw_safety::{Fault, JointMotion, LoopClock, RobotLimits, Safety, SafetyInput, SafetyState};
 use nalgebra::{Isometry3, Vector3};
-use whole_body::{Following, Model};
+use whole_body::Model;
 
 use crate::command::{Command, Outcome};
 use crate::error::{Error, check_size};
@@ -31,12 +33,9 @@ use crate::shared_space::SharedSpace;
 use crate::singularity::{SINGULAR, manipulability};
 use crate::stack::{CollaborationStack, GoalTerms, StackInput, StackSettings};
 use base_drive::BaseDrive;
+use goal_share::{GoalConditions, GoalShare};
 use looking::SeenSurface;
 use turning::HandTurn;
-
-/// Over how long the commanded place of the base is drawn to the measured one \[s\]: long against the noise of odometry,
-/// short against what wheels slip.
-const ODOMETRY: f64 = 0.15;
 
 /// Ergonomic collaboration with a person: AHQP over the robot, the shared workspace and the
 /// person's ergonomics.
@@ -114,6 +113,9 @@ pub struct Controller {
     speed: f64,
     /// Whether the last velocities keep the distances from people.
     keeps_separation: bool,
+    /// Whether they come near to what the rows of separation allow.
+    at_limit: bool,
+    goal_share: GoalShare,
 }
 
 impl Controller {
@@ -198,6 +200,8 @@ impl Controller {
             yaw: 0.0,
             speed: 1.0,
             keeps_separation: true,
+            at_limit: false,
+            goal_share: GoalShare::NONE,
             usual_manipulability,
             clock,
             robot,
@@ -252,62 +256,6 @@ impl Controller {
         self.feels = false;
         self.finish();
         size.map(|()| &self.command)
-    }
-
-    /// From now on tasks are computed where these joints are commanded, not where they are measured:
-    /// joints that follow positions, by torques.
-    pub(crate) fn follow_positions(&mut self, joints: &[usize]) {
-        for (index, follows) in self.follows_position.iter_mut().enumerate() {
-            *follows = joints.contains(&index);
-        }
-    }
-
-    /// Takes the measured configuration, and holds the commanded state to it; returns false if it
-    /// cannot be used.
-    fn measure(&mut self, configuration: &[f64], elapsed: f64) -> bool {
-        // An error would allocate its message.
-        if !self.robot.model().is_configuration(configuration) {
-            return false;
-        }
-        let tool = self.robot.world_from_tool().translation.vector;
-        let Ok(following) =
-            self.leash.hold(&mut self.command, configuration, &self.follows_position, &tool)
-        else {
-            return false;
-        };
-        self.refer(configuration, following, elapsed);
-        let commanded = self.follows_position.iter().zip(&self.command.joint_position);
-        for (reference, (follows, commanded)) in self.reference.iter_mut().zip(commanded) {
-            if *follows {
-                *reference = *commanded;
-            }
-        }
-        if self.robot.update(&self.reference).is_err() {
-            return false;
-        }
-        if let [_, _, yaw, ..] = configuration {
-            self.yaw = *yaw;
-        }
-        if following == Following::Reached {
-            self.report(Fault::FollowingError);
-        }
-        let (desired, actual) = (&mut self.command.desired, self.robot.world_from_hand());
-        self.leash.hold_pose(desired, &actual, following);
-        true
-    }
-
-    /// Where the tasks see the joints: those of the base as commanded, drawn slowly to where they are measured, so that
-    /// no noise of odometry goes into the command.
-    fn refer(&mut self, configuration: &[f64], following: Following, elapsed: f64) {
-        let base = self.settings.base.map_or(0, |_| MOCA_BASE_JOINTS);
-        let base = if following == Following::Follows { base } else { 0 };
-        let drawn = -(-elapsed / ODOMETRY).exp_m1();
-        let joints = self.reference.iter_mut().zip(configuration).zip(&self.command.joint_velocity);
-        for (index, ((reference, measured), velocity)) in joints.enumerate() {
-            let expected = *reference + velocity * elapsed;
-            *reference =
-                if index < base { expected + drawn * (measured - expected) } else { *measured };
-        }
     }
 
     /// Computes the velocities of a tick; returns false if they cannot be computed.
@@ -372,12 +320,15 @@ impl Controller {
         self.speed = (self.speed + if seen { step } else { -step }).clamp(0.0, 1.0);
     }
 
-    /// Ergonomics come in when working together begins, and go when it ends.
+    /// How much of the third level is ergonomics in this tick.
     fn advance_activation(&mut self, elapsed: f64) {
-        let wanted = self.settings.goal == Goal::Ergonomics && self.space.is_shared();
-        let step = elapsed / self.settings.activation_time;
-        let activation = self.command.activation + if wanted { step } else { -step };
-        self.command.activation = activation.clamp(0.0, 1.0);
+        let conditions = GoalConditions {
+            wanted: self.settings.goal == Goal::Ergonomics && self.space.is_shared(),
+            rests: self.space.is_at_rest(),
+            at_limit: self.at_limit,
+        };
+        let time = self.settings.activation_time;
+        self.command.activation = self.goal_share.advance(conditions, elapsed, time);
     }
 
     /// Whether the base stands in this tick.
@@ -469,6 +420,7 @@ impl Controller {
         let motion = self.robot.motion(&self.command.joint_velocity);
         let share = self.safety.braking_share(&motion, &self.braking);
         self.keeps_separation = share == 0.0;
+        self.at_limit = self.safety.is_at_limit(&self.command.joint_velocity);
         self.go_towards_rest(share);
         Ok(status)
     }

@@ -187,8 +187,7 @@ impl SharedSpace {
         };
         let seen = FloorMotion { position: person.floor.coords, heading: person.heading };
         let rate = FloorMotion { position: person.velocity, heading: person.heading_rate };
-        let walks = self.intention.intention().walking().is_some();
-        let (target, rate) = self.hold.advance(seen, rate, stops, walks, period);
+        let (target, rate) = self.hold.advance(seen, rate, stops, period);
         let (p, v) = (target.position, rate.position);
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), target.heading);
         let pose = Isometry3::from_parts(Translation3::new(p.x, p.y, 0.0), turn);

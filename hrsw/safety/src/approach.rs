@@ -109,6 +109,8 @@ pub struct ApproachRows {
 
 /// What rounding may make of a speed of approach \[m/s\].
 const ROUNDING: f64 = 1e-7;
+/// A pair whose speed of approach is so near to what it may be is at its limit \[m/s\].
+const AT_LIMIT: f64 = 0.05;
 
 /// Bodies of robot and person of which the distances are remembered.
 const BODIES: usize = 32;
@@ -245,6 +247,16 @@ impl ApproachRows {
         if self.nearest.is_none_or(|other| pair.room() < other.room()) {
             self.nearest = Some(pair);
         }
+    }
+
+    /// Returns true if a pair of the rows written last comes nearer about as fast as it may, with this velocity of the
+    /// joints, n \[m/s or rad/s\].
+    pub fn is_at_limit(&self, rows: &Rows, velocity: &[f64]) -> bool {
+        let mut written = self.places.candidates().zip(rows.iter());
+        written.any(|(candidate, (row, _, upper))| {
+            let approach: f64 = row.iter().zip(velocity).map(|(a, b)| a * b).sum();
+            candidate.is_some() && approach > upper - AT_LIMIT
+        })
     }
 
     /// The least share of the way from `velocity` to `braking`, each n, after which every pair of the rows written last

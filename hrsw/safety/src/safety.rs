@@ -296,6 +296,12 @@ impl Safety {
         self.separation.braking_share(motion, &self.separation_rows, motion.velocity, braking)
     }
 
+    /// Returns true if the robot comes about as near to people as it may, with this velocity of the joints, n
+    /// \[m/s or rad/s\]. See [`ApproachRows::is_at_limit`].
+    pub fn is_at_limit(&self, velocity: &[f64]) -> bool {
+        self.separation.is_at_limit(&self.separation_rows, velocity)
+    }
+
     /// The share of their speeds that the joints may use: at once zero in a stop for a fault, while the
     /// robot moves towards somebody who is too close, and where more pairs are at their limit than there
     /// are rows or one is nearer than can be told; else the supervisor's, in retreat more by the speed at

@@ -22,9 +22,9 @@ impl Held {
         }
     }
 
-    fn step(&mut self, seen: FloorMotion, rate: FloorMotion, walks: bool) {
+    fn step(&mut self, seen: FloorMotion, rate: FloorMotion) {
         let stops = floor(&self.follower.stopping_pose());
-        let (target, rate) = self.frame.advance(seen, rate, stops, walks, PERIOD);
+        let (target, rate) = self.frame.advance(seen, rate, stops, PERIOD);
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), target.heading);
         let pose = Isometry3::from_parts(Translation3::from(target.position.push(0.0)), turn);
         let v = rate.position;
@@ -63,7 +63,7 @@ proptest! {
             let (sine, cosine) = (rate * time).sin_cos();
             let seen = at(1.0 + sway * sine, 0.5, heading + turn * sine);
             let moves = at(sway * rate * cosine, 0.0, turn * rate * cosine);
-            held.step(seen, moves, false);
+            held.step(seen, moves);
             if tick > 4000 {
                 prop_assert!(held.frame.is_held());
                 prop_assert!(held.speed() < 1e-9, "{} at {time} s", held.speed());
@@ -83,7 +83,7 @@ proptest! {
             let velocity = if walks { way * speed } else { Vector2::zeros() };
             place += velocity * PERIOD;
             let rate = FloorMotion { position: velocity, heading: 0.0 };
-            held.step(FloorMotion { position: place, heading: 0.0 }, rate, walks);
+            held.step(FloorMotion { position: place, heading: 0.0 }, rate);
             let off = (floor(held.follower.pose()).position - place).norm();
             if (4.0..5.0).contains(&time) {
                 prop_assert!(off < 0.03, "{off} m behind at {time} s");
@@ -106,12 +106,25 @@ fn it_is_placed_anew_when_the_mean_place_has_left_the_zone() {
         let time = f64::from(tick) * PERIOD;
         let x = (0.02 * (time - 2.0)).clamp(0.0, 0.15);
         let rate = if x > 0.0 && x < 0.15 { 0.02 } else { 0.0 };
-        held.step(at(x, 0.0, 0.0), at(rate, 0.0, 0.0), false);
+        held.step(at(x, 0.0, 0.0), at(rate, 0.0, 0.0));
         fastest = fastest.max(held.speed());
     }
     let off = (floor(held.follower.pose()).position.x - 0.15).abs();
     assert!(off <= settings.position, "{off} m off");
     assert!(fastest <= 0.05 + 0.03, "{fastest} m/s");
+}
+
+/// Two frames that show a person who stands elsewhere and in motion do not move it.
+#[test]
+fn two_wrong_frames_do_not_move_it() {
+    let mut held = Held::at(REST);
+    for tick in 0..4000 {
+        let wrong = (2000..2100).contains(&tick);
+        let (seen, rate) =
+            if wrong { (at(0.05, 0.03, 0.1), at(0.25, -0.15, 0.5)) } else { (REST, REST) };
+        held.step(seen, rate);
+        assert!(tick < 1000 || held.frame.is_held() && held.speed() < 1e-9, "{tick}");
+    }
 }
 
 #[test]

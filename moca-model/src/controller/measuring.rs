@@ -1,0 +1,69 @@
+//! Where the robot is, and where the tasks see it.
+
+use hrsw_safety::Fault;
+use whole_body::Following;
+
+use super::Controller;
+use crate::robot::moca::MOCA_BASE_JOINTS;
+
+/// Over how long the commanded place of the base is drawn to the measured one \[s\]: long against the noise of odometry,
+/// short against what wheels slip.
+const ODOMETRY: f64 = 0.15;
+
+impl Controller {
+    /// From now on tasks are computed where these joints are commanded, not where they are measured:
+    /// joints that follow positions, by torques.
+    pub(crate) fn follow_positions(&mut self, joints: &[usize]) {
+        for (index, follows) in self.follows_position.iter_mut().enumerate() {
+            *follows = joints.contains(&index);
+        }
+    }
+
+    /// Takes the measured configuration, and holds the commanded state to it; returns false if it
+    /// cannot be used.
+    pub(super) fn measure(&mut self, configuration: &[f64], elapsed: f64) -> bool {
+        // An error would allocate its message.
+        if !self.robot.model().is_configuration(configuration) {
+            return false;
+        }
+        let tool = self.robot.world_from_tool().translation.vector;
+        let Ok(following) =
+            self.leash.hold(&mut self.command, configuration, &self.follows_position, &tool)
+        else {
+            return false;
+        };
+        self.refer(configuration, following, elapsed);
+        let commanded = self.follows_position.iter().zip(&self.command.joint_position);
+        for (reference, (follows, commanded)) in self.reference.iter_mut().zip(commanded) {
+            if *follows {
+                *reference = *commanded;
+            }
+        }
+        if self.robot.update(&self.reference).is_err() {
+            return false;
+        }
+        if let [_, _, yaw, ..] = configuration {
+            self.yaw = *yaw;
+        }
+        if following == Following::Reached {
+            self.report(Fault::FollowingError);
+        }
+        let (desired, actual) = (&mut self.command.desired, self.robot.world_from_hand());
+        self.leash.hold_pose(desired, &actual, following);
+        true
+    }
+
+    /// Where the tasks see the joints: those of the base as commanded, drawn slowly to where they are measured, so that
+    /// no noise of odometry goes into the command.
+    fn refer(&mut self, configuration: &[f64], following: Following, elapsed: f64) {
+        let base = self.settings.base.map_or(0, |_| MOCA_BASE_JOINTS);
+        let base = if following == Following::Follows { base } else { 0 };
+        let drawn = -(-elapsed / ODOMETRY).exp_m1();
+        let joints = self.reference.iter_mut().zip(configuration).zip(&self.command.joint_velocity);
+        for (index, ((reference, measured), velocity)) in joints.enumerate() {
+            let expected = *reference + velocity * elapsed;
+            *reference =
+                if index < base { expected + drawn * (measured - expected) } else { *measured };
+        }
+    }
+}
