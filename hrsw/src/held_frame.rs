@@ -14,6 +14,8 @@ const SLOW_TURN: f64 = 0.15;
 const FOLLOWED: f64 = 0.3;
 /// Time for which a person must be slow before the frame is held \[s\]: two frames of a camera.
 const SETTLING: f64 = 0.1;
+/// A frame is held once it stops so near to the person \[zones\].
+const NEAR: f64 = 0.5;
 /// A person leaves who is beyond [`LEAVES`] zones so much later, by their velocity and their turning \[s\].
 const AHEAD: f64 = 0.15;
 const AHEAD_TURN: f64 = 0.1;
@@ -189,7 +191,7 @@ impl<const N: usize> Hold<N> {
         let speed = (seen - self.mean.unwrap_or(seen)).norm() / FOLLOWED;
         if self.place.is_none() {
             self.slow = if speed < zone.slow { self.slow + period } else { 0.0 };
-            if self.slow >= SETTLING && (stops - seen).norm() <= zone.width {
+            if self.slow >= SETTLING && (stops - seen).norm() <= NEAR * zone.width {
                 self.place = Some(stops);
                 (self.target, self.mean) = (stops, Some(seen));
             }
