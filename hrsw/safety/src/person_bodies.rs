@@ -40,26 +40,34 @@ struct Seen {
     /// Where the frame before that one showed it, moved along with the trunk.
     before: Vector3<f64>,
     time: f64,
+    /// How far it may be from where it was seen, where a frame tells \[m\].
+    spread: f64,
     /// Where it was seen in the newest frame, too far away to believe at once.
     doubtful: Option<Vector3<f64>>,
 }
 
 impl Seen {
     /// A joint that was not seen before.
-    fn first(place: Vector3<f64>, time: f64) -> Self {
-        Self { place, before: place, time, doubtful: None }
+    fn first(place: Vector3<f64>, time: f64, spread: f64) -> Self {
+        Self { place, before: place, time, spread, doubtful: None }
     }
 
     /// Takes where the joint is in a frame, if it is there; `moved` is how far the trunk moved
     /// since the frame before. A joint that is missing or doubted moves along with the trunk.
-    fn update(&mut self, place: Option<Vector3<f64>>, time: f64, moved: &Vector3<f64>, gate: f64) {
+    fn update(
+        &mut self,
+        place: Option<Vector3<f64>>,
+        (time, spread): (f64, f64),
+        moved: &Vector3<f64>,
+        gate: f64,
+    ) {
         self.place += moved;
         self.before += moved;
         let expected = self.doubtful.take().map(|doubtful| doubtful + moved);
         let Some(place) = place else { return };
         let near = |other: &Vector3<f64>| (place - other).norm() <= gate;
         if near(&self.place) || expected.as_ref().is_some_and(near) {
-            *self = Self { place, before: self.place, time, doubtful: None };
+            *self = Self { place, before: self.place, time, spread, doubtful: None };
         } else {
             self.doubtful = Some(place);
         }
@@ -178,9 +186,10 @@ impl PersonBodies {
         self.plausible = time;
         for (joint, seen) in Body25::ALL.into_iter().zip(&mut self.joints) {
             let place = place(body, joint, self.settings.least_confidence);
+            let spread = spread(body, joint);
             match seen {
-                Some(seen) => seen.update(place, time, &moved, self.settings.limb_gate),
-                None => *seen = place.map(|place| Seen::first(place, time)),
+                Some(seen) => seen.update(place, (time, spread), &moved, self.settings.limb_gate),
+                None => *seen = place.map(|place| Seen::first(place, time, spread)),
             }
             if seen.is_some_and(|seen| seen.time == time) {
                 self.newest = time;
@@ -224,7 +233,11 @@ impl PersonBodies {
             let velocity = velocity.map(|ends| part.velocity(&from.place, &to.place, ends));
             let touched = self.velocities.for_contact(velocity, now, &self.settings);
             let fastest = velocity.map_or(assumed, |v| v.mean.norm() + v.uncertainty);
-            let growth = |seen: &Seen| fastest * beyond_reaction(now - seen.time, separation);
+            // Z_d stands for what frames do not tell.
+            let growth = |seen: &Seen| {
+                let untold = (seen.spread - separation.human_uncertainty).max(0.0);
+                fastest * beyond_reaction(now - seen.time, separation) + untold
+            };
             let beyond = part.uncertainty_beyond(&from.place, &to.place, separation);
             let grown =
                 part.capsule(&from.place, &to.place, growth(&from).max(growth(&to)) + beyond);
@@ -319,6 +332,12 @@ fn place(body: &Body, joint: Body25, least_confidence: f64) -> Option<Vector3<f6
     let good = keypoint.confidence.value() >= least_confidence
         && place.iter().all(|coordinate| coordinate.is_finite());
     good.then_some(place)
+}
+
+/// How far a joint may be from where a frame shows it, where the frame tells its covariance; else zero \[m\].
+fn spread(body: &Body, joint: Body25) -> f64 {
+    let variance = body.covariance(joint).map_or(0.0, |known| known.symmetric_eigenvalues().max());
+    DEVIATIONS * variance.max(0.0).sqrt()
 }
 
 /// Where a person was seen in one frame, and when \[m, s\].

@@ -1,7 +1,8 @@
 //! How fast a person is taken to be whom the camera misses, and what the noise of the joints is not.
 
 use hrsw_safety::{
-    Age, Capsule, MeasuredVelocity, RobotLimits, Safety, SafetyInput, SafetyState, proximity,
+    Age, Capsule, MeasuredVelocity, RobotLimits, Safety, SafetyInput, SafetySettings, SafetyState,
+    proximity,
 };
 use moca_model::{
     CollaborationStack, ControllerSettings, Kinematics, MOCA_AXIS_SPEED, MOCA_HOME, MOCA_TOOL,
@@ -100,6 +101,16 @@ fn joints_that_disagree_are_nobody_elsewhere() {
     assert_eq!(shifted, 2 * alone, "where they were, and where they seem to be");
 }
 
+/// The robot at rest, and its safety.
+fn at_home(settings: SafetySettings) -> (Kinematics, Safety) {
+    let robot = Kinematics::new(MOCA.clone(), MOCA_TOOL, &settings.bodies, &MOCA_HOME).unwrap();
+    let layout = CollaborationStack::layout(MOCA_HOME.len());
+    let accelerations: Vec<f64> = MOCA.limits().iter().map(|limits| limits.acceleration).collect();
+    let limits = RobotLimits { accelerations: &accelerations, speed: MOCA_AXIS_SPEED };
+    let safety = Safety::new(layout, settings, &limits, PERIOD).unwrap();
+    (robot, safety)
+}
+
 /// The share of its speeds at which the robot, at rest, may leave somebody who is too near, as fast as this
 /// towards it.
 fn share_in_retreat(towards: f64) -> f64 {
@@ -107,11 +118,7 @@ fn share_in_retreat(towards: f64) -> f64 {
     settings.supervisor.ramp = PERIOD;
     settings.supervisor.retreat_after = 0.0;
     let retreat_scale = settings.supervisor.retreat_scale;
-    let robot = Kinematics::new(MOCA.clone(), MOCA_TOOL, &settings.bodies, &MOCA_HOME).unwrap();
-    let layout = CollaborationStack::layout(MOCA_HOME.len());
-    let accelerations: Vec<f64> = MOCA.limits().iter().map(|limits| limits.acceleration).collect();
-    let limits = RobotLimits { accelerations: &accelerations, speed: MOCA_AXIS_SPEED };
-    let mut safety = Safety::new(layout, settings, &limits, PERIOD).unwrap();
+    let (robot, mut safety) = at_home(settings);
     // Where the trunk is a little nearer than somebody at 0.45 m/s asks for of a robot at rest.
     let distance = |x: f64| {
         let at = |z: f64| Vector3::new(x, 0.0, z);
@@ -230,4 +237,38 @@ fn a_velocity_without_covariances_is_as_certain_as_it_says() {
         let distance = draw.random_range(1.5..3.0_f64);
         Noise { along: 0.0042 * distance.powi(2), across: 1.5 / 615.0 * distance }
     });
+}
+
+/// The trunk of somebody 3 to 4.5 m from a depth camera is no farther from where it was seen than Z_d and what is known
+/// of its place, in all but two of a hundred frames.
+#[test]
+fn a_place_from_covariances_is_as_certain_as_it_says() {
+    let (mut beyond, mut frames) = (0, 0);
+    for seed in 0..20 {
+        let mut draw = ChaCha8Rng::seed_from_u64(seed);
+        let distance = draw.random_range(3.0..4.5_f64);
+        let noise = Noise { along: 0.0042 * distance.powi(2), across: 2.5 / 615.0 * distance };
+        let settings = moca_safety();
+        let allowed = settings.separation.human_uncertainty;
+        let (robot, mut safety) = at_home(settings);
+        let truth = body(AHEAD);
+        for frame in 0..100_u32 {
+            let now = 0.05 * f64::from(frame);
+            let seen = Some(noise.see(&truth, true, &mut draw));
+            safety
+                .observe(&Percept { time: now, body: seen, action: None, surface: None })
+                .unwrap();
+            let age = Age::new(0.0).unwrap();
+            let input = SafetyInput { now, elapsed: PERIOD, age, together: false, feels: false };
+            safety.measure(&robot.motion(&[0.0; 10]), robot.bodies(), &input).unwrap();
+            let trunk = safety.person_bodies().first().unwrap();
+            let error =
+                [(Body25::Neck, trunk.capsule.start()), (Body25::MidHip, trunk.capsule.end())].map(
+                    |(joint, place)| (place - truth.get(joint).unwrap().position.coords).norm(),
+                );
+            frames += 1;
+            beyond += u32::from(error[0].max(error[1]) > allowed + trunk.uncertainty);
+        }
+    }
+    assert!(beyond * 50 <= frames, "{beyond} of {frames} frames beyond");
 }
