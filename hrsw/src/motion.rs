@@ -16,7 +16,7 @@ pub struct FollowerSettings {
     pub acceleration: f64,
     /// Largest angular speed \[rad/s\]. Default 1.5.
     pub angular_speed: f64,
-    /// Largest angular acceleration \[rad/s²\]. Default 4.0.
+    /// Largest angular acceleration \[rad/s²\]. Default 3.0.
     pub angular_acceleration: f64,
     /// Rate at which a small distance decays \[1/s\]. Default 5.0.
     pub gain: f64,
@@ -28,7 +28,7 @@ impl Default for FollowerSettings {
             speed: 1.0,
             acceleration: 3.0,
             angular_speed: 1.5,
-            angular_acceleration: 4.0,
+            angular_acceleration: 3.0,
             gain: 5.0,
         }
     }
