@@ -13,7 +13,7 @@ mod turning;
 use ahqp_core::{JerkLimits, Limits, Status, VelocityInterval, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::Softening;
-use hrsw_safety::{Fault, JointMotion, LoopClock, RobotLimits, Safety, SafetyInput, SafetyState};
+use hrsw_safety::{Fault, JointMotion, LoopClock, RobotLimits, Safety, SafetyState};
 use nalgebra::{Isometry3, Vector3};
 use whole_body::Model;
 
@@ -283,33 +283,6 @@ impl Controller {
             }
         }
         true
-    }
-
-    /// Where the person is, and how far from the robot.
-    fn watch(&mut self, elapsed: f64) -> Result<(), Error> {
-        let Some(now) = self.clock.now() else { return Ok(()) };
-        self.space.advance(now, elapsed)?;
-        let input = SafetyInput {
-            now,
-            elapsed,
-            age: self.clock.age(),
-            together: self.space.is_shared(),
-            feels: self.feels,
-        };
-        let (robot, safety, velocity) =
-            (&mut self.robot, &mut self.safety, &self.command.joint_velocity);
-        if safety.needs_inertia() {
-            robot.weigh()?;
-        }
-        safety.measure(&robot.motion(velocity), robot.bodies(), &input)?;
-        if safety.needs_inertia() && robot.inverse_inertia().is_none() {
-            robot.weigh()?;
-            if robot.inverse_inertia().is_some() {
-                safety.measure_people(&robot.motion(velocity), robot.bodies())?;
-            }
-        }
-        safety.decide(robot.bodies(), &input);
-        Ok(())
     }
 
     /// Rest when nothing has been seen for too long, by way of a shrinking velocity limit.

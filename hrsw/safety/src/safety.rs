@@ -67,7 +67,7 @@ pub struct Safety {
     people: Vec<PersonBody>,
     /// Of the joints.
     acceleration_limits: Vec<f64>,
-    /// Of the robot that leaves somebody \[m/s\].
+    /// Speed of the robot that leaves somebody \[m/s\].
     full_speed: f64,
     /// By how much the joints' velocities may change in this tick.
     velocity_change: Vec<f64>,

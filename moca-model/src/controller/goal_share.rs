@@ -29,7 +29,7 @@ pub(super) struct GoalConditions {
 }
 
 impl GoalShare {
-    /// None.
+    /// Nobody works with the robot.
     pub(super) const NONE: Self = Self { together: 0.0, free: 1.0 };
 
     /// Goes on by a time \[s\]; `activation_time` is that in which ergonomics come and go \[s\]. Returns the share.
@@ -49,5 +49,28 @@ impl GoalShare {
         };
         self.free = (self.free + elapsed * rate).clamp(0.0, 1.0);
         self.together * self.free
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERIOD: f64 = 1e-3;
+
+    /// The share after so many milliseconds of these conditions.
+    fn after(share: &mut GoalShare, ticks: u32, rests: bool, at_limit: bool) -> f64 {
+        let conditions = GoalConditions { wanted: true, rests, at_limit };
+        (0..ticks).fold(0.0, |_, _| share.advance(conditions, PERIOD, 0.5))
+    }
+
+    #[test]
+    fn it_is_held_at_a_limit_where_the_workspace_rests() {
+        let mut share = GoalShare::NONE;
+        assert!((after(&mut share, 250, false, true) - 0.5).abs() < 1e-9, "halfway after 0.25 s");
+        assert!(after(&mut share, 300, false, true) >= 1.0, "a workspace that moves has no limit");
+        assert!(after(&mut share, 101, true, true) <= 0.0, "held within 0.1 s");
+        assert!((after(&mut share, 1500, true, false) - 0.5).abs() < 0.01, "back over 3 s");
+        assert!(after(&mut share, 260, false, false) >= 1.0, "and at once where it moves");
     }
 }

@@ -1,6 +1,6 @@
 //! What the camera sees.
 
-use hrsw_safety::{Fault, FrameFault};
+use hrsw_safety::{Fault, FrameFault, SafetyInput};
 use vision_models::{Body, ImpossibleBody, Percept};
 
 use super::Controller;
@@ -65,6 +65,33 @@ impl Controller {
                 return Err(Error::Body { fault, body });
             }
         }
+        Ok(())
+    }
+
+    /// Where the person is, and how far from the robot.
+    pub(super) fn watch(&mut self, elapsed: f64) -> Result<(), Error> {
+        let Some(now) = self.clock.now() else { return Ok(()) };
+        self.space.advance(now, elapsed)?;
+        let input = SafetyInput {
+            now,
+            elapsed,
+            age: self.clock.age(),
+            together: self.space.is_shared(),
+            feels: self.feels,
+        };
+        let (robot, safety, velocity) =
+            (&mut self.robot, &mut self.safety, &self.command.joint_velocity);
+        if safety.needs_inertia() {
+            robot.weigh()?;
+        }
+        safety.measure(&robot.motion(velocity), robot.bodies(), &input)?;
+        if safety.needs_inertia() && robot.inverse_inertia().is_none() {
+            robot.weigh()?;
+            if robot.inverse_inertia().is_some() {
+                safety.measure_people(&robot.motion(velocity), robot.bodies())?;
+            }
+        }
+        safety.decide(robot.bodies(), &input);
         Ok(())
     }
 }

@@ -55,8 +55,8 @@ const ROWS: [Row; 10] = [
     ("  of it outside the shared workspace [s]", 2, |run| run.outside),
     ("  of it hand out of reach [s]", 2, |run| run.out_of_reach),
     ("tracking error, root mean square [mm]", 2, |run| run.tracking_error_rms_mm),
-    ("workpiece of who stands, rms [mm/s]", 0, workpiece_mm_s),
-    ("base at rest then [%]", 0, base_at_rest),
+    ("workpiece while they stand, rms [mm/s]", 0, workpiece_mm_s),
+    ("  base at rest then [%]", 0, base_at_rest),
     ("ticks not solved", 1, |run| run.solver_failures as f64),
 ];
 
