@@ -172,9 +172,10 @@ impl Noise {
         let mut seen = Body::default();
         let sigma = Vector3::new(self.along, self.across, self.across);
         for (joint, keypoint) in body.iter() {
-            // Three uniform numbers of each axis: nearly normal.
-            let noise = sigma
-                .map(|sigma| sigma * (0..3).map(|_| draw.random_range(-1.0..1.0_f64)).sum::<f64>());
+            // Twelve uniform numbers of each axis: nearly normal, with tails.
+            let normal =
+                sigma.map(|_| (0..12).map(|_| draw.random_range(-0.5..0.5_f64)).sum::<f64>());
+            let noise = sigma.component_mul(&normal);
             let keypoint = Keypoint { position: keypoint.position + noise, ..keypoint };
             if is_known {
                 let covariance = Matrix3::from_diagonal(&sigma.map(|sigma| sigma * sigma));
