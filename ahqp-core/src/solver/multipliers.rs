@@ -74,7 +74,7 @@ impl Multipliers {
     pub(crate) fn balance_level(
         &mut self,
         data: &ProblemData,
-        factorisation: &Factorisation,
+        factorisation: &mut Factorisation,
         value: &[f64],
         activity: &[Activity],
         (group, residuals): (usize, Residuals),
@@ -90,7 +90,8 @@ impl Multipliers {
         let residual = &mut self.residual[..end - start];
         let rounding = &mut self.residual_rounding[..end - start];
         let mut any = linear_of.is_some();
-        for (i, &id) in factorisation.stacked[start..end].iter().enumerate() {
+        for i in 0..end - start {
+            let id = factorisation.stacked[start + i];
             let bound = active_bound(data, activity, id);
             residual[i] = value[id] - bound;
             rounding[i] = data.rounding(id, x_norm);
@@ -98,6 +99,11 @@ impl Multipliers {
                 let x = &value[..data.n];
                 residual[i] = data.row(id).dot(x) - bound;
                 rounding[i] = data.rounding_beside_bounds(id, x, x_norm, activity);
+            }
+            // Only where that may be all there is: it costs more than the rest.
+            let is_small = residual[i].abs() < CLEARLY_THERE * data.magnitude(id, x_norm);
+            if i >= rank && is_small && residual[i].abs() > rounding[i] {
+                rounding[i] += factorisation.rounding_of_point(data, group, start + i, x_norm);
             }
             any |= residual[i].abs() > rounding[i];
         }

@@ -128,7 +128,7 @@ impl QuadraticFactor {
             self.eliminate(hessian, pivot);
         }
         self.check_remainder(level, hessian)?;
-        self.split_gradient(gradient);
+        self.split_gradient(hessian, gradient);
         Ok(())
     }
 
@@ -220,27 +220,50 @@ impl QuadraticFactor {
     }
 
     /// b with (Rᵀb)ᵢ = −gᵢ at the pivots; the rest of g is linear.
-    fn split_gradient(&mut self, gradient: &DVector<f64>) {
-        let n = self.n;
-        for (i, &pivot) in self.pivots.iter().enumerate() {
-            let terms = (0..i).map(|above| self.factor[above * n + pivot] * self.target[above]);
-            let (known, size) = terms.fold((0.0, gradient[pivot].abs()), |(sum, size), term| {
-                (sum + term, size + term.abs())
-            });
-            let root = self.factor[i * n + pivot];
-            self.target[i] = (-gradient[pivot] - known) / root;
-            self.target_rounding[i] = ROUNDING * size / root;
+    fn split_gradient(&mut self, hessian: &DMatrix<f64>, gradient: &DVector<f64>) {
+        for i in 0..self.rank {
+            let pivot = self.pivots[i];
+            let left = self.left_of_gradient(hessian, gradient, pivot, i);
+            let root = self.factor[i * self.n + pivot];
+            self.target[i] = -left.value / root;
+            self.target_rounding[i] = left.rounding / root;
         }
-        for j in 0..n {
-            let terms = (0..self.rank).map(|i| self.factor[i * n + j] * self.target[i]);
-            let (range, size) = terms.fold((0.0, gradient[j].abs()), |(range, size), term| {
-                (range + term, size + term.abs())
-            });
-            let rest: f64 = gradient[j] + range;
-            let is_linear = self.diagonal[j] != IS_PIVOT && rest.abs() > LINEAR * size;
-            self.linear[j] = if is_linear { rest } else { 0.0 };
+        for j in 0..self.n {
+            let left = self.left_of_gradient(hessian, gradient, j, self.rank);
+            let is_linear = self.diagonal[j] != IS_PIVOT
+                && left.value.abs() > LINEAR * left.size + left.rounding;
+            self.linear[j] = if is_linear { left.value } else { 0.0 };
         }
     }
+
+    /// gⱼ and what the first rows of R and their targets add to it.
+    fn left_of_gradient(
+        &self,
+        hessian: &DMatrix<f64>,
+        gradient: &DVector<f64>,
+        j: usize,
+        rows: usize,
+    ) -> Left {
+        let value = gradient[j];
+        let mut left = Left { value, size: value.abs(), rounding: ROUNDING * value.abs() };
+        let largest = hessian[(j, j)].max(0.0).sqrt();
+        for i in 0..rows {
+            let (entry, target) = (self.factor[i * self.n + j], self.target[i]);
+            left.value += entry * target;
+            left.size += (entry * target).abs();
+            // An entry of R is a difference of terms of up to √Hⱼⱼ times the amplification.
+            let of_entry = ROUNDING * self.amplification[i] * largest;
+            left.rounding += of_entry * target.abs() + entry.abs() * self.target_rounding[i];
+        }
+        left
+    }
+}
+
+/// What is left of an entry of the gradient, the size of its terms, and the rounding in it.
+struct Left {
+    value: f64,
+    size: f64,
+    rounding: f64,
 }
 
 fn indefinite(level: usize, variable: usize, pivot: f64) -> Error {
@@ -406,6 +429,18 @@ mod tests {
             let scaled = DMatrix::from_fn(5, 5, |i, j| unit(i) * symmetric[(i, j)] * unit(j));
             prop_assert_eq!(kind(&symmetric), kind(&scaled));
         }
+    }
+
+    /// Two alike variables, and a gradient of zero at both: there each term is rounding of the factor.
+    #[test]
+    fn rounding_of_the_factor_is_no_linear_part() {
+        let hessian = DMatrix::from_row_slice(3, 3, &[1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 1.0, 2.0, 2.0]);
+        let mut factor = QuadraticFactor::new(3);
+        factor.factorise(0, &hessian, &DVector::from_row_slice(&[1.0, 0.0, 0.0])).unwrap();
+        assert!(!factor.linear(&mut [0.0; 3]));
+        // What is there is seen, however small.
+        factor.factorise(0, &hessian, &DVector::from_row_slice(&[1.0, 1e-6, 0.0])).unwrap();
+        assert!(factor.linear(&mut [0.0; 3]));
     }
 
     #[test]

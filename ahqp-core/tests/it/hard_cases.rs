@@ -463,3 +463,13 @@ fn large_variables_hide_no_contradiction_of_others() {
     let error = solver.solve(&problem).unwrap_err();
     assert!(matches!(error, Error::Infeasible { level, .. } if level.index() == 1), "{error}");
 }
+
+/// Of two alike variables one is factored. What rounding leaves of the other's row then meets a gradient of
+/// zero, and is no slope.
+#[test]
+fn a_quadratic_that_only_rounding_tilts_is_bounded() {
+    let hessian = dmatrix![1.0, 1.0, 1.0; 1.0, 2.0, 2.0; 1.0, 2.0, 2.0];
+    let level = Level::quadratic(&hessian, &dvector![1.0, 0.0, 0.0]).unwrap();
+    let solution = solved(&hierarchy(3, [level]));
+    assert_near(solution.optimum().unwrap(), &[-2.0, 0.5, 0.5], 1e-12);
+}

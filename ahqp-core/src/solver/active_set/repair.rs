@@ -18,6 +18,7 @@ impl ActiveSet {
     /// Repairs the present active set, which fits the data, in up to `rounds` rounds. Returns true if x
     /// is the optimum then, and false if that is not in sight.
     pub(crate) fn repair(&mut self, rounds: usize) -> bool {
+        let mut last = None;
         for round in 0..rounds {
             self.iterations += 1;
             let first = round == 0;
@@ -30,7 +31,14 @@ impl ActiveSet {
                     self.x.copy_from_slice(&self.factorisation.x);
                     return true;
                 }
-                Some(changes) if !first || changes <= self.data.n / FAR + 1 => {}
+                Some(changes) if !first || changes <= self.data.n / FAR + 1 => {
+                    let only = self.signs.changed.first().copied().filter(|_| changes == 1);
+                    // One row that comes and goes by rounding leads round in a circle.
+                    if only.is_some() && only == last {
+                        return false;
+                    }
+                    last = only;
+                }
                 _ => return false,
             }
         }

@@ -230,6 +230,31 @@ impl Factorisation {
         }
     }
 
+    /// The rounding in a x of a dependent stacked row of the group that comes from x: the rows that decide x are
+    /// met to their own rounding.
+    pub(crate) fn rounding_of_point(
+        &mut self,
+        data: &ProblemData,
+        group: usize,
+        at: usize,
+        x_norm: f64,
+    ) -> f64 {
+        let n = self.stride;
+        let Group { rank, first_pivot, .. } = self.groups[group];
+        let mut left = std::mem::take(&mut self.turned);
+        left.copy_from_slice(&self.rows[at * n..(at + 1) * n]);
+        let mut rounding = 0.0;
+        for coordinate in (0..first_pivot + rank).rev() {
+            let pivot = self.pivots[coordinate];
+            let row = &self.rows[pivot * n..(pivot + 1) * n];
+            let part = left[coordinate] / row[coordinate];
+            add_scaled(&mut left[..coordinate], -part, &row[..coordinate]);
+            rounding += part.abs() * data.rounding(self.stacked[pivot], x_norm);
+        }
+        self.turned = left;
+        rounding
+    }
+
     /// Returns true if a dependent row of the group pulls along a coordinate before those that the group
     /// decides, or along a variable at a bound, by a small part of it: what the pivots leave of it there.
     /// With other bounds active the rank tolerance may take that for none.
