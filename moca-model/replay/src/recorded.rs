@@ -29,6 +29,7 @@ mod recorder;
 mod robot;
 mod stage;
 mod table;
+mod visuals;
 
 pub use body::{BODY_POINTS, BodyPart, LIMBS, Limb, POINT_COUNT};
 pub use error::ReplayError;
