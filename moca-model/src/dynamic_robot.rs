@@ -1,8 +1,12 @@
 //! A robot whose arm takes torques, for want of a real one.
 
 use whole_body::{
-    CommandLine, ExternalWrench, FrameId, JointDrive, Model, PayloadId, RandomSource,
-    RigidBodySimulation, RobotMode, RobotStatus, SensorSettings, Sensors,
+    FrameId, Model,
+    control_loop::{RobotMode, RobotStatus},
+    simulation::{
+        CommandLine, JointDrive, RandomSource, RigidBodySimulation, SensorSettings, Sensors,
+    },
+    state::{ExternalWrench, PayloadId},
 };
 
 use crate::command::Command;
@@ -90,7 +94,7 @@ impl DynamicRobotSettings {
 /// ```
 /// use moca_model::{DynamicRobot, DynamicRobotSettings, MOCA_HOME, moca};
 /// # struct None;
-/// # impl moca_model::whole_body::RandomSource for None {
+/// # impl moca_model::whole_body::simulation::RandomSource for None {
 /// #     fn normal(&mut self) -> f64 { 0.0 }
 /// #     fn uniform(&mut self) -> f64 { 1.0 }
 /// # }

@@ -3,7 +3,7 @@
 use hrsw::Capsule;
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, UnitQuaternion, Vector3};
 use vision_models::{Surface, Tool};
-use whole_body::{FrameId, Payload};
+use whole_body::{FrameId, state::Payload};
 
 use crate::error::Error;
 

@@ -97,7 +97,7 @@ pub use stack::{CollaborationStack, GoalTerms, PostureSettings, StackInput, Stac
 pub use torque::{AnswerDelay, Measured, TorqueController, TorqueLoopSettings};
 pub use vision_models::Intention;
 pub use whole_body;
-pub use whole_body::{ImpedanceSettings, JointImpedance, JointState};
+pub use whole_body::torque::{ImpedanceSettings, JointImpedance, JointState};
 
 /// The program of the crate's README.
 #[cfg(doctest)]

@@ -29,8 +29,11 @@ use moca_drivers::{
     UdpServer, UdpSide,
 };
 use moca_model::whole_body::{
-    Clock, Compensation, ControlLoop, JointMeasurement, LoopSettings, ManualClock, MonotonicClock,
-    RobotSide, Scheduling, StopCause,
+    control_loop::{
+        Clock, ControlLoop, JointMeasurement, LoopSettings, ManualClock, MonotonicClock, RobotSide,
+        Scheduling, StopCause,
+    },
+    torque::Compensation,
 };
 use moca_model::{AnswerDelay, CameraFrame, Controller, LoopController, TorqueController};
 use moca_simulation::plant::RobotNoise;

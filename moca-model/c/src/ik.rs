@@ -3,7 +3,12 @@
 use std::ffi::c_char;
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
-use whole_body::{FrameTask, Ik, IkBuilder, OrientationTask, PositionTask, PostureTask, TaskId};
+use whole_body::{
+    Ik,
+    ik::IkBuilder,
+    stack::TaskId,
+    tasks::{FrameTask, OrientationTask, PositionTask, PostureTask},
+};
 
 use crate::failure::{AhqpStatus, Failure, Result, call, status};
 use crate::handle::{free, give, read, write};

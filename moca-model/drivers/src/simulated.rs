@@ -3,7 +3,8 @@
 use std::fmt;
 
 use moca_model::whole_body::{
-    JointCommand, JointMeasurement, RandomSource, Received, RobotSide, RobotStatus,
+    control_loop::{JointCommand, JointMeasurement, Received, RobotSide, RobotStatus},
+    simulation::RandomSource,
 };
 use moca_model::{DynamicRobot, DynamicRobotSettings, Error, MOCA_BASE_JOINTS, moca};
 

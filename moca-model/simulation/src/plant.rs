@@ -21,7 +21,8 @@ use std::time::Instant;
 
 use human_perception::random;
 use moca_model::whole_body::{
-    Compensation, Data, ExternalWrench, JointMeasurement, Model, RandomSource,
+    Data, Model, control_loop::JointMeasurement, simulation::RandomSource, state::ExternalWrench,
+    torque::Compensation,
 };
 use moca_model::{
     Command, Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, HeldObject,

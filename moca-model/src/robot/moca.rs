@@ -2,7 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use whole_body::{Description, JointFriction, LimitOverride, Model};
+use whole_body::{
+    Description, Model,
+    robot::{JointFriction, LimitOverride},
+};
 
 use crate::error::Error;
 

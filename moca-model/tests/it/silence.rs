@@ -4,8 +4,12 @@ use ergo_map::ErgonomicsQuadratic;
 use hrsw::Attachment;
 use hrsw_safety::{Cause, Fault, SafetyState};
 use moca_model::whole_body::{
-    Clock, Compensation, ControlLoop, JointCommand, JointMeasurement, LoopSettings, ManualClock,
-    RandomSource, Received, RobotSide, StopCause,
+    control_loop::{
+        Clock, ControlLoop, JointCommand, JointMeasurement, LoopSettings, ManualClock, Received,
+        RobotSide, StopCause,
+    },
+    simulation::RandomSource,
+    torque::Compensation,
 };
 use moca_model::{
     AnswerDelay, Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, MOCA_HOME,

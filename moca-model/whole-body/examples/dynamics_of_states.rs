@@ -13,7 +13,7 @@ use std::io::{Read, Write};
 
 use nalgebra::{DMatrix, Matrix3xX, Matrix6xX, Vector3};
 use serde_json::{Value, json};
-use whole_body::{Axes, Base, Data, Description, FrameId, Model, UnusableLimits};
+use whole_body::{Axes, Base, Data, Description, FrameId, Model, robot::UnusableLimits};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut text = String::new();

@@ -2,8 +2,9 @@
 //! above them.
 use nalgebra::Vector3;
 use whole_body::{
-    Axis, Base, CentreOfMassTask, Data, Description, Error, FrameTask, Ik, Model, PositionTask,
-    PostureTask, TaskLevel,
+    Base, Data, Description, Error, Ik, Model,
+    stack::TaskLevel,
+    tasks::{Axis, CentreOfMassTask, FrameTask, PositionTask, PostureTask},
 };
 
 fn main() -> Result<(), Error> {

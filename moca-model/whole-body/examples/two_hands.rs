@@ -2,8 +2,10 @@
 //! the left one keeps its pose beside it, and base, lift and arms share the work.
 use nalgebra::{Isometry3, vector};
 use whole_body::{
-    Description, Error, Ik, LimitOverride, Model, PositionTask, PostureTask, RelativeFrameTask,
-    WheelLimit,
+    Description, Error, Ik, Model,
+    limits::WheelLimit,
+    robot::LimitOverride,
+    tasks::{PositionTask, PostureTask, RelativeFrameTask},
 };
 
 fn main() -> Result<(), Error> {

@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use whole_body::{Base, Description, JointKind, Model, UnusableLimits};
+use whole_body::{
+    Base, Description, Model,
+    robot::{JointKind, UnusableLimits},
+};
 
 /// How the root link moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -6,8 +6,11 @@ use std::time::Instant;
 use anyhow::{Result, ensure};
 use nalgebra::{Isometry3, Point3, Vector3};
 use whole_body::{
-    FrameId, FrameTask, Ik, JointKind, LimitKind, Model, OrientationTask, PositionTask,
-    PostureTask, Status, TaskId, TaskLevel,
+    FrameId, Ik, Model,
+    limits::LimitKind,
+    robot::JointKind,
+    stack::{Status, TaskId, TaskLevel},
+    tasks::{FrameTask, OrientationTask, PositionTask, PostureTask},
 };
 
 use crate::path::Path;

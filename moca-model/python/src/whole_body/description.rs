@@ -3,7 +3,8 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whole_body::{
-    AddedFrame, Base, Description, LimitOverride, MissingAcceleration, UnusableLimits,
+    Base, Description,
+    robot::{AddedFrame, LimitOverride, MissingAcceleration, UnusableLimits},
 };
 
 use crate::arrays::{numbers, pose};

@@ -3,8 +3,13 @@
 use nalgebra::{Point3, Vector3, Vector6};
 use pyo3::prelude::*;
 use whole_body::{
-    AxisTask, CentreOfMassTask, DampingTask, FrameTask, Ik, JointCouplingTask, OrientationTask,
-    PositionTask, PostureTask, RelativeFrameTask, Step, TaskId,
+    Ik,
+    ik::Step,
+    stack::TaskId,
+    tasks::{
+        AxisTask, CentreOfMassTask, DampingTask, FrameTask, JointCouplingTask, OrientationTask,
+        PositionTask, PostureTask, RelativeFrameTask,
+    },
 };
 
 use crate::arrays::{direction, numbers, orientation, pose, vector_of, with_slice};

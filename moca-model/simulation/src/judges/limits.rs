@@ -6,7 +6,7 @@
 //! outside does not move farther out and returns. The base keeps to what its wheels can do.
 
 use hrsw_safety::Fault;
-use moca_model::whole_body::{JointLimits, Model};
+use moca_model::whole_body::{Model, robot::JointLimits};
 use moca_model::{Command, ControllerSettings, DesiredMotion, MecanumBase, TorqueLoopSettings};
 use nalgebra::{Vector3, Vector6};
 use serde::{Deserialize, Serialize};
@@ -231,7 +231,7 @@ impl LimitMonitor {
 ///
 /// ```
 /// use moca_simulation::judges::TorqueMonitor;
-/// use moca_model::whole_body::Compensation;
+/// use moca_model::whole_body::torque::Compensation;
 /// use moca_model::{TorqueLoopSettings, moca};
 ///
 /// let settings = TorqueLoopSettings::new(Compensation::BARE);

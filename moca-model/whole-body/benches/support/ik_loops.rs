@@ -2,8 +2,13 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use whole_body::{
-    Axis, Base, CentreOfMassTask, Description, FrameTask, FrameVelocityLimit, Ik, LimitOverride,
-    Model, OrientationTask, PositionTask, PostureTask, TaskId, TaskLevel, VelocityTask, WheelLimit,
+    Base, Description, Ik, Model,
+    limits::{FrameVelocityLimit, WheelLimit},
+    robot::LimitOverride,
+    stack::{TaskId, TaskLevel},
+    tasks::{
+        Axis, CentreOfMassTask, FrameTask, OrientationTask, PositionTask, PostureTask, VelocityTask,
+    },
 };
 
 /// A stack whose hands go round on circles of 5 cm.

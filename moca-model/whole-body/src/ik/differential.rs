@@ -34,7 +34,7 @@ pub use step::{ActiveLimit, ActiveRow, LevelReport, Step};
 ///
 /// ```
 /// use nalgebra::Point3;
-/// use whole_body::{Description, Ik, Model, PositionTask, PostureTask};
+/// use whole_body::{Description, Ik, Model, tasks::{PositionTask, PostureTask}};
 ///
 /// let urdf = r#"<robot name="arm">
 ///   <link name="base"/> <link name="upper"/> <link name="lower"/> <link name="hand"/>

@@ -1,6 +1,10 @@
 //! What a step says of limits that joints do not have.
 
-use whole_body::{Description, End, Ik, LimitKind, Model, PostureTask};
+use whole_body::{
+    Description, Ik, Model,
+    limits::{End, LimitKind},
+    tasks::PostureTask,
+};
 
 use crate::support::stacks::PERIOD;
 

@@ -3,10 +3,16 @@
 use allocation_counter::measure;
 use nalgebra::{DMatrix, IsometryMatrix3, Matrix3, Matrix3xX, Matrix6xX, Point3, Vector3, Vector6};
 use whole_body::{
-    Axes, AxisTask, Base, CentreOfMassTask, Commanded, Compensation, Contact, ContactForce,
-    DampingTask, Data, Description, ExternalWrench, FrameTask, FrameVelocityLimit, Ik, JointDrive,
-    JointState, Leash, ManipulabilityTask, Model, MomentumObserver, ObserverSettings, Payload,
-    PostureTask, RigidBodySimulation, SensorSettings, Sensors, TorqueControl, TorqueSettings,
+    Axes, Base, Data, Description, Ik, Model,
+    ik::{Commanded, Leash},
+    limits::FrameVelocityLimit,
+    simulation::{Contact, JointDrive, RigidBodySimulation, SensorSettings, Sensors},
+    state::{ExternalWrench, Payload},
+    tasks::{AxisTask, CentreOfMassTask, DampingTask, FrameTask, ManipulabilityTask, PostureTask},
+    torque::{
+        Compensation, ContactForce, JointState, MomentumObserver, ObserverSettings, TorqueControl,
+        TorqueSettings,
+    },
 };
 
 use crate::support::stacks;

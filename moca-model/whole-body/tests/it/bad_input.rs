@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, IsometryMatrix3, Matrix3, Matrix3xX, Matrix6xX, Point3, Vector3, Vector6};
 use whole_body::{
-    Axes, Base, Data, Description, Error, ExternalWrench, JointId, Model, Payload, Posed,
+    Axes, Base, Data, Description, Error, JointId, Model, Posed,
+    state::{ExternalWrench, Payload},
 };
 
 const HUMANOID: &str = include_str!("../golden/humanoid.urdf");

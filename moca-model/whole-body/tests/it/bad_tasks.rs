@@ -2,9 +2,14 @@
 
 use nalgebra::{Point3, Vector3};
 use whole_body::{
-    CentreOfMassTask, Commanded, DampingTask, Description, Error, FrameTask, FrameVelocityLimit,
-    Ik, IkSettings, JointCouplingTask, Leash, ManipulabilityTask, Model, PositionTask, PostureTask,
-    RelativeFrameTask, Task, TaskLevel, VelocityInterval, VelocityTask, WheelLimit,
+    Description, Error, Ik, Model, Task,
+    ik::{Commanded, IkSettings, Leash},
+    limits::{FrameVelocityLimit, VelocityInterval, WheelLimit},
+    stack::TaskLevel,
+    tasks::{
+        CentreOfMassTask, DampingTask, FrameTask, JointCouplingTask, ManipulabilityTask,
+        PositionTask, PostureTask, RelativeFrameTask, VelocityTask,
+    },
 };
 
 use crate::support::stacks::{PERIOD, humanoid, panda};

@@ -3,7 +3,11 @@
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use whole_body::{
-    Commanded, Error, FrameTask, Ik, JointKind, Leash, Model, PositionTask, PostureTask, TaskId,
+    Error, Ik, Model,
+    ik::{Commanded, Leash},
+    robot::JointKind,
+    stack::TaskId,
+    tasks::{FrameTask, PositionTask, PostureTask},
 };
 
 use crate::support::pose;

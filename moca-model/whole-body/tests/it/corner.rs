@@ -2,7 +2,10 @@
 //! wheels all meet where it stands.
 
 use nalgebra::Point3;
-use whole_body::{Description, Ik, LimitOverride, Model, PositionTask, Status, WheelLimit};
+use whole_body::{
+    Description, Ik, Model, limits::WheelLimit, robot::LimitOverride, stack::Status,
+    tasks::PositionTask,
+};
 
 use crate::support::stacks::{PERIOD, Random};
 

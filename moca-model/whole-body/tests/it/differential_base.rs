@@ -3,8 +3,12 @@
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use whole_body::{
-    Axis, Commanded, Description, Feedback, FrameVelocityLimit, Ik, Leash, LimitOverride, Model,
-    PositionTask, PostureTask, TaskId, WheelLimit,
+    Description, Ik, Model,
+    ik::{Commanded, Leash},
+    limits::{FrameVelocityLimit, WheelLimit},
+    robot::LimitOverride,
+    stack::TaskId,
+    tasks::{Axis, Feedback, PositionTask, PostureTask},
 };
 
 use crate::support::monitor::Monitor;

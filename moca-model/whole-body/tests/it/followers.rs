@@ -1,7 +1,12 @@
 //! Limits of joints that follow others.
 
 use proptest::prelude::*;
-use whole_body::{Description, Ik, LimitKind, LimitOverride, Model, PostureTask, Warning};
+use whole_body::{
+    Description, Ik, Model,
+    limits::LimitKind,
+    robot::{LimitOverride, Warning},
+    tasks::PostureTask,
+};
 
 use crate::support::stacks::PERIOD;
 

@@ -3,8 +3,13 @@
 use nalgebra::{Point3, Vector3, Vector6};
 use proptest::prelude::*;
 use whole_body::{
-    Axis, CentreOfMassTask, End, Feedback, FrameTask, Ik, LimitKind, Model, OrientationTask,
-    PositionTask, PostureTask, TaskLevel, VelocityTask,
+    Ik, Model,
+    limits::{End, LimitKind},
+    stack::TaskLevel,
+    tasks::{
+        Axis, CentreOfMassTask, Feedback, FrameTask, OrientationTask, PositionTask, PostureTask,
+        VelocityTask,
+    },
 };
 
 use crate::support::stacks::{PERIOD, Random, bush, humanoid, moca, panda, two_arms};
@@ -177,8 +182,9 @@ fn a_step_names_what_limits_it() {
 mod quadratics {
     use nalgebra::{Matrix1, Vector1};
     use whole_body::{
-        Budget, Data, Error, QuadraticTask, TaskInput, TaskLevel, TaskQuadratic, TaskStack,
-        VariableLayout, Variables,
+        Data, Error,
+        stack::{Budget, TaskLevel, TaskStack},
+        tasks::{QuadraticTask, TaskInput, TaskQuadratic, VariableLayout, Variables},
     };
 
     use super::*;
@@ -216,7 +222,8 @@ mod quadratics {
         near.constrain("tied", rows);
         let levels = vec![near];
         let mut stack =
-            TaskStack::new(&model, &layout, levels, whole_body::Settings::default()).unwrap();
+            TaskStack::new(&model, &layout, levels, whole_body::stack::Settings::default())
+                .unwrap();
         let mut data = Data::new(&model);
         let mut solve = |stack: &mut TaskStack| {
             let mut posed = data.pose(&model, &model.neutral()).unwrap();

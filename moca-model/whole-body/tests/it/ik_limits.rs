@@ -3,8 +3,12 @@
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use whole_body::{
-    Description, FrameVelocityLimit, Ik, IkBuilder, LimitOverride, Model, OrientationTask,
-    PositionTask, PostureTask, TaskId, WheelLimit,
+    Description, Ik, Model,
+    ik::IkBuilder,
+    limits::{FrameVelocityLimit, WheelLimit},
+    robot::LimitOverride,
+    stack::TaskId,
+    tasks::{OrientationTask, PositionTask, PostureTask},
 };
 
 use crate::support::monitor::Monitor;
@@ -64,7 +68,7 @@ fn soak(model: &Model, seed: u64, ticks: u64) {
                 random_targets(&mut ik, &tasks, model, &mut random);
             }
             let step = ik.step(&q, PERIOD).unwrap();
-            assert_eq!(step.status(), whole_body::Status::Solved);
+            assert_eq!(step.status(), whole_body::stack::Status::Solved);
             step.integrate(&mut q).unwrap();
             monitor.check(&q);
         }

@@ -3,8 +3,11 @@
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use whole_body::{
-    Axes, ContactForce, Data, Description, Error, ExternalWrench, JointDrive, JointFriction, Model,
-    MomentumObserver, ObservedFriction, ObserverSettings, RigidBodySimulation,
+    Axes, Data, Description, Error, Model,
+    robot::JointFriction,
+    simulation::{JointDrive, RigidBodySimulation},
+    state::ExternalWrench,
+    torque::{ContactForce, MomentumObserver, ObservedFriction, ObserverSettings},
 };
 
 use crate::support::robots_with_states;

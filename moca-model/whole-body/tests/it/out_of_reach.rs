@@ -3,8 +3,10 @@
 use allocation_counter::measure;
 use nalgebra::{Point3, Unit, Vector3};
 use whole_body::{
-    Description, FrameTask, Ik, IkSettings, Model, OrientationTask, OutOfReach, PositionTask,
-    PostureTask, TaskId,
+    Description, Ik, Model,
+    ik::IkSettings,
+    stack::{OutOfReach, TaskId},
+    tasks::{FrameTask, OrientationTask, PositionTask, PostureTask},
 };
 
 use crate::support::monitor::Monitor;

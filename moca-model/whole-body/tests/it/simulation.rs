@@ -5,8 +5,12 @@ use std::sync::LazyLock;
 use nalgebra::Vector3;
 use serde_json::Value;
 use whole_body::{
-    Base, Contact, Data, Description, Error, JointDrive, LimitOverride, Model, RandomSource,
-    RigidBodySimulation, SensorSettings, Sensors, Transmission,
+    Base, Data, Description, Error, Model,
+    robot::LimitOverride,
+    simulation::{
+        Contact, JointDrive, RandomSource, RigidBodySimulation, SensorSettings, Sensors,
+        Transmission,
+    },
 };
 
 use crate::momentum::{HOME, arm};

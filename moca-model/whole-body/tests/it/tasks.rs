@@ -3,9 +3,12 @@
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3, Vector6};
 use proptest::prelude::*;
 use whole_body::{
-    Axes, Axis, AxisTask, CentreOfMassTask, Data, Feedback, FrameTask, JointCouplingTask,
-    ManipulabilityTask, Model, OrientationTask, PoseAxes, PositionTask, PostureTask,
-    RelativeFrameTask, Task,
+    Axes, Data, Model, Task,
+    tasks::{
+        Axis, AxisTask, CentreOfMassTask, Feedback, FrameTask, JointCouplingTask,
+        ManipulabilityTask, OrientationTask, PoseAxes, PositionTask, PostureTask,
+        RelativeFrameTask,
+    },
 };
 
 use crate::support::stacks::{humanoid, panda, rows_at, two_arms};

@@ -2,9 +2,17 @@
 
 use nalgebra::{Point3, Vector3};
 use whole_body::{
-    Compensation, Contact, Data, Error, Following, Ik, ImpedanceSettings, JointDrive, JointState,
-    Leash, Model, OrientationTask, PositionTask, PostureTask, RandomSource, RigidBodySimulation,
-    SensorSettings, Sensors, TaskId, TorqueControl, TorqueSettings, Transmission,
+    Data, Error, Ik, Model,
+    ik::Leash,
+    simulation::{
+        Contact, JointDrive, RandomSource, RigidBodySimulation, SensorSettings, Sensors,
+        Transmission,
+    },
+    stack::TaskId,
+    tasks::{OrientationTask, PositionTask, PostureTask},
+    torque::{
+        Compensation, Following, ImpedanceSettings, JointState, TorqueControl, TorqueSettings,
+    },
 };
 
 use crate::momentum::{HOME, arm};
@@ -179,7 +187,7 @@ fn what_gives_way_follows_the_hand_that_pushes_it() {
     let start = panda.point(&HOME);
     let tool = panda.model.frame_id("panda_tcp").unwrap();
     let push = nalgebra::Vector6::new(0.0, 20.0, 0.0, 0.0, 0.0, 0.0);
-    let push = [whole_body::ExternalWrench { frame: tool, wrench: push }];
+    let push = [whole_body::state::ExternalWrench { frame: tool, wrench: push }];
     for _ in 0..500 {
         panda.control.give_way();
         let measured =

@@ -1,8 +1,10 @@
 //! Files as ROS-Industrial and others write them: efforts of zero, other encodings.
 
 use whole_body::{
-    Compensation, Data, Description, Error, ImpedanceSettings, JointDrive, JointLimits,
-    LimitOverride, Model, RigidBodySimulation, TorqueControl, TorqueSettings, UrdfError,
+    Data, Description, Error, Model,
+    robot::{JointLimits, LimitOverride, UrdfError},
+    simulation::{JointDrive, RigidBodySimulation},
+    torque::{Compensation, ImpedanceSettings, TorqueControl, TorqueSettings},
 };
 
 fn urdf(limit: &str) -> String {

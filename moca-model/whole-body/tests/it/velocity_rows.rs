@@ -5,7 +5,9 @@ use std::sync::LazyLock;
 use ahqp_core::Rows;
 use proptest::prelude::*;
 use whole_body::{
-    Budget, Data, Model, Settings, TaskId, TaskLevel, TaskStack, VariableLayout, VelocityTask,
+    Data, Model,
+    stack::{Budget, Settings, TaskId, TaskLevel, TaskStack},
+    tasks::{VariableLayout, VelocityTask},
 };
 
 use crate::support::stacks::{PERIOD, panda};

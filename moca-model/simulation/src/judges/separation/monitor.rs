@@ -1,7 +1,7 @@
 //! The robot's capsules, tick by tick.
 
 use hrsw_safety::{Capsule, SafetySettings, SeparationSettings};
-use moca_model::whole_body::{Data, FrameId, JointLimits, Model};
+use moca_model::whole_body::{Data, FrameId, Model, robot::JointLimits};
 use nalgebra::Point3;
 
 use super::body;

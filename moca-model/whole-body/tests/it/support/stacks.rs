@@ -2,7 +2,11 @@
 
 use std::sync::{Arc, Mutex};
 
-use whole_body::{Base, Description, Error, Ik, LimitOverride, Model, Task, TaskInput, TaskRows};
+use whole_body::{
+    Base, Description, Error, Ik, Model, Task,
+    robot::LimitOverride,
+    tasks::{TaskInput, TaskRows},
+};
 
 pub(crate) const PERIOD: f64 = 1e-3;
 
