@@ -397,7 +397,7 @@ impl Plant {
     }
 
     /// Whether the last torques broke a limit; none where there are no torques.
-    pub fn breaks_torque_limits(&self) -> Option<bool> {
+    pub(crate) fn breaks_torque_limits(&self) -> Option<bool> {
         match &self.robot {
             Robot::Torque(_) => Some(self.breaks_torque),
             Robot::Kinematic(_) => None,

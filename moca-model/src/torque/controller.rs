@@ -414,11 +414,6 @@ impl TorqueController {
         &self.torque
     }
 
-    /// The torque from outside on each of these joints \[Nm\].
-    pub fn external_torque(&self) -> &[f64] {
-        self.observer.torque()
-    }
-
     /// The mass that the tool carries and nobody told of, while that is a [`Fault::UnknownPayload`](hrsw_safety::Fault::UnknownPayload) \[kg\].
     pub fn unknown_payload(&self) -> Option<f64> {
         self.unknown_payload

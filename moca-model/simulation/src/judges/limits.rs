@@ -164,7 +164,7 @@ impl LimitMonitor {
     }
 
     /// Joints that are outside their range now were moved there by no command.
-    pub fn move_outside(&mut self, configuration: &[f64]) {
+    pub(crate) fn move_outside(&mut self, configuration: &[f64]) {
         for ((outside, limits), q) in self.outside.iter_mut().zip(&self.joints).zip(configuration) {
             let is_outside = !(limits.lower..=limits.upper).contains(q);
             *outside = is_outside.then_some(0.0);
