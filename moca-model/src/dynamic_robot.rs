@@ -1,13 +1,11 @@
 //! A robot whose arm takes torques, for want of a real one.
 
-use whole_body::{
-    FrameId, Model,
-    control_loop::{RobotMode, RobotStatus},
-    simulation::{
-        CommandLine, JointDrive, RandomSource, RigidBodySimulation, SensorSettings, Sensors,
-    },
-    state::{ExternalWrench, PayloadId},
+use whole_body::control_loop::{RobotMode, RobotStatus};
+use whole_body::simulation::{
+    CommandLine, JointDrive, RandomSource, RigidBodySimulation, SensorSettings, Sensors,
 };
+use whole_body::state::{ExternalWrench, PayloadId};
+use whole_body::{FrameId, Model};
 
 use crate::command::Command;
 use crate::error::{Error, check_plain};

@@ -1,6 +1,7 @@
 //! Which commands a robot does not take.
 
-use moca_model::whole_body::{Model, control_loop::JointCommand};
+use moca_model::whole_body::Model;
+use moca_model::whole_body::control_loop::JointCommand;
 use moca_model::{MOCA_BASE_JOINTS, MOCA_JOINTS};
 
 /// How far beyond a limit a command may be: rounding, and lists of limits that differ a little.

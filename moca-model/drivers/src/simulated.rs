@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use moca_model::whole_body::{
-    control_loop::{JointCommand, JointMeasurement, Received, RobotSide, RobotStatus},
-    simulation::RandomSource,
+use moca_model::whole_body::control_loop::{
+    JointCommand, JointMeasurement, Received, RobotSide, RobotStatus,
 };
+use moca_model::whole_body::simulation::RandomSource;
 use moca_model::{DynamicRobot, DynamicRobotSettings, Error, MOCA_BASE_JOINTS, moca};
 
 use super::command_limits::{CommandLimits, CommandRefusal};

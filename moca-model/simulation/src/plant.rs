@@ -20,10 +20,11 @@
 use std::time::Instant;
 
 use human_perception::random;
-use moca_model::whole_body::{
-    Data, Model, control_loop::JointMeasurement, simulation::RandomSource, state::ExternalWrench,
-    torque::Compensation,
-};
+use moca_model::whole_body::control_loop::JointMeasurement;
+use moca_model::whole_body::simulation::RandomSource;
+use moca_model::whole_body::state::ExternalWrench;
+use moca_model::whole_body::torque::Compensation;
+use moca_model::whole_body::{Data, Model};
 use moca_model::{
     Command, Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, HeldObject,
     Measured, SimulatedRobot, TorqueController, TorqueLoopSettings,

@@ -2,7 +2,8 @@
 
 use hrsw_safety::{Capsule, JointMotion, LinkCapsule, RobotBody};
 use nalgebra::{DMatrix, Isometry3, Matrix6xX, Translation3, Vector3};
-use whole_body::{Axes, Data, FrameId, Model, Posed, state::PayloadId};
+use whole_body::state::PayloadId;
+use whole_body::{Axes, Data, FrameId, Model, Posed};
 
 use super::bodies::RobotBodies;
 use super::inertia::InverseInertia;

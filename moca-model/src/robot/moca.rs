@@ -2,10 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use whole_body::{
-    Description, Model,
-    robot::{JointFriction, LimitOverride},
-};
+use whole_body::robot::{JointFriction, LimitOverride};
+use whole_body::{Description, Model};
 
 use crate::error::Error;
 

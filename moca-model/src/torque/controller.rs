@@ -5,14 +5,12 @@ mod sensing;
 use hrsw_safety::SafetyState;
 use nalgebra::Vector3;
 use vision_models::{Body, Percept};
-use whole_body::{
-    Data, Model,
-    state::{Payload, PayloadId},
-    torque::{
-        ContactForce, JointImpedance, JointState, MeasurementWatch, MomentumObserver,
-        ObserverSettings, StatePrediction, SupportTorque,
-    },
+use whole_body::state::{Payload, PayloadId};
+use whole_body::torque::{
+    ContactForce, JointImpedance, JointState, MeasurementWatch, MomentumObserver, ObserverSettings,
+    StatePrediction, SupportTorque,
 };
+use whole_body::{Data, Model};
 
 use super::payload_watch::PayloadWatch;
 use super::settings::{AnswerDelay, TorqueLoopSettings};

@@ -5,10 +5,8 @@
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::{Capsule, SafetyState, proximity};
-use moca_model::whole_body::{
-    Data,
-    control_loop::{ControlLaw, JointCommand, RobotMode, RobotStatus},
-};
+use moca_model::whole_body::Data;
+use moca_model::whole_body::control_loop::{ControlLaw, JointCommand, RobotMode, RobotStatus};
 use moca_model::{
     Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, MOCA_HOME, Measured,
     TorqueController, TorqueLoopSettings,

@@ -28,7 +28,8 @@
 //!
 //! ```
 //! use whole_body::nalgebra::{self, vector};
-//! use whole_body::{Description, Ik, Model, tasks::{OrientationTask, PositionTask, PostureTask}};
+//! use whole_body::tasks::{OrientationTask, PositionTask, PostureTask};
+//! use whole_body::{Description, Ik, Model};
 //!
 //! let model = Model::from_urdf_file("examples/urdf/panda.urdf", &Description::default())?;
 //! let hand = model.frame_id("panda_hand_tcp")?;

@@ -2,11 +2,9 @@
 
 use nalgebra::{Unit, Vector3, Vector6};
 use pyo3::prelude::*;
-use whole_body::{
-    Model,
-    stack::TaskLevel,
-    tasks::{Axis, Feedback},
-};
+use whole_body::Model;
+use whole_body::stack::TaskLevel;
+use whole_body::tasks::{Axis, Feedback};
 
 use super::targets::Target;
 use crate::arrays::{direction, numbers};

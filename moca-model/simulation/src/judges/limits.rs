@@ -6,7 +6,8 @@
 //! outside does not move farther out and returns. The base keeps to what its wheels can do.
 
 use hrsw_safety::Fault;
-use moca_model::whole_body::{Model, robot::JointLimits};
+use moca_model::whole_body::Model;
+use moca_model::whole_body::robot::JointLimits;
 use moca_model::{Command, ControllerSettings, DesiredMotion, MecanumBase, TorqueLoopSettings};
 use nalgebra::{Vector3, Vector6};
 use serde::{Deserialize, Serialize};

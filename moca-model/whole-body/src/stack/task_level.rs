@@ -15,7 +15,8 @@ use crate::tasks::task::Task;
 /// constraints alone minimises nothing. Quadratics stand on levels without rows to be minimised.
 ///
 /// ```
-/// use whole_body::{stack::TaskLevel, tasks::FrameTask};
+/// use whole_body::stack::TaskLevel;
+/// use whole_body::tasks::FrameTask;
 /// # use whole_body::{Description, Model};
 /// # let model = Model::from_urdf(r#"<robot name="two"><link name="base"/><link name="left"/>
 /// #   <link name="right"/><joint name="l" type="continuous"><parent link="base"/><child link="left"/>

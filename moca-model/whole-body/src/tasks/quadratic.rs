@@ -18,7 +18,8 @@ use crate::robot::model::Model;
 ///
 /// ```
 /// use nalgebra::{DMatrix, DVector};
-/// use whole_body::{Error, Model, tasks::{QuadraticTask, TaskInput, TaskQuadratic}};
+/// use whole_body::tasks::{QuadraticTask, TaskInput, TaskQuadratic};
+/// use whole_body::{Error, Model};
 ///
 /// /// Least kinetic energy ½ q̇ᵀ M q̇.
 /// #[derive(Debug, Clone)]

@@ -16,7 +16,8 @@ use crate::robot::model::Model;
 /// control loop: it must not allocate, lock or wait.
 ///
 /// ```
-/// use whole_body::{Axes, Error, FrameId, Model, Task, tasks::{TaskInput, TaskRows}};
+/// use whole_body::tasks::{TaskInput, TaskRows};
+/// use whole_body::{Axes, Error, FrameId, Model, Task};
 ///
 /// /// Keeps a frame above the height z = 0.
 /// #[derive(Debug, Clone)]

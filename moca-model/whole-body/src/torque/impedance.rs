@@ -77,7 +77,8 @@ pub struct JointState<'a> {
 /// limits. [`TorqueControl`](crate::torque::TorqueControl) holds q* to q beside it.
 ///
 /// ```
-/// use whole_body::{robot::JointLimits, torque::{ImpedanceSettings, JointImpedance, JointState}};
+/// use whole_body::robot::JointLimits;
+/// use whole_body::torque::{ImpedanceSettings, JointImpedance, JointState};
 ///
 /// let limits = [JointLimits { effort: 12.0, ..JointLimits::UNLIMITED }; 2];
 /// let settings = ImpedanceSettings {

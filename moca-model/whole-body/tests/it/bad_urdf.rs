@@ -3,10 +3,8 @@
 use std::fmt::Write as _;
 
 use proptest::prelude::*;
-use whole_body::{
-    Base, Data, Description, Error, Model,
-    robot::{JointFriction, LimitOverride, UrdfError},
-};
+use whole_body::robot::{JointFriction, LimitOverride, UrdfError};
+use whole_body::{Base, Data, Description, Error, Model};
 
 const MOCA: &str = include_str!("../../examples/urdf/moca.urdf");
 

@@ -2,10 +2,11 @@
 //! wheels all meet where it stands.
 
 use nalgebra::Point3;
-use whole_body::{
-    Description, Ik, Model, limits::WheelLimit, robot::LimitOverride, stack::Status,
-    tasks::PositionTask,
-};
+use whole_body::limits::WheelLimit;
+use whole_body::robot::LimitOverride;
+use whole_body::stack::Status;
+use whole_body::tasks::PositionTask;
+use whole_body::{Description, Ik, Model};
 
 use crate::support::stacks::{PERIOD, Random};
 

@@ -2,15 +2,13 @@
 
 use nalgebra::{Point3, Vector3, Vector6};
 use proptest::prelude::*;
-use whole_body::{
-    Ik, Model,
-    limits::{End, LimitKind},
-    stack::TaskLevel,
-    tasks::{
-        Axis, CentreOfMassTask, Feedback, FrameTask, OrientationTask, PositionTask, PostureTask,
-        VelocityTask,
-    },
+use whole_body::limits::{End, LimitKind};
+use whole_body::stack::TaskLevel;
+use whole_body::tasks::{
+    Axis, CentreOfMassTask, Feedback, FrameTask, OrientationTask, PositionTask, PostureTask,
+    VelocityTask,
 };
+use whole_body::{Ik, Model};
 
 use crate::support::stacks::{PERIOD, Random, bush, humanoid, moca, panda, two_arms};
 use crate::support::{last_frame, pose};
@@ -181,11 +179,9 @@ fn a_step_names_what_limits_it() {
 /// Levels that minimise quadratics, with hard constraints, over variables beside q̇.
 mod quadratics {
     use nalgebra::{Matrix1, Vector1};
-    use whole_body::{
-        Data, Error,
-        stack::{Budget, TaskLevel, TaskStack},
-        tasks::{QuadraticTask, TaskInput, TaskQuadratic, VariableLayout, Variables},
-    };
+    use whole_body::stack::{Budget, TaskLevel, TaskStack};
+    use whole_body::tasks::{QuadraticTask, TaskInput, TaskQuadratic, VariableLayout, Variables};
+    use whole_body::{Data, Error};
 
     use super::*;
 

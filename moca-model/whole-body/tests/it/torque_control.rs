@@ -1,19 +1,16 @@
 //! A Panda under torque control: it follows, it carries itself, it is held and let go.
 
 use nalgebra::{Point3, Vector3};
-use whole_body::{
-    Data, Error, Ik, Model,
-    ik::Leash,
-    simulation::{
-        Contact, JointDrive, RandomSource, RigidBodySimulation, SensorSettings, Sensors,
-        Transmission,
-    },
-    stack::TaskId,
-    tasks::{OrientationTask, PositionTask, PostureTask},
-    torque::{
-        Compensation, Following, ImpedanceSettings, JointState, TorqueControl, TorqueSettings,
-    },
+use whole_body::ik::Leash;
+use whole_body::simulation::{
+    Contact, JointDrive, RandomSource, RigidBodySimulation, SensorSettings, Sensors, Transmission,
 };
+use whole_body::stack::TaskId;
+use whole_body::tasks::{OrientationTask, PositionTask, PostureTask};
+use whole_body::torque::{
+    Compensation, Following, ImpedanceSettings, JointState, TorqueControl, TorqueSettings,
+};
+use whole_body::{Data, Error, Ik, Model};
 
 use crate::momentum::{HOME, arm};
 use crate::simulation::Noise;
