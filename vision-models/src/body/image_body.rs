@@ -144,7 +144,7 @@ impl ImageBody {
 
     /// A body from the eighteen joints of `OpenPose`'s COCO model (nose, neck, right and left arm,
     /// right and left leg, eyes, ears, right before left). Mid hip is the middle of the hips.
-    pub(crate) fn from_coco_18(keypoints: [Option<ImageKeypoint>; 18]) -> Self {
+    pub fn from_coco_18(keypoints: [Option<ImageKeypoint>; 18]) -> Self {
         let mut body = Self::placed(&COCO_18, &keypoints);
         body.set_middle(Body25::MidHip, Body25::LeftHip, Body25::RightHip);
         body
@@ -152,7 +152,7 @@ impl ImageBody {
 
     /// A body from the joints of `OpenPose`'s BODY_25B, which has the eyes where BODY_25 has the neck. Neck and mid hip
     /// are the middles of shoulders and hips; upper neck and top of the head are left out.
-    pub(crate) fn from_body_25b(keypoints: [Option<ImageKeypoint>; 25]) -> Self {
+    pub fn from_body_25b(keypoints: [Option<ImageKeypoint>; 25]) -> Self {
         let mut body = Self::default();
         for (joint, keypoint) in BODY_25B.into_iter().zip(keypoints) {
             if let Some(joint) = joint {
