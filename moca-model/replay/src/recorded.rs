@@ -31,7 +31,7 @@ mod stage;
 mod table;
 mod visuals;
 
-pub(crate) use body::{BODY_POINTS, BodyPart, LIMBS};
+pub(crate) use body::{BODY_POINTS, BodyPart, LIMBS, POINT_COUNT};
 pub use error::ReplayError;
 pub use lanes::{Lane, Span, Tone};
 pub use map_grid::MapGrid;

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use vision_models::{Body, Body25};
 
 /// How many points a body has.
-pub(super) const POINT_COUNT: usize = BODY_POINTS.len();
+pub(crate) const POINT_COUNT: usize = BODY_POINTS.len();
 
 /// The points; left before right.
 pub(crate) const BODY_POINTS: [&str; 21] = [
