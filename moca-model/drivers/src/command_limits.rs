@@ -82,7 +82,7 @@ impl CommandLimits {
     ///
     /// # Errors
     /// [`CommandRefusal::NotAtRest`]
-    pub(crate) fn check_begin(&self, command: &JointCommand) -> Result<(), CommandRefusal> {
+    pub(crate) fn check_begin(command: &JointCommand) -> Result<(), CommandRefusal> {
         let base = command.velocity.iter().take(MOCA_BASE_JOINTS);
         let speed = base.fold(0.0, |most: f64, velocity| most.max(velocity.abs()));
         if speed <= REST { Ok(()) } else { Err(CommandRefusal::NotAtRest { speed }) }

@@ -85,7 +85,7 @@ impl SimulatedSide {
             if !self.status().is_stopped() {
                 Ok(())
             } else if self.is_at_rest() {
-                self.limits.check_begin(command)
+                CommandLimits::check_begin(command)
             } else {
                 Err(CommandRefusal::Braking)
             }
