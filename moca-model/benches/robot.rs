@@ -86,7 +86,8 @@ mod tick {
 
     use divan::{Bencher, black_box};
     use ergo_map::ErgonomicsQuadratic;
-    use moca_model::whole_body::{Compensation, RandomSource};
+    use moca_model::whole_body::simulation::RandomSource;
+    use moca_model::whole_body::torque::Compensation;
     use moca_model::{
         Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, MOCA_HOME, Measured,
         SimulatedRobot, TorqueController, TorqueLoopSettings, moca,

@@ -16,7 +16,8 @@ use std::time::Instant;
 use divan::black_box;
 use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::SafetySettings;
-use moca_model::whole_body::{Compensation, RandomSource};
+use moca_model::whole_body::simulation::RandomSource;
+use moca_model::whole_body::torque::Compensation;
 use moca_model::{
     Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, HeldObject, MOCA_HOME,
     MOCA_TOOL, SimulatedRobot, TorqueController, TorqueLoopSettings, moca, moca_safety,

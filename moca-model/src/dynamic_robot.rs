@@ -1,9 +1,11 @@
 //! A robot whose arm takes torques, for want of a real one.
 
-use whole_body::{
-    CommandLine, ExternalWrench, FrameId, JointDrive, Model, PayloadId, RandomSource,
-    RigidBodySimulation, RobotMode, RobotStatus, SensorSettings, Sensors,
+use whole_body::control_loop::{RobotMode, RobotStatus};
+use whole_body::simulation::{
+    CommandLine, JointDrive, RandomSource, RigidBodySimulation, SensorSettings, Sensors,
 };
+use whole_body::state::{ExternalWrench, PayloadId};
+use whole_body::{FrameId, Model};
 
 use crate::command::Command;
 use crate::error::{Error, check_plain};
@@ -90,7 +92,7 @@ impl DynamicRobotSettings {
 /// ```
 /// use moca_model::{DynamicRobot, DynamicRobotSettings, MOCA_HOME, moca};
 /// # struct None;
-/// # impl moca_model::whole_body::RandomSource for None {
+/// # impl moca_model::whole_body::simulation::RandomSource for None {
 /// #     fn normal(&mut self) -> f64 { 0.0 }
 /// #     fn uniform(&mut self) -> f64 { 1.0 }
 /// # }

@@ -3,7 +3,8 @@
 use hrsw::Capsule;
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, UnitQuaternion, Vector3};
 use vision_models::{Surface, Tool};
-use whole_body::{FrameId, Payload};
+use whole_body::FrameId;
+use whole_body::state::Payload;
 
 use crate::error::Error;
 

@@ -3,7 +3,9 @@
 use ahqp_core::rotation_log;
 use hrsw_safety::SafetyState;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use whole_body::{Following, JointKind, Model, Resynchronisation};
+use whole_body::Model;
+use whole_body::robot::JointKind;
+use whole_body::torque::{Following, Resynchronisation};
 
 use crate::command::Command;
 use crate::error::Error;

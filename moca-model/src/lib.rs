@@ -84,9 +84,8 @@ pub use motion_limits::MecanumBase;
 pub use nalgebra;
 pub use robot::kinematics::Kinematics;
 pub use robot::moca::{
-    CartesianLimits, MOCA_ARM_MOUNT, MOCA_AXIS_SPEED, MOCA_BASE_JOINTS, MOCA_HOME, MOCA_JOINTS,
-    MOCA_TOOL, MOCA_URDF, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, PANDA_CARTESIAN_LIMITS, moca,
-    moca_description,
+    MOCA_ARM_MOUNT, MOCA_AXIS_SPEED, MOCA_BASE_JOINTS, MOCA_HOME, MOCA_JOINTS, MOCA_TOOL,
+    MOCA_URDF, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, moca, moca_description,
 };
 pub use robot::moca_safety::moca_safety;
 pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings, StaleSettings};
@@ -97,7 +96,7 @@ pub use stack::{CollaborationStack, GoalTerms, PostureSettings, StackInput, Stac
 pub use torque::{AnswerDelay, Measured, TorqueController, TorqueLoopSettings};
 pub use vision_models::Intention;
 pub use whole_body;
-pub use whole_body::{ImpedanceSettings, JointImpedance, JointState};
+pub use whole_body::torque::{ImpedanceSettings, JointImpedance, JointState};
 
 /// The program of the crate's README.
 #[cfg(doctest)]

@@ -3,7 +3,7 @@
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use hrsw_safety::Fault;
-use whole_body::{ControlLaw, JointCommand, JointMeasurement, RobotStatus};
+use whole_body::control_loop::{ControlLaw, JointCommand, JointMeasurement, RobotStatus};
 
 use crate::camera_frame::CameraFrame;
 use crate::error::Error;
@@ -19,7 +19,7 @@ const LOST: u32 = 6;
 /// After which the robot has stopped: as many as stop a Panda.
 const REFUSED: u32 = 20;
 
-/// [`TorqueController`] as the law of a [`ControlLoop`](whole_body::ControlLoop).
+/// [`TorqueController`] as the law of a [`ControlLoop`](whole_body::control_loop::ControlLoop).
 ///
 /// Camera frames come from another thread, by a channel that never makes the loop wait; their times are on the clock
 /// of the loop. Commands hold q* and q̇* of all joints and the torques of those that take them.
@@ -30,7 +30,9 @@ const REFUSED: u32 = 20;
 ///
 /// ```
 /// use ergo_map::ErgonomicsQuadratic;
-/// use moca_model::whole_body::{Compensation, ControlLaw, JointCommand, JointMeasurement};
+/// use moca_model::whole_body::{
+///     control_loop::{ControlLaw, JointCommand, JointMeasurement}, torque::Compensation,
+/// };
 /// use moca_model::{
 ///     Controller, ControllerSettings, LoopController, MOCA_HOME, TorqueController, TorqueLoopSettings, moca,
 /// };

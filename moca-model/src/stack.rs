@@ -8,7 +8,8 @@ use ahqp_core::{AugmentedState, Budget, Rows, Settings, Solution, VelocityInterv
 use hrsw::{SoftWorkspace, Workspace};
 use hrsw_safety::SafetyRows;
 use nalgebra::{Isometry3, Translation3};
-use whole_body::{AugmentedFrameTask, TaskId, TaskLevel, TaskStack, VariableLayout, VelocityTask};
+use whole_body::stack::{TaskId, TaskLevel, TaskStack};
+use whole_body::tasks::{AugmentedFrameTask, VariableLayout, VelocityTask};
 
 use crate::error::Error;
 use crate::motion_limits::MecanumBase;

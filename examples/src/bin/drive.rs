@@ -28,10 +28,11 @@ use moca_drivers::{
     AnnouncedLaw, DriveReport, LinkReport, LockstepSide, RecordedCamera, SharedKey, SimulatedSide,
     UdpServer, UdpSide,
 };
-use moca_model::whole_body::{
-    Clock, Compensation, ControlLoop, JointMeasurement, LoopSettings, ManualClock, MonotonicClock,
-    RobotSide, Scheduling, StopCause,
+use moca_model::whole_body::control_loop::{
+    Clock, ControlLoop, JointMeasurement, LoopSettings, ManualClock, MonotonicClock, RobotSide,
+    Scheduling, StopCause,
 };
+use moca_model::whole_body::torque::Compensation;
 use moca_model::{AnswerDelay, CameraFrame, Controller, LoopController, TorqueController};
 use moca_simulation::plant::RobotNoise;
 use moca_simulation::run::Scenario;

@@ -1,5 +1,7 @@
 //! What settings there are, and what they mean: the tree of fields, from the types themselves.
 
+use std::sync::LazyLock;
+
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value};
 
@@ -21,11 +23,14 @@ pub(super) struct Field {
 
 impl Field {
     /// The table of all settings.
-    pub(super) fn root() -> Self {
-        let mut settings = SchemaSettings::draft2020_12();
-        settings.inline_subschemas = true;
-        let schema = settings.into_generator().into_root_schema_for::<RobotSettings>();
-        Self::new("", schema.as_value(), false)
+    pub(super) fn root() -> &'static Self {
+        static ROOT: LazyLock<Field> = LazyLock::new(|| {
+            let mut settings = SchemaSettings::draft2020_12();
+            settings.inline_subschemas = true;
+            let schema = settings.into_generator().into_root_schema_for::<RobotSettings>();
+            Field::new("", schema.as_value(), false)
+        });
+        &ROOT
     }
 
     fn new(name: &str, schema: &Value, is_optional: bool) -> Self {

@@ -34,9 +34,9 @@ struct Entry {
 }
 
 /// Walks a file along the tree of fields.
-struct Walk<'a> {
-    text: &'a str,
-    root: &'a Field,
+struct Walk {
+    lines: Lines,
+    root: &'static Field,
     entries: Vec<Entry>,
 }
 
@@ -56,16 +56,17 @@ impl SettingsFile {
     /// Each with its line: text that is not TOML, another version, a setting that does not exist, a
     /// value of the wrong kind.
     pub fn parse(text: &str) -> Result<Self, SettingsError> {
+        let lines = Lines::of(text);
         let fail = |error: toml::de::Error| SettingsError::Syntax {
-            line: line_at(text, &error.span().unwrap_or_default()),
+            line: lines.at(&error.span().unwrap_or_default()),
             message: error.message().to_owned(),
         };
         let document = DeTable::parse(text).map_err(fail)?;
         let values: Table = toml::from_str(text).map_err(fail)?;
-        check_version(text, document.get_ref(), &values)?;
+        check_version(&lines, document.get_ref(), &values)?;
         let root = Field::root();
-        let mut walk = Walk { text, root: &root, entries: Vec::new() };
-        walk.table(document.get_ref(), &values, &root, &[])?;
+        let mut walk = Walk { lines, root, entries: Vec::new() };
+        walk.table(document.get_ref(), &values, root, &[])?;
         let file = Self { entries: walk.entries };
         file.check_kinds()?;
         Ok(file)
@@ -160,7 +161,7 @@ impl Entry {
     }
 }
 
-impl Walk<'_> {
+impl Walk {
     fn table(
         &mut self,
         document: &DeTable<'_>,
@@ -173,7 +174,7 @@ impl Walk<'_> {
             if above.is_empty() && name == "version" {
                 continue;
             }
-            let line = line_at(self.text, &key.span());
+            let line = self.lines.at(&key.span());
             let names: Vec<String> = above.iter().cloned().chain([name.to_owned()]).collect();
             let Some(field) = field.get(name) else {
                 let path = names.join(".");
@@ -233,20 +234,33 @@ fn as_table(settings: &RobotSettings) -> Result<Table, SettingsError> {
     Table::try_from(settings).map_err(|error| SettingsError::Write(error.to_string()))
 }
 
-fn check_version(text: &str, document: &DeTable<'_>, values: &Table) -> Result<(), SettingsError> {
+fn check_version(
+    lines: &Lines,
+    document: &DeTable<'_>,
+    values: &Table,
+) -> Result<(), SettingsError> {
     let Some((key, _)) = document.iter().find(|(key, _)| key.get_ref() == "version") else {
         return Err(SettingsError::NoVersion);
     };
     match values.get("version") {
         Some(Value::Integer(SETTINGS_VERSION)) => Ok(()),
         found => Err(SettingsError::Version {
-            line: line_at(text, &key.span()),
+            line: lines.at(&key.span()),
             found: found.map(ToString::to_string).unwrap_or_default(),
         }),
     }
 }
 
-/// The line in which a part of a text begins, from 1.
-fn line_at(text: &str, span: &Range<usize>) -> usize {
-    text.bytes().take(span.start).filter(|byte| *byte == b'\n').count() + 1
+/// Where the lines of a text end.
+struct Lines(Vec<usize>);
+
+impl Lines {
+    fn of(text: &str) -> Self {
+        Self(text.match_indices('\n').map(|(place, _)| place).collect())
+    }
+
+    /// The line in which a part of the text begins, from 1.
+    fn at(&self, span: &Range<usize>) -> usize {
+        self.0.partition_point(|&end| end < span.start) + 1
+    }
 }

@@ -27,7 +27,7 @@ pub(super) fn write(settings: &RobotSettings) -> Result<String, SettingsError> {
     let values = Table::try_from(settings).map_err(fail)?;
     let defaults = Table::try_from(RobotSettings::default()).map_err(fail)?;
     let mut text = format!("{HEADER}\nversion = {SETTINGS_VERSION}\n");
-    table(&mut text, &Field::root(), "", &values, &defaults);
+    table(&mut text, Field::root(), "", &values, &defaults);
     Ok(text)
 }
 

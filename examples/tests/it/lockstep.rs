@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use moca_drivers::{Packet, PacketHead, PacketKind, SimulatedSide};
 use moca_model::MOCA_HOME;
-use moca_model::whole_body::{JointCommand, JointMeasurement, RobotSide};
+use moca_model::whole_body::control_loop::{JointCommand, JointMeasurement, RobotSide};
 use moca_simulation::plant::RobotNoise;
 
 use crate::support::{Runs, coarse_map_file};

@@ -1,7 +1,9 @@
 //! The bytes of packets between loop and robot.
 
 use moca_drivers::{Packet, PacketError, PacketHead, PacketKind, SharedKey};
-use moca_model::whole_body::{JointCommand, JointMeasurement, RobotMode, RobotStatus};
+use moca_model::whole_body::control_loop::{
+    JointCommand, JointMeasurement, RobotMode, RobotStatus,
+};
 use proptest::prelude::*;
 
 const PAGE: &str = include_str!("../../../docs/src/robot-packets.md");

@@ -10,7 +10,7 @@ use moca_drivers::{
     SimulatedSide, UdpServer, UdpSide,
 };
 use moca_model::MOCA_HOME;
-use moca_model::whole_body::{
+use moca_model::whole_body::control_loop::{
     ControlLaw, ControlLoop, JointCommand, JointMeasurement, LoopSettings, ManualClock,
     MonotonicClock, Received, RobotMode, RobotSide, StopCause,
 };

@@ -3,7 +3,10 @@
 use std::ffi::c_char;
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
-use whole_body::{FrameTask, Ik, IkBuilder, OrientationTask, PositionTask, PostureTask, TaskId};
+use whole_body::Ik;
+use whole_body::ik::IkBuilder;
+use whole_body::stack::TaskId;
+use whole_body::tasks::{FrameTask, OrientationTask, PositionTask, PostureTask};
 
 use crate::failure::{AhqpStatus, Failure, Result, call, status};
 use crate::handle::{free, give, read, write};

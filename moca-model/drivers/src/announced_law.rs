@@ -1,6 +1,6 @@
 //! What people should know before the robot moves.
 
-use moca_model::whole_body::{ControlLaw, JointCommand, JointMeasurement};
+use moca_model::whole_body::control_loop::{ControlLaw, JointCommand, JointMeasurement};
 use moca_model::{Error, LoopController};
 
 use super::fault_log::FaultLog;

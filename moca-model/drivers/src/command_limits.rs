@@ -1,6 +1,7 @@
 //! Which commands a robot does not take.
 
-use moca_model::whole_body::{JointCommand, Model};
+use moca_model::whole_body::Model;
+use moca_model::whole_body::control_loop::JointCommand;
 use moca_model::{MOCA_BASE_JOINTS, MOCA_JOINTS};
 
 /// How far beyond a limit a command may be: rounding, and lists of limits that differ a little.
@@ -40,14 +41,14 @@ pub enum CommandRefusal {
 
 /// The limits that a robot's side holds commands to.
 #[derive(Clone, Debug)]
-pub struct CommandLimits {
+pub(crate) struct CommandLimits {
     /// Speed and torque of each joint.
     joints: Vec<[f64; 2]>,
 }
 
 impl CommandLimits {
     /// Those of MOCA: the limits of its URDF with a margin of a twentieth.
-    pub fn new(model: &Model) -> Self {
+    pub(crate) fn new(model: &Model) -> Self {
         let limits = model.limits().iter();
         Self { joints: limits.map(|limits| [limits.velocity, limits.effort]).collect() }
     }
@@ -56,7 +57,7 @@ impl CommandLimits {
     ///
     /// # Errors
     /// [`CommandRefusal::Limit`] names the first number that is beyond.
-    pub fn check(&self, command: &JointCommand) -> Result<(), CommandRefusal> {
+    pub(crate) fn check(&self, command: &JointCommand) -> Result<(), CommandRefusal> {
         let joints = self.joints.iter().zip(command.velocity.iter().zip(&command.torque));
         for (index, ([fastest, strongest], (velocity, torque))) in joints.enumerate() {
             let joint = MOCA_JOINTS.get(index).copied().unwrap_or("?");
@@ -81,7 +82,7 @@ impl CommandLimits {
     ///
     /// # Errors
     /// [`CommandRefusal::NotAtRest`]
-    pub fn check_begin(&self, command: &JointCommand) -> Result<(), CommandRefusal> {
+    pub(crate) fn check_begin(command: &JointCommand) -> Result<(), CommandRefusal> {
         let base = command.velocity.iter().take(MOCA_BASE_JOINTS);
         let speed = base.fold(0.0, |most: f64, velocity| most.max(velocity.abs()));
         if speed <= REST { Ok(()) } else { Err(CommandRefusal::NotAtRest { speed }) }

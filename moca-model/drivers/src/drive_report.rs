@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use moca_model::whole_body::{DeadlineStatistics, LoopEnding, StopCause, TimeHistogram};
+use moca_model::whole_body::control_loop::{
+    DeadlineStatistics, LoopEnding, StopCause, TimeHistogram,
+};
 use serde::Serialize;
 
 use super::fault_log::{FaultLog, FaultReport};

@@ -17,7 +17,7 @@ mod udp;
 mod udp_server;
 
 pub use announced_law::AnnouncedLaw;
-pub use command_limits::{CommandLimits, CommandRefusal};
+pub use command_limits::CommandRefusal;
 pub use drive_report::DriveReport;
 pub use fault_log::FaultLog;
 pub use link::{LinkRefusal, LinkReport, LinkStatistics, RefusedPackets};

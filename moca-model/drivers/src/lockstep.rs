@@ -3,7 +3,7 @@
 use std::io;
 use std::time::Duration;
 
-use moca_model::whole_body::{JointCommand, JointMeasurement, Received, RobotSide};
+use moca_model::whole_body::control_loop::{JointCommand, JointMeasurement, Received, RobotSide};
 
 use super::link::LinkStatistics;
 use super::udp::UdpSide;
@@ -30,7 +30,7 @@ pub enum LockstepError {
 ///
 /// The robot answers every hello and every command with one packet: a measurement, or one that says that it measured
 /// nothing. The loop waits for it on a clock that only its own waits move on
-/// ([`ManualClock`](moca_model::whole_body::ManualClock)).
+/// ([`ManualClock`](moca_model::whole_body::control_loop::ManualClock)).
 #[derive(Debug)]
 pub struct LockstepSide {
     side: UdpSide,

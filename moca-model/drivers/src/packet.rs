@@ -1,6 +1,8 @@
 //! Packets between a loop and a robot; their bytes are on the book's page on real robots.
 
-use moca_model::whole_body::{JointCommand, JointMeasurement, RobotMode, RobotStatus};
+use moca_model::whole_body::control_loop::{
+    JointCommand, JointMeasurement, RobotMode, RobotStatus,
+};
 
 use super::packet_error::PacketError;
 use super::shared_key::{CODE, SharedKey};
@@ -48,7 +50,7 @@ const NUMBERS: usize = 32;
 ///
 /// ```
 /// use moca_drivers::{Packet, PacketHead, PacketKind};
-/// use moca_model::whole_body::{JointMeasurement, RobotMode};
+/// use moca_model::whole_body::control_loop::{JointMeasurement, RobotMode};
 ///
 /// let mut measured = JointMeasurement::resting(vec![0.1, 0.2], 2);
 /// measured.torque[1] = Some(7.0);

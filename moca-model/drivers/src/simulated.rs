@@ -2,9 +2,10 @@
 
 use std::fmt;
 
-use moca_model::whole_body::{
-    JointCommand, JointMeasurement, RandomSource, Received, RobotSide, RobotStatus,
+use moca_model::whole_body::control_loop::{
+    JointCommand, JointMeasurement, Received, RobotSide, RobotStatus,
 };
+use moca_model::whole_body::simulation::RandomSource;
 use moca_model::{DynamicRobot, DynamicRobotSettings, Error, MOCA_BASE_JOINTS, moca};
 
 use super::command_limits::{CommandLimits, CommandRefusal};
@@ -84,7 +85,7 @@ impl SimulatedSide {
             if !self.status().is_stopped() {
                 Ok(())
             } else if self.is_at_rest() {
-                self.limits.check_begin(command)
+                CommandLimits::check_begin(command)
             } else {
                 Err(CommandRefusal::Braking)
             }

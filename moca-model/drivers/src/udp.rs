@@ -5,7 +5,7 @@ use std::io::{self, ErrorKind};
 use std::net::{ToSocketAddrs, UdpSocket};
 use std::time::{Duration, Instant};
 
-use moca_model::whole_body::{JointCommand, JointMeasurement, Received, RobotSide};
+use moca_model::whole_body::control_loop::{JointCommand, JointMeasurement, Received, RobotSide};
 
 use super::link::{LARGEST, LinkRefusal, LinkStatistics, MOST, Newest};
 use super::packet::{Packet, PacketHead, PacketKind};

@@ -5,7 +5,7 @@ use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
 use std::time::Duration;
 
 use moca_model::Error;
-use moca_model::whole_body::{Clock, JointCommand, JointMeasurement, RobotSide};
+use moca_model::whole_body::control_loop::{Clock, JointCommand, JointMeasurement, RobotSide};
 
 use super::link::{LARGEST, LinkRefusal, LinkStatistics, MOST, Newest};
 use super::packet::{Packet, PacketHead, PacketKind};

@@ -29,8 +29,9 @@ mod recorder;
 mod robot;
 mod stage;
 mod table;
+mod visuals;
 
-pub use body::{BODY_POINTS, BodyPart, LIMBS, Limb, POINT_COUNT};
+pub(crate) use body::{BODY_POINTS, BodyPart, LIMBS, POINT_COUNT};
 pub use error::ReplayError;
 pub use lanes::{Lane, Span, Tone};
 pub use map_grid::MapGrid;

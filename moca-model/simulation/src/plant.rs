@@ -20,9 +20,11 @@
 use std::time::Instant;
 
 use human_perception::random;
-use moca_model::whole_body::{
-    Compensation, Data, ExternalWrench, JointMeasurement, Model, RandomSource,
-};
+use moca_model::whole_body::control_loop::JointMeasurement;
+use moca_model::whole_body::simulation::RandomSource;
+use moca_model::whole_body::state::ExternalWrench;
+use moca_model::whole_body::torque::Compensation;
+use moca_model::whole_body::{Data, Model};
 use moca_model::{
     Command, Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, HeldObject,
     Measured, SimulatedRobot, TorqueController, TorqueLoopSettings,
@@ -396,7 +398,7 @@ impl Plant {
     }
 
     /// Whether the last torques broke a limit; none where there are no torques.
-    pub fn breaks_torque_limits(&self) -> Option<bool> {
+    pub(crate) fn breaks_torque_limits(&self) -> Option<bool> {
         match &self.robot {
             Robot::Torque(_) => Some(self.breaks_torque),
             Robot::Kinematic(_) => None,

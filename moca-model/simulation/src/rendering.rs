@@ -33,4 +33,4 @@ pub use image::RenderedImage;
 pub use noise::DepthSensor;
 pub use scene::{Scene, SceneState};
 pub use skeleton::{PoseEstimator, SkeletonSettings};
-pub use view::{Viewpoint, render, simulated_camera};
+pub use view::Viewpoint;

@@ -2,7 +2,7 @@
 
 use ahqp_core::{Limits, MotionState, VelocityInterval};
 use nalgebra::{Rotation2, Vector2};
-use whole_body::JointLimits;
+use whole_body::robot::JointLimits;
 
 use crate::command::{BaseMotion, DriveReason};
 use crate::error::Error;

@@ -1,7 +1,7 @@
 //! Where the robot is, and where the tasks see it.
 
 use hrsw_safety::Fault;
-use whole_body::Following;
+use whole_body::torque::Following;
 
 use super::Controller;
 use crate::robot::moca::MOCA_BASE_JOINTS;

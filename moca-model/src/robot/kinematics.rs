@@ -2,7 +2,8 @@
 
 use hrsw_safety::{Capsule, JointMotion, LinkCapsule, RobotBody};
 use nalgebra::{DMatrix, Isometry3, Matrix6xX, Translation3, Vector3};
-use whole_body::{Axes, Data, FrameId, Model, PayloadId, Posed};
+use whole_body::state::PayloadId;
+use whole_body::{Axes, Data, FrameId, Model, Posed};
 
 use super::bodies::RobotBodies;
 use super::inertia::InverseInertia;
@@ -133,7 +134,7 @@ impl Kinematics {
     ///
     /// # Errors
     /// [`Error::NotFinite`]; the hand is then where it was.
-    pub fn set_hand(&mut self, hand: Vector3<f64>) -> Result<(), Error> {
+    pub(crate) fn set_hand(&mut self, hand: Vector3<f64>) -> Result<(), Error> {
         if let Some(&value) = hand.iter().find(|value| !value.is_finite()) {
             return Err(Error::NotFinite { what: "the place of a hand".to_owned(), value });
         }
@@ -178,7 +179,7 @@ impl Kinematics {
 
     /// Pose in the world of the hand of who works with the robot, with the tool's axes. Without an object
     /// between them that of the tool.
-    pub fn world_from_hand(&self) -> Isometry3<f64> {
+    pub(crate) fn world_from_hand(&self) -> Isometry3<f64> {
         self.world_from_tool * Translation3::from(self.hand)
     }
 

@@ -2,7 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use whole_body::{Description, JointFriction, LimitOverride, Model};
+use whole_body::robot::{JointFriction, LimitOverride};
+use whole_body::{Description, Model};
 
 use crate::error::Error;
 
@@ -68,34 +69,6 @@ pub const MOCA_WHEEL_LEVER: f64 = 0.2225 + 0.2045;
 /// Largest speed of the base along each of its own axes \[m/s\], as its real controller is
 /// configured.
 pub const MOCA_AXIS_SPEED: f64 = 1.5;
-
-/// Limits on the motion of an end effector, each on the norm of a vector.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CartesianLimits {
-    /// \[m/s\]
-    pub linear_velocity: f64,
-    /// \[m/s²\]
-    pub linear_acceleration: f64,
-    /// \[m/s³\]
-    pub linear_jerk: f64,
-    /// \[rad/s\]
-    pub angular_velocity: f64,
-    /// \[rad/s²\]
-    pub angular_acceleration: f64,
-    /// \[rad/s³\]
-    pub angular_jerk: f64,
-}
-
-/// Limits of the Panda's end effector against its base, from Franka Emika's
-/// interface specification.
-pub const PANDA_CARTESIAN_LIMITS: CartesianLimits = CartesianLimits {
-    linear_velocity: 1.7,
-    linear_acceleration: 13.0,
-    linear_jerk: 6500.0,
-    angular_velocity: 2.5,
-    angular_acceleration: 25.0,
-    angular_jerk: 12500.0,
-};
 
 /// MOCA with its fingers closed, n = 10.
 ///

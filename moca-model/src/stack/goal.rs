@@ -2,7 +2,7 @@
 
 use ergo_map::ErgonomicsQuadratic;
 use nalgebra::{Matrix6, Vector3, Vector6};
-use whole_body::{QuadraticTask, TaskInput, TaskQuadratic, Variables};
+use whole_body::tasks::{QuadraticTask, TaskInput, TaskQuadratic, Variables};
 
 use crate::error::Error;
 

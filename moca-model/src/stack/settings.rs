@@ -3,7 +3,7 @@
 use ahqp_core::Budget;
 use hrsw::Softening;
 use nalgebra::Vector6;
-use whole_body::{Feedback, PostureTask};
+use whole_body::tasks::{Feedback, PostureTask};
 
 use crate::error::Error;
 use crate::motion_limits::MecanumBase;

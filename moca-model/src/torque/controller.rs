@@ -5,10 +5,12 @@ mod sensing;
 use hrsw_safety::SafetyState;
 use nalgebra::Vector3;
 use vision_models::{Body, Percept};
-use whole_body::{
-    ContactForce, Data, JointImpedance, JointState, MeasurementWatch, Model, MomentumObserver,
-    ObserverSettings, Payload, PayloadId, StatePrediction, SupportTorque,
+use whole_body::state::{Payload, PayloadId};
+use whole_body::torque::{
+    ContactForce, JointImpedance, JointState, MeasurementWatch, MomentumObserver, ObserverSettings,
+    StatePrediction, SupportTorque,
 };
+use whole_body::{Data, Model};
 
 use super::payload_watch::PayloadWatch;
 use super::settings::{AnswerDelay, TorqueLoopSettings};
@@ -34,7 +36,7 @@ pub struct Measured<'a> {
 
 /// A [`Controller`] down to torque: τ = `K_d` (q̇* − q̇) + `K_p` (q* − q) + g(q) for the arm, within torque
 /// and torque-rate limits, and velocities for the base; g(q) where the robot does not add it itself
-/// ([`Compensation`](whole_body::Compensation)).
+/// ([`Compensation`](whole_body::torque::Compensation)).
 ///
 /// Tasks are computed with the base where it is measured and the arm where it is commanded, q* being
 /// within the leash of q: so the arm's spring and damper do not close a loop with the tasks, and the tool
@@ -47,7 +49,7 @@ pub struct Measured<'a> {
 /// use moca_model::{
 ///     Controller, ControllerSettings, MOCA_HOME, Measured, TorqueController, TorqueLoopSettings, moca,
 /// };
-/// use moca_model::whole_body::Compensation;
+/// use moca_model::whole_body::torque::Compensation;
 /// use nalgebra::{Matrix3, Vector3};
 ///
 /// let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::new(-0.4, 0.1, -1.1), 0.8)?;
@@ -408,11 +410,6 @@ impl TorqueController {
     /// that carry the arm.
     pub fn torque(&self) -> &[f64] {
         &self.torque
-    }
-
-    /// The torque from outside on each of these joints \[Nm\].
-    pub fn external_torque(&self) -> &[f64] {
-        self.observer.torque()
     }
 
     /// The mass that the tool carries and nobody told of, while that is a [`Fault::UnknownPayload`](hrsw_safety::Fault::UnknownPayload) \[kg\].

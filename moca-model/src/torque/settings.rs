@@ -1,6 +1,6 @@
 //! Gains and rates of the torque loop.
 
-use whole_body::{Compensation, ImpedanceSettings, ObservedFriction};
+use whole_body::torque::{Compensation, ImpedanceSettings, ObservedFriction};
 
 use crate::error::Error;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_JOINTS};
@@ -12,7 +12,7 @@ use crate::torque::LONGEST_DELAY;
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum AnswerDelay {
     /// It is measured before the first motion: the last joint is pushed to and fro for some milliseconds
-    /// ([`DelayProbe`](whole_body::DelayProbe)).
+    /// ([`DelayProbe`](whole_body::torque::DelayProbe)).
     #[default]
     Measured,
     /// From a torque to its effect in a measurement, beyond the one period that every loop takes \[s\].
@@ -23,7 +23,7 @@ pub enum AnswerDelay {
 /// what the robot compensates itself.
 ///
 /// ```
-/// use moca_model::whole_body::Compensation;
+/// use moca_model::whole_body::torque::Compensation;
 /// use moca_model::{ImpedanceSettings, TorqueLoopSettings};
 ///
 /// let soft = TorqueLoopSettings {

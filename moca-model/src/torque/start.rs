@@ -1,6 +1,7 @@
 //! Before the first motion: how late the robot answers to torques.
 
-use whole_body::{DelayProbe, JointCommand, JointMeasurement, ProbeAnswer};
+use whole_body::control_loop::{JointCommand, JointMeasurement};
+use whole_body::torque::{DelayProbe, ProbeAnswer};
 
 use super::LONGEST_DELAY;
 use super::controller::{Measured, TorqueController};

@@ -1,7 +1,8 @@
 //! Nothing on the control path allocates after construction.
 
 use ergo_map::ErgonomicsQuadratic;
-use moca_model::whole_body::{ControlLaw, Data, JointCommand};
+use moca_model::whole_body::Data;
+use moca_model::whole_body::control_loop::{ControlLaw, JointCommand};
 use moca_model::{
     CameraFrame, Controller, ControllerSettings, HeldObject, ImpedanceSettings, JointImpedance,
     JointState, Kinematics, MOCA_HOME, MOCA_TOOL, SimulatedRobot, moca, moca_safety,

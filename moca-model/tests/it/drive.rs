@@ -7,7 +7,9 @@ use std::sync::mpsc::SyncSender;
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Attachment, Capsule};
 use hrsw_safety::{Cause, Fault, SafetyState, proximity};
-use moca_model::whole_body::{Compensation, Data, JointMeasurement, Model};
+use moca_model::whole_body::control_loop::JointMeasurement;
+use moca_model::whole_body::torque::Compensation;
+use moca_model::whole_body::{Data, Model};
 use moca_model::{
     AnswerDelay, CameraFrame, Controller, ControllerSettings, Error, LoopController, MOCA_HOME,
     SimulatedRobot, TorqueController, TorqueLoopSettings,

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use moca_model::ControllerSettings;
-use moca_model::whole_body::LoopSettings;
+use moca_model::whole_body::control_loop::LoopSettings;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")

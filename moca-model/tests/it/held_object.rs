@@ -3,7 +3,8 @@
 use ergo_map::ErgonomicsQuadratic;
 use std::f64::consts::{PI, TAU};
 
-use moca_model::whole_body::{Compensation, Data, Model};
+use moca_model::whole_body::torque::Compensation;
+use moca_model::whole_body::{Data, Model};
 use moca_model::{
     BoxSide, Controller, ControllerSettings, Error, HandSettings, HeldObject, MOCA_HOME, MOCA_URDF,
     Phase, Reason, SimulatedRobot, TorqueController, TorqueLoopSettings, WorkFace,

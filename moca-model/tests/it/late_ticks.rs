@@ -4,7 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use hrsw_safety::{ClockSettings, Fault, LoopClock, SafetyState};
-use moca_model::whole_body::{
+use moca_model::whole_body::control_loop::{
     Clock, ControlLaw, ControlLoop, DeadlineStatistics, JointCommand, JointMeasurement,
     LoopSettings, MonotonicClock, Received, RobotSide,
 };

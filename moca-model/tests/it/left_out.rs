@@ -5,7 +5,8 @@
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::{Capsule, SafetyState, proximity};
-use moca_model::whole_body::{ControlLaw, Data, JointCommand, RobotMode, RobotStatus};
+use moca_model::whole_body::Data;
+use moca_model::whole_body::control_loop::{ControlLaw, JointCommand, RobotMode, RobotStatus};
 use moca_model::{
     Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, MOCA_HOME, Measured,
     TorqueController, TorqueLoopSettings,
@@ -92,7 +93,7 @@ impl Run {
             ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::new(-0.4, 0.1, -1.1), 0.8);
         let settings = ControllerSettings::default();
         let controller = Controller::new(MOCA.clone(), comfort.unwrap(), settings, &MOCA_HOME);
-        let torques = TorqueLoopSettings::new(moca_model::whole_body::Compensation::BARE);
+        let torques = TorqueLoopSettings::new(moca_model::whole_body::torque::Compensation::BARE);
         Self {
             controller: TorqueController::new(controller.unwrap(), torques).unwrap(),
             robot: DynamicRobot::new(&MOCA, &DynamicRobotSettings::default(), &MOCA_HOME).unwrap(),

@@ -1,7 +1,7 @@
 //! Commands that the robot does not take.
 
 use hrsw_safety::Fault;
-use moca_model::whole_body::{ControlLaw, JointCommand};
+use moca_model::whole_body::control_loop::{ControlLaw, JointCommand};
 use moca_model::{CameraFrame, DynamicRobot, DynamicRobotSettings, MOCA_HOME};
 
 use crate::drive::{FRAME, PERIOD, loop_controller, percept};

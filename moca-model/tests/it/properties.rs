@@ -1,7 +1,8 @@
 //! What must hold for MOCA in every configuration.
 
 use approx::assert_abs_diff_eq;
-use moca_model::whole_body::{Data, JointLimits, Model};
+use moca_model::whole_body::robot::JointLimits;
+use moca_model::whole_body::{Data, Model};
 use moca_model::{
     Kinematics, MOCA_ARM_MOUNT, MOCA_HOME, MOCA_TOOL, MOCA_URDF, moca_description, moca_safety,
 };

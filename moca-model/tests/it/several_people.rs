@@ -124,7 +124,7 @@ fn who_begins_to_work_is_nobody_else_any_more() {
 mod from_another_thread {
     use hrsw_safety::SafetyState;
     use moca_model::CameraFrame;
-    use moca_model::whole_body::{ControlLaw, JointCommand};
+    use moca_model::whole_body::control_loop::{ControlLaw, JointCommand};
 
     use super::{Drive, body, percept};
     use crate::drive::loop_controller;

@@ -3,10 +3,12 @@
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::Attachment;
 use hrsw_safety::{Cause, Fault, SafetyState};
-use moca_model::whole_body::{
-    Clock, Compensation, ControlLoop, JointCommand, JointMeasurement, LoopSettings, ManualClock,
-    RandomSource, Received, RobotSide, StopCause,
+use moca_model::whole_body::control_loop::{
+    Clock, ControlLoop, JointCommand, JointMeasurement, LoopSettings, ManualClock, Received,
+    RobotSide, StopCause,
 };
+use moca_model::whole_body::simulation::RandomSource;
+use moca_model::whole_body::torque::Compensation;
 use moca_model::{
     AnswerDelay, Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, MOCA_HOME,
     Measured, TorqueController, TorqueLoopSettings,

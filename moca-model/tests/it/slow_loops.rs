@@ -4,7 +4,7 @@
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::Attachment;
 use hrsw_safety::SafetySettings;
-use moca_model::whole_body::JointLimits;
+use moca_model::whole_body::robot::JointLimits;
 use moca_model::{Controller, ControllerSettings, DesiredMotion, MOCA_HOME, moca_safety};
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 

@@ -5,7 +5,10 @@ mod giving_way;
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::Attachment;
 use hrsw_safety::{Fault, SafetyState};
-use moca_model::whole_body::{Compensation, Contact, Data, ExternalWrench, RandomSource};
+use moca_model::whole_body::Data;
+use moca_model::whole_body::simulation::{Contact, RandomSource};
+use moca_model::whole_body::state::ExternalWrench;
+use moca_model::whole_body::torque::Compensation;
 use moca_model::{
     Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, LeashSettings, MOCA_HOME,
     MOCA_TOOL, Measured, TorqueController, TorqueLoopSettings,

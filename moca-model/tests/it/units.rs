@@ -2,7 +2,7 @@
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::{Fault, FrameFault, SafetyState};
-use moca_model::whole_body::{
+use moca_model::whole_body::control_loop::{
     ControlLoop, JointCommand, JointMeasurement, LoopSettings, ManualClock, Received, RobotSide,
 };
 use moca_model::{
@@ -171,7 +171,7 @@ fn joints_in_degrees_and_odometry_in_millimetres_end_the_loop_before_the_first_c
             Controller::new(MOCA.clone(), comfort, ControllerSettings::default(), &MOCA_HOME);
         let controller = TorqueController::new(
             controller.unwrap(),
-            TorqueLoopSettings::new(moca_model::whole_body::Compensation::BARE),
+            TorqueLoopSettings::new(moca_model::whole_body::torque::Compensation::BARE),
         );
         let (mut law, _frames) = LoopController::new(controller.unwrap());
         let mut robot = Stands(position.clone(), velocity.clone(), 0);

@@ -13,7 +13,8 @@ use std::io::{Read, Write};
 
 use nalgebra::{DMatrix, Matrix3xX, Matrix6xX, Vector3};
 use serde_json::{Value, json};
-use whole_body::{Axes, Base, Data, Description, FrameId, Model, UnusableLimits};
+use whole_body::robot::UnusableLimits;
+use whole_body::{Axes, Base, Data, Description, FrameId, Model};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut text = String::new();

@@ -1,6 +1,7 @@
 //! A Panda whose hand follows a circle: position before orientation before posture.
 use std::io::Write;
-use whole_body::{Description, Ik, Model, OrientationTask, PositionTask, PostureTask};
+use whole_body::tasks::{OrientationTask, PositionTask, PostureTask};
+use whole_body::{Description, Ik, Model};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = Model::from_urdf(include_str!("urdf/panda.urdf"), &Description::default())?;

@@ -1,10 +1,9 @@
 //! A humanoid that reaches down with one hand while its feet stand and its centre of mass stays
 //! above them.
 use nalgebra::Vector3;
-use whole_body::{
-    Axis, Base, CentreOfMassTask, Data, Description, Error, FrameTask, Ik, Model, PositionTask,
-    PostureTask, TaskLevel,
-};
+use whole_body::stack::TaskLevel;
+use whole_body::tasks::{Axis, CentreOfMassTask, FrameTask, PositionTask, PostureTask};
+use whole_body::{Base, Data, Description, Error, Ik, Model};
 
 fn main() -> Result<(), Error> {
     let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/urdf/humanoid.urdf");

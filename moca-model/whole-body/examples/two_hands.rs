@@ -1,10 +1,10 @@
 //! A robot with two arms on a differential base: the right hand reaches for a point two metres away,
 //! the left one keeps its pose beside it, and base, lift and arms share the work.
 use nalgebra::{Isometry3, vector};
-use whole_body::{
-    Description, Error, Ik, LimitOverride, Model, PositionTask, PostureTask, RelativeFrameTask,
-    WheelLimit,
-};
+use whole_body::limits::WheelLimit;
+use whole_body::robot::LimitOverride;
+use whole_body::tasks::{PositionTask, PostureTask, RelativeFrameTask};
+use whole_body::{Description, Error, Ik, Model};
 
 fn main() -> Result<(), Error> {
     let slow = LimitOverride::of_speed(1.0, 1.0);

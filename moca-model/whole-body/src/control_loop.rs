@@ -9,3 +9,12 @@ pub(crate) mod run;
 #[cfg(all(feature = "real-time", target_os = "linux"))]
 pub(crate) mod scheduling;
 pub(crate) mod settings;
+
+pub use clock::{Clock, ManualClock, MonotonicClock};
+pub use deadlines::{DeadlineStatistics, TimeHistogram};
+pub use law::ControlLaw;
+pub use robot_side::{JointCommand, JointMeasurement, Received, RobotMode, RobotSide, RobotStatus};
+pub use run::{ControlLoop, LoopEnding, LoopError, StopCause};
+#[cfg(all(feature = "real-time", target_os = "linux"))]
+pub use scheduling::Scheduling;
+pub use settings::LoopSettings;

@@ -352,7 +352,7 @@ impl Error {
     }
 
     /// Whether it is about a limit that cannot be meant, which
-    /// [`UnusableLimits::Ignore`](crate::UnusableLimits::Ignore) takes for unlimited. Programs name their own option
+    /// [`UnusableLimits::Ignore`](crate::robot::UnusableLimits::Ignore) takes for unlimited. Programs name their own option
     /// for that.
     pub fn is_unusable_limit(&self) -> bool {
         match self {

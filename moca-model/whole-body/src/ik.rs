@@ -5,3 +5,8 @@ pub(crate) mod differential;
 pub(crate) mod leash;
 pub(crate) mod settings;
 mod singularity;
+
+pub use commanded::{Command, Commanded};
+pub use differential::{ActiveLimit, ActiveRow, IkBuilder, LevelReport, Step};
+pub use leash::Leash;
+pub use settings::IkSettings;

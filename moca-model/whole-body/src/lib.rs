@@ -5,12 +5,19 @@
 //! inertia; giving that a velocity returns a [`Moving`], which knows twists, J̇q̇ and dynamics. What
 //! has not been computed cannot be read.
 //!
-//! An [`Ik`] turns levels of [`Task`]s into velocities within all limits; a [`Commanded`] turns
-//! those into commands for a robot that may be held. Both stand on a [`TaskStack`], levels over q̇ and
-//! further variables within bounds of your own.
+//! An [`Ik`] turns levels of [`Task`]s into velocities within all limits.
 //!
-//! A [`TorqueControl`] turns velocities into torques, a [`MomentumObserver`] finds out who pushes, and a
-//! [`RigidBodySimulation`] is a robot to try them on.
+//! | module | holds |
+//! |---|---|
+//! | [`robot`] | joints, their limits, friction, and what is odd in a URDF |
+//! | [`state`] | payloads and forces on the robot |
+//! | [`tasks`] | what a robot is asked to do, and what a task of your own needs |
+//! | [`stack`] | levels of tasks over q̇ and further variables within bounds of your own |
+//! | [`limits`] | limits of joints, wheels and speeds of frames |
+//! | [`ik`] | settings and results of an [`Ik`], and commands for a robot that may be held |
+//! | [`torque`] | torques for velocities, impedance, and an observer that finds out who pushes |
+//! | [`control_loop`] | the periodic loop with a real robot |
+//! | [`simulation`] | rigid bodies, contacts and sensors to try a controller on |
 //!
 //! SI units, radians. Twists and accelerations are linear then angular, forces are forces then
 //! moments, all of a frame's origin in axes parallel to the world's unless [`Axes::Local`] is asked
@@ -21,7 +28,8 @@
 //!
 //! ```
 //! use whole_body::nalgebra::{self, vector};
-//! use whole_body::{Description, Ik, Model, OrientationTask, PositionTask, PostureTask};
+//! use whole_body::tasks::{OrientationTask, PositionTask, PostureTask};
+//! use whole_body::{Description, Ik, Model};
 //!
 //! let model = Model::from_urdf_file("examples/urdf/panda.urdf", &Description::default())?;
 //! let hand = model.frame_id("panda_hand_tcp")?;
@@ -73,96 +81,36 @@
 //! # Ok::<(), whole_body::Error>(())
 //! ```
 
-mod control_loop;
+pub mod control_loop;
 mod dynamics;
 mod eigen;
 mod error;
-mod ik;
+pub mod ik;
 mod inertia;
 mod kinematics;
-mod limits;
-mod robot;
-mod simulation;
+pub mod limits;
+pub mod robot;
+pub mod simulation;
 mod spatial;
-mod stack;
-mod state;
-mod tasks;
-mod torque;
+pub mod stack;
+pub mod state;
+pub mod tasks;
+pub mod torque;
 mod urdf;
 mod vector;
 
-pub use ahqp_core::{Budget, PoseAxes, Settings, Solution, Status, VelocityInterval};
-pub use control_loop::clock::{Clock, ManualClock, MonotonicClock};
-pub use control_loop::deadlines::{DeadlineStatistics, TimeHistogram};
-pub use control_loop::law::ControlLaw;
-pub use control_loop::robot_side::{
-    JointCommand, JointMeasurement, Received, RobotMode, RobotSide, RobotStatus,
-};
-pub use control_loop::run::{ControlLoop, LoopEnding, LoopError, StopCause};
-#[cfg(all(feature = "real-time", target_os = "linux"))]
-pub use control_loop::scheduling::Scheduling;
-pub use control_loop::settings::LoopSettings;
-pub use dynamics::external::ExternalWrench;
 pub use error::Error;
-pub use error::urdf::UrdfError;
-pub use ik::commanded::{Command, Commanded};
-pub use ik::differential::{ActiveLimit, ActiveRow, Ik, IkBuilder, LevelReport, Step};
-pub use ik::leash::Leash;
-pub use ik::settings::IkSettings;
+pub use ik::differential::Ik;
 pub use kinematics::jacobian::Axes;
-pub use limits::frame_velocity::FrameVelocityLimit;
-pub use limits::joint_intervals::{End, LimitKind};
-pub use limits::wheels::WheelLimit;
 pub use nalgebra;
-pub use robot::description::{AddedFrame, Base, Description};
+pub use robot::description::{Base, Description};
 pub use robot::frame::FrameId;
-pub use robot::friction::JointFriction;
-pub use robot::joint::{Joint, JointId, JointKind, MimicJoint};
-pub use robot::limits::{JointLimits, LimitOverride, MissingAcceleration, UnusableLimits};
+pub use robot::joint::JointId;
 pub use robot::model::Model;
-pub use robot::warning::{InertiaFault, Warning};
-pub use simulation::command_line::CommandLine;
-pub use simulation::contact::Contact;
-pub use simulation::rigid_body::{JointDrive, RigidBodySimulation};
-pub use simulation::sensors::{RandomSource, SensorSettings, Sensors};
-pub use simulation::transmission::Transmission;
-pub use stack::task_level::{OutOfReach, TaskId, TaskLevel};
-pub use stack::task_stack::TaskStack;
 pub use state::data::Data;
 pub use state::moving::Moving;
-pub use state::payload::{Payload, PayloadId};
 pub use state::posed::Posed;
-pub use tasks::augmented_frame::AugmentedFrameTask;
-pub use tasks::axis::AxisTask;
-pub use tasks::centre_of_mass::{CentreOfMass, CentreOfMassTask};
-pub use tasks::curvature::Curvature;
-pub use tasks::damping::DampingTask;
-pub use tasks::feedback::Feedback;
-pub use tasks::frame_pose::{FramePose, FrameTask};
-pub use tasks::input::TaskInput;
-pub use tasks::joint_coupling::JointCouplingTask;
-pub use tasks::manipulability::ManipulabilityTask;
-pub use tasks::mask::Axis;
-pub use tasks::orientation::{FrameOrientation, OrientationTask};
-pub use tasks::pose_task::{PoseQuantity, PoseTask};
-pub use tasks::position::{FramePosition, PositionTask};
-pub use tasks::posture::PostureTask;
-pub use tasks::quadratic::{CloneQuadraticTask, QuadraticTask, TaskQuadratic};
-pub use tasks::relative_frame::{RelativeFrameTask, RelativePose};
-pub use tasks::rows::TaskRows;
-pub use tasks::task::{CloneTask, Limit, Task};
-pub use tasks::variables::{VariableLayout, Variables};
-pub use tasks::vector_task::{VectorQuantity, VectorTask};
-pub use tasks::velocity::VelocityTask;
-pub use torque::contact_force::ContactForce;
-pub use torque::control::{TorqueControl, TorqueSettings};
-pub use torque::delay_probe::{DelayProbe, ProbeAnswer};
-pub use torque::impedance::{ImpedanceSettings, JointImpedance, JointState};
-pub use torque::measurement_watch::{MeasurementFault, MeasurementWatch};
-pub use torque::momentum_observer::{MomentumObserver, ObservedFriction, ObserverSettings};
-pub use torque::prediction::StatePrediction;
-pub use torque::resynchronisation::{Following, Resynchronisation};
-pub use torque::support::{CompensatedBy, Compensation, SupportTorque, SupportedMotion};
+pub use tasks::task::Task;
 
 /// The program of the crate's README.
 #[cfg(doctest)]

@@ -5,3 +5,8 @@ pub(crate) mod common_point;
 pub(crate) mod frame_velocity;
 pub(crate) mod joint_intervals;
 pub(crate) mod wheels;
+
+pub use ahqp_core::VelocityInterval;
+pub use frame_velocity::FrameVelocityLimit;
+pub use joint_intervals::{End, LimitKind};
+pub use wheels::WheelLimit;

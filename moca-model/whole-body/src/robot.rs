@@ -18,3 +18,10 @@ mod reading;
 mod selection;
 mod units;
 pub(crate) mod warning;
+
+pub use crate::error::urdf::UrdfError;
+pub use description::AddedFrame;
+pub use friction::JointFriction;
+pub use joint::{Joint, JointKind, MimicJoint};
+pub use limits::{JointLimits, LimitOverride, MissingAcceleration, UnusableLimits};
+pub use warning::{InertiaFault, Warning};

@@ -1,5 +1,11 @@
+//! Levels of tasks with strict priorities, and what solving them said.
+
 pub(crate) mod curvature_rows;
 pub(crate) mod level_tasks;
 mod row_tasks;
 pub(crate) mod task_level;
 pub(crate) mod task_stack;
+
+pub use ahqp_core::{Budget, Settings, Solution, Status};
+pub use task_level::{OutOfReach, TaskId, TaskLevel};
+pub use task_stack::TaskStack;

@@ -5,3 +5,6 @@ pub(crate) mod data;
 pub(crate) mod moving;
 pub(crate) mod payload;
 pub(crate) mod posed;
+
+pub use crate::dynamics::external::ExternalWrench;
+pub use payload::{Payload, PayloadId};

@@ -9,3 +9,13 @@ pub(crate) mod momentum_observer;
 pub(crate) mod prediction;
 pub(crate) mod resynchronisation;
 pub(crate) mod support;
+
+pub use contact_force::ContactForce;
+pub use control::{TorqueControl, TorqueSettings};
+pub use delay_probe::{DelayProbe, ProbeAnswer};
+pub use impedance::{ImpedanceSettings, JointImpedance, JointState};
+pub use measurement_watch::{MeasurementFault, MeasurementWatch};
+pub use momentum_observer::{MomentumObserver, ObservedFriction, ObserverSettings};
+pub use prediction::StatePrediction;
+pub use resynchronisation::{Following, Resynchronisation};
+pub use support::{CompensatedBy, Compensation, SupportTorque, SupportedMotion};

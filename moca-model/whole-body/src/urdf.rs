@@ -6,7 +6,5 @@
 
 pub(crate) mod document;
 pub(crate) mod names;
-#[cfg(feature = "urdf-rs")]
-mod parsed;
 mod reader;
 pub(crate) mod tree;

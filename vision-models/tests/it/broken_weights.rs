@@ -1,5 +1,7 @@
 //! Weights that no training leaves behind, and activations that overflow: errors, never scores.
 
+use std::sync::LazyLock;
+
 use crate::support::{input, weights};
 use ndarray::{Array4, Array5, s};
 use vision_models::{
@@ -10,7 +12,8 @@ use vision_models::{
 const DEPTH: ResNetDepth = ResNetDepth::Eighteen;
 
 fn sound() -> Tensors {
-    weights(ResNet::parameters(DEPTH, 3))
+    static SOUND: LazyLock<Tensors> = LazyLock::new(|| weights(ResNet::parameters(DEPTH, 3)));
+    SOUND.clone()
 }
 
 /// Sound weights but for some elements of one tensor.

@@ -1,6 +1,8 @@
 //! The networks say what PyTorch says, whatever the threads and instruction set, and refuse what
 //! they cannot take.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use crate::support::{input, weights};
 use ndarray::{Array4, Array5, ArrayView2, Axis, concatenate, s};
 use serde::Deserialize;
@@ -272,15 +274,15 @@ fn everything_wrong_with_a_checkpoint_is_listed() {
 }
 
 /// Names and shapes of a network's tensors, without their elements.
-struct Shapes(Vec<(String, Vec<usize>)>);
+struct Shapes(BTreeMap<String, Vec<usize>>);
 
 impl TensorSource for Shapes {
     fn names(&self) -> Vec<&str> {
-        self.0.iter().map(|(name, _)| name.as_str()).collect()
+        self.0.keys().map(String::as_str).collect()
     }
 
     fn shape(&self, name: &str) -> Option<&[usize]> {
-        self.0.iter().find(|(own, _)| own == name).map(|(_, shape)| shape.as_slice())
+        self.0.get(name).map(Vec::as_slice)
     }
 
     fn take(&mut self, name: &str) -> Result<Tensor, Error> {
@@ -289,7 +291,7 @@ impl TensorSource for Shapes {
 }
 
 fn shapes(kind: NetworkKind, classes: usize) -> Shapes {
-    Shapes(kind.parameters(classes))
+    Shapes(kind.parameters(classes).into_iter().collect())
 }
 
 #[test]
@@ -297,7 +299,7 @@ fn a_checkpoint_of_another_network_is_recognised() {
     for kind in NetworkKind::all() {
         assert_eq!(NetworkKind::of(&shapes(kind, 7)), Some(kind));
         let mut other = shapes(kind, 7);
-        other.0.pop();
+        other.0.pop_last();
         assert_eq!(NetworkKind::of(&other), None, "a {kind} without its last tensor");
         if kind == NetworkKind::ResNet(ResNetDepth::Fifty.into()) {
             continue;
@@ -309,15 +311,14 @@ fn a_checkpoint_of_another_network_is_recognised() {
             matches!(error, Error::Weights { found, .. } if found == Some(kind.to_string().into()))
         );
     }
-    let names: std::collections::BTreeSet<_> =
-        NetworkKind::all().iter().map(ToString::to_string).collect();
+    let names: BTreeSet<_> = NetworkKind::all().iter().map(ToString::to_string).collect();
     assert_eq!(names.len(), NetworkKind::all().len());
 }
 
 /// A wall of names helps nobody.
 #[test]
 fn a_misfit_is_told_in_a_few_words() {
-    let nothing = Shapes(vec![("w".repeat(1 << 20), vec![1])]);
+    let nothing = Shapes([("w".repeat(1 << 20), vec![1])].into());
     let error = ResNet::load(ResNetDepth::Fifty, nothing, [224, 224], options(1)).unwrap_err();
     let message = error.to_string();
     assert!(message.len() < 500, "{} bytes", message.len());

@@ -1,6 +1,6 @@
 //! What wrappers and training programs put before the names of a network's weights, and beside them.
 
-use std::io::Cursor;
+use std::{io::Cursor, sync::LazyLock};
 
 use crate::support::{input, weights};
 use vision_models::{
@@ -11,7 +11,8 @@ use vision_models::{
 const DEPTH: ResNetDepth = ResNetDepth::Eighteen;
 
 fn plain() -> Tensors {
-    weights(ResNet::parameters(DEPTH, 3))
+    static PLAIN: LazyLock<Tensors> = LazyLock::new(|| weights(ResNet::parameters(DEPTH, 3)));
+    PLAIN.clone()
 }
 
 /// The same tensors with something before each name.

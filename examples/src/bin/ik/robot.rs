@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use whole_body::{Base, Description, JointKind, Model, UnusableLimits};
+use whole_body::robot::{JointKind, UnusableLimits};
+use whole_body::{Base, Description, Model};
 
 /// How the root link moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

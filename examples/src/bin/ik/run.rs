@@ -5,10 +5,11 @@ use std::time::Instant;
 
 use anyhow::{Result, ensure};
 use nalgebra::{Isometry3, Point3, Vector3};
-use whole_body::{
-    FrameId, FrameTask, Ik, JointKind, LimitKind, Model, OrientationTask, PositionTask,
-    PostureTask, Status, TaskId, TaskLevel,
-};
+use whole_body::limits::LimitKind;
+use whole_body::robot::JointKind;
+use whole_body::stack::{Status, TaskId, TaskLevel};
+use whole_body::tasks::{FrameTask, OrientationTask, PositionTask, PostureTask};
+use whole_body::{FrameId, Ik, Model};
 
 use crate::path::Path;
 use crate::record::{Record, Summary, Tick};

@@ -11,7 +11,7 @@ use moca_drivers::ros2::ros2_client::dds::rustdds::serialization::{
     deserialize_from_cdr_with_rep_id, to_writer_with_rep_id,
 };
 use moca_drivers::ros2::{Commands, Measurements, Perceived, RobotJoints};
-use moca_model::whole_body::{JointCommand, JointMeasurement};
+use moca_model::whole_body::control_loop::{JointCommand, JointMeasurement};
 use proptest::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;

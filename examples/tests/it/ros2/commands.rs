@@ -1,6 +1,6 @@
 use moca_drivers::ros2::messages::{Float64MultiArray, Time};
 use moca_drivers::ros2::{Commands, JointInterface, Refusal, Topic};
-use moca_model::whole_body::{JointCommand, JointMeasurement};
+use moca_model::whole_body::control_loop::{JointCommand, JointMeasurement};
 use proptest::prelude::*;
 
 use super::{after, twist};

@@ -7,7 +7,7 @@ use std::thread;
 use moca_drivers::SimulatedSide;
 use moca_drivers::ros2::{JointInterface, RobotJoints, Ros2Server, Ros2Side, RosDomain, Topic};
 use moca_model::MOCA_HOME;
-use moca_model::whole_body::{
+use moca_model::whole_body::control_loop::{
     ControlLaw, ControlLoop, JointCommand, JointMeasurement, LoopSettings, MonotonicClock,
     StopCause,
 };

@@ -2,7 +2,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use moca_drivers::ros2::messages::{Odometry, Quaternion, Text, Time};
 use moca_drivers::ros2::{Measurements, Refusal, RobotJoints};
-use moca_model::whole_body::{RobotMode, RobotStatus};
+use moca_model::whole_body::control_loop::{RobotMode, RobotStatus};
 use proptest::prelude::*;
 
 use super::{after, joint_state, measurements, odometry, refused};

@@ -3,7 +3,7 @@
 use std::time::SystemTime;
 
 use moca_model::MOCA_BASE_JOINTS;
-use moca_model::whole_body::JointCommand;
+use moca_model::whole_body::control_loop::JointCommand;
 use nalgebra::{Rotation2, Vector2};
 
 use super::BASE_FRAME;

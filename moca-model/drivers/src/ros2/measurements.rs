@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::time::SystemTime;
 
-use moca_model::whole_body::{JointMeasurement, RobotMode, RobotStatus};
+use moca_model::whole_body::control_loop::{JointMeasurement, RobotMode, RobotStatus};
 use moca_model::{MOCA_BASE_JOINTS, MOCA_JOINTS};
 use nalgebra::{Quaternion as Coordinates, UnitQuaternion, Vector2};
 

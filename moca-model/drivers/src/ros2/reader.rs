@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 
-use moca_model::whole_body::{JointMeasurement, RobotStatus};
+use moca_model::whole_body::control_loop::{JointMeasurement, RobotStatus};
 use ros2_client::dds::rustdds::mio1::{Events, Interest, Poll, Token};
 
 use super::error::Ros2Error;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use moca_model::whole_body::TimeHistogram;
+use moca_model::whole_body::control_loop::TimeHistogram;
 use serde::Serialize;
 
 use super::side::Ros2Statistics;

@@ -5,7 +5,7 @@ use std::time::SystemTime;
 
 use moca_model::CameraFrame;
 use moca_model::MOCA_BASE_JOINTS;
-use moca_model::whole_body::{Clock, JointCommand, JointMeasurement, RobotSide};
+use moca_model::whole_body::control_loop::{Clock, JointCommand, JointMeasurement, RobotSide};
 use nalgebra::UnitQuaternion;
 use ros2_client::Publisher;
 use vision_models::Body;

@@ -7,7 +7,9 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, SystemTime};
 
 use moca_model::MOCA_BASE_JOINTS;
-use moca_model::whole_body::{JointCommand, JointMeasurement, Received, RobotSide, RobotStatus};
+use moca_model::whole_body::control_loop::{
+    JointCommand, JointMeasurement, Received, RobotSide, RobotStatus,
+};
 
 use super::commands::{base_velocity, joint_values};
 use super::domain::RosDomain;

@@ -2,7 +2,7 @@
 
 use std::mem::discriminant;
 
-use moca_model::whole_body::TimeHistogram;
+use moca_model::whole_body::control_loop::TimeHistogram;
 
 use super::refusal::Refusal;
 use super::topic::Topic;

@@ -2,9 +2,8 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use whole_body::{
-    AddedFrame, Base, Description, LimitOverride, MissingAcceleration, UnusableLimits,
-};
+use whole_body::robot::{AddedFrame, LimitOverride, MissingAcceleration, UnusableLimits};
+use whole_body::{Base, Description};
 
 use crate::arrays::{numbers, pose};
 use crate::failure::{Failure, Result};

@@ -6,7 +6,9 @@ use ahqp_core::Budget;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use whole_body::{End, IkSettings, LimitKind, OutOfReach, TaskLevel};
+use whole_body::ik::IkSettings;
+use whole_body::limits::{End, LimitKind};
+use whole_body::stack::{OutOfReach, TaskLevel};
 
 use super::limits::Limit;
 use super::model::Model;

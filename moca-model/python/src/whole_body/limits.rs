@@ -2,14 +2,14 @@
 
 use nalgebra::Vector3;
 use pyo3::prelude::*;
-use whole_body::IkBuilder;
+use whole_body::ik::IkBuilder;
 
 use crate::arrays::{numbers, vector, with_slice};
 use crate::failure::Result;
 
 /// Speed limits of the wheels of a planar base: `mecanum`, `omni` or `differential`.
 #[pyclass(frozen, module = "ahqp.whole_body")]
-pub(crate) struct WheelLimit(whole_body::WheelLimit);
+pub(crate) struct WheelLimit(whole_body::limits::WheelLimit);
 
 #[pymethods]
 impl WheelLimit {
@@ -17,7 +17,7 @@ impl WheelLimit {
     /// [m] being half the wheelbase and half the track together.
     #[staticmethod]
     fn mecanum(speed: f64, lever: f64) -> Self {
-        Self(whole_body::WheelLimit::mecanum(speed, lever))
+        Self(whole_body::limits::WheelLimit::mecanum(speed, lever))
     }
 
     /// Omni wheels whose rims reach `speed` [m/s], `radius` [m] from the centre in the directions
@@ -25,13 +25,15 @@ impl WheelLimit {
     #[staticmethod]
     fn omni(speed: f64, radius: f64, angles: &Bound<'_, PyAny>) -> Result<Self> {
         let angles = vector("angles", angles)?;
-        Ok(Self(with_slice(&angles, |angles| whole_body::WheelLimit::omni(speed, radius, angles))))
+        Ok(Self(with_slice(&angles, |angles| {
+            whole_body::limits::WheelLimit::omni(speed, radius, angles)
+        })))
     }
 
     /// Two driven wheels, `track` [m] apart, whose rims reach `speed` [m/s]; no motion sideways.
     #[staticmethod]
     fn differential(speed: f64, track: f64) -> Self {
-        Self(whole_body::WheelLimit::differential(speed, track))
+        Self(whole_body::limits::WheelLimit::differential(speed, track))
     }
 }
 
@@ -82,7 +84,8 @@ impl Limit<'_> {
             }
             Self::Frame(limit) => {
                 let frame = model.frame_id(&limit.frame)?;
-                let task = whole_body::FrameVelocityLimit::new(frame, limit.linear, limit.angular);
+                let task =
+                    whole_body::limits::FrameVelocityLimit::new(frame, limit.linear, limit.angular);
                 builder.limit(name, if limit.local { task.in_local_axes() } else { task });
             }
         }

@@ -3,7 +3,7 @@
 use numpy::{PyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use whole_body::JointLimits;
+use whole_body::robot::JointLimits;
 
 use super::description::Keywords;
 use crate::arrays::{to_vector, vector_of, with_slice};

@@ -2,9 +2,12 @@
 
 use nalgebra::{Point3, Vector3, Vector6};
 use pyo3::prelude::*;
-use whole_body::{
-    AxisTask, CentreOfMassTask, DampingTask, FrameTask, Ik, JointCouplingTask, OrientationTask,
-    PositionTask, PostureTask, RelativeFrameTask, Step, TaskId,
+use whole_body::Ik;
+use whole_body::ik::Step;
+use whole_body::stack::TaskId;
+use whole_body::tasks::{
+    AxisTask, CentreOfMassTask, DampingTask, FrameTask, JointCouplingTask, OrientationTask,
+    PositionTask, PostureTask, RelativeFrameTask,
 };
 
 use crate::arrays::{direction, numbers, orientation, pose, vector_of, with_slice};

@@ -2,7 +2,9 @@
 
 use nalgebra::{Unit, Vector3, Vector6};
 use pyo3::prelude::*;
-use whole_body::{Axis, Feedback, Model, TaskLevel};
+use whole_body::Model;
+use whole_body::stack::TaskLevel;
+use whole_body::tasks::{Axis, Feedback};
 
 use super::targets::Target;
 use crate::arrays::{direction, numbers};
@@ -76,7 +78,7 @@ macro_rules! vector_task {
 
         impl PythonTask for $name {
             fn push(&self, model: &Model, level: &mut TaskLevel, name: &str) -> Result<Target> {
-                let task = whole_body::$rust::new(model.frame_id(&self.frame)?)
+                let task = whole_body::tasks::$rust::new(model.frame_id(&self.frame)?)
                     .with_feedback(self.gains.feedback(Feedback::$feedback))
                     .with_axes(&self.axes)
                     .with_weights(self.weights.into());
@@ -129,7 +131,7 @@ impl CentreOfMassTask {
 
 impl PythonTask for CentreOfMassTask {
     fn push(&self, model: &Model, level: &mut TaskLevel, name: &str) -> Result<Target> {
-        let task = whole_body::CentreOfMassTask::new(model)
+        let task = whole_body::tasks::CentreOfMassTask::new(model)
             .with_feedback(self.gains.feedback(Feedback::LINEAR))
             .with_axes(&self.axes)
             .with_weights(self.weights.into());
@@ -159,7 +161,7 @@ impl FrameTask {
 
 impl PythonTask for FrameTask {
     fn push(&self, model: &Model, level: &mut TaskLevel, name: &str) -> Result<Target> {
-        let mut task = whole_body::FrameTask::new(model.frame_id(&self.frame)?)
+        let mut task = whole_body::tasks::FrameTask::new(model.frame_id(&self.frame)?)
             .with_weights(Vector6::from(self.weights));
         if let Some(gain) = self.gain {
             task = task.with_gain(gain);
@@ -197,7 +199,7 @@ impl RelativeFrameTask {
 impl PythonTask for RelativeFrameTask {
     fn push(&self, model: &Model, level: &mut TaskLevel, name: &str) -> Result<Target> {
         let (reference, frame) = (model.frame_id(&self.reference)?, model.frame_id(&self.frame)?);
-        let mut task = whole_body::RelativeFrameTask::new(reference, frame)
+        let mut task = whole_body::tasks::RelativeFrameTask::new(reference, frame)
             .with_weights(Vector6::from(self.weights));
         if let Some(gain) = self.gain {
             task = task.with_gain(gain);
@@ -236,7 +238,7 @@ impl AxisTask {
 
 impl PythonTask for AxisTask {
     fn push(&self, model: &Model, level: &mut TaskLevel, name: &str) -> Result<Target> {
-        let task = whole_body::AxisTask::new(model.frame_id(&self.frame)?, self.axis)
+        let task = whole_body::tasks::AxisTask::new(model.frame_id(&self.frame)?, self.axis)
             .with_feedback(self.gains.feedback(Feedback::ANGULAR))
             .with_weight(self.weight);
         Ok(Target::Axis(level.push(name, task)))
@@ -278,7 +280,7 @@ fn list(weights: Option<&Bound<'_, PyAny>>) -> Result<Vec<f64>> {
 
 impl PythonTask for PostureTask {
     fn push(&self, model: &Model, level: &mut TaskLevel, name: &str) -> Result<Target> {
-        let mut task = whole_body::PostureTask::new()
+        let mut task = whole_body::tasks::PostureTask::new()
             .with_feedback(self.gains.feedback(Feedback::JOINT))
             .with_weights(&self.weights);
         if let Some(joints) = &self.joints {
@@ -308,7 +310,7 @@ impl DampingTask {
 
 impl PythonTask for DampingTask {
     fn push(&self, _model: &Model, level: &mut TaskLevel, name: &str) -> Result<Target> {
-        let task = whole_body::DampingTask::new().with_weights(&self.weights);
+        let task = whole_body::tasks::DampingTask::new().with_weights(&self.weights);
         Ok(Target::Damping(level.push(name, task)))
     }
 }
@@ -337,7 +339,7 @@ impl PythonTask for JointCouplingTask {
     fn push(&self, model: &Model, level: &mut TaskLevel, name: &str) -> Result<Target> {
         let joint = |(name, coefficient): &(String, f64)| Ok((model.joint_id(name)?, *coefficient));
         let joints = self.joints.iter().map(joint).collect::<Result<Vec<_>>>()?;
-        let task = whole_body::JointCouplingTask::new(&joints).with_weight(self.weight);
+        let task = whole_body::tasks::JointCouplingTask::new(&joints).with_weight(self.weight);
         Ok(Target::JointCoupling(level.push(name, task)))
     }
 }

@@ -7,10 +7,10 @@ use nalgebra::Vector3;
 use vision_models::{Body, Body25};
 
 /// How many points a body has.
-pub const POINT_COUNT: usize = BODY_POINTS.len();
+pub(crate) const POINT_COUNT: usize = BODY_POINTS.len();
 
 /// The points; left before right.
-pub const BODY_POINTS: [&str; 21] = [
+pub(crate) const BODY_POINTS: [&str; 21] = [
     "neck",
     "pelvis",
     "chest",
@@ -39,7 +39,7 @@ pub(super) type Points = [Option<Vector3<f64>>; POINT_COUNT];
 
 /// A part of the body that has a sub-score of REBA.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BodyPart {
+pub(crate) enum BodyPart {
     /// With the head.
     Neck,
     /// With pelvis and shoulders.
@@ -56,13 +56,13 @@ pub enum BodyPart {
 
 /// A capsule between two points, whose radius changes evenly.
 #[derive(Clone, Copy, Debug)]
-pub struct Limb {
+pub(crate) struct Limb {
     /// Indices of two points.
-    pub ends: [usize; 2],
+    pub(crate) ends: [usize; 2],
     /// At the two, as fractions of stature.
-    pub radii: [f64; 2],
+    pub(crate) radii: [f64; 2],
     /// What it is of.
-    pub part: BodyPart,
+    pub(crate) part: BodyPart,
 }
 
 const fn limb(ends: [usize; 2], radii: [f64; 2], part: BodyPart) -> Limb {
@@ -70,7 +70,7 @@ const fn limb(ends: [usize; 2], radii: [f64; 2], part: BodyPart) -> Limb {
 }
 
 /// All capsules of a body.
-pub const LIMBS: [Limb; 22] = {
+pub(crate) const LIMBS: [Limb; 22] = {
     use BodyPart::{Legs, LowerArm, Neck, Trunk, UpperArm, Wrist};
     use Side::{Left, Right};
     [

@@ -1,6 +1,7 @@
 //! How much of each limit is used.
 
-use moca_model::whole_body::{JointLimits, Model};
+use moca_model::whole_body::Model;
+use moca_model::whole_body::robot::JointLimits;
 use moca_model::{Command, ControllerSettings, DesiredMotion, MecanumBase};
 
 /// Shares of limits, the greatest since they were last taken: 1 is at the limit.

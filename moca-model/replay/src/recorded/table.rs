@@ -141,7 +141,7 @@ impl Table {
     }
 
     /// Each group with the place of its first column in a row.
-    pub fn group_places(&self) -> impl Iterator<Item = (usize, &Group)> {
+    pub(crate) fn group_places(&self) -> impl Iterator<Item = (usize, &Group)> {
         self.groups.iter().scan(0, |place, group| {
             let begin = *place;
             *place += group.width();

@@ -6,7 +6,7 @@ use moca_replay::page::page;
 use moca_simulation::ergo_map::{ErgonomicsMap, MapOptions, Person};
 use moca_simulation::hrsw_safety::{Capsule, LinkCapsule, SafetySettings};
 use moca_simulation::moca_model::nalgebra::Vector3;
-use moca_simulation::moca_model::whole_body::{Description, LimitOverride, Model};
+use moca_simulation::moca_model::whole_body::{Description, Model, robot::LimitOverride};
 use moca_simulation::moca_model::{ControllerSettings, Goal, PostureSettings, moca_safety};
 use moca_simulation::people::{Walker, WalkerSettings};
 use moca_simulation::run::{Comparison, Run, Scenario};

@@ -73,7 +73,7 @@ impl<'a> Player<'a> {
     ///
     /// # Errors
     /// As [`play`](Self::play).
-    pub fn play_unseen(
+    pub(crate) fn play_unseen(
         &self,
         scenario: &Scenario,
         goal: Goal,

@@ -102,7 +102,7 @@ impl Versus {
     }
 
     /// e_s with ergonomics against e_s without.
-    pub fn duel(&self) -> Duel {
+    pub(crate) fn duel(&self) -> Duel {
         Duel::of(self.scores())
     }
 

@@ -6,7 +6,8 @@
 //! outside does not move farther out and returns. The base keeps to what its wheels can do.
 
 use hrsw_safety::Fault;
-use moca_model::whole_body::{JointLimits, Model};
+use moca_model::whole_body::Model;
+use moca_model::whole_body::robot::JointLimits;
 use moca_model::{Command, ControllerSettings, DesiredMotion, MecanumBase, TorqueLoopSettings};
 use nalgebra::{Vector3, Vector6};
 use serde::{Deserialize, Serialize};
@@ -164,7 +165,7 @@ impl LimitMonitor {
     }
 
     /// Joints that are outside their range now were moved there by no command.
-    pub fn move_outside(&mut self, configuration: &[f64]) {
+    pub(crate) fn move_outside(&mut self, configuration: &[f64]) {
         for ((outside, limits), q) in self.outside.iter_mut().zip(&self.joints).zip(configuration) {
             let is_outside = !(limits.lower..=limits.upper).contains(q);
             *outside = is_outside.then_some(0.0);
@@ -231,7 +232,7 @@ impl LimitMonitor {
 ///
 /// ```
 /// use moca_simulation::judges::TorqueMonitor;
-/// use moca_model::whole_body::Compensation;
+/// use moca_model::whole_body::torque::Compensation;
 /// use moca_model::{TorqueLoopSettings, moca};
 ///
 /// let settings = TorqueLoopSettings::new(Compensation::BARE);

@@ -71,7 +71,7 @@ impl Wanderer {
     }
 
     /// The same, but they never work with the robot, stay in view and do not jump.
-    pub fn passing_by(draw: ChaCha8Rng, robot: Vector2<f64>) -> Self {
+    pub(crate) fn passing_by(draw: ChaCha8Rng, robot: Vector2<f64>) -> Self {
         Self {
             together: (false, f64::INFINITY),
             in_view: (true, f64::INFINITY),
@@ -82,7 +82,7 @@ impl Wanderer {
 
     /// Somebody near what the tool of a robot holds, in this direction from the robot (m), who repeats a movement
     /// there; whether they work with the robot.
-    pub fn repeating(
+    pub(crate) fn repeating(
         draw: ChaCha8Rng,
         movement: Movement,
         (tool, outwards): (Point2<f64>, Vector2<f64>),

@@ -20,7 +20,7 @@ impl RenderedImage {
     }
 
     /// The depth at a pixel (m), infinite where nothing is and outside the image.
-    pub fn depth_at(&self, column: usize, row: usize) -> f32 {
+    pub(crate) fn depth_at(&self, column: usize, row: usize) -> f32 {
         let [width, _] = self.size;
         let inside = column < width;
         let depth = self.depth.get(row * width + column).filter(|_| inside);

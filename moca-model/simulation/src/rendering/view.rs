@@ -38,7 +38,7 @@ const FOCAL: f64 = 615.0 / 640.0;
 ///
 /// # Errors
 /// [`Error::Value`] for a size that is none.
-pub fn simulated_camera(viewpoint: Viewpoint, size: [usize; 2]) -> Result<Camera, Error> {
+pub(crate) fn simulated_camera(viewpoint: Viewpoint, size: [usize; 2]) -> Result<Camera, Error> {
     let [width, height] = size.map(|side| side as f64);
     let focal = FOCAL * width;
     let centre = [0.5 * (width - 1.0), 0.5 * (height - 1.0)];
@@ -47,7 +47,7 @@ pub fn simulated_camera(viewpoint: Viewpoint, size: [usize; 2]) -> Result<Camera
 }
 
 /// What a camera sees, without noise.
-pub fn render(scene: &Scene, camera: &Camera) -> RenderedImage {
+pub(crate) fn render(scene: &Scene, camera: &Camera) -> RenderedImage {
     render_before(render_room(scene, camera), scene, camera)
 }
 

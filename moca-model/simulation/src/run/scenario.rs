@@ -2,7 +2,8 @@
 
 use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, FitOptions, Person};
 use human_perception::percepts::PostureSettings;
-use moca_model::whole_body::{Compensation, Model};
+use moca_model::whole_body::Model;
+use moca_model::whole_body::torque::Compensation;
 use moca_model::{
     CameraFrame, ControllerSettings, HeldObject, MOCA_HOME, SpaceSettings, TorqueLoopSettings,
     moca, moca_safety,

@@ -160,7 +160,7 @@ impl Disturbance {
     }
 
     /// Returns true if the controller has no time, or no measurement, for which it could solve anything.
-    pub fn leaves_nothing_to_solve(self) -> bool {
+    pub(crate) fn leaves_nothing_to_solve(self) -> bool {
         self == Self::MeasurementNan || self.is_of_time()
     }
 

@@ -3,7 +3,8 @@
 use std::sync::LazyLock;
 
 use ergo_map::ErgonomicsQuadratic;
-use moca_model::whole_body::{JointLimits, Model};
+use moca_model::whole_body::Model;
+use moca_model::whole_body::robot::JointLimits;
 use moca_model::{
     Command, Controller, ControllerSettings, DesiredMotion, MOCA_AXIS_SPEED, MOCA_HOME, MOCA_URDF,
     MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, moca, moca_description,

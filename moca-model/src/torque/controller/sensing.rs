@@ -2,7 +2,7 @@
 
 use hrsw_safety::Fault;
 use nalgebra::Vector3;
-use whole_body::{JointState, MeasurementFault, SupportedMotion};
+use whole_body::torque::{JointState, MeasurementFault, SupportedMotion};
 
 use super::{Measured, TorqueController};
 use crate::error::Error;

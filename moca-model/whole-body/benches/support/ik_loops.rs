@@ -1,10 +1,13 @@
 //! Stacks of three robots that move, for benchmarks of `Ik::step`.
 
 use nalgebra::{Isometry3, Point3, Vector3};
-use whole_body::{
-    Axis, Base, CentreOfMassTask, Description, FrameTask, FrameVelocityLimit, Ik, LimitOverride,
-    Model, OrientationTask, PositionTask, PostureTask, TaskId, TaskLevel, VelocityTask, WheelLimit,
+use whole_body::limits::{FrameVelocityLimit, WheelLimit};
+use whole_body::robot::LimitOverride;
+use whole_body::stack::{TaskId, TaskLevel};
+use whole_body::tasks::{
+    Axis, CentreOfMassTask, FrameTask, OrientationTask, PositionTask, PostureTask, VelocityTask,
 };
+use whole_body::{Base, Description, Ik, Model};
 
 /// A stack whose hands go round on circles of 5 cm.
 pub(crate) struct Loop {

@@ -55,7 +55,7 @@ impl Clock for MonotonicClock {
 /// clones are the same clock.
 ///
 /// ```
-/// use whole_body::{Clock, ManualClock};
+/// use whole_body::control_loop::{Clock, ManualClock};
 ///
 /// let mut clock = ManualClock::default();
 /// clock.sleep_until(2.0);

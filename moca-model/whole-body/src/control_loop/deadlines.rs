@@ -8,7 +8,7 @@ const BINS: usize = 10_001;
 /// A histogram of times, to a microsecond, of a size that does not grow.
 ///
 /// ```
-/// use whole_body::TimeHistogram;
+/// use whole_body::control_loop::TimeHistogram;
 ///
 /// let mut times = TimeHistogram::default();
 /// [1e-3, 2e-3, 3e-3].into_iter().for_each(|time| times.push(time));

@@ -75,7 +75,7 @@ const NEAR: f64 = 0.05;
 ///
 /// ```
 /// # use std::convert::Infallible;
-/// use whole_body::{
+/// use whole_body::control_loop::{
 ///     ControlLaw, ControlLoop, JointCommand, JointMeasurement, LoopSettings, ManualClock, Received, RobotSide,
 ///     StopCause,
 /// };

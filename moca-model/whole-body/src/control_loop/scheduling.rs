@@ -11,7 +11,7 @@ use crate::error::Error;
 /// The priority of a thread and the memory of its process. The default leaves both as they are.
 ///
 /// ```
-/// use whole_body::Scheduling;
+/// use whole_body::control_loop::Scheduling;
 ///
 /// Scheduling::default().apply()?;
 /// # Ok::<(), whole_body::Error>(())

@@ -5,7 +5,7 @@ use crate::error::Error;
 /// The times of a loop.
 ///
 /// ```
-/// use whole_body::LoopSettings;
+/// use whole_body::control_loop::LoopSettings;
 ///
 /// assert!(LoopSettings::default().validate().is_ok());
 /// assert!(LoopSettings { period: 0.0, ..LoopSettings::default() }.validate().is_err());
@@ -17,7 +17,7 @@ pub struct LoopSettings {
     /// How long the loop waits for the first measurement before it gives up \[s\]. Default 5.
     pub first_measurement: f64,
     /// How long the loop then listens how often the robot measures \[s\]; see
-    /// [`ControlLaw::longest_interval`](crate::ControlLaw::longest_interval). Default 0.05.
+    /// [`ControlLaw::longest_interval`](crate::control_loop::ControlLaw::longest_interval). Default 0.05.
     pub listening: f64,
     /// Without a measurement for this long the loop stops and ends \[s\]. Default 0.02.
     pub robot_timeout: f64,

@@ -16,7 +16,9 @@ use crate::error::Error;
 /// - A tick that cannot be computed brakes every joint within acceleration and jerk, and says why.
 ///
 /// ```
-/// use whole_body::{Commanded, Ik, Leash, PostureTask};
+/// use whole_body::ik::{Commanded, Leash};
+/// use whole_body::tasks::PostureTask;
+/// use whole_body::Ik;
 /// # use whole_body::{Description, Model};
 /// # let model = Model::from_urdf(r#"<robot name="one"><link name="base"/><link name="tip"/>
 /// #   <joint name="hinge" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/>

@@ -34,7 +34,8 @@ pub use step::{ActiveLimit, ActiveRow, LevelReport, Step};
 ///
 /// ```
 /// use nalgebra::Point3;
-/// use whole_body::{Description, Ik, Model, PositionTask, PostureTask};
+/// use whole_body::tasks::{PositionTask, PostureTask};
+/// use whole_body::{Description, Ik, Model};
 ///
 /// let urdf = r#"<robot name="arm">
 ///   <link name="base"/> <link name="upper"/> <link name="lower"/> <link name="hand"/>

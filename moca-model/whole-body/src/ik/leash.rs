@@ -40,7 +40,8 @@ impl Leash {
     /// bases, which only stop at the leash.
     ///
     /// ```
-    /// use whole_body::{JointKind, JointLimits, Leash};
+    /// use whole_body::ik::Leash;
+    /// use whole_body::robot::{JointKind, JointLimits};
     ///
     /// let elbow = JointLimits { velocity: 2.0, acceleration: 10.0, ..JointLimits::UNLIMITED };
     /// let most = Leash::default().bound(JointKind::Revolute, &elbow);

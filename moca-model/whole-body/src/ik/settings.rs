@@ -18,7 +18,7 @@ pub struct IkSettings {
     /// Default 0.1.
     pub singularity_threshold: f64,
     /// What all levels do about targets that the robot cannot reach; a level that comes to rest
-    /// [by itself](crate::TaskLevel::with_out_of_reach) does so in any case.
+    /// [by itself](crate::stack::TaskLevel::with_out_of_reach) does so in any case.
     pub out_of_reach: OutOfReach,
 }
 

@@ -31,7 +31,7 @@ use crate::tasks::task::{Limit, Task};
 /// than Δt/(T + Δt) a step.
 ///
 /// ```
-/// use whole_body::WheelLimit;
+/// use whole_body::limits::WheelLimit;
 ///
 /// // A mecanum base whose wheels reach 3.46 m/s, with a lever of 0.427 m: the sum of half the
 /// // distances between its axles and between its wheels.

@@ -61,7 +61,8 @@ impl Description {
     /// The whole URDF on a planar base with these limits along x and y, and of its yaw.
     ///
     /// ```
-    /// use whole_body::{Description, LimitOverride};
+    /// use whole_body::robot::LimitOverride;
+    /// use whole_body::Description;
     ///
     /// let linear = LimitOverride::of_speed(1.0, 0.6); // m/s, m/s²
     /// let angular = LimitOverride::of_speed(2.0, 1.5); // rad/s, rad/s²

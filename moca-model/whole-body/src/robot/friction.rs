@@ -7,7 +7,7 @@
 /// Panda robot with retrieval of feasible parameters using penalty-based optimization", RA-L 2019.
 ///
 /// ```
-/// use whole_body::JointFriction;
+/// use whole_body::robot::JointFriction;
 ///
 /// let elbow = JointFriction::PANDA[3];
 /// assert_eq!(elbow.torque(0.0), 0.0);

@@ -54,7 +54,7 @@ impl JointKind {
 ///
 /// It is no degree of freedom: its share of Jacobians, forces and inertias is added to that of the
 /// joint that it follows. Its limits of position, velocity, acceleration and jerk are kept: where they are narrower,
-/// they are those of the joint that it follows, with a [`Warning`](crate::Warning).
+/// they are those of the joint that it follows, with a [`Warning`](crate::robot::Warning).
 #[derive(Debug, Clone, PartialEq)]
 pub struct MimicJoint {
     /// Its name in the URDF.

@@ -102,7 +102,7 @@ pub enum UnusableLimits {
     /// An error that names joint and line.
     #[default]
     Refuse,
-    /// The quantity counts as unlimited, with a [`Warning`](crate::Warning). Fit for computing
+    /// The quantity counts as unlimited, with a [`Warning`](crate::robot::Warning). Fit for computing
     /// poses and forces; a robot that is to move should state its limits.
     Ignore,
 }

@@ -21,7 +21,7 @@ pub enum Warning {
         joint: String,
     },
     /// A limit that cannot be meant counts as unlimited
-    /// ([`UnusableLimits::Ignore`](crate::UnusableLimits::Ignore)).
+    /// ([`UnusableLimits::Ignore`](crate::robot::UnusableLimits::Ignore)).
     LimitIgnored {
         /// The joint.
         joint: String,

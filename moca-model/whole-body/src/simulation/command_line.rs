@@ -7,7 +7,7 @@ use crate::error::{Error, check_size};
 /// until it is recovered.
 ///
 /// ```
-/// use whole_body::CommandLine;
+/// use whole_body::simulation::CommandLine;
 ///
 /// // A velocity and a torque; the robot stops after two losses in a row.
 /// let mut line = CommandLine::new(&[0.0, 5.0], 1, 2)?;

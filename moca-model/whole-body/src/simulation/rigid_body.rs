@@ -64,7 +64,7 @@ impl JointDrive {
 /// what a controller gets wrong stays visible. The same input gives the same bits.
 ///
 /// ```
-/// use whole_body::{JointDrive, RigidBodySimulation};
+/// use whole_body::simulation::{JointDrive, RigidBodySimulation};
 /// # use whole_body::{Description, Model};
 /// # let model = Model::from_urdf(r#"<robot name="one"><link name="base"/>
 /// #   <link name="tip"><inertial><origin xyz="0 0 -0.2"/><mass value="2"/>

@@ -6,7 +6,7 @@ use crate::error::{Error, check_size};
 /// received last holds until the next arrives.
 ///
 /// ```
-/// use whole_body::Transmission;
+/// use whole_body::simulation::Transmission;
 ///
 /// let mut line = Transmission::new(1, 0.1, &[0.0])?;
 /// assert_eq!(line.pass(&[1.0], 0.5)?, [0.0]); // on its way

@@ -15,7 +15,8 @@ use crate::tasks::task::Task;
 /// constraints alone minimises nothing. Quadratics stand on levels without rows to be minimised.
 ///
 /// ```
-/// use whole_body::{FrameTask, TaskLevel};
+/// use whole_body::stack::TaskLevel;
+/// use whole_body::tasks::FrameTask;
 /// # use whole_body::{Description, Model};
 /// # let model = Model::from_urdf(r#"<robot name="two"><link name="base"/><link name="left"/>
 /// #   <link name="right"/><joint name="l" type="continuous"><parent link="base"/><child link="left"/>
@@ -69,7 +70,7 @@ impl Clone for Named<dyn QuadraticTask> {
     }
 }
 
-/// A task of type `T` in a stack, as [`TaskLevel::push`] and [`IkBuilder::push`](crate::IkBuilder::push)
+/// A task of type `T` in a stack, as [`TaskLevel::push`] and [`IkBuilder::push`](crate::ik::IkBuilder::push)
 /// return it. No two tasks have one id, but those of a stack and its clones.
 pub struct TaskId<T> {
     pub(crate) number: u64,

@@ -23,7 +23,9 @@ use crate::tasks::variables::VariableLayout;
 /// bounds come from elsewhere, or tasks trade velocities against other variables.
 ///
 /// ```
-/// use whole_body::{Budget, Data, PostureTask, TaskLevel, TaskStack, VariableLayout};
+/// use whole_body::{
+///     Data, stack::{Budget, TaskLevel, TaskStack}, tasks::{PostureTask, VariableLayout},
+/// };
 /// # use whole_body::{Description, Model};
 /// # let model = Model::from_urdf(r#"<robot name="one"><link name="base"/><link name="tip"/>
 /// #   <joint name="hinge" type="continuous"><parent link="base"/><child link="tip"/></joint>

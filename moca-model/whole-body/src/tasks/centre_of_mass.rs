@@ -12,7 +12,7 @@ use crate::robot::model::Model;
 /// Brings the centre of mass of all links that move to a point of the world: J_c q̇ = ċ_d +
 /// feedback(c_d − c). Up to three rows, in world axes \[m/s\].
 ///
-/// See [`PositionTask`](crate::PositionTask) for an example.
+/// See [`PositionTask`](crate::tasks::PositionTask) for an example.
 pub type CentreOfMassTask = VectorTask<CentreOfMass>;
 
 /// The centre of mass of all links that move \[m\].

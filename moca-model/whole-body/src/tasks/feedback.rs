@@ -13,7 +13,7 @@ use crate::error::Error;
 /// its acceleration limits, and swings about the target.
 ///
 /// ```
-/// use whole_body::Feedback;
+/// use whole_body::tasks::Feedback;
 ///
 /// let feedback = Feedback { gain: 20.0, deceleration: 2.0 };
 /// assert!((feedback.speed(1e-6) - 20e-6).abs() < 1e-8);

@@ -15,7 +15,7 @@ use crate::robot::model::Model;
 /// Brings a frame to a pose of the world.
 ///
 /// In one level, position and orientation are weighed against each other where both cannot be met;
-/// a [`PositionTask`](crate::PositionTask) above an [`OrientationTask`](crate::OrientationTask)
+/// a [`PositionTask`](crate::tasks::PositionTask) above an [`OrientationTask`](crate::tasks::OrientationTask)
 /// gives the position priority.
 pub type FrameTask = PoseTask<FramePose>;
 

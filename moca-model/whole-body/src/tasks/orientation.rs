@@ -17,7 +17,7 @@ use crate::robot::model::Model;
 /// al. 2009, Sec. 3.7.3, with the rotation vector as the error). Up to three rows, in world axes
 /// \[rad/s\].
 ///
-/// See [`PositionTask`](crate::PositionTask) for an example.
+/// See [`PositionTask`](crate::tasks::PositionTask) for an example.
 pub type OrientationTask = VectorTask<FrameOrientation>;
 
 /// The orientation of a frame.

@@ -62,7 +62,7 @@ pub trait PoseQuantity: Clone + Debug + Send + Sync + 'static {
 
 /// Brings a pose to a target: J q̇ = ẋ_d + feedback(x_d − x), the error being [`pose_error`]
 /// (Siciliano et al. 2009, Sec. 3.7). Up to six rows, linear \[m/s\] then angular \[rad/s\].
-/// [`FrameTask`](crate::FrameTask) and [`RelativeFrameTask`](crate::RelativeFrameTask) are of this
+/// [`FrameTask`](crate::tasks::FrameTask) and [`RelativeFrameTask`](crate::tasks::RelativeFrameTask) are of this
 /// kind.
 #[derive(Debug, Clone)]
 pub struct PoseTask<Q: PoseQuantity> {

@@ -18,7 +18,7 @@ use crate::robot::model::Model;
 ///
 /// ```
 /// use nalgebra::{Point3, Vector3};
-/// use whole_body::{Axis, PositionTask};
+/// use whole_body::tasks::{Axis, PositionTask};
 /// # use whole_body::{Description, Model};
 /// # let model = Model::from_urdf(r#"<robot name="slide"><link name="base"/><link name="hand"/>
 /// #   <joint name="j" type="prismatic"><parent link="base"/><child link="hand"/><axis xyz="1 0 0"/>

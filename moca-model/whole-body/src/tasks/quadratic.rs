@@ -18,7 +18,8 @@ use crate::robot::model::Model;
 ///
 /// ```
 /// use nalgebra::{DMatrix, DVector};
-/// use whole_body::{Error, Model, QuadraticTask, TaskInput, TaskQuadratic};
+/// use whole_body::tasks::{QuadraticTask, TaskInput, TaskQuadratic};
+/// use whole_body::{Error, Model};
 ///
 /// /// Least kinetic energy ½ q̇ᵀ M q̇.
 /// #[derive(Debug, Clone)]
@@ -55,7 +56,7 @@ pub trait QuadraticTask: Any + CloneQuadraticTask + Debug + Send + Sync {
     ) -> Result<(), Error>;
 }
 
-/// A clone behind a box, as [`CloneTask`](crate::CloneTask) for rows.
+/// A clone behind a box, as [`CloneTask`](crate::tasks::CloneTask) for rows.
 pub trait CloneQuadraticTask {
     /// The clone.
     fn clone_task(&self) -> Box<dyn QuadraticTask>;
@@ -83,7 +84,7 @@ impl<'a> TaskQuadratic<'a> {
     }
 
     /// Adds ½ yᵀHy + gᵀy, y being the variables of a range: 0..n for q̇, or that of
-    /// [`Variables`](crate::Variables).
+    /// [`Variables`](crate::tasks::Variables).
     ///
     /// # Errors
     /// [`Error::WrongSize`] unless H and g have the size of the range, and the range is one of the

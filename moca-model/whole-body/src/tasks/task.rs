@@ -16,7 +16,8 @@ use crate::robot::model::Model;
 /// control loop: it must not allocate, lock or wait.
 ///
 /// ```
-/// use whole_body::{Error, FrameId, Model, Task, TaskInput, TaskRows, Axes};
+/// use whole_body::tasks::{TaskInput, TaskRows};
+/// use whole_body::{Axes, Error, FrameId, Model, Task};
 ///
 /// /// Keeps a frame above the height z = 0.
 /// #[derive(Debug, Clone)]
@@ -92,7 +93,7 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
     }
 
     /// Takes what it finds for its target, unless it has one; see
-    /// [`IkBuilder::build_at`](crate::IkBuilder::build_at). A task without a target does nothing.
+    /// [`IkBuilder::build_at`](crate::ik::IkBuilder::build_at). A task without a target does nothing.
     ///
     /// # Errors
     /// What keeps it from finding it.
@@ -125,5 +126,5 @@ impl<T: Task + Clone> CloneTask for T {
 }
 
 /// A task whose rows always admit rest, lower ≤ 0 ≤ upper, so that it can be a hard limit too; see
-/// [`IkBuilder::limit`](crate::IkBuilder::limit).
+/// [`IkBuilder::limit`](crate::ik::IkBuilder::limit).
 pub trait Limit: Task {}

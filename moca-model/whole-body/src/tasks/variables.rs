@@ -8,7 +8,7 @@ use crate::robot::model::Model;
 /// The variables of a stack: q̇, and what tasks trade against it.
 ///
 /// ```
-/// use whole_body::VariableLayout;
+/// use whole_body::tasks::VariableLayout;
 /// # use whole_body::{Description, Model};
 /// # let model = Model::from_urdf(r#"<robot name="one"><link name="base"/><link name="tip"/>
 /// #   <joint name="hinge" type="continuous"><parent link="base"/><child link="tip"/></joint>
@@ -24,7 +24,7 @@ pub struct VariableLayout {
 }
 
 /// Some of the variables beside q̇, as [`VariableLayout::add`] and
-/// [`IkBuilder::variables`](crate::IkBuilder::variables) return them.
+/// [`IkBuilder::variables`](crate::ik::IkBuilder::variables) return them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Variables {
     range: Range<usize>,

@@ -69,8 +69,8 @@ pub trait VectorQuantity: Clone + Debug + Send + Sync + 'static {
 }
 
 /// Brings a vector of the robot to a target: J q̇ = ẏ_d + feedback(y_d − y). Up to three rows, in
-/// world axes. [`PositionTask`](crate::PositionTask), [`OrientationTask`](crate::OrientationTask)
-/// and [`CentreOfMassTask`](crate::CentreOfMassTask) are of this kind.
+/// world axes. [`PositionTask`](crate::tasks::PositionTask), [`OrientationTask`](crate::tasks::OrientationTask)
+/// and [`CentreOfMassTask`](crate::tasks::CentreOfMassTask) are of this kind.
 #[derive(Debug, Clone)]
 pub struct VectorTask<Q: VectorQuantity> {
     quantity: Q,

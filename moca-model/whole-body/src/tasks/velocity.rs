@@ -15,7 +15,7 @@ use crate::robot::model::Model;
 /// Rows that were not written bound nothing.
 ///
 /// ```
-/// use whole_body::VelocityTask;
+/// use whole_body::tasks::VelocityTask;
 ///
 /// // Room for two rows; q̇₀ + q̇₁ = 0.3 rad/s is the first.
 /// let mut task = VelocityTask::new(2);

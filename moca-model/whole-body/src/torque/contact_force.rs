@@ -20,7 +20,8 @@ const DAMPING: f64 = 1e-4;
 /// frame that comes nearest to it. Moments at the frame are taken for none.
 ///
 /// ```
-/// use whole_body::{ContactForce, Data};
+/// use whole_body::torque::ContactForce;
+/// use whole_body::Data;
 /// # use whole_body::{Description, Model};
 /// # let model = Model::from_urdf(r#"<robot name="one"><link name="base"/><link name="tip"/>
 /// #   <joint name="rail" type="prismatic"><parent link="base"/><child link="tip"/><axis xyz="0 1 0"/>

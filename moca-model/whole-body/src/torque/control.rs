@@ -54,8 +54,12 @@ impl TorqueSettings {
 /// allocates, unless an error is returned.
 ///
 /// ```
-/// use whole_body::{Compensation, Following, Ik, JointState, PostureTask, TorqueControl, TorqueSettings};
-/// # use whole_body::{Description, ImpedanceSettings, Model};
+/// use whole_body::{
+///     Ik, tasks::PostureTask,
+///     torque::{Compensation, Following, JointState, TorqueControl, TorqueSettings},
+/// };
+/// # use whole_body::torque::ImpedanceSettings;
+/// # use whole_body::{Description, Model};
 /// # let model = Model::from_urdf(r#"<robot name="one"><link name="base"/>
 /// #   <link name="tip"><inertial><origin xyz="0 0 0.2"/><mass value="2"/>
 /// #   <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>

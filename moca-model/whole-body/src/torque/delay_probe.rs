@@ -31,7 +31,7 @@ pub enum ProbeAnswer {
 /// measured with those that a mass under these torques has.
 ///
 /// ```
-/// use whole_body::{DelayProbe, ProbeAnswer};
+/// use whole_body::torque::{DelayProbe, ProbeAnswer};
 ///
 /// let mut probe = DelayProbe::new(1.8, 1e3, 1e-3);
 /// let (mut velocity, mut on_the_way) = (0.0, [0.0; 3]); // measured 3 ms late

@@ -74,10 +74,11 @@ pub struct JointState<'a> {
 /// τ = `K_qd` (q̇* − q̇) + `K_qp` (q* − q) + g(q): joint impedance control with gravity compensation
 /// (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009, Sec. 8.5.1). Each torque's change a tick
 /// and then its size are limited. A torque leaves only if every element is finite and within the
-/// limits. [`TorqueControl`](crate::TorqueControl) holds q* to q beside it.
+/// limits. [`TorqueControl`](crate::torque::TorqueControl) holds q* to q beside it.
 ///
 /// ```
-/// use whole_body::{ImpedanceSettings, JointImpedance, JointLimits, JointState};
+/// use whole_body::robot::JointLimits;
+/// use whole_body::torque::{ImpedanceSettings, JointImpedance, JointState};
 ///
 /// let limits = [JointLimits { effort: 12.0, ..JointLimits::UNLIMITED }; 2];
 /// let settings = ImpedanceSettings {

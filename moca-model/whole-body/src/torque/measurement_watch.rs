@@ -34,7 +34,7 @@ pub enum MeasurementFault {
 /// from the first of them.
 ///
 /// ```
-/// use whole_body::{JointState, MeasurementFault, MeasurementWatch};
+/// use whole_body::torque::{JointState, MeasurementFault, MeasurementWatch};
 ///
 /// let mut watch = MeasurementWatch::new(1);
 /// let frozen = JointState { position: &[0.3], velocity: &[1.0] };

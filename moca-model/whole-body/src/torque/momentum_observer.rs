@@ -48,7 +48,8 @@ impl Default for ObserverSettings {
 /// every rate: r ← (r + `K_O` (Δp − Δt u)) / (1 + `K_O` Δt). After construction nothing allocates.
 ///
 /// ```
-/// use whole_body::{Data, MomentumObserver, ObserverSettings};
+/// use whole_body::torque::{MomentumObserver, ObserverSettings};
+/// use whole_body::Data;
 /// # use whole_body::{Description, Model};
 /// # let model = Model::from_urdf(r#"<robot name="one"><link name="base"/>
 /// #   <link name="tip"><inertial><origin xyz="0 0 0.2"/><mass value="2"/>

@@ -17,13 +17,13 @@ const REMEMBERED: usize = 16;
 /// Positions and velocities of joints now, from what was measured `age` seconds ago.
 ///
 /// A joint is taken to accelerate as it was commanded since it was measured, â = q̈*. Once the next measurement is
-/// overdue ([`MeasurementWatch::awaited`](crate::MeasurementWatch::awaited)), a joint that torque drives is brought to rest, â = −v̂ / 0.2 s. So v̂ = v + ∫ â dt and q̂ = q + ∫ v̂ dt. The weight w says how far the measurement can be trusted: 1 up
+/// overdue ([`MeasurementWatch::awaited`](crate::torque::MeasurementWatch::awaited)), a joint that torque drives is brought to rest, â = −v̂ / 0.2 s. So v̂ = v + ∫ â dt and q̂ = q + ∫ v̂ dt. The weight w says how far the measurement can be trusted: 1 up
 /// to an age of 2 ms, then 2 ms over the age, and from 8 to 12 ms to 0. Springs and dampers on the predicted state count
 /// by it ([`towards`](Self::towards)): a damper on an old velocity is a constant push. What they lack, 1 − w, the model
 /// is to give: M(q̂) â + C(q̂, v̂) v̂.
 ///
 /// ```
-/// use whole_body::{JointState, StatePrediction};
+/// use whole_body::torque::{JointState, StatePrediction};
 ///
 /// let mut prediction = StatePrediction::new(&[0.0], &[0]);
 /// let measured = JointState { position: &[0.0], velocity: &[1.0] };

@@ -25,7 +25,7 @@ pub enum Following {
 /// release: a robot that was held does not jump when it is let go.
 ///
 /// ```
-/// use whole_body::{Following, Resynchronisation};
+/// use whole_body::torque::{Following, Resynchronisation};
 ///
 /// let mut held = Resynchronisation::new(vec![0.1])?;
 /// let mut desired = [0.3];

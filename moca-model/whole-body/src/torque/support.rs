@@ -21,7 +21,7 @@ pub enum CompensatedBy {
 /// right as gravity that nobody adds.
 ///
 /// ```
-/// use whole_body::{CompensatedBy, Compensation};
+/// use whole_body::torque::{CompensatedBy, Compensation};
 ///
 /// assert_eq!(Compensation::FRANKA.gravity, CompensatedBy::Robot);
 /// assert_eq!(Compensation::BARE.gravity, CompensatedBy::Controller);
@@ -73,7 +73,9 @@ pub struct SupportedMotion<'a> {
 /// The torques of a torque law beside its springs and dampers.
 ///
 /// ```
-/// use whole_body::{Compensation, Data, Description, Model, SupportTorque, SupportedMotion};
+/// use whole_body::{
+///     Data, Description, Model, torque::{Compensation, SupportTorque, SupportedMotion},
+/// };
 ///
 /// # let model = Model::from_urdf(r#"<robot name="one"><link name="base"/>
 /// #   <link name="tip"><inertial><origin xyz="0 0 0.2"/><mass value="2"/>

@@ -1,6 +1,8 @@
 //! What a step says of limits that joints do not have.
 
-use whole_body::{Description, End, Ik, LimitKind, Model, PostureTask};
+use whole_body::limits::{End, LimitKind};
+use whole_body::tasks::PostureTask;
+use whole_body::{Description, Ik, Model};
 
 use crate::support::stacks::PERIOD;
 

@@ -2,12 +2,18 @@
 
 use allocation_counter::measure;
 use nalgebra::{DMatrix, IsometryMatrix3, Matrix3, Matrix3xX, Matrix6xX, Point3, Vector3, Vector6};
-use whole_body::{
-    Axes, AxisTask, Base, CentreOfMassTask, Commanded, Compensation, Contact, ContactForce,
-    DampingTask, Data, Description, ExternalWrench, FrameTask, FrameVelocityLimit, Ik, JointDrive,
-    JointState, Leash, ManipulabilityTask, Model, MomentumObserver, ObserverSettings, Payload,
-    PostureTask, RigidBodySimulation, SensorSettings, Sensors, TorqueControl, TorqueSettings,
+use whole_body::ik::{Commanded, Leash};
+use whole_body::limits::FrameVelocityLimit;
+use whole_body::simulation::{Contact, JointDrive, RigidBodySimulation, SensorSettings, Sensors};
+use whole_body::state::{ExternalWrench, Payload};
+use whole_body::tasks::{
+    AxisTask, CentreOfMassTask, DampingTask, FrameTask, ManipulabilityTask, PostureTask,
 };
+use whole_body::torque::{
+    Compensation, ContactForce, JointState, MomentumObserver, ObserverSettings, TorqueControl,
+    TorqueSettings,
+};
+use whole_body::{Axes, Base, Data, Description, Ik, Model};
 
 use crate::support::stacks;
 

@@ -1,9 +1,8 @@
 //! States, sizes and ids that do not fit.
 
 use nalgebra::{DMatrix, IsometryMatrix3, Matrix3, Matrix3xX, Matrix6xX, Point3, Vector3, Vector6};
-use whole_body::{
-    Axes, Base, Data, Description, Error, ExternalWrench, JointId, Model, Payload, Posed,
-};
+use whole_body::state::{ExternalWrench, Payload};
+use whole_body::{Axes, Base, Data, Description, Error, JointId, Model, Posed};
 
 const HUMANOID: &str = include_str!("../golden/humanoid.urdf");
 

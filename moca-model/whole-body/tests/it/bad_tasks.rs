@@ -1,11 +1,14 @@
 //! Tasks, targets, periods and levels that make no sense are errors that name them.
 
 use nalgebra::{Point3, Vector3};
-use whole_body::{
-    CentreOfMassTask, Commanded, DampingTask, Description, Error, FrameTask, FrameVelocityLimit,
-    Ik, IkSettings, JointCouplingTask, Leash, ManipulabilityTask, Model, PositionTask, PostureTask,
-    RelativeFrameTask, Task, TaskLevel, VelocityInterval, VelocityTask, WheelLimit,
+use whole_body::ik::{Commanded, IkSettings, Leash};
+use whole_body::limits::{FrameVelocityLimit, VelocityInterval, WheelLimit};
+use whole_body::stack::TaskLevel;
+use whole_body::tasks::{
+    CentreOfMassTask, DampingTask, FrameTask, JointCouplingTask, ManipulabilityTask, PositionTask,
+    PostureTask, RelativeFrameTask, VelocityTask,
 };
+use whole_body::{Description, Error, Ik, Model, Task};
 
 use crate::support::stacks::{PERIOD, humanoid, panda};
 

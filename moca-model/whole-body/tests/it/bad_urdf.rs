@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use proptest::prelude::*;
-use whole_body::{Base, Data, Description, Error, JointFriction, LimitOverride, Model, UrdfError};
+use whole_body::robot::{JointFriction, LimitOverride, UrdfError};
+use whole_body::{Base, Data, Description, Error, Model};
 
 const MOCA: &str = include_str!("../../examples/urdf/moca.urdf");
 
@@ -399,7 +400,7 @@ fn numbers_of_a_description_that_are_none() {
         Error::Value { .. },
         "arm_mount"
     );
-    let missing_acceleration = whole_body::MissingAcceleration::TimeToFullSpeed(0.0);
+    let missing_acceleration = whole_body::robot::MissingAcceleration::TimeToFullSpeed(0.0);
     assert_error!(
         refused(Description { missing_acceleration, ..Description::default() }),
         Error::Value { .. },

@@ -2,9 +2,11 @@
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use whole_body::{
-    Commanded, Error, FrameTask, Ik, JointKind, Leash, Model, PositionTask, PostureTask, TaskId,
-};
+use whole_body::ik::{Commanded, Leash};
+use whole_body::robot::JointKind;
+use whole_body::stack::TaskId;
+use whole_body::tasks::{FrameTask, PositionTask, PostureTask};
+use whole_body::{Error, Ik, Model};
 
 use crate::support::pose;
 use crate::support::stacks::{PERIOD, Random, humanoid, panda};

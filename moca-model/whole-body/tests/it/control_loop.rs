@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use allocation_counter::measure;
 use proptest::prelude::*;
-use whole_body::{
+use whole_body::control_loop::{
     Clock, ControlLaw, ControlLoop, JointCommand, JointMeasurement, LoopEnding, LoopError,
     LoopSettings, ManualClock, MonotonicClock, Received, RobotSide, Scheduling, StopCause,
 };

@@ -2,7 +2,11 @@
 //! wheels all meet where it stands.
 
 use nalgebra::Point3;
-use whole_body::{Description, Ik, LimitOverride, Model, PositionTask, Status, WheelLimit};
+use whole_body::limits::WheelLimit;
+use whole_body::robot::LimitOverride;
+use whole_body::stack::Status;
+use whole_body::tasks::PositionTask;
+use whole_body::{Description, Ik, Model};
 
 use crate::support::stacks::{PERIOD, Random};
 

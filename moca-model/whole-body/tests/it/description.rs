@@ -3,10 +3,11 @@
 use approx::assert_abs_diff_eq;
 use nalgebra::{DMatrix, Isometry3, Matrix6xX, Vector3};
 use proptest::prelude::*;
-use whole_body::{
-    AddedFrame, Axes, Base, Data, Description, InertiaFault, JointFriction, JointKind,
-    LimitOverride, MissingAcceleration, Model, UnusableLimits, Warning,
+use whole_body::robot::{
+    AddedFrame, InertiaFault, JointFriction, JointKind, LimitOverride, MissingAcceleration,
+    UnusableLimits, Warning,
 };
+use whole_body::{Axes, Base, Data, Description, Model};
 
 use crate::support::{Kind, Robot, jacobian, pose, robots_of, states};
 

@@ -2,10 +2,12 @@
 
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use whole_body::{
-    Axis, Commanded, Description, Feedback, FrameVelocityLimit, Ik, Leash, LimitOverride, Model,
-    PositionTask, PostureTask, TaskId, WheelLimit,
-};
+use whole_body::ik::{Commanded, Leash};
+use whole_body::limits::{FrameVelocityLimit, WheelLimit};
+use whole_body::robot::LimitOverride;
+use whole_body::stack::TaskId;
+use whole_body::tasks::{Axis, Feedback, PositionTask, PostureTask};
+use whole_body::{Description, Ik, Model};
 
 use crate::support::monitor::Monitor;
 use crate::support::stacks::{PERIOD, Random};

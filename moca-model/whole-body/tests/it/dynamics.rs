@@ -5,7 +5,8 @@ use nalgebra::{
     DMatrix, DVector, Matrix3, Matrix3xX, Matrix6xX, Point3, UnitVector3, Vector3, Vector6,
 };
 use proptest::prelude::*;
-use whole_body::{Axes, Base, Data, ExternalWrench, Model, Payload};
+use whole_body::state::{ExternalWrench, Payload};
+use whole_body::{Axes, Base, Data, Model};
 
 use crate::support::{Robot, State, after, last_frame, robots, robots_with_states, states};
 

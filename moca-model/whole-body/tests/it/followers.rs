@@ -1,7 +1,10 @@
 //! Limits of joints that follow others.
 
 use proptest::prelude::*;
-use whole_body::{Description, Ik, LimitKind, LimitOverride, Model, PostureTask, Warning};
+use whole_body::limits::LimitKind;
+use whole_body::robot::{LimitOverride, Warning};
+use whole_body::tasks::PostureTask;
+use whole_body::{Description, Ik, Model};
 
 use crate::support::stacks::PERIOD;
 

@@ -2,10 +2,13 @@
 
 use nalgebra::{Point3, Vector3, Vector6};
 use proptest::prelude::*;
-use whole_body::{
-    Axis, CentreOfMassTask, End, Feedback, FrameTask, Ik, LimitKind, Model, OrientationTask,
-    PositionTask, PostureTask, TaskLevel, VelocityTask,
+use whole_body::limits::{End, LimitKind};
+use whole_body::stack::TaskLevel;
+use whole_body::tasks::{
+    Axis, CentreOfMassTask, Feedback, FrameTask, OrientationTask, PositionTask, PostureTask,
+    VelocityTask,
 };
+use whole_body::{Ik, Model};
 
 use crate::support::stacks::{PERIOD, Random, bush, humanoid, moca, panda, two_arms};
 use crate::support::{last_frame, pose};
@@ -176,10 +179,9 @@ fn a_step_names_what_limits_it() {
 /// Levels that minimise quadratics, with hard constraints, over variables beside q̇.
 mod quadratics {
     use nalgebra::{Matrix1, Vector1};
-    use whole_body::{
-        Budget, Data, Error, QuadraticTask, TaskInput, TaskLevel, TaskQuadratic, TaskStack,
-        VariableLayout, Variables,
-    };
+    use whole_body::stack::{Budget, TaskLevel, TaskStack};
+    use whole_body::tasks::{QuadraticTask, TaskInput, TaskQuadratic, VariableLayout, Variables};
+    use whole_body::{Data, Error};
 
     use super::*;
 
@@ -216,7 +218,8 @@ mod quadratics {
         near.constrain("tied", rows);
         let levels = vec![near];
         let mut stack =
-            TaskStack::new(&model, &layout, levels, whole_body::Settings::default()).unwrap();
+            TaskStack::new(&model, &layout, levels, whole_body::stack::Settings::default())
+                .unwrap();
         let mut data = Data::new(&model);
         let mut solve = |stack: &mut TaskStack| {
             let mut posed = data.pose(&model, &model.neutral()).unwrap();

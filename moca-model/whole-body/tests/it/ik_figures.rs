@@ -1,7 +1,8 @@
 //! The figures that the documentation states: a Panda on a circle.
 
 use nalgebra::{Point3, Vector3};
-use whole_body::{Ik, Model, OrientationTask, PositionTask, PostureTask};
+use whole_body::tasks::{OrientationTask, PositionTask, PostureTask};
+use whole_body::{Ik, Model};
 
 use crate::support::monitor::Monitor;
 use crate::support::pose;

@@ -2,10 +2,12 @@
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use whole_body::{
-    Description, FrameVelocityLimit, Ik, IkBuilder, LimitOverride, Model, OrientationTask,
-    PositionTask, PostureTask, TaskId, WheelLimit,
-};
+use whole_body::ik::IkBuilder;
+use whole_body::limits::{FrameVelocityLimit, WheelLimit};
+use whole_body::robot::LimitOverride;
+use whole_body::stack::TaskId;
+use whole_body::tasks::{OrientationTask, PositionTask, PostureTask};
+use whole_body::{Description, Ik, Model};
 
 use crate::support::monitor::Monitor;
 use crate::support::stacks::{PERIOD, Random, bush, humanoid, moca, panda, two_arms};
@@ -64,7 +66,7 @@ fn soak(model: &Model, seed: u64, ticks: u64) {
                 random_targets(&mut ik, &tasks, model, &mut random);
             }
             let step = ik.step(&q, PERIOD).unwrap();
-            assert_eq!(step.status(), whole_body::Status::Solved);
+            assert_eq!(step.status(), whole_body::stack::Status::Solved);
             step.integrate(&mut q).unwrap();
             monitor.check(&q);
         }

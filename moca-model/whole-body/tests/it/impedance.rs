@@ -2,7 +2,9 @@
 
 use approx::assert_abs_diff_eq;
 use proptest::prelude::*;
-use whole_body::{Error, ImpedanceSettings, JointImpedance, JointLimits, JointState};
+use whole_body::Error;
+use whole_body::robot::JointLimits;
+use whole_body::torque::{ImpedanceSettings, JointImpedance, JointState};
 
 const EFFORT: [f64; 7] = [87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0];
 const DT: f64 = 0.001;

@@ -21,7 +21,6 @@ mod impedance;
 mod kinematics;
 mod momentum;
 mod out_of_reach;
-mod parsed;
 mod placement;
 mod simulation;
 mod singular_arms;

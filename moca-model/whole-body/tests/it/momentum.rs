@@ -2,10 +2,11 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use whole_body::{
-    Axes, ContactForce, Data, Description, Error, ExternalWrench, JointDrive, JointFriction, Model,
-    MomentumObserver, ObservedFriction, ObserverSettings, RigidBodySimulation,
-};
+use whole_body::robot::JointFriction;
+use whole_body::simulation::{JointDrive, RigidBodySimulation};
+use whole_body::state::ExternalWrench;
+use whole_body::torque::{ContactForce, MomentumObserver, ObservedFriction, ObserverSettings};
+use whole_body::{Axes, Data, Description, Error, Model};
 
 use crate::support::robots_with_states;
 use crate::support::stacks::Random;

@@ -2,10 +2,10 @@
 
 use allocation_counter::measure;
 use nalgebra::{Point3, Unit, Vector3};
-use whole_body::{
-    Description, FrameTask, Ik, IkSettings, Model, OrientationTask, OutOfReach, PositionTask,
-    PostureTask, TaskId,
-};
+use whole_body::ik::IkSettings;
+use whole_body::stack::{OutOfReach, TaskId};
+use whole_body::tasks::{FrameTask, OrientationTask, PositionTask, PostureTask};
+use whole_body::{Description, Ik, Model};
 
 use crate::support::monitor::Monitor;
 use crate::support::pose;

@@ -4,10 +4,11 @@ use std::sync::LazyLock;
 
 use nalgebra::Vector3;
 use serde_json::Value;
-use whole_body::{
-    Base, Contact, Data, Description, Error, JointDrive, LimitOverride, Model, RandomSource,
-    RigidBodySimulation, SensorSettings, Sensors, Transmission,
+use whole_body::robot::LimitOverride;
+use whole_body::simulation::{
+    Contact, JointDrive, RandomSource, RigidBodySimulation, SensorSettings, Sensors, Transmission,
 };
+use whole_body::{Base, Data, Description, Error, Model};
 
 use crate::momentum::{HOME, arm};
 use crate::support::stacks::Random;

@@ -1,7 +1,8 @@
 //! Arms that start at or near singular configurations, with targets within their reach.
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use whole_body::{FrameTask, Ik, Model, OrientationTask, PositionTask, PostureTask};
+use whole_body::tasks::{FrameTask, OrientationTask, PositionTask, PostureTask};
+use whole_body::{Ik, Model};
 
 use crate::support::arms::{arm, arms};
 use crate::support::monitor::Monitor;

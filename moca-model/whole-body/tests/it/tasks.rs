@@ -2,11 +2,11 @@
 
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3, Vector6};
 use proptest::prelude::*;
-use whole_body::{
-    Axes, Axis, AxisTask, CentreOfMassTask, Data, Feedback, FrameTask, JointCouplingTask,
-    ManipulabilityTask, Model, OrientationTask, PoseAxes, PositionTask, PostureTask,
-    RelativeFrameTask, Task,
+use whole_body::tasks::{
+    Axis, AxisTask, CentreOfMassTask, Feedback, FrameTask, JointCouplingTask, ManipulabilityTask,
+    OrientationTask, PoseAxes, PositionTask, PostureTask, RelativeFrameTask,
 };
+use whole_body::{Axes, Data, Model, Task};
 
 use crate::support::stacks::{humanoid, panda, rows_at, two_arms};
 use crate::support::{Kind, State, after, last_frame, pose, robots_of, states};

@@ -1,11 +1,16 @@
 //! A Panda under torque control: it follows, it carries itself, it is held and let go.
 
 use nalgebra::{Point3, Vector3};
-use whole_body::{
-    Compensation, Contact, Data, Error, Following, Ik, ImpedanceSettings, JointDrive, JointState,
-    Leash, Model, OrientationTask, PositionTask, PostureTask, RandomSource, RigidBodySimulation,
-    SensorSettings, Sensors, TaskId, TorqueControl, TorqueSettings, Transmission,
+use whole_body::ik::Leash;
+use whole_body::simulation::{
+    Contact, JointDrive, RandomSource, RigidBodySimulation, SensorSettings, Sensors, Transmission,
 };
+use whole_body::stack::TaskId;
+use whole_body::tasks::{OrientationTask, PositionTask, PostureTask};
+use whole_body::torque::{
+    Compensation, Following, ImpedanceSettings, JointState, TorqueControl, TorqueSettings,
+};
+use whole_body::{Data, Error, Ik, Model};
 
 use crate::momentum::{HOME, arm};
 use crate::simulation::Noise;
@@ -179,7 +184,7 @@ fn what_gives_way_follows_the_hand_that_pushes_it() {
     let start = panda.point(&HOME);
     let tool = panda.model.frame_id("panda_tcp").unwrap();
     let push = nalgebra::Vector6::new(0.0, 20.0, 0.0, 0.0, 0.0, 0.0);
-    let push = [whole_body::ExternalWrench { frame: tool, wrench: push }];
+    let push = [whole_body::state::ExternalWrench { frame: tool, wrench: push }];
     for _ in 0..500 {
         panda.control.give_way();
         let measured =

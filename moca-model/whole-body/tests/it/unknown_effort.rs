@@ -1,9 +1,9 @@
 //! Files as ROS-Industrial and others write them: efforts of zero, other encodings.
 
-use whole_body::{
-    Compensation, Data, Description, Error, ImpedanceSettings, JointDrive, JointLimits,
-    LimitOverride, Model, RigidBodySimulation, TorqueControl, TorqueSettings, UrdfError,
-};
+use whole_body::robot::{JointLimits, LimitOverride, UrdfError};
+use whole_body::simulation::{JointDrive, RigidBodySimulation};
+use whole_body::torque::{Compensation, ImpedanceSettings, TorqueControl, TorqueSettings};
+use whole_body::{Data, Description, Error, Model};
 
 fn urdf(limit: &str) -> String {
     format!(

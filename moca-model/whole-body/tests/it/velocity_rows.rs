@@ -4,9 +4,9 @@ use std::sync::LazyLock;
 
 use ahqp_core::Rows;
 use proptest::prelude::*;
-use whole_body::{
-    Budget, Data, Model, Settings, TaskId, TaskLevel, TaskStack, VariableLayout, VelocityTask,
-};
+use whole_body::stack::{Budget, Settings, TaskId, TaskLevel, TaskStack};
+use whole_body::tasks::{VariableLayout, VelocityTask};
+use whole_body::{Data, Model};
 
 use crate::support::stacks::{PERIOD, panda};
 

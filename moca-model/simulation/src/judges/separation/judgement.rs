@@ -21,7 +21,7 @@
 //! their head: these pairs count apart, as contact, of which the force is what counts.
 
 use hrsw_safety::SeparationSettings;
-use moca_model::whole_body::JointLimits;
+use moca_model::whole_body::robot::JointLimits;
 
 use super::body::{self, PART_COUNT};
 use super::rod::{Ball, Rod};

@@ -1,7 +1,8 @@
 //! The robot's capsules, tick by tick.
 
 use hrsw_safety::{Capsule, SafetySettings, SeparationSettings};
-use moca_model::whole_body::{Data, FrameId, JointLimits, Model};
+use moca_model::whole_body::robot::JointLimits;
+use moca_model::whole_body::{Data, FrameId, Model};
 use nalgebra::Point3;
 
 use super::body;

@@ -90,7 +90,7 @@ impl<'a> Step<'a> {
         self.ik.stack.solution().map_or(0, ahqp_core::Solution::iterations)
     }
 
-    /// All variables: q̇, then those of [`IkBuilder::variables`](crate::IkBuilder::variables).
+    /// All variables: q̇, then those of [`IkBuilder::variables`](crate::ik::IkBuilder::variables).
     pub fn variables(&self) -> &'a [f64] {
         self.ik.stack.solution().map_or(&[], ahqp_core::Solution::best)
     }

@@ -2,7 +2,9 @@
 
 use std::sync::{Arc, Mutex};
 
-use whole_body::{Base, Description, Error, Ik, LimitOverride, Model, Task, TaskInput, TaskRows};
+use whole_body::robot::LimitOverride;
+use whole_body::tasks::{TaskInput, TaskRows};
+use whole_body::{Base, Description, Error, Ik, Model, Task};
 
 pub(crate) const PERIOD: f64 = 1e-3;
 
