@@ -29,7 +29,6 @@ mod recorder;
 mod robot;
 mod stage;
 mod table;
-mod visuals;
 
 pub(crate) use body::{BODY_POINTS, BodyPart, LIMBS, POINT_COUNT};
 pub use error::ReplayError;

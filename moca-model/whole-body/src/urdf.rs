@@ -6,5 +6,7 @@
 
 pub(crate) mod document;
 pub(crate) mod names;
+#[cfg(feature = "urdf-rs")]
+mod parsed;
 mod reader;
 pub(crate) mod tree;

@@ -4,12 +4,9 @@
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReplayError {
-    /// The robot's description cannot be read for its shapes.
-    #[error("the robot's description cannot be read for its shapes: {reason}")]
-    Urdf {
-        /// What is wrong with it.
-        reason: String,
-    },
+    /// The robot's description has no shapes to draw.
+    #[error("the robot's description cannot be read for its shapes: {0}")]
+    Urdf(#[from] urdf_rs::UrdfError),
     /// The description has a link that the model does not have.
     #[error(transparent)]
     Robot(#[from] moca_model::whole_body::Error),

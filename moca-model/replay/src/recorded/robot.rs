@@ -1,9 +1,10 @@
 //! The robot's looks, from its description.
 
 use moca_model::whole_body::Model;
-use nalgebra::{Isometry3, Translation3, Vector3};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use urdf_rs::{Geometry, Link, Robot};
 
-use super::{ReplayError, Role, Shape, Solid, Stage, visuals::Visuals};
+use super::{ReplayError, Role, Shape, Solid, Stage};
 
 /// Of what has no colour of its own.
 const GREY: [f64; 3] = [0.7, 0.7, 0.7];
@@ -18,14 +19,10 @@ impl Stage {
     /// [`ReplayError::Urdf`] for a text that is no URDF; [`ReplayError::Robot`] for a link that the
     /// model does not have.
     pub fn of_robot(model: &Model, urdf: &str) -> Result<Self, ReplayError> {
-        let visuals = Visuals::read(urdf)?;
+        let robot = urdf_rs::read_from_string(urdf)?;
         let mut stage = Self::default();
-        for link in &visuals.links {
-            let visible = link.visuals.iter().filter_map(|visual| {
-                let colour = visuals.colour(visual).unwrap_or(GREY);
-                visual.shape.map(|shape| Look { pose: visual.link_from_shape, shape, colour })
-            });
-            let shapes = merged(visible.collect());
+        for link in &robot.links {
+            let shapes = merged(visible(&robot, link));
             if shapes.is_empty() {
                 continue;
             }
@@ -46,6 +43,42 @@ struct Look {
     pose: Isometry3<f64>,
     shape: Shape,
     colour: [f64; 3],
+}
+
+fn visible(robot: &Robot, link: &Link) -> Vec<Look> {
+    let looks = link.visual.iter().filter_map(|visual| {
+        let shape = shape(&visual.geometry)?;
+        let ([x, y, z], [roll, pitch, yaw]) = (visual.origin.xyz.0, visual.origin.rpy.0);
+        let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+        let pose = Isometry3::from_parts(Translation3::new(x, y, z), rotation);
+        let named = visual.material.as_ref().map(|material| {
+            let own = material.color.as_ref();
+            own.or_else(|| {
+                let of_robot = robot.materials.iter().find(|known| known.name == material.name);
+                of_robot.and_then(|known| known.color.as_ref())
+            })
+        });
+        let colour = named.flatten().map_or(GREY, |colour| {
+            let [red, green, blue, _] = colour.rgba.0;
+            [red, green, blue]
+        });
+        Some(Look { pose, shape, colour })
+    });
+    looks.collect()
+}
+
+fn shape(geometry: &Geometry) -> Option<Shape> {
+    match geometry {
+        Geometry::Box { size } => Some(Shape::Box { size: size.0 }),
+        Geometry::Cylinder { radius, length } => {
+            Some(Shape::Cylinder { length: *length, radius: *radius })
+        }
+        Geometry::Capsule { radius, length } => {
+            Some(Shape::Capsule { length: *length, radius: *radius })
+        }
+        Geometry::Sphere { radius } => Some(Shape::Sphere { radius: *radius }),
+        Geometry::Mesh { .. } => None,
+    }
 }
 
 /// Cylinders with a ball at both ends as capsules, and what is left.

@@ -41,6 +41,15 @@ impl Model {
         assembly::assemble(&document::read(text)?, description)
     }
 
+    /// The same from a robot that `urdf-rs` has read, or that was built of its types. Errors name line 0.
+    ///
+    /// # Errors
+    /// Those of [`from_urdf`](Self::from_urdf) that do not concern the text.
+    #[cfg(feature = "urdf-rs")]
+    pub fn from_parsed(robot: &urdf_rs::Robot, description: &Description) -> Result<Self, Error> {
+        assembly::assemble(&robot.into(), description)
+    }
+
     /// The same from a file of at most 64 MiB; bytes that are not UTF-8 count as unknown characters.
     ///
     /// # Errors

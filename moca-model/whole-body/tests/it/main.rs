@@ -21,6 +21,7 @@ mod impedance;
 mod kinematics;
 mod momentum;
 mod out_of_reach;
+mod parsed;
 mod placement;
 mod simulation;
 mod singular_arms;
