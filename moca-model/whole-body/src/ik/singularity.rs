@@ -226,21 +226,21 @@ impl SingularityDamping {
             add_curvature(&self.given_up[..m], &mut self.curvature)?;
             let joints = &self.joints[k * self.columns..][..self.columns];
             let towards = self.curvature.along(joints) * missing.signum();
-            let mut speed = SPEED_AWAY.min(QUICKNESS * missing.abs()) / share;
-            let ends = sigma <= UNKNOWN || towards > 0.0;
-            if sigma <= UNKNOWN {
-                speed = 0.0;
-            } else if ends {
+            let most = SPEED_AWAY.min(QUICKNESS * missing.abs()) / share;
+            let mut speed = if sigma > UNKNOWN { most } else { 0.0 };
+            if towards > 0.0 {
                 speed = speed.min(END.speed(sigma / towards) / share);
             }
-            let part = missing.signum() * (missing.abs() - speed * sigma).max(0.0);
-            self.parts[k] = part;
-            if ends {
-                let factor = part * self.heaviest / END.gain;
-                self.bent.curvature.add_scaled(&self.curvature, factor);
-            } else {
-                self.given_up_parts[k] = part;
-            }
+            let part = (missing.abs() - speed * sigma).max(0.0);
+            self.parts[k] = part.copysign(missing);
+            // What rows of curvature hold is not given up.
+            let held = part * towards.max(0.0) / END.gain;
+            let had = if sigma > UNKNOWN { most * (sigma + held / sigma) } else { 0.0 };
+            if std::env::var("ZZ").is_ok() { eprintln!("  k {k} sigma {sigma:.5} missing {missing:.5} towards {towards:.5} speed {speed:.4} part {part:.5} had {had:.5} j {:?}", joints.iter().map(|x|format!("{x:.2}")).collect::<Vec<_>>().join(" ")); }
+            self.given_up_parts[k] = (missing.abs() - had).max(0.0).copysign(missing);
+            if towards <= 0.0 && sigma > UNKNOWN { continue; }
+            let factor = self.parts[k] * self.heaviest / END.gain;
+            self.bent.curvature.add_scaled(&self.curvature, factor);
         }
         Ok(())
     }
@@ -276,6 +276,13 @@ impl SingularityDamping {
 
     /// Writes the rows of curvature of the level that was examined last, from `first` on.
     pub(super) fn write_curvature(&mut self, rows: &mut Rows, first: usize) {
+        if !self.bent.curvature.is_zero() {
+            // Well-conditioned directions are decided by the rows themselves.
+            for (joints, sigma) in self.joints.chunks_exact(self.columns).zip(&self.sigmas[..first]) {
+                let share = (sigma / self.threshold).powi(2).min(1.0);
+                self.bent.curvature.take_out(joints, share);
+            }
+        }
         self.bent.write(rows, first);
         self.bent.curvature.clear();
     }

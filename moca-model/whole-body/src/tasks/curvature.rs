@@ -1,6 +1,6 @@
 //! Second derivatives of what tasks control.
 
-use nalgebra::{DMatrix, Matrix6xX, Vector3};
+use nalgebra::{DMatrix, DVectorView, Matrix6xX, Vector3};
 
 /// By how much the Jacobians of a level's tasks bend towards what is missing to them: −Σ rₖ ∇²yₖ, n × n
 /// for n entries of q̇, y being what the tasks control and r what is missing.
@@ -37,6 +37,21 @@ impl Curvature {
     pub(crate) fn along(&self, direction: &[f64]) -> f64 {
         let columns = self.matrix.column_iter().zip(direction);
         columns.map(|(c, d)| d * c.iter().zip(direction).map(|(h, d)| h * d).sum::<f64>()).sum()
+    }
+
+    /// Takes a share of a direction of the joints out, on both sides.
+    pub(crate) fn take_out(&mut self, direction: &[f64], share: f64) {
+        let n = self.matrix.nrows();
+        let direction = DVectorView::from_slice(&direction[..n], n);
+        let bent = &self.matrix * direction;
+        let along = bent.dot(&direction);
+        for i in 0..n {
+            for j in 0..n {
+                let cross = direction[i] * bent[j] + bent[i] * direction[j];
+                self.matrix[(i, j)] -=
+                    share * cross - share * share * along * direction[i] * direction[j];
+            }
+        }
     }
 
     /// Adds another one so many times.
