@@ -268,7 +268,10 @@ impl Ik {
             }
         })?;
         singularity.factorise();
+        // Rows of curvature of the levels above move the places of those below.
+        let mut moved = 0;
         for (index, asked) in asked.iter_mut().enumerate() {
+            asked.span = asked.span.start + moved..asked.span.end + moved;
             let (span, counts) = (&asked.span, &mut asked.counts);
             *counts = false;
             let Some(rows) = self.stack.rows_mut(index) else { continue };
@@ -286,10 +289,13 @@ impl Ik {
             if *counts {
                 singularity.give_up(span, rows);
             }
+            let mut own = span.clone();
             if asked.bends {
-                singularity.write_curvature(rows, asked.count);
+                let added = singularity.write_curvature(span, rows, asked.count);
+                moved += added;
+                own.end += added;
             }
-            singularity.take(span);
+            singularity.take(&own);
         }
         Ok(())
     }

@@ -73,6 +73,7 @@ pub(super) struct SingularityDamping {
     /// By direction: what is not had along uₖ, and the part of it that is given up.
     parts: Vec<f64>,
     given_up_parts: Vec<f64>,
+    had: Vec<f64>,
     /// What the rows control, along one direction; and the rows of all.
     curvature: Curvature,
     bent: CurvatureRows,
@@ -101,8 +102,8 @@ const QUICKNESS: f64 = 100.0;
 /// How fast they come to rest at the end of the reach.
 const END: Feedback = Feedback { gain: 10.0, deceleration: 5.0 };
 /// A singular value below which the way away is not known, and one below which there is none.
-const UNKNOWN: f64 = 1e-9;
-const NONE: f64 = 1e-12;
+const UNKNOWN: f64 = 1e-6;
+const NONE: f64 = 1e-6;
 /// Of the threshold, the singular value below which a direction is handed over.
 const HANDOVER: f64 = 0.1;
 /// Of that, where p is when rows begin to be turned.
@@ -113,10 +114,10 @@ const FREE_SPEED: f64 = 0.05;
 impl SingularityDamping {
     /// For levels of so many rows each, over so many variables.
     pub(super) fn new(threshold: f64, levels: &[usize], columns: usize, velocities: usize) -> Self {
-        let (total, most) = (levels.iter().sum(), levels.iter().copied().max().unwrap_or(0));
+        let (total, most): (usize, _) = (levels.iter().sum(), levels.iter().copied().max().unwrap_or(0));
         Self {
             threshold,
-            directions: Directions::new(total, most, columns),
+            directions: Directions::new(total + velocities * levels.len(), most, columns),
             closeness: f64::INFINITY,
             heaviest: 1.0,
             scales: vec![1.0; most],
@@ -128,6 +129,7 @@ impl SingularityDamping {
             columns,
             parts: vec![0.0; most],
             given_up_parts: vec![0.0; most],
+            had: vec![1.0; most],
             curvature: Curvature::new(velocities),
             bent: CurvatureRows::new(velocities),
             turned: vec![0.0; most * columns],
@@ -213,8 +215,13 @@ impl SingularityDamping {
         for k in 0..m {
             let (sigma, missing) = (self.sigmas[k], self.missing(span, k));
             let share = 1.0 - (sigma / self.threshold).powi(2);
-            (self.parts[k], self.given_up_parts[k]) = (0.0, 0.0);
-            if share <= 0.0 || missing == 0.0 {
+            (self.parts[k], self.given_up_parts[k], self.had[k]) = (0.0, 0.0, 1.0);
+            if share <= 0.0 {
+                if std::env::var("ZZ").is_ok() { let joints = &self.joints[k * self.columns..][..self.columns]; eprintln!("  k {k} WELL sigma {sigma:.5} missing {missing:.5} j {:?}", joints.iter().map(|x|format!("{x:.2}")).collect::<Vec<_>>().join(" ")); }
+                continue;
+            }
+            if missing == 0.0 {
+                self.had[k] = (QUICKNESS * sigma).min(1.0);
                 continue;
             }
             let vector = self.vectors[k * m..][..m].iter().zip(&self.scales);
@@ -233,6 +240,7 @@ impl SingularityDamping {
             }
             let part = (missing.abs() - speed * sigma).max(0.0);
             self.parts[k] = part.copysign(missing);
+            self.had[k] = 1.0 - part / missing.abs();
             // What rows of curvature hold is not given up.
             let held = part * towards.max(0.0) / END.gain;
             let had = if sigma > UNKNOWN { most * (sigma + held / sigma) } else { 0.0 };
@@ -274,17 +282,32 @@ impl SingularityDamping {
         given_up.iter_mut().zip(&self.scales).for_each(|(part, scale)| *part /= scale);
     }
 
-    /// Writes the rows of curvature of the level that was examined last, from `first` on.
-    pub(super) fn write_curvature(&mut self, rows: &mut Rows, first: usize) {
-        if !self.bent.curvature.is_zero() {
-            // Well-conditioned directions are decided by the rows themselves.
-            for (joints, sigma) in self.joints.chunks_exact(self.columns).zip(&self.sigmas[..first]) {
-                let share = (sigma / self.threshold).powi(2).min(1.0);
-                self.bent.curvature.take_out(joints, share);
+    /// Writes the rows of curvature of the level that was examined last, from `first` on; returns how many stand
+    /// among the rows of all levels now, behind the level.
+    pub(super) fn write_curvature(
+        &mut self,
+        span: &Range<usize>,
+        rows: &mut Rows,
+        first: usize,
+    ) -> usize {
+        if self.bent.curvature.is_zero() {
+            self.bent.write(rows, first, 0.0);
+            return 0;
+        }
+        let size = self.bent.curvature.size();
+        // What the rows have is decided by them.
+        for (joints, had) in self.joints.chunks_exact(self.columns).zip(&self.had[..first]) {
+            self.bent.curvature.take_out(joints, *had);
+        }
+        for above in 0..span.start {
+            let direction = &mut self.joints[..self.columns];
+            if self.directions.direction_into(above, direction) {
+                self.bent.curvature.take_out(direction, 1.0);
             }
         }
-        self.bent.write(rows, first);
+        self.bent.write(rows, first, size);
         self.bent.curvature.clear();
+        self.directions.insert(span.end, rows, first)
     }
 
     /// Takes from the targets below what a level does by itself.

@@ -138,7 +138,7 @@ impl RowTasks {
             rows.set_weights(&self.weights)?;
         }
         if let Some(curvature) = &mut self.curvature {
-            curvature.write(rows, self.count);
+            curvature.write(rows, self.count, 0.0);
         }
         Ok(())
     }

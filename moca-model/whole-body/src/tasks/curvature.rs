@@ -33,6 +33,11 @@ impl Curvature {
         &self.matrix
     }
 
+    /// The largest entry.
+    pub(crate) fn size(&self) -> f64 {
+        self.matrix.amax()
+    }
+
     /// dᵀ H d of a direction d of the joints.
     pub(crate) fn along(&self, direction: &[f64]) -> f64 {
         let columns = self.matrix.column_iter().zip(direction);

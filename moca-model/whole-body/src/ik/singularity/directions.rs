@@ -91,8 +91,40 @@ impl Directions {
         first..self.count
     }
 
-    /// Computes the directions of all rows.
+    /// Takes rows of targets zero in before place `at`, those of norm zero left out, and returns how many. The
+    /// places of all rows from there on are later by that.
+    pub(super) fn insert(&mut self, at: usize, rows: &Rows, from: usize) -> usize {
+        let is_there = |row: &&[f64]| dot(row, row) > 0.0;
+        let all = || (from..rows.len()).filter_map(|index| rows.row(index)).filter(is_there);
+        let added = all().count();
+        if added == 0 || self.count + added > self.rows.len() {
+            return 0;
+        }
+        for index in (at..self.count).rev() {
+            let [(row, ..), _] = [self.rows.iter().nth(index), None].map(|row| row.unwrap_or((&[], 0.0, 0.0)));
+            let row = row.to_vec();
+            self.rows.row_mut(index + added).unwrap_or_default().copy_from_slice(&row);
+        }
+        self.norms.copy_within(at..self.count, at + added);
+        self.residual.as_flattened_mut().copy_within(at..self.count, at + added);
+        for (index, row) in (at..).zip(all()) {
+            self.rows.row_mut(index).unwrap_or_default().copy_from_slice(row);
+            self.norms[index] = dot(row, row).sqrt();
+            self.residual.as_flattened_mut()[index] = 0.0;
+        }
+        self.count += added;
+        self.find_coordinates();
+        added
+    }
+
+    /// Scales the targets, and computes the directions of all rows.
     pub(super) fn factorise(&mut self) {
+        let targets = self.residual.as_flattened_mut().iter_mut().zip(&self.norms);
+        targets.take(self.count).for_each(|(target, norm)| *target /= norm);
+        self.find_coordinates();
+    }
+
+    fn find_coordinates(&mut self) {
         let (width, n) = (self.width, self.count);
         let scales = self.scales.as_flattened_mut();
         scales[n..].fill(0.0);
@@ -102,7 +134,6 @@ impl Directions {
             // Of rows that there are: no error is possible.
             let _ = self.rows.multiply_into(i, own, products);
             *scale = 1.0 / self.norms[i];
-            self.residual.as_flattened_mut()[i] *= *scale;
         }
         for i in 0..n {
             let scale = self.scales.as_flattened()[i];
@@ -185,6 +216,15 @@ impl Directions {
             self.above[above] = part;
             subtract(out, part * scales[above], self.rows.row(above).unwrap_or_default());
         }
+    }
+
+    /// Writes the orthonormal direction that a row takes; returns false if it takes none.
+    pub(super) fn direction_into(&mut self, row: usize, out: &mut [f64]) -> bool {
+        let reciprocal = self.reciprocals[row];
+        if reciprocal > 0.0 {
+            self.combine(&(row..row + 1), &[reciprocal], out);
+        }
+        reciprocal > 0.0
     }
 
     /// ‖L⁻¹r‖² of a level, L Lᵀ being its G and r what is missing to its targets; `room` is room for
