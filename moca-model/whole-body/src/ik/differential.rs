@@ -92,6 +92,8 @@ pub struct Ik {
     heading: Option<f64>,
     /// By entry of q̇: the time in which accelerations fade, where limits of rows need that \[s\].
     fading: Vec<f64>,
+    /// Joints at the ends of their ranges beyond which levels would move them.
+    held: Vec<bool>,
     /// A velocity that all limits admit.
     admitted: Vec<f64>,
     /// Of the rows of the limits.
@@ -137,6 +139,7 @@ impl Ik {
             fading: model.fading_times(),
             singularity: SingularityDamping::new(0.0, &[], stack.names().len(), rest.len()),
             asked: Vec::new(),
+            held: vec![false; rest.len()],
             admitted: rest,
             limit_values: Vec::new(),
             has_limits,
@@ -270,11 +273,20 @@ impl Ik {
         singularity.factorise();
         // Rows of curvature of the levels above move the places of those below.
         let mut moved = 0;
+        self.held.fill(false);
         for (index, asked) in asked.iter_mut().enumerate() {
             asked.span = asked.span.start + moved..asked.span.end + moved;
-            let (span, counts) = (&asked.span, &mut asked.counts);
+            let (span, counts) = (&mut asked.span, &mut asked.counts);
             *counts = false;
             let Some(rows) = self.stack.rows_mut(index) else { continue };
+            if !span.is_empty() {
+                let limits = self.model.limits();
+                let room = limits.iter().zip(&q[q.len() - limits.len()..]);
+                let room = room.map(|(limits, q)| [q - limits.lower, limits.upper - q]);
+                let added = singularity.hold_ends(span, rows, room, |entry| self.held[entry] = true);
+                moved += added;
+                *span = span.start + added..span.end + added;
+            }
             if !span.is_empty() && singularity.examine(span, rows) {
                 *counts = asked.rows.copy_from(rows).is_ok();
             }
@@ -296,6 +308,12 @@ impl Ik {
                 own.end += added;
             }
             singularity.take(&own);
+        }
+        let (lower, upper) = self.stack.bounds_mut();
+        let bounds = lower.iter_mut().zip(upper).zip(&self.held);
+        for ((lower, upper), _) in bounds.filter(|(_, held)| **held && !has_limits) {
+            let rest = 0.0_f64.clamp(*lower, *upper);
+            (*lower, *upper) = (rest, rest);
         }
         Ok(())
     }

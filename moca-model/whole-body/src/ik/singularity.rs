@@ -108,6 +108,8 @@ const NONE: f64 = 1e-6;
 const HANDOVER: f64 = 0.1;
 /// Of that, where p is when rows begin to be turned.
 const GATE: f64 = 3.0;
+/// A joint this near to the end of its range is there \[rad, m\].
+const AT_END: f64 = 1e-4;
 /// How fast levels below may move along a direction that is lost \[rad/s, m/s\].
 const FREE_SPEED: f64 = 0.05;
 
@@ -117,7 +119,7 @@ impl SingularityDamping {
         let (total, most): (usize, _) = (levels.iter().sum(), levels.iter().copied().max().unwrap_or(0));
         Self {
             threshold,
-            directions: Directions::new(total + velocities * levels.len(), most, columns),
+            directions: Directions::new(total + 2 * velocities * levels.len(), most, columns),
             closeness: f64::INFINITY,
             heaviest: 1.0,
             scales: vec![1.0; most],
@@ -156,6 +158,36 @@ impl SingularityDamping {
     /// Finds out what each level determines, when all are loaded.
     pub(super) fn factorise(&mut self) {
         self.directions.factorise();
+    }
+
+    /// Takes joints out that the next level, whose rows have these places, would move beyond their ranges, of which
+    /// `room` has what is left below and above; returns how many. They stand before the level then, as what is decided above it.
+    pub(super) fn hold_ends(
+        &mut self,
+        span: &Range<usize>,
+        rows: &Rows,
+        room: impl Iterator<Item = [f64; 2]>,
+        mut hold: impl FnMut(usize),
+    ) -> usize {
+        let residual = self.directions.residual(span).iter().zip(self.directions.norms(span));
+        for (row, (factor, (residual, norm))) in self.given_up.iter_mut().zip(residual).enumerate() {
+            *factor = rows.weight(row) * norm * norm * residual;
+        }
+        let pull = &mut self.turned[..self.columns];
+        self.directions.combine(span, &self.given_up[..span.len()], pull);
+        let mut added = 0;
+        for (entry, [below, above]) in room.enumerate() {
+            let pull = self.turned[entry];
+            let is_end = pull > 0.0 && above < AT_END || pull < 0.0 && below < AT_END;
+            if is_end && self.directions.insert(span.start, |row| row[entry] = 1.0) {
+                added += 1;
+                hold(entry);
+            }
+        }
+        if added > 0 {
+            self.directions.find_coordinates();
+        }
+        added
     }
 
     /// Looks at the next level, highest priority first, whose rows have these places. Returns true if
@@ -307,7 +339,17 @@ impl SingularityDamping {
         }
         self.bent.write(rows, first, size);
         self.bent.curvature.clear();
-        self.directions.insert(span.end, rows, first)
+        let mut added = 0;
+        for index in first..rows.len() {
+            let row = rows.row(index).unwrap_or_default();
+            let is_there = row.iter().any(|entry| *entry != 0.0);
+            let add = |to: &mut [f64]| to.copy_from_slice(row);
+            added += usize::from(is_there && self.directions.insert(span.end, add));
+        }
+        if added > 0 {
+            self.directions.find_coordinates();
+        }
+        added
     }
 
     /// Takes from the targets below what a level does by itself.

@@ -91,30 +91,26 @@ impl Directions {
         first..self.count
     }
 
-    /// Takes rows of targets zero in before place `at`, those of norm zero left out, and returns how many. The
-    /// places of all rows from there on are later by that.
-    pub(super) fn insert(&mut self, at: usize, rows: &Rows, from: usize) -> usize {
-        let is_there = |row: &&[f64]| dot(row, row) > 0.0;
-        let all = || (from..rows.len()).filter_map(|index| rows.row(index)).filter(is_there);
-        let added = all().count();
-        if added == 0 || self.count + added > self.rows.len() {
-            return 0;
+    /// Takes a row with a target of zero in before place `at`; rows from there on stand one place later. Returns
+    /// false where there is no room.
+    pub(super) fn insert(&mut self, at: usize, write: impl FnOnce(&mut [f64])) -> bool {
+        let (count, columns) = (self.count, self.rows.columns());
+        if count == self.rows.len() {
+            return false;
         }
-        for index in (at..self.count).rev() {
-            let [(row, ..), _] = [self.rows.iter().nth(index), None].map(|row| row.unwrap_or((&[], 0.0, 0.0)));
-            let row = row.to_vec();
-            self.rows.row_mut(index + added).unwrap_or_default().copy_from_slice(&row);
+        if let Ok(rows) = self.rows.coefficients_mut(at..count + 1) {
+            rows.copy_within(..(count - at) * columns, columns);
+            let row = &mut rows[..columns];
+            row.fill(0.0);
+            write(row);
+            self.norms.copy_within(at..count, at + 1);
+            self.norms[at] = dot(row, row).sqrt();
         }
-        self.norms.copy_within(at..self.count, at + added);
-        self.residual.as_flattened_mut().copy_within(at..self.count, at + added);
-        for (index, row) in (at..).zip(all()) {
-            self.rows.row_mut(index).unwrap_or_default().copy_from_slice(row);
-            self.norms[index] = dot(row, row).sqrt();
-            self.residual.as_flattened_mut()[index] = 0.0;
-        }
-        self.count += added;
-        self.find_coordinates();
-        added
+        let residual = self.residual.as_flattened_mut();
+        residual.copy_within(at..count, at + 1);
+        residual[at] = 0.0;
+        self.count += 1;
+        true
     }
 
     /// Scales the targets, and computes the directions of all rows.
@@ -124,7 +120,8 @@ impl Directions {
         self.find_coordinates();
     }
 
-    fn find_coordinates(&mut self) {
+    /// Computes the directions of all rows anew, after some were taken in.
+    pub(super) fn find_coordinates(&mut self) {
         let (width, n) = (self.width, self.count);
         let scales = self.scales.as_flattened_mut();
         scales[n..].fill(0.0);
