@@ -271,23 +271,27 @@ impl Ik {
             }
         })?;
         singularity.factorise();
-        // Rows of curvature of the levels above move the places of those below.
+        // Joints that are held, and rows of curvature, stand between the levels.
         let mut moved = 0;
         self.held.fill(false);
+        let limits = self.model.limits();
+        let places = q.iter().skip(q.len().saturating_sub(limits.len()));
+        let room =
+            limits.iter().zip(places).map(|(limits, q)| [q - limits.lower, limits.upper - q]);
         for (index, asked) in asked.iter_mut().enumerate() {
             asked.span = asked.span.start + moved..asked.span.end + moved;
+            let has_rows = asked.span.start < asked.span.end;
             let (span, counts) = (&mut asked.span, &mut asked.counts);
             *counts = false;
             let Some(rows) = self.stack.rows_mut(index) else { continue };
-            if !span.is_empty() {
-                let limits = self.model.limits();
-                let room = limits.iter().zip(&q[q.len() - limits.len()..]);
-                let room = room.map(|(limits, q)| [q - limits.lower, limits.upper - q]);
-                let added = singularity.hold_ends(span, rows, room, |entry| self.held[entry] = true);
+            // Further limits may forbid a joint to stand.
+            if has_rows && !has_limits {
+                let hold = |entry: usize| self.held[entry] = true;
+                let added = singularity.hold_ends(span, rows, room.clone(), hold);
                 moved += added;
                 *span = span.start + added..span.end + added;
             }
-            if !span.is_empty() && singularity.examine(span, rows) {
+            if has_rows && singularity.examine(span, rows) {
                 *counts = asked.rows.copy_from(rows).is_ok();
             }
             if *counts && asked.bends {
@@ -311,7 +315,7 @@ impl Ik {
         }
         let (lower, upper) = self.stack.bounds_mut();
         let bounds = lower.iter_mut().zip(upper).zip(&self.held);
-        for ((lower, upper), _) in bounds.filter(|(_, held)| **held && !has_limits) {
+        for ((lower, upper), _) in bounds.filter(|(_, held)| **held) {
             let rest = 0.0_f64.clamp(*lower, *upper);
             (*lower, *upper) = (rest, rest);
         }

@@ -116,7 +116,8 @@ const FREE_SPEED: f64 = 0.05;
 impl SingularityDamping {
     /// For levels of so many rows each, over so many variables.
     pub(super) fn new(threshold: f64, levels: &[usize], columns: usize, velocities: usize) -> Self {
-        let (total, most): (usize, _) = (levels.iter().sum(), levels.iter().copied().max().unwrap_or(0));
+        let (total, most): (usize, _) =
+            (levels.iter().sum(), levels.iter().copied().max().unwrap_or(0));
         Self {
             threshold,
             directions: Directions::new(total + 2 * velocities * levels.len(), most, columns),
@@ -160,34 +161,38 @@ impl SingularityDamping {
         self.directions.factorise();
     }
 
-    /// Takes joints out that the next level, whose rows have these places, would move beyond their ranges, of which
-    /// `room` has what is left below and above; returns how many. They stand before the level then, as what is decided above it.
+    /// Holds joints at the ends of their ranges beyond which the next level, whose rows have these places, would move
+    /// them, as what is decided above it; returns how many. `room` is what a joint has left below and above.
     pub(super) fn hold_ends(
         &mut self,
         span: &Range<usize>,
         rows: &Rows,
-        room: impl Iterator<Item = [f64; 2]>,
+        room: impl Iterator<Item = [f64; 2]> + Clone,
         mut hold: impl FnMut(usize),
     ) -> usize {
+        let is_near = |room: f64| room < AT_END;
+        if !room.clone().flatten().any(is_near) {
+            return 0;
+        }
         let residual = self.directions.residual(span).iter().zip(self.directions.norms(span));
-        for (row, (factor, (residual, norm))) in self.given_up.iter_mut().zip(residual).enumerate() {
+        for (row, (factor, (residual, norm))) in self.given_up.iter_mut().zip(residual).enumerate()
+        {
             *factor = rows.weight(row) * norm * norm * residual;
         }
-        let pull = &mut self.turned[..self.columns];
-        self.directions.combine(span, &self.given_up[..span.len()], pull);
-        let mut added = 0;
-        for (entry, [below, above]) in room.enumerate() {
-            let pull = self.turned[entry];
-            let is_end = pull > 0.0 && above < AT_END || pull < 0.0 && below < AT_END;
+        let pulls = &mut self.turned[..self.columns];
+        self.directions.combine(span, &self.given_up[..span.len()], pulls);
+        let mut held = 0;
+        for (entry, ([below, above], pull)) in room.zip(&*pulls).enumerate() {
+            let is_end = is_near(if *pull > 0.0 { above } else { below }) && *pull != 0.0;
             if is_end && self.directions.insert(span.start, |row| row[entry] = 1.0) {
-                added += 1;
                 hold(entry);
+                held += 1;
             }
         }
-        if added > 0 {
+        if held > 0 {
             self.directions.find_coordinates();
         }
-        added
+        held
     }
 
     /// Looks at the next level, highest priority first, whose rows have these places. Returns true if
@@ -249,7 +254,6 @@ impl SingularityDamping {
             let share = 1.0 - (sigma / self.threshold).powi(2);
             (self.parts[k], self.given_up_parts[k], self.had[k]) = (0.0, 0.0, 1.0);
             if share <= 0.0 {
-                if std::env::var("ZZ").is_ok() { let joints = &self.joints[k * self.columns..][..self.columns]; eprintln!("  k {k} WELL sigma {sigma:.5} missing {missing:.5} j {:?}", joints.iter().map(|x|format!("{x:.2}")).collect::<Vec<_>>().join(" ")); }
                 continue;
             }
             if missing == 0.0 {
@@ -276,9 +280,10 @@ impl SingularityDamping {
             // What rows of curvature hold is not given up.
             let held = part * towards.max(0.0) / END.gain;
             let had = if sigma > UNKNOWN { most * (sigma + held / sigma) } else { 0.0 };
-            if std::env::var("ZZ").is_ok() { eprintln!("  k {k} sigma {sigma:.5} missing {missing:.5} towards {towards:.5} speed {speed:.4} part {part:.5} had {had:.5} j {:?}", joints.iter().map(|x|format!("{x:.2}")).collect::<Vec<_>>().join(" ")); }
             self.given_up_parts[k] = (missing.abs() - had).max(0.0).copysign(missing);
-            if towards <= 0.0 && sigma > UNKNOWN { continue; }
+            if towards <= 0.0 && sigma > UNKNOWN {
+                continue;
+            }
             let factor = self.parts[k] * self.heaviest / END.gain;
             self.bent.curvature.add_scaled(&self.curvature, factor);
         }

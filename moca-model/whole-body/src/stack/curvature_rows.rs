@@ -56,7 +56,6 @@ impl CurvatureRows {
         let (block, vectors) = (&mut block[..size * size], &mut vectors[..size * size]);
         eigenvectors(block, size, vectors);
         let most = block.iter().step_by(size + 1).fold(0.0, |most: f64, value| most.max(*value));
-        if std::env::var("ZZ").is_ok() { let mut e:Vec<f64>=block.iter().step_by(size+1).copied().collect(); e.sort_by(|a,b|b.total_cmp(a)); eprintln!("  eig {:?}", e.iter().map(|x|format!("{x:.2e}")).collect::<Vec<_>>().join(" ")); }
         let pairs = vectors.chunks_exact(size.max(1)).zip(block.iter().step_by(size + 1));
         let positive = pairs.filter(|(_, value)| **value > ROUNDING * most.max(least));
         for ((vector, value), index) in positive.zip(first..) {
