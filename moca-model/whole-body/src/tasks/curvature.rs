@@ -1,6 +1,6 @@
 //! Second derivatives of what tasks control.
 
-use nalgebra::{DMatrix, DVectorView, Matrix6xX, Vector3};
+use nalgebra::{DMatrix, Matrix6xX, Vector3};
 
 /// By how much the Jacobians of a level's tasks bend towards what is missing to them: −Σ rₖ ∇²yₖ, n × n
 /// for n entries of q̇, y being what the tasks control and r what is missing.
@@ -11,11 +11,14 @@ use nalgebra::{DMatrix, DVectorView, Matrix6xX, Vector3};
 pub struct Curvature {
     matrix: DMatrix<f64>,
     is_zero: bool,
+    /// Of the matrix and a direction.
+    products: Vec<f64>,
 }
 
 impl Curvature {
     pub(crate) fn new(velocities: usize) -> Self {
-        Self { matrix: DMatrix::zeros(velocities, velocities), is_zero: true }
+        let products = vec![0.0; velocities];
+        Self { matrix: DMatrix::zeros(velocities, velocities), is_zero: true, products }
     }
 
     pub(crate) fn clear(&mut self) {
@@ -44,17 +47,18 @@ impl Curvature {
         columns.map(|(c, d)| d * c.iter().zip(direction).map(|(h, d)| h * d).sum::<f64>()).sum()
     }
 
-    /// Takes a share of a direction of the joints out, on both sides.
+    /// Takes a share s of a direction d of the joints out: (I − s d dᵀ) H (I − s d dᵀ).
     pub(crate) fn take_out(&mut self, direction: &[f64], share: f64) {
-        let n = self.matrix.nrows();
-        let direction = DVectorView::from_slice(&direction[..n], n);
-        let bent = &self.matrix * direction;
-        let along = bent.dot(&direction);
-        for i in 0..n {
-            for j in 0..n {
-                let cross = direction[i] * bent[j] + bent[i] * direction[j];
-                self.matrix[(i, j)] -=
-                    share * cross - share * share * along * direction[i] * direction[j];
+        let products = self.matrix.column_iter().zip(&mut self.products);
+        for (column, product) in products {
+            *product = column.iter().zip(direction).map(|(h, d)| h * d).sum();
+        }
+        let along: f64 = self.products.iter().zip(direction).map(|(p, d)| p * d).sum();
+        let columns = self.matrix.column_iter_mut().zip(direction.iter().zip(&self.products));
+        for (mut column, (own, own_product)) in columns {
+            let entries = column.iter_mut().zip(direction.iter().zip(&self.products));
+            for (entry, (d, product)) in entries {
+                *entry -= share * (d * own_product + product * own - share * along * d * own);
             }
         }
     }
