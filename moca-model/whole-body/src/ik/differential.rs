@@ -93,7 +93,7 @@ pub struct Ik {
     /// By entry of q̇: the time in which accelerations fade, where limits of rows need that \[s\].
     fading: Vec<f64>,
     /// Joints at the ends of their ranges beyond which levels would move them.
-    held: Vec<bool>,
+    held: Vec<usize>,
     /// A velocity that all limits admit.
     admitted: Vec<f64>,
     /// Of the rows of the limits.
@@ -139,7 +139,7 @@ impl Ik {
             fading: model.fading_times(),
             singularity: SingularityDamping::new(0.0, &[], stack.names().len(), rest.len()),
             asked: Vec::new(),
-            held: vec![false; rest.len()],
+            held: Vec::with_capacity(rest.len()),
             admitted: rest,
             limit_values: Vec::new(),
             has_limits,
@@ -273,7 +273,7 @@ impl Ik {
         singularity.factorise();
         // Joints that are held, and rows of curvature, stand between the levels.
         let mut moved = 0;
-        self.held.fill(false);
+        self.held.clear();
         let limits = self.model.limits();
         let places = q.iter().skip(q.len().saturating_sub(limits.len()));
         let room =
@@ -281,18 +281,22 @@ impl Ik {
         for (index, asked) in asked.iter_mut().enumerate() {
             asked.span = asked.span.start + moved..asked.span.end + moved;
             let has_rows = asked.span.start < asked.span.end;
+            let above = self.held.len();
             let (span, counts) = (&mut asked.span, &mut asked.counts);
             *counts = false;
             let Some(rows) = self.stack.rows_mut(index) else { continue };
             // Further limits may forbid a joint to stand.
             if has_rows && !has_limits {
-                let hold = |entry: usize| self.held[entry] = true;
+                let hold = |entry| self.held.push(entry);
                 let added = singularity.hold_ends(span, rows, room.clone(), hold);
                 moved += added;
                 *span = span.start + added..span.end + added;
             }
             if has_rows && singularity.examine(span, rows) {
                 *counts = asked.rows.copy_from(rows).is_ok();
+            } else {
+                // Without them the level is as well off: the solver knows what to do with them.
+                self.held.truncate(above);
             }
             if *counts && asked.bends {
                 singularity.bound(span, |factors, curvature| {
@@ -314,10 +318,11 @@ impl Ik {
             singularity.take(&own);
         }
         let (lower, upper) = self.stack.bounds_mut();
-        let bounds = lower.iter_mut().zip(upper).zip(&self.held);
-        for ((lower, upper), _) in bounds.filter(|(_, held)| **held) {
-            let rest = 0.0_f64.clamp(*lower, *upper);
-            (*lower, *upper) = (rest, rest);
+        for &entry in &self.held {
+            if let (Some(lower), Some(upper)) = (lower.get_mut(entry), upper.get_mut(entry)) {
+                let rest = 0.0_f64.clamp(*lower, *upper);
+                (*lower, *upper) = (rest, rest);
+            }
         }
         Ok(())
     }

@@ -103,7 +103,7 @@ const QUICKNESS: f64 = 100.0;
 const END: Feedback = Feedback { gain: 10.0, deceleration: 5.0 };
 /// A singular value below which the way away is not known, and one below which there is none.
 const UNKNOWN: f64 = 1e-6;
-const NONE: f64 = 1e-6;
+const NONE: f64 = 1e-12;
 /// Of the threshold, the singular value below which a direction is handed over.
 const HANDOVER: f64 = 0.1;
 /// Of that, where p is when rows begin to be turned.
@@ -111,7 +111,7 @@ const GATE: f64 = 3.0;
 /// A joint this near to the end of its range is there \[rad, m\].
 const AT_END: f64 = 1e-4;
 /// How fast levels below may move along a direction that is lost \[rad/s, m/s\].
-const FREE_SPEED: f64 = 0.05;
+const FREE_SPEED: f64 = 0.01;
 
 impl SingularityDamping {
     /// For levels of so many rows each, over so many variables.
