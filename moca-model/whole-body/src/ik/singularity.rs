@@ -111,7 +111,7 @@ const GATE: f64 = 3.0;
 /// A joint this near to the end of its range is there \[rad, m\].
 const AT_END: f64 = 1e-4;
 /// How fast levels below may move along a direction that is lost \[rad/s, m/s\].
-const FREE_SPEED: f64 = 0.01;
+const FREE_SPEED: f64 = 0.05;
 
 impl SingularityDamping {
     /// For levels of so many rows each, over so many variables.
@@ -332,9 +332,11 @@ impl SingularityDamping {
             return 0;
         }
         let size = self.bent.curvature.size();
-        // What the rows have is decided by them.
-        for (joints, had) in self.joints.chunks_exact(self.columns).zip(&self.had[..first]) {
-            self.bent.curvature.take_out(joints, *had);
+        // What the rows have is decided by them. Where a direction is lost exactly, nothing says what they have of it.
+        if self.sigmas[..first].iter().all(|sigma| *sigma > NONE) {
+            for (joints, had) in self.joints.chunks_exact(self.columns).zip(&self.had[..first]) {
+                self.bent.curvature.take_out(joints, *had);
+            }
         }
         for above in 0..span.start {
             let direction = &mut self.joints[..self.columns];
