@@ -126,7 +126,7 @@ pub use simulation::contact::Contact;
 pub use simulation::rigid_body::{JointDrive, RigidBodySimulation};
 pub use simulation::sensors::{RandomSource, SensorSettings, Sensors};
 pub use simulation::transmission::Transmission;
-pub use stack::task_level::{OutOfReach, TaskId, TaskLevel};
+pub use stack::task_level::{TaskId, TaskLevel};
 pub use stack::task_stack::TaskStack;
 pub use state::data::Data;
 pub use state::moving::Moving;

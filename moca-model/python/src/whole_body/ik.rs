@@ -6,7 +6,7 @@ use ahqp_core::Budget;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use whole_body::{End, IkSettings, LimitKind, OutOfReach, TaskLevel};
+use whole_body::{End, IkSettings, LimitKind, TaskLevel};
 
 use super::limits::Limit;
 use super::model::Model;
@@ -22,8 +22,7 @@ use crate::shared::Shared;
 /// Differential inverse kinematics: velocities that do what levels of tasks ask, each level as well as
 /// those above it allow, within the limits of all joints.
 ///
-/// `Ik(model, tasks, hold=None, *, limits=None, singularity_threshold=0.1, rest_out_of_reach=False,
-/// iterations=None)`
+/// `Ik(model, tasks, hold=None, *, limits=None, singularity_threshold=0.1, iterations=None)`
 ///
 /// Parameters
 /// ----------
@@ -36,8 +35,6 @@ use crate::shared::Shared;
 ///     Hard limits beside those of the joints.
 /// singularity_threshold : float
 ///     Singular value below which directions are damped, from 0 (never) to 1.
-/// rest_out_of_reach : bool
-///     Whether levels come to rest where the robot cannot reach their targets.
 /// iterations : int, optional
 ///     Most iterations of one step.
 ///
@@ -54,14 +51,13 @@ struct State {
 #[pymethods]
 impl Ik {
     #[new]
-    #[pyo3(signature = (model, tasks, hold=None, *, limits=None, singularity_threshold=0.1, rest_out_of_reach=false, iterations=None))]
+    #[pyo3(signature = (model, tasks, hold=None, *, limits=None, singularity_threshold=0.1, iterations=None))]
     fn new(
         model: &Model,
         tasks: &Bound<'_, PyDict>,
         hold: Option<&Bound<'_, PyAny>>,
         limits: Option<&Bound<'_, PyDict>>,
         singularity_threshold: f64,
-        rest_out_of_reach: bool,
         iterations: Option<usize>,
     ) -> Result<Self> {
         let model = &model.0;
@@ -69,7 +65,6 @@ impl Ik {
         builder.settings(IkSettings {
             budget: Budget { iterations, time: None },
             singularity_threshold,
-            out_of_reach: if rest_out_of_reach { OutOfReach::Rest } else { OutOfReach::Approach },
             ..IkSettings::default()
         });
         for (name, limit) in limits.into_iter().flatten() {

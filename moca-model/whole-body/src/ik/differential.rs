@@ -272,7 +272,7 @@ impl Ik {
         })?;
         singularity.factorise();
         // Joints that are held, and rows of curvature, stand between the levels.
-        let mut moved = 0;
+        let (mut moved, mut ends) = (0, false);
         self.held.clear();
         let limits = self.model.limits();
         let places = q.iter().skip(q.len().saturating_sub(limits.len()));
@@ -294,9 +294,6 @@ impl Ik {
             }
             if has_rows && singularity.examine(span, rows) {
                 *counts = asked.rows.copy_from(rows).is_ok();
-            } else {
-                // Without them the level is as well off: the solver knows what to do with them.
-                self.held.truncate(above);
             }
             if *counts && asked.bends {
                 singularity.bound(span, |factors, curvature| {
@@ -309,12 +306,15 @@ impl Ik {
             if *counts {
                 singularity.give_up(span, rows);
             }
-            let mut own = span.clone();
-            if asked.bends {
-                let added = singularity.write_curvature(span, rows, asked.count);
-                moved += added;
-                own.end += added;
+            let bent =
+                if asked.bends { singularity.write_curvature(span, rows, asked.count) } else { 0 };
+            moved += bent;
+            ends |= bent > 0;
+            if !ends {
+                // Within reach the solver knows by itself what to do with them.
+                self.held.truncate(above);
             }
+            let own = span.start..span.end + bent;
             singularity.take(&own);
         }
         let (lower, upper) = self.stack.bounds_mut();

@@ -333,7 +333,7 @@ impl SingularityDamping {
         }
         let size = self.bent.curvature.size();
         // What the rows have is decided by them. Where a direction is lost exactly, nothing says what they have of it.
-        if self.sigmas[..first].iter().all(|sigma| *sigma > NONE) {
+        if self.sigmas[..first].iter().all(|sigma| *sigma > UNKNOWN) {
             for (joints, had) in self.joints.chunks_exact(self.columns).zip(&self.had[..first]) {
                 self.bent.curvature.take_out(joints, *had);
             }
