@@ -73,6 +73,8 @@ pub struct FrameFollower {
     target: Isometry3<f64>,
     target_linear: Vector3<f64>,
     target_angular: Vector3<f64>,
+    /// How fast it may come nearer to the target [m/s].
+    closing: f64,
 }
 
 impl FrameFollower {
@@ -91,6 +93,7 @@ impl FrameFollower {
             target: pose,
             target_linear: Vector3::zeros(),
             target_angular: Vector3::zeros(),
+            closing: f64::INFINITY,
         })
     }
 
@@ -117,6 +120,16 @@ impl FrameFollower {
         self.target_linear = twist.fixed_rows::<3>(0).into_owned();
         self.target_angular = twist.fixed_rows::<3>(3).into_owned();
         Ok(())
+    }
+
+    /// Lets the frame come nearer to the target no faster than `speed` \[m/s\], beside the target's own motion.
+    pub(crate) fn close_within(&mut self, speed: f64) {
+        self.closing = speed;
+    }
+
+    /// How far the frame is from the target \[m\].
+    pub(crate) fn distance(&self) -> f64 {
+        (self.target.translation.vector - self.pose.translation.vector).norm()
     }
 
     /// Lets the frame come to rest where it can stop.
@@ -165,7 +178,8 @@ impl FrameFollower {
             let brake = (acceleration * distance).sqrt();
             gap * ((settings.gain * distance).min(brake).min(speed) / distance)
         };
-        let linear = self.target_linear + approach(&gap, settings.speed, settings.acceleration);
+        let linear = self.target_linear
+            + approach(&gap, settings.speed.min(self.closing), settings.acceleration);
         let angular = self.target_angular
             + approach(&turn, settings.angular_speed, settings.angular_acceleration);
         let linear = limited(&linear, settings.speed);

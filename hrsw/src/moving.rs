@@ -10,6 +10,12 @@ use crate::reorientation::Reorientation;
 use crate::shape::{OrientationShape, PositionShape};
 use crate::workspace::Workspace;
 
+/// How fast a workspace goes to what carries it from now on \[m/s\], or over which time \[s\] where that is faster, until
+/// it is so near \[m\]: a tool within it follows no faster beside a person.
+const ARRIVING: f64 = 0.35;
+const ARRIVES_OVER: f64 = 2.0;
+const ARRIVED: f64 = 0.05;
+
 /// What carries a workspace.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -66,6 +72,8 @@ pub struct MovingWorkspace {
     person: Anchor,
     lead: Vector3<f64>,
     on_path: f64,
+    /// Whether what carries it is new, and the way there not yet begun.
+    is_new: bool,
 }
 
 impl MovingWorkspace {
@@ -82,6 +90,7 @@ impl MovingWorkspace {
             attachment: Attachment::World(pose),
             lead: Vector3::zeros(),
             on_path: 0.0,
+            is_new: false,
             workspace,
         })
     }
@@ -111,7 +120,7 @@ impl MovingWorkspace {
             Attachment::Path(_) => {}
         }
         self.attachment = attachment;
-        self.on_path = 0.0;
+        (self.on_path, self.is_new) = (0.0, true);
         Ok(())
     }
 
@@ -205,11 +214,17 @@ impl MovingWorkspace {
         positive("the period", period)?;
         self.person.advance(period);
         self.on_path += period;
-        if let Some((pose, twist)) = self.target()
-            && self.frame.retarget(pose, twist).is_err()
-        {
-            // What carries it went beyond all numbers.
-            self.frame.hold();
+        if let Some((pose, twist)) = self.target() {
+            if self.frame.retarget(pose, twist).is_err() {
+                // What carries it went beyond all numbers.
+                self.frame.hold();
+            }
+            let distance = self.frame.distance();
+            if std::mem::take(&mut self.is_new) {
+                self.frame.close_within(ARRIVING.max(distance / ARRIVES_OVER));
+            } else if distance <= ARRIVED {
+                self.frame.close_within(f64::INFINITY);
+            }
         }
         self.frame.advance(period);
         self.reference.advance(period)?;

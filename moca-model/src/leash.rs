@@ -78,12 +78,17 @@ impl LeashSettings {
     }
 }
 
+/// A joint that is farther from its place when the robot has come to rest after the end of the leash was reached is
+/// pressed against something \[leashes\].
+const PRESSED: f64 = 0.5;
+
 /// Holds q* to q, and x_d to x_a.
 ///
 /// Within the leash q* is the integral of q̇*. Once it is reached the commanded state starts anew
 /// from the measured one, tick by tick until the robot is at rest, while the velocities brake within
 /// their limits: so nothing is left that could be released. Of a robot with joints that follow positions
-/// these have to rest: without their springs the arm would sag for as long as the base brakes.
+/// these have to rest: without their springs the arm would sag for as long as the base brakes. Once all rest, an arm
+/// that is pressed against something starts anew once more.
 ///
 /// A robot that gives way to a force lets q* follow q at a share of its joints' speeds, until the tool has travelled as
 /// far as it may.
@@ -94,6 +99,8 @@ pub(crate) struct Leash {
     /// How far each joint may give way in a period \[m or rad\].
     steps: Vec<f64>,
     gives_way: bool,
+    /// Whether the end of the leash was reached, and the robot has not come to rest since.
+    was_reached: bool,
     /// Where the tool was when it began to give way.
     begin: Option<Vector3<f64>>,
 }
@@ -109,7 +116,7 @@ impl Leash {
         let step = settings.give_way_speed * period;
         let steps = limits.map(|limits| limits.velocity * step).collect();
         let joints = Resynchronisation::new(lengths)?;
-        Ok(Self { settings, joints, steps, gives_way: false, begin: None })
+        Ok(Self { settings, joints, steps, gives_way: false, was_reached: false, begin: None })
     }
 
     /// Holds the commanded configuration to the measured one; `follow` says of each joint whether it follows
@@ -135,7 +142,20 @@ impl Leash {
         let all = !follow.contains(&true);
         let mut velocities = command.joint_velocity.iter().zip(follow);
         let rests = velocities.all(|(&velocity, &follows)| velocity == 0.0 || !(all || follows));
-        Ok(self.joints.hold(&mut command.joint_position, configuration, rests || !stops)?)
+        let comes_to_rest = stops && command.joint_velocity.iter().all(|&velocity| velocity == 0.0);
+        if self.was_reached && comes_to_rest {
+            // A base that braked longer than the arm may have pressed it against what holds it.
+            let apart = command.joint_position.iter().zip(configuration).map(|(q, at)| q - at);
+            let mut joints = apart.zip(self.joints.lengths());
+            if joints.any(|(apart, leash)| apart.abs() > PRESSED * leash) {
+                self.joints.restart();
+            }
+        }
+        let following =
+            self.joints.hold(&mut command.joint_position, configuration, rests || !stops)?;
+        self.was_reached &= !comes_to_rest;
+        self.was_reached |= following == Following::Reached;
+        Ok(following)
     }
 
     /// Whether the robot is to give way to a force in the next tick.

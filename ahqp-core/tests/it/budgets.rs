@@ -8,7 +8,7 @@ use ahqp_core::{
     Budget, ContinuousStack, Error, Hierarchy, Level, LevelId, Place, Rows, Settings, Solver,
     Status, WarmStart,
 };
-use nalgebra::dmatrix;
+use nalgebra::{dmatrix, dvector};
 use proptest::prelude::*;
 
 const LONG: Duration = Duration::from_secs(3600);
@@ -189,4 +189,37 @@ fn tolerances_that_change_decide_the_next_solve() {
     }
     let bad = Settings { max_iterations: 0, ..Settings::default() };
     assert!(stack.set_settings(bad).is_err());
+}
+
+/// At a vertex that the objective alone reaches, too, a bound is met and left by rounding: a repair goes round
+/// there, and must leave iterations to the search.
+#[test]
+fn a_bound_that_comes_and_goes_by_rounding_does_not_use_up_the_budget() {
+    let hessian = dmatrix![
+        4.4296875, 0.13671875, 0.140625, -6.734375, 1.671875, -0.1484375;
+        0.13671875, 7.45703125, 1.23828125, -2.22265625, -2.70703125, -0.59765625;
+        0.140625, 1.23828125, 3.58203125, 0.19921875, -3.3046875, 0.50390625;
+        -6.734375, -2.22265625, 0.19921875, 15.29296875, -5.3671875, 1.375;
+        1.671875, -2.70703125, -3.3046875, -5.3671875, 7.40625, -2.43359375;
+        -0.1484375, -0.59765625, 0.50390625, 1.375, -2.43359375, 2.08984375
+    ];
+    let gradient = dvector![
+        -2.71405029296875,
+        0.93267822265625,
+        2.09539794921875,
+        6.19781494140625,
+        -4.41351318359375,
+        0.74615478515625
+    ];
+    let mut hierarchy = Hierarchy::new(6).unwrap();
+    let (lower, upper) = hierarchy.bounds_mut();
+    lower.copy_from_slice(&[-0.03125, -0.171875, -0.5, -0.8125, -1.6875, 0.0]);
+    upper.copy_from_slice(&[0.21875, 0.078125, 0.375, 1.5, 0.8125, 1.25]);
+    hierarchy.push(Level::quadratic(&hessian, &gradient).unwrap()).unwrap();
+    let settings = Settings { max_iterations: 10, ..Settings::default() };
+    let mut solver = Solver::new(&hierarchy, settings).unwrap();
+    for _ in 0..5 {
+        let x = solver.solve(&hierarchy).unwrap().optimum().unwrap();
+        assert!((x[3] + 0.4375).abs() < 1e-12, "{x:?}");
+    }
 }

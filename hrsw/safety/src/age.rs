@@ -16,7 +16,7 @@ use crate::error::{Error, not_negative};
 pub struct Age(f64);
 
 impl Age {
-    /// Of what was not seen yet: older than everything.
+    /// The age of what was not seen yet: older than everything.
     pub const NEVER: Self = Self(f64::INFINITY);
 
     /// An age in seconds.

@@ -260,6 +260,30 @@ proptest! {
         let held = Isometry3::from_parts(Vector3::new(0.5, 0.0, 1.0).into(), goal * within);
         prop_assert!(moving.workspace().contains(&held));
     }
+
+    #[test]
+    fn a_workspace_goes_slowly_to_its_new_carrier_and_then_keeps_up(
+        way in vector(1.5), heading in -3.0..3.0_f64, speed in 0.0..0.6_f64,
+    ) {
+        let velocity = Vector3::new(heading.cos(), heading.sin(), 0.0) * speed;
+        let twist = Vector6::new(velocity.x, velocity.y, 0.0, 0.0, 0.0, 0.0);
+        let mut moving = moving();
+        moving.attach(Attachment::Person(Isometry3::identity())).unwrap();
+        let fastest = (way.norm() / 2.0).max(0.35) + 1e-3;
+        let (mut arrived, mut before) = (false, way);
+        for tick in 0..9000 {
+            let carrier = way + velocity * (f64::from(tick) * PERIOD);
+            moving.observe_person(Isometry3::from(carrier), twist, 0.0).unwrap();
+            moving.advance(PERIOD).unwrap();
+            let left = carrier - moving.workspace().world_from_workspace().translation.vector;
+            // From rest it first takes up the carrier's motion.
+            let closes = (left - before).norm();
+            prop_assert!(arrived || tick < 400 || closes <= fastest * PERIOD + 1e-9, "closes too fast");
+            arrived |= left.norm() <= 0.05;
+            before = left;
+        }
+        prop_assert!(before.norm() < 0.02, "{} m behind", before.norm());
+    }
 }
 
 /// Any bits: numbers of every size, infinities, NaN.

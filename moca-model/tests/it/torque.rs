@@ -358,7 +358,7 @@ fn joints_that_nobody_knows_are_refused() {
 #[test]
 fn lost_commands_are_bridged_until_the_robot_stops_and_says_so() {
     let mut robot = Loop::new(ControllerSettings::default());
-    let middle = robot.tool() + Vector3::new(1.0, 0.3, 0.1);
+    let middle = robot.tool() + Vector3::new(1.4, 0.3, 0.1);
     robot.assign(middle);
     robot.run(1.0);
     assert!(robot.robot.lose(1.5).is_err() && robot.robot.lose(f64::NAN).is_err());
