@@ -30,13 +30,13 @@ use crate::vector::{dot, subtract};
 /// > min(5 rad/s, 100 |rₖ|) / (1 − σₖ²/σ₀²)
 ///
 /// and the rest of rₖ is given up, where they leave the singular configuration (cₖ ≤ 0). Where they
-/// come to the end of the reach (cₖ > 0) they move no faster than they can stop within σₖ/cₖ, at 10 1/s
-/// and 5 rad/s². There the rest gₖ is not given up: rows √λ dᵀ q̇ = 0 stand against it, λ and d being
-/// the positive eigenvalues and the eigenvectors of −Σ gₖ uₖ · y″ / (10 1/s). That is Newton's step
-/// towards the least distance, at which the level stands without swinging.
+/// come to the end of the reach (cₖ > 0) the speed at which they can stop within σₖ/cₖ, at 20 1/s and
+/// 5 rad/s², stands in place of 100 |rₖ|. There the rest gₖ is not given up: rows √λ dᵀ q̇ = 0 stand
+/// against it, λ and d being the positive eigenvalues and the eigenvectors of −Σ gₖ uₖ · y″ / (20 1/s),
+/// freed of what the level and those above have. That is Newton's step towards the least distance, at
+/// which the level stands without swinging.
 ///
-/// Where y″ is not known, or the level comes to rest in another way, the part (μ²/(σₖ² + μ²))³ of rₖ
-/// is given up: damped least squares (Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement
+/// Where y″ is not known the part (μ²/(σₖ² + μ²))³ of rₖ is given up: damped least squares (Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement
 /// and Control 108, 1986), iterated twice so that well-conditioned directions keep all but (μ/σ)⁶ of
 /// their targets (King and Chillingworth, Numerical Functional Analysis and Optimization 1(5), 1979),
 ///
@@ -100,7 +100,7 @@ const SPEED_AWAY: f64 = 5.0;
 /// The same over what is missing: what is nearly there does not make joints race.
 const QUICKNESS: f64 = 100.0;
 /// How fast they come to rest at the end of the reach.
-const END: Feedback = Feedback { gain: 10.0, deceleration: 5.0 };
+const END: Feedback = Feedback { gain: 20.0, deceleration: 5.0 };
 /// A singular value below which the way away is not known, and one below which there is none.
 const UNKNOWN: f64 = 1e-6;
 const NONE: f64 = 1e-12;
@@ -269,11 +269,13 @@ impl SingularityDamping {
             add_curvature(&self.given_up[..m], &mut self.curvature)?;
             let joints = &self.joints[k * self.columns..][..self.columns];
             let towards = self.curvature.along(joints) * missing.signum();
-            let most = SPEED_AWAY.min(QUICKNESS * missing.abs()) / share;
-            let mut speed = if sigma > UNKNOWN { most } else { 0.0 };
-            if towards > 0.0 {
-                speed = speed.min(END.speed(sigma / towards) / share);
-            }
+            let most = if towards > 0.0 {
+                SPEED_AWAY.min(END.speed(sigma / towards))
+            } else {
+                SPEED_AWAY.min(QUICKNESS * missing.abs())
+            };
+            let most = most / share;
+            let speed = if sigma > UNKNOWN { most } else { 0.0 };
             let part = (missing.abs() - speed * sigma).max(0.0);
             self.parts[k] = part.copysign(missing);
             self.had[k] = 1.0 - part / missing.abs();

@@ -40,8 +40,9 @@ pub(super) struct Directions {
 
 type Four = [f64; 4];
 
-/// A row of which less than the root of this is left belongs to the levels below.
-const NOTHING: f64 = 1e-12;
+/// A row of which less than the root of this is left belongs to the levels below. Products are exact
+/// to 1e-16, so a direction is to 1e-16 over this, and the square of that is still less than this.
+const NOTHING: f64 = 1e-9;
 /// Of the largest norm of a level's rows, the least that a row is scaled by: a row that has nearly
 /// vanished is one that is lost.
 const SMALLEST: f64 = 0.3;
