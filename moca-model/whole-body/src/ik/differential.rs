@@ -285,8 +285,9 @@ impl Ik {
             let (span, counts) = (&mut asked.span, &mut asked.counts);
             *counts = false;
             let Some(rows) = self.stack.rows_mut(index) else { continue };
-            // Further limits may forbid a joint to stand.
-            if has_rows && !has_limits {
+            // Further limits may forbid a joint to stand. Below a level that reaches its targets the solver knows
+            // what to do with joints at their ends.
+            if has_rows && !has_limits && (ends || span.start == 0) {
                 let hold = |entry| self.held.push(entry);
                 let added = singularity.hold_ends(span, rows, room.clone(), hold);
                 moved += added;
@@ -311,8 +312,12 @@ impl Ik {
             moved += bent;
             ends |= bent > 0;
             if !ends {
-                // Within reach the solver knows by itself what to do with them.
+                // As it does where this one reaches them.
+                let added = self.held.len() - above;
                 self.held.truncate(above);
+                singularity.release(span, added);
+                moved -= added;
+                *span = span.start - added..span.end - added;
             }
             let own = span.start..span.end + bent;
             singularity.take(&own);

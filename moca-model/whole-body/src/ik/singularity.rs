@@ -161,8 +161,9 @@ impl SingularityDamping {
         self.directions.factorise();
     }
 
-    /// Holds joints at the ends of their ranges beyond which the next level, whose rows have these places, would move
-    /// them, as what is decided above it; returns how many. `room` is what a joint has left below and above.
+    /// Holds joints at the ends of their ranges beyond which the next level, whose rows have these
+    /// places, would move them, as what is decided above it; returns how many. `room` is what a joint
+    /// has left below and above.
     pub(super) fn hold_ends(
         &mut self,
         span: &Range<usize>,
@@ -193,6 +194,14 @@ impl SingularityDamping {
             self.directions.find_coordinates();
         }
         held
+    }
+
+    /// Lets go of so many joints that are held for the level whose rows have these places.
+    pub(super) fn release(&mut self, span: &Range<usize>, count: usize) {
+        if count > 0 {
+            self.directions.remove(span.start - count..span.start);
+            self.directions.find_coordinates();
+        }
     }
 
     /// Looks at the next level, highest priority first, whose rows have these places. Returns true if
@@ -321,8 +330,8 @@ impl SingularityDamping {
         given_up.iter_mut().zip(&self.scales).for_each(|(part, scale)| *part /= scale);
     }
 
-    /// Writes the rows of curvature of the level that was examined last, from `first` on; returns how many stand
-    /// among the rows of all levels now, behind the level.
+    /// Writes the rows of curvature of the level that was examined last, from `first` on; returns how
+    /// many stand among the rows of all levels now, behind the level.
     pub(super) fn write_curvature(
         &mut self,
         span: &Range<usize>,

@@ -114,6 +114,17 @@ impl Directions {
         true
     }
 
+    /// Takes the rows of these places out; rows behind them stand so many places earlier.
+    pub(super) fn remove(&mut self, places: Range<usize>) {
+        let (count, columns) = (self.count, self.rows.columns());
+        if let Ok(rows) = self.rows.coefficients_mut(places.start..count) {
+            rows.copy_within(places.len() * columns.., 0);
+        }
+        self.norms.copy_within(places.end..count, places.start);
+        self.residual.as_flattened_mut().copy_within(places.end..count, places.start);
+        self.count -= places.len();
+    }
+
     /// Scales the targets, and computes the directions of all rows.
     pub(super) fn factorise(&mut self) {
         let targets = self.residual.as_flattened_mut().iter_mut().zip(&self.norms);
