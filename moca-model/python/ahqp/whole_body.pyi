@@ -220,7 +220,6 @@ class Ik:
         *,
         limits: Mapping[str, _Limit] | None = None,
         singularity_threshold: float = 0.1,
-        rest_out_of_reach: bool = False,
         iterations: int | None = None,
     ) -> Ik: ...
     def set_target(

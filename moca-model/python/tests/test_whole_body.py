@@ -111,7 +111,7 @@ def test_every_kind_of_task_takes_a_target():
         "coupling": JointCouplingTask({"panda_joint1": 1.0, "panda_joint3": -1.0}),
         "posture": PostureTask(["panda_joint5"]),
     }
-    ik = Ik(model, tasks, START, rest_out_of_reach=True, iterations=500)
+    ik = Ik(model, tasks, START, iterations=500)
     pose = ik.pose(START, "tool")
     ik.set_target("frame", pose, velocity=np.zeros(6))
     ik.set_target("relative", np.eye(4))

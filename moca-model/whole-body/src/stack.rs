@@ -7,5 +7,5 @@ pub(crate) mod task_level;
 pub(crate) mod task_stack;
 
 pub use ahqp_core::{Budget, Settings, Solution, Status};
-pub use task_level::{OutOfReach, TaskId, TaskLevel};
+pub use task_level::{TaskId, TaskLevel};
 pub use task_stack::TaskStack;

@@ -19,7 +19,6 @@ pub(crate) mod posture;
 pub(crate) mod quadratic;
 pub(crate) mod relative_frame;
 pub(crate) mod rows;
-mod shortfall;
 pub(crate) mod task;
 pub(crate) mod variables;
 pub(crate) mod vector_task;

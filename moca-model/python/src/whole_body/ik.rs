@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whole_body::ik::IkSettings;
 use whole_body::limits::{End, LimitKind};
-use whole_body::stack::{OutOfReach, TaskLevel};
+use whole_body::stack::TaskLevel;
 
 use super::limits::Limit;
 use super::model::Model;
@@ -24,8 +24,7 @@ use crate::shared::Shared;
 /// Differential inverse kinematics: velocities that do what levels of tasks ask, each level as well as
 /// those above it allow, within the limits of all joints.
 ///
-/// `Ik(model, tasks, hold=None, *, limits=None, singularity_threshold=0.1, rest_out_of_reach=False,
-/// iterations=None)`
+/// `Ik(model, tasks, hold=None, *, limits=None, singularity_threshold=0.1, iterations=None)`
 ///
 /// Parameters
 /// ----------
@@ -38,8 +37,6 @@ use crate::shared::Shared;
 ///     Hard limits beside those of the joints.
 /// singularity_threshold : float
 ///     Singular value below which directions are damped, from 0 (never) to 1.
-/// rest_out_of_reach : bool
-///     Whether levels come to rest where the robot cannot reach their targets.
 /// iterations : int, optional
 ///     Most iterations of one step.
 ///
@@ -56,14 +53,13 @@ struct State {
 #[pymethods]
 impl Ik {
     #[new]
-    #[pyo3(signature = (model, tasks, hold=None, *, limits=None, singularity_threshold=0.1, rest_out_of_reach=false, iterations=None))]
+    #[pyo3(signature = (model, tasks, hold=None, *, limits=None, singularity_threshold=0.1, iterations=None))]
     fn new(
         model: &Model,
         tasks: &Bound<'_, PyDict>,
         hold: Option<&Bound<'_, PyAny>>,
         limits: Option<&Bound<'_, PyDict>>,
         singularity_threshold: f64,
-        rest_out_of_reach: bool,
         iterations: Option<usize>,
     ) -> Result<Self> {
         let model = &model.0;
@@ -71,7 +67,6 @@ impl Ik {
         builder.settings(IkSettings {
             budget: Budget { iterations, time: None },
             singularity_threshold,
-            out_of_reach: if rest_out_of_reach { OutOfReach::Rest } else { OutOfReach::Approach },
             ..IkSettings::default()
         });
         for (name, limit) in limits.into_iter().flatten() {

@@ -93,6 +93,8 @@ pub struct Ik {
     heading: Option<f64>,
     /// By entry of q̇: the time in which accelerations fade, where limits of rows need that \[s\].
     fading: Vec<f64>,
+    /// Joints at the ends of their ranges beyond which levels would move them.
+    held: Vec<usize>,
     /// A velocity that all limits admit.
     admitted: Vec<f64>,
     /// Of the rows of the limits.
@@ -138,6 +140,7 @@ impl Ik {
             fading: model.fading_times(),
             singularity: SingularityDamping::new(0.0, &[], stack.names().len(), rest.len()),
             asked: Vec::new(),
+            held: Vec::with_capacity(rest.len()),
             admitted: rest,
             limit_values: Vec::new(),
             has_limits,
@@ -269,11 +272,29 @@ impl Ik {
             }
         })?;
         singularity.factorise();
+        // Joints that are held, and rows of curvature, stand between the levels.
+        let (mut moved, mut ends) = (0, false);
+        self.held.clear();
+        let limits = self.model.limits();
+        let places = q.iter().skip(q.len().saturating_sub(limits.len()));
+        let room =
+            limits.iter().zip(places).map(|(limits, q)| [q - limits.lower, limits.upper - q]);
         for (index, asked) in asked.iter_mut().enumerate() {
-            let (span, counts) = (&asked.span, &mut asked.counts);
+            asked.span = asked.span.start + moved..asked.span.end + moved;
+            let has_rows = asked.span.start < asked.span.end;
+            let above = self.held.len();
+            let (span, counts) = (&mut asked.span, &mut asked.counts);
             *counts = false;
             let Some(rows) = self.stack.rows_mut(index) else { continue };
-            if !span.is_empty() && singularity.examine(span, rows) {
+            // Further limits may forbid a joint to stand. Below a level that reaches its targets the solver knows
+            // what to do with joints at their ends.
+            if has_rows && !has_limits && (ends || span.start == 0) {
+                let hold = |entry| self.held.push(entry);
+                let added = singularity.hold_ends(span, rows, room.clone(), hold);
+                moved += added;
+                *span = span.start + added..span.end + added;
+            }
+            if has_rows && singularity.examine(span, rows) {
                 *counts = asked.rows.copy_from(rows).is_ok();
             }
             if *counts && asked.bends {
@@ -287,10 +308,27 @@ impl Ik {
             if *counts {
                 singularity.give_up(span, rows);
             }
-            if asked.bends {
-                singularity.write_curvature(rows, asked.count);
+            let bent =
+                if asked.bends { singularity.write_curvature(span, rows, asked.count) } else { 0 };
+            moved += bent;
+            ends |= bent > 0;
+            if !ends {
+                // As it does where this one reaches them.
+                let added = self.held.len() - above;
+                self.held.truncate(above);
+                singularity.release(span, added);
+                moved -= added;
+                *span = span.start - added..span.end - added;
             }
-            singularity.take(span);
+            let own = span.start..span.end + bent;
+            singularity.take(&own);
+        }
+        let (lower, upper) = self.stack.bounds_mut();
+        for &entry in &self.held {
+            if let (Some(lower), Some(upper)) = (lower.get_mut(entry), upper.get_mut(entry)) {
+                let rest = 0.0_f64.clamp(*lower, *upper);
+                (*lower, *upper) = (rest, rest);
+            }
         }
         Ok(())
     }

@@ -3,7 +3,6 @@
 use ahqp_core::{Budget, Settings};
 
 use crate::error::Error;
-use crate::stack::task_level::{OutOfReach, TaskLevel};
 
 /// How tasks and limits become velocities.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,19 +16,11 @@ pub struct IkSettings {
     /// rows are at right angles to each other and to those above, 0 where one cannot be met.
     /// Default 0.1.
     pub singularity_threshold: f64,
-    /// What all levels do about targets that the robot cannot reach; a level that comes to rest
-    /// [by itself](crate::stack::TaskLevel::with_out_of_reach) does so in any case.
-    pub out_of_reach: OutOfReach,
 }
 
 impl Default for IkSettings {
     fn default() -> Self {
-        Self {
-            solver: Settings::default(),
-            budget: Budget::default(),
-            singularity_threshold: 0.1,
-            out_of_reach: OutOfReach::default(),
-        }
+        Self { solver: Settings::default(), budget: Budget::default(), singularity_threshold: 0.1 }
     }
 }
 
@@ -46,13 +37,5 @@ impl IkSettings {
         }
         let (what, expected) = ("the threshold of singularities", "from 0 to below 1");
         Err(Error::value(what, value, expected))
-    }
-
-    /// A level with what is set for all.
-    pub(super) fn apply(&self, level: TaskLevel) -> TaskLevel {
-        match self.out_of_reach {
-            OutOfReach::Approach => level,
-            OutOfReach::Rest => level.with_out_of_reach(OutOfReach::Rest),
-        }
     }
 }

@@ -30,13 +30,13 @@ use crate::vector::{dot, subtract};
 /// > min(5 rad/s, 100 |rₖ|) / (1 − σₖ²/σ₀²)
 ///
 /// and the rest of rₖ is given up, where they leave the singular configuration (cₖ ≤ 0). Where they
-/// come to the end of the reach (cₖ > 0) they move no faster than they can stop within σₖ/cₖ, at 10 1/s
-/// and 5 rad/s². There the rest gₖ is not given up: rows √λ dᵀ q̇ = 0 stand against it, λ and d being
-/// the positive eigenvalues and the eigenvectors of −Σ gₖ uₖ · y″ / (10 1/s). That is Newton's step
-/// towards the least distance, at which the level stands without swinging.
+/// come to the end of the reach (cₖ > 0) the speed at which they can stop within σₖ/cₖ, at 20 1/s and
+/// 5 rad/s², stands in place of 100 |rₖ|. There the rest gₖ is not given up: rows √λ dᵀ q̇ = 0 stand
+/// against it, λ and d being the positive eigenvalues and the eigenvectors of −Σ gₖ uₖ · y″ / (20 1/s),
+/// freed of what the level and those above have. That is Newton's step towards the least distance, at
+/// which the level stands without swinging.
 ///
-/// Where y″ is not known, or the level comes to rest in another way, the part (μ²/(σₖ² + μ²))³ of rₖ
-/// is given up: damped least squares (Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement
+/// Where y″ is not known the part (μ²/(σₖ² + μ²))³ of rₖ is given up: damped least squares (Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement
 /// and Control 108, 1986), iterated twice so that well-conditioned directions keep all but (μ/σ)⁶ of
 /// their targets (King and Chillingworth, Numerical Functional Analysis and Optimization 1(5), 1979),
 ///
@@ -73,6 +73,7 @@ pub(super) struct SingularityDamping {
     /// By direction: what is not had along uₖ, and the part of it that is given up.
     parts: Vec<f64>,
     given_up_parts: Vec<f64>,
+    had: Vec<f64>,
     /// What the rows control, along one direction; and the rows of all.
     curvature: Curvature,
     bent: CurvatureRows,
@@ -99,24 +100,27 @@ const SPEED_AWAY: f64 = 5.0;
 /// The same over what is missing: what is nearly there does not make joints race.
 const QUICKNESS: f64 = 100.0;
 /// How fast they come to rest at the end of the reach.
-const END: Feedback = Feedback { gain: 10.0, deceleration: 5.0 };
+const END: Feedback = Feedback { gain: 20.0, deceleration: 5.0 };
 /// A singular value below which the way away is not known, and one below which there is none.
-const UNKNOWN: f64 = 1e-9;
+const UNKNOWN: f64 = 1e-6;
 const NONE: f64 = 1e-12;
 /// Of the threshold, the singular value below which a direction is handed over.
 const HANDOVER: f64 = 0.1;
 /// Of that, where p is when rows begin to be turned.
 const GATE: f64 = 3.0;
+/// A joint this near to the end of its range is there \[rad, m\].
+const AT_END: f64 = 1e-4;
 /// How fast levels below may move along a direction that is lost \[rad/s, m/s\].
 const FREE_SPEED: f64 = 0.05;
 
 impl SingularityDamping {
     /// For levels of so many rows each, over so many variables.
     pub(super) fn new(threshold: f64, levels: &[usize], columns: usize, velocities: usize) -> Self {
-        let (total, most) = (levels.iter().sum(), levels.iter().copied().max().unwrap_or(0));
+        let (total, most): (usize, _) =
+            (levels.iter().sum(), levels.iter().copied().max().unwrap_or(0));
         Self {
             threshold,
-            directions: Directions::new(total, most, columns),
+            directions: Directions::new(total + 2 * velocities * levels.len(), most, columns),
             closeness: f64::INFINITY,
             heaviest: 1.0,
             scales: vec![1.0; most],
@@ -128,6 +132,7 @@ impl SingularityDamping {
             columns,
             parts: vec![0.0; most],
             given_up_parts: vec![0.0; most],
+            had: vec![1.0; most],
             curvature: Curvature::new(velocities),
             bent: CurvatureRows::new(velocities),
             turned: vec![0.0; most * columns],
@@ -154,6 +159,49 @@ impl SingularityDamping {
     /// Finds out what each level determines, when all are loaded.
     pub(super) fn factorise(&mut self) {
         self.directions.factorise();
+    }
+
+    /// Holds joints at the ends of their ranges beyond which the next level, whose rows have these
+    /// places, would move them, as what is decided above it; returns how many. `room` is what a joint
+    /// has left below and above.
+    pub(super) fn hold_ends(
+        &mut self,
+        span: &Range<usize>,
+        rows: &Rows,
+        room: impl Iterator<Item = [f64; 2]> + Clone,
+        mut hold: impl FnMut(usize),
+    ) -> usize {
+        let is_near = |room: f64| room < AT_END;
+        if !room.clone().flatten().any(is_near) {
+            return 0;
+        }
+        let residual = self.directions.residual(span).iter().zip(self.directions.norms(span));
+        for (row, (factor, (residual, norm))) in self.given_up.iter_mut().zip(residual).enumerate()
+        {
+            *factor = rows.weight(row) * norm * norm * residual;
+        }
+        let pulls = &mut self.turned[..self.columns];
+        self.directions.combine(span, &self.given_up[..span.len()], pulls);
+        let mut held = 0;
+        for (entry, ([below, above], pull)) in room.zip(&*pulls).enumerate() {
+            let is_end = is_near(if *pull > 0.0 { above } else { below }) && *pull != 0.0;
+            if is_end && self.directions.insert(span.start, |row| row[entry] = 1.0) {
+                hold(entry);
+                held += 1;
+            }
+        }
+        if held > 0 {
+            self.directions.find_coordinates();
+        }
+        held
+    }
+
+    /// Lets go of so many joints that are held for the level whose rows have these places.
+    pub(super) fn release(&mut self, span: &Range<usize>, count: usize) {
+        if count > 0 {
+            self.directions.remove(span.start - count..span.start);
+            self.directions.find_coordinates();
+        }
     }
 
     /// Looks at the next level, highest priority first, whose rows have these places. Returns true if
@@ -213,8 +261,12 @@ impl SingularityDamping {
         for k in 0..m {
             let (sigma, missing) = (self.sigmas[k], self.missing(span, k));
             let share = 1.0 - (sigma / self.threshold).powi(2);
-            (self.parts[k], self.given_up_parts[k]) = (0.0, 0.0);
-            if share <= 0.0 || missing == 0.0 {
+            (self.parts[k], self.given_up_parts[k], self.had[k]) = (0.0, 0.0, 1.0);
+            if share <= 0.0 {
+                continue;
+            }
+            if missing == 0.0 {
+                self.had[k] = (QUICKNESS * sigma).min(1.0);
                 continue;
             }
             let vector = self.vectors[k * m..][..m].iter().zip(&self.scales);
@@ -226,21 +278,25 @@ impl SingularityDamping {
             add_curvature(&self.given_up[..m], &mut self.curvature)?;
             let joints = &self.joints[k * self.columns..][..self.columns];
             let towards = self.curvature.along(joints) * missing.signum();
-            let mut speed = SPEED_AWAY.min(QUICKNESS * missing.abs()) / share;
-            let ends = sigma <= UNKNOWN || towards > 0.0;
-            if sigma <= UNKNOWN {
-                speed = 0.0;
-            } else if ends {
-                speed = speed.min(END.speed(sigma / towards) / share);
-            }
-            let part = missing.signum() * (missing.abs() - speed * sigma).max(0.0);
-            self.parts[k] = part;
-            if ends {
-                let factor = part * self.heaviest / END.gain;
-                self.bent.curvature.add_scaled(&self.curvature, factor);
+            let most = if towards > 0.0 {
+                SPEED_AWAY.min(END.speed(sigma / towards))
             } else {
-                self.given_up_parts[k] = part;
+                SPEED_AWAY.min(QUICKNESS * missing.abs())
+            };
+            let most = most / share;
+            let speed = if sigma > UNKNOWN { most } else { 0.0 };
+            let part = (missing.abs() - speed * sigma).max(0.0);
+            self.parts[k] = part.copysign(missing);
+            self.had[k] = 1.0 - part / missing.abs();
+            // What rows of curvature hold is not given up.
+            let held = part * towards.max(0.0) / END.gain;
+            let had = if sigma > UNKNOWN { most * (sigma + held / sigma) } else { 0.0 };
+            self.given_up_parts[k] = (missing.abs() - had).max(0.0).copysign(missing);
+            if towards <= 0.0 && sigma > UNKNOWN {
+                continue;
             }
+            let factor = self.parts[k] * self.heaviest / END.gain;
+            self.bent.curvature.add_scaled(&self.curvature, factor);
         }
         Ok(())
     }
@@ -274,10 +330,44 @@ impl SingularityDamping {
         given_up.iter_mut().zip(&self.scales).for_each(|(part, scale)| *part /= scale);
     }
 
-    /// Writes the rows of curvature of the level that was examined last, from `first` on.
-    pub(super) fn write_curvature(&mut self, rows: &mut Rows, first: usize) {
-        self.bent.write(rows, first);
+    /// Writes the rows of curvature of the level that was examined last, from `first` on; returns how
+    /// many stand among the rows of all levels now, behind the level.
+    pub(super) fn write_curvature(
+        &mut self,
+        span: &Range<usize>,
+        rows: &mut Rows,
+        first: usize,
+    ) -> usize {
+        if self.bent.curvature.is_zero() {
+            self.bent.write(rows, first, 0.0);
+            return 0;
+        }
+        let size = self.bent.curvature.size();
+        // What the rows have is decided by them. Where a direction is lost exactly, nothing says what they have of it.
+        if self.sigmas[..first].iter().all(|sigma| *sigma > UNKNOWN) {
+            for (joints, had) in self.joints.chunks_exact(self.columns).zip(&self.had[..first]) {
+                self.bent.curvature.take_out(joints, *had);
+            }
+        }
+        for above in 0..span.start {
+            let direction = &mut self.joints[..self.columns];
+            if self.directions.direction_into(above, direction) {
+                self.bent.curvature.take_out(direction, 1.0);
+            }
+        }
+        self.bent.write(rows, first, size);
         self.bent.curvature.clear();
+        let mut added = 0;
+        for index in first..rows.len() {
+            let row = rows.row(index).unwrap_or_default();
+            let is_there = row.iter().any(|entry| *entry != 0.0);
+            let add = |to: &mut [f64]| to.copy_from_slice(row);
+            added += usize::from(is_there && self.directions.insert(span.end, add));
+        }
+        if added > 0 {
+            self.directions.find_coordinates();
+        }
+        added
     }
 
     /// Takes from the targets below what a level does by itself.

@@ -37,7 +37,7 @@ impl CurvatureRows {
     }
 
     /// Writes the rows from `first` to the last.
-    pub(crate) fn write(&mut self, rows: &mut Rows, first: usize) {
+    pub(crate) fn write(&mut self, rows: &mut Rows, first: usize, least: f64) {
         for index in first..rows.len() {
             set_row(rows, index, [].into_iter(), f64::INFINITY);
         }
@@ -57,7 +57,7 @@ impl CurvatureRows {
         eigenvectors(block, size, vectors);
         let most = block.iter().step_by(size + 1).fold(0.0, |most: f64, value| most.max(*value));
         let pairs = vectors.chunks_exact(size.max(1)).zip(block.iter().step_by(size + 1));
-        let positive = pairs.filter(|(_, value)| **value > ROUNDING * most);
+        let positive = pairs.filter(|(_, value)| **value > ROUNDING * most.max(least));
         for ((vector, value), index) in positive.zip(first..) {
             let root = value.sqrt();
             let scaled = entries.iter().zip(vector).map(|(j, part)| (*j, root * part));

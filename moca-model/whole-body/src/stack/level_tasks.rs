@@ -8,7 +8,7 @@ use ahqp_core::{Level, Objective, Rows};
 use nalgebra::{DMatrix, DVector};
 
 use super::row_tasks::{RowTasks, in_task};
-use super::task_level::{Named, OutOfReach, TaskLevel};
+use super::task_level::{Named, TaskLevel};
 use crate::error::Error;
 use crate::robot::model::Model;
 use crate::tasks::curvature::Curvature;
@@ -30,7 +30,7 @@ impl LevelTasks {
         if level.is_empty() {
             return Err(Error::Nothing { what: format!("level `{}` has no tasks", level.name) });
         }
-        let TaskLevel { name, rows, quadratics, constraints, out_of_reach } = level;
+        let TaskLevel { name, rows, quadratics, constraints } = level;
         if !rows.is_empty() && !quadratics.is_empty() {
             return Err(Error::MixedLevel { level: name.to_string() });
         }
@@ -45,8 +45,8 @@ impl LevelTasks {
             let check = named.task.validate(model);
             check.map_err(|error| in_task(error, &named.name, &name))?;
         }
-        let rows = RowTasks::new(rows, &name, model, out_of_reach)?;
-        let constraints = RowTasks::new(constraints, &name, model, OutOfReach::Approach)?;
+        let rows = RowTasks::new(rows, &name, model)?;
+        let constraints = RowTasks::new(constraints, &name, model)?;
         let is_damped = rows.is_damped();
         Ok(Self { name, rows, quadratics, constraints, is_damped })
     }
@@ -109,7 +109,7 @@ impl LevelTasks {
         Ok(())
     }
 
-    /// Whether it approaches what is out of reach, and all its tasks know their curvature.
+    /// Whether all its tasks know their curvature.
     pub(crate) fn bends(&self) -> bool {
         self.rows.bends()
     }

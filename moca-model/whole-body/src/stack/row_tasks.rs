@@ -5,8 +5,7 @@ use std::ops::Range;
 
 use ahqp_core::Rows;
 
-use super::curvature_rows::CurvatureRows;
-use super::task_level::{Named, OutOfReach};
+use super::task_level::Named;
 use crate::error::Error;
 use crate::robot::model::Model;
 use crate::tasks::curvature::Curvature;
@@ -21,8 +20,6 @@ pub(super) struct RowTasks {
     count: usize,
     /// Of all rows, those of the curvature among them.
     weights: Vec<f64>,
-    /// Of tasks whose errors may remain.
-    curvature: Option<CurvatureRows>,
     /// Whether the rows behind are those of what is given up near singular configurations.
     bends: bool,
 }
@@ -40,7 +37,6 @@ impl RowTasks {
         tasks: Vec<Named<dyn Task>>,
         level: &str,
         model: &Model,
-        out_of_reach: OutOfReach,
     ) -> Result<Self, Error> {
         let mut entries = Vec::with_capacity(tasks.len());
         let mut first = 0;
@@ -57,14 +53,9 @@ impl RowTasks {
             first += count;
         }
         let has_curvature = |entry: &TaskEntry| entry.named.task.has_curvature();
-        let rests = out_of_reach == OutOfReach::Rest && entries.iter().any(has_curvature);
-        let bends = out_of_reach == OutOfReach::Approach
-            && !entries.is_empty()
-            && entries.iter().all(has_curvature);
-        let velocities = model.velocity_count();
-        let curvature = rests.then(|| CurvatureRows::new(velocities));
-        let rows = first + if rests || bends { velocities } else { 0 };
-        Ok(Self { entries, count: first, weights: vec![1.0; rows], curvature, bends })
+        let bends = !entries.is_empty() && entries.iter().all(has_curvature);
+        let rows = first + if bends { model.velocity_count() } else { 0 };
+        Ok(Self { entries, count: first, weights: vec![1.0; rows], bends })
     }
 
     /// How many rows the tasks have. Behind them there may be more, of their curvature.
@@ -116,14 +107,10 @@ impl RowTasks {
         input: &mut TaskInput<'_, '_>,
         rows: &mut Rows,
     ) -> Result<(), Error> {
-        if let Some(rows) = &mut self.curvature {
-            rows.curvature.clear();
-        }
         for entry in &mut self.entries {
-            let curvature = self.curvature.as_mut().map(|rows| &mut rows.curvature);
             let (first, count) = (entry.first, entry.count);
             let writes_all = entry.named.task.writes_all(rows.columns());
-            let mut own = TaskRows::new(rows, &mut self.weights, curvature, first, count);
+            let mut own = TaskRows::new(rows, &mut self.weights, first, count);
             if !writes_all {
                 own.clear();
             }
@@ -137,13 +124,10 @@ impl RowTasks {
         if !is_written {
             rows.set_weights(&self.weights)?;
         }
-        if let Some(curvature) = &mut self.curvature {
-            curvature.write(rows, self.count);
-        }
         Ok(())
     }
 
-    /// Whether it approaches what is out of reach, and all its tasks know their curvature.
+    /// Whether all its tasks know their curvature.
     pub(super) fn bends(&self) -> bool {
         self.bends
     }

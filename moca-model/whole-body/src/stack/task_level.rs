@@ -34,21 +34,6 @@ pub struct TaskLevel {
     pub(super) rows: Vec<Named<dyn Task>>,
     pub(super) quadratics: Vec<Named<dyn QuadraticTask>>,
     pub(super) constraints: Vec<Named<dyn Task>>,
-    pub(super) out_of_reach: OutOfReach,
-}
-
-/// What a level does about targets that the robot cannot reach.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum OutOfReach {
-    /// It goes on approaching them. Second derivatives hold the joints of a stretched arm, which may
-    /// swing where others are at their limits. Nothing is given up that can be had later.
-    #[default]
-    Approach,
-    /// It comes to rest as near to them as it can. Second derivatives of positions, orientations and
-    /// poses of frames count where their errors remain, for which the level has one more row for each
-    /// entry of q̇; and what has been missing for half a second is asked for less and less, until it can
-    /// be had again. Near singular configurations such a level may stay short of what it can reach.
-    Rest,
 }
 
 #[derive(Debug)]
@@ -103,8 +88,7 @@ impl TaskLevel {
     /// Without tasks yet.
     pub fn new(name: impl Into<Arc<str>>) -> Self {
         let (rows, quadratics, constraints) = (Vec::new(), Vec::new(), Vec::new());
-        let out_of_reach = OutOfReach::default();
-        Self { name: name.into(), rows, quadratics, constraints, out_of_reach }
+        Self { name: name.into(), rows, quadratics, constraints }
     }
 
     /// Adds a task.
@@ -131,13 +115,6 @@ impl TaskLevel {
         let id = TaskId::next();
         self.constraints.push(Named { number: id.number, name: name.into(), task: Box::new(task) });
         id
-    }
-
-    /// Says what it does about targets that the robot cannot reach.
-    #[must_use]
-    pub fn with_out_of_reach(mut self, out_of_reach: OutOfReach) -> Self {
-        self.out_of_reach = out_of_reach;
-        self
     }
 
     /// Its name.

@@ -11,11 +11,14 @@ use nalgebra::{DMatrix, Matrix6xX, Vector3};
 pub struct Curvature {
     matrix: DMatrix<f64>,
     is_zero: bool,
+    /// Of the matrix and a direction.
+    products: Vec<f64>,
 }
 
 impl Curvature {
     pub(crate) fn new(velocities: usize) -> Self {
-        Self { matrix: DMatrix::zeros(velocities, velocities), is_zero: true }
+        let products = vec![0.0; velocities];
+        Self { matrix: DMatrix::zeros(velocities, velocities), is_zero: true, products }
     }
 
     pub(crate) fn clear(&mut self) {
@@ -33,10 +36,31 @@ impl Curvature {
         &self.matrix
     }
 
+    /// The largest entry.
+    pub(crate) fn size(&self) -> f64 {
+        self.matrix.amax()
+    }
+
     /// dᵀ H d of a direction d of the joints.
     pub(crate) fn along(&self, direction: &[f64]) -> f64 {
         let columns = self.matrix.column_iter().zip(direction);
         columns.map(|(c, d)| d * c.iter().zip(direction).map(|(h, d)| h * d).sum::<f64>()).sum()
+    }
+
+    /// Takes a share s of a direction d of the joints out: (I − s d dᵀ) H (I − s d dᵀ).
+    pub(crate) fn take_out(&mut self, direction: &[f64], share: f64) {
+        let products = self.matrix.column_iter().zip(&mut self.products);
+        for (column, product) in products {
+            *product = column.iter().zip(direction).map(|(h, d)| h * d).sum();
+        }
+        let along: f64 = self.products.iter().zip(direction).map(|(p, d)| p * d).sum();
+        let columns = self.matrix.column_iter_mut().zip(direction.iter().zip(&self.products));
+        for (mut column, (own, own_product)) in columns {
+            let entries = column.iter_mut().zip(direction.iter().zip(&self.products));
+            for (entry, (d, product)) in entries {
+                *entry -= share * (d * own_product + product * own - share * along * d * own);
+            }
+        }
     }
 
     /// Adds another one so many times.

@@ -10,7 +10,6 @@ use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::mask::check_weights;
 use super::rows::TaskRows;
-use super::shortfall::Shortfall;
 use super::task::Task;
 use crate::error::{Error, check_finite};
 use crate::robot::model::Model;
@@ -72,8 +71,6 @@ pub struct PoseTask<Q: PoseQuantity> {
     angular: Feedback,
     pub(super) coordinates: PoseAxes,
     weights: Vector6<f64>,
-    /// Of the linear and the angular part.
-    shortfalls: [Shortfall; 2],
 }
 
 impl<Q: PoseQuantity> PoseTask<Q> {
@@ -85,7 +82,6 @@ impl<Q: PoseQuantity> PoseTask<Q> {
             angular: Feedback::ANGULAR,
             coordinates: PoseAxes::ALL,
             weights: Vector6::repeat(1.0),
-            shortfalls: [Shortfall::default(); 2],
         }
     }
 
@@ -141,32 +137,6 @@ impl<Q: PoseQuantity> PoseTask<Q> {
         let mut chosen = Vector6::zeros();
         self.coordinates.iter().for_each(|axis| chosen[axis] = vector[axis]);
         chosen
-    }
-
-    /// What to ask for of a twist that is wanted. Adds the curvature of what cannot be had.
-    fn ask(
-        &mut self,
-        wanted: &Vector6<f64>,
-        input: &mut TaskInput<'_, '_>,
-        rows: &mut TaskRows<'_>,
-    ) -> Result<Vector6<f64>, Error> {
-        let mut got = Vector6::zeros();
-        for (row, axis) in self.coordinates.iter().enumerate() {
-            got[axis] = rows.value(row, input.velocity());
-        }
-        let part = |vector: &Vector6<f64>, first| vector.fixed_rows::<3>(first).into_owned();
-        let (period, [linear, angular]) = (input.period(), &mut self.shortfalls);
-        let linear = linear.ask(&part(wanted, 0), &part(&got, 0), period);
-        let angular = angular.ask(&part(wanted, 3), &part(&got, 3), period);
-        if linear.missing != Vector3::zeros() || angular.missing != Vector3::zeros() {
-            let place = linear.missing.component_mul(&part(&self.weights, 0)) / self.linear.gain;
-            let turn = angular.missing.component_mul(&part(&self.weights, 3)) / self.angular.gain;
-            if let Some(curvature) = rows.curvature() {
-                self.quantity.add_curvature([&place, &turn], input, curvature)?;
-            }
-        }
-        let (v, w) = (linear.velocity, angular.velocity);
-        Ok(Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z))
     }
 
     /// The twist that takes an error away.
@@ -229,9 +199,6 @@ impl<Q: PoseQuantity> Task for PoseTask<Q> {
         self.quantity.turn(&actual, &mut twist);
         twist = self.chosen(&twist) + self.twist(&self.chosen(&error));
         self.quantity.write_jacobian(self.coordinates, input, rows)?;
-        if Q::HAS_CURVATURE && rows.curvature().is_some() {
-            twist = self.ask(&twist, input, rows)?;
-        }
         for (row, axis) in self.coordinates.iter().enumerate() {
             rows.set_target(row, twist[axis]);
             rows.set_weight(row, self.weights[axis]);

@@ -3,9 +3,6 @@
 use ahqp_core::Rows;
 use nalgebra::Matrix6xX;
 
-use super::curvature::Curvature;
-use crate::vector::dot;
-
 /// Where a task writes its rows: a part of the rows of its level.
 ///
 /// Rows count from 0 within the task. What stands outside of the task's rows, or of a row's
@@ -14,7 +11,6 @@ use crate::vector::dot;
 pub struct TaskRows<'a> {
     rows: &'a mut Rows,
     weights: &'a mut [f64],
-    curvature: Option<&'a mut Curvature>,
     first: usize,
     count: usize,
 }
@@ -23,11 +19,10 @@ impl<'a> TaskRows<'a> {
     pub(crate) fn new(
         rows: &'a mut Rows,
         weights: &'a mut [f64],
-        curvature: Option<&'a mut Curvature>,
         first: usize,
         count: usize,
     ) -> Self {
-        Self { rows, weights, curvature, first, count }
+        Self { rows, weights, first, count }
     }
 
     /// Zero rows with targets of zero and weights of one.
@@ -95,19 +90,6 @@ impl<'a> TaskRows<'a> {
         for (own, column) in self.row_mut(row).iter_mut().zip(columns) {
             *own = column[axis];
         }
-    }
-
-    /// What a row has at the velocity q̇.
-    pub(crate) fn value(&self, row: usize, velocity: &[f64]) -> f64 {
-        let index = if row < self.count { self.first + row } else { usize::MAX };
-        let own = self.rows.row(index).unwrap_or_default();
-        dot(own.get(..velocity.len()).unwrap_or_default(), velocity)
-    }
-
-    /// The curvature of the level where it comes to rest out of reach: of what is missing to the
-    /// task's targets and cannot be taken away, times the task's weights.
-    pub fn curvature(&mut self) -> Option<&mut Curvature> {
-        self.curvature.as_deref_mut()
     }
 
     /// Makes a row an equality `a q̇ = target`.

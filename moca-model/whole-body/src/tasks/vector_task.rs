@@ -9,7 +9,6 @@ use super::feedback::Feedback;
 use super::input::TaskInput;
 use super::mask::{Axis, VectorMask};
 use super::rows::TaskRows;
-use super::shortfall::Shortfall;
 use super::task::Task;
 use crate::error::{Error, check_finite};
 use crate::robot::model::Model;
@@ -77,14 +76,13 @@ pub struct VectorTask<Q: VectorQuantity> {
     target: Option<(Q::Value, Vector3<f64>)>,
     feedback: Feedback,
     mask: VectorMask,
-    shortfall: Shortfall,
 }
 
 impl<Q: VectorQuantity> VectorTask<Q> {
     /// Of this quantity, along all axes; the target is to be set before the first step.
     pub fn of(quantity: Q) -> Self {
         let (feedback, mask) = (Q::FEEDBACK, VectorMask::default());
-        Self { quantity, target: None, feedback, mask, shortfall: Shortfall::default() }
+        Self { quantity, target: None, feedback, mask }
     }
 
     /// With this gain \[1/s\].
@@ -142,29 +140,6 @@ impl<Q: VectorQuantity> VectorTask<Q> {
     }
 }
 
-impl<Q: VectorQuantity> VectorTask<Q> {
-    /// What to ask for of a velocity that is wanted. Adds the curvature of what cannot be had.
-    fn ask(
-        &mut self,
-        wanted: &Vector3<f64>,
-        input: &mut TaskInput<'_, '_>,
-        rows: &mut TaskRows<'_>,
-    ) -> Result<Vector3<f64>, Error> {
-        let mut got = Vector3::zeros();
-        for (row, axis) in self.mask.iter().enumerate() {
-            got[axis] = rows.value(row, input.velocity());
-        }
-        let ask = self.shortfall.ask(wanted, &got, input.period());
-        if ask.missing != Vector3::zeros() {
-            let missing = ask.missing.component_mul(&self.mask.weights) / self.feedback.gain;
-            if let Some(curvature) = rows.curvature() {
-                self.quantity.add_curvature(&missing, input, curvature)?;
-            }
-        }
-        Ok(ask.velocity)
-    }
-}
-
 impl<Q: VectorQuantity> Task for VectorTask<Q> {
     fn dimension(&self, _model: &Model) -> usize {
         self.mask.len()
@@ -212,13 +187,8 @@ impl<Q: VectorQuantity> Task for VectorTask<Q> {
         let error = self.mask.apply(&Q::difference(&target, &actual));
         let wanted = self.mask.apply(&velocity) + self.feedback.velocity(&error);
         self.quantity.write_jacobian(self.mask.iter(), input, rows)?;
-        let velocity = if Q::HAS_CURVATURE && rows.curvature().is_some() {
-            self.ask(&wanted, input, rows)?
-        } else {
-            wanted
-        };
         for (row, axis) in self.mask.iter().enumerate() {
-            rows.set_target(row, velocity[axis]);
+            rows.set_target(row, wanted[axis]);
             rows.set_weight(row, self.mask.weights[axis]);
         }
         Ok(())

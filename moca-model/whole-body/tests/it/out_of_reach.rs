@@ -2,8 +2,7 @@
 
 use allocation_counter::measure;
 use nalgebra::{Point3, Unit, Vector3};
-use whole_body::ik::IkSettings;
-use whole_body::stack::{OutOfReach, TaskId};
+use whole_body::stack::TaskId;
 use whole_body::tasks::{FrameTask, OrientationTask, PositionTask, PostureTask};
 use whole_body::{Description, Ik, Model};
 
@@ -67,8 +66,6 @@ struct Reach {
 fn reach(arm: &Arm) -> Reach {
     let hand = arm.model.frame_id(arm.hand).unwrap();
     let mut builder = Ik::builder(&arm.model);
-    let out_of_reach = OutOfReach::Rest;
-    builder.settings(IkSettings { out_of_reach, ..IkSettings::default() });
     let position = builder.push("position", PositionTask::new(hand));
     builder.push("orientation", OrientationTask::new(hand));
     builder.push("posture", PostureTask::new());
@@ -152,8 +149,6 @@ fn steps_out_of_reach_allocate_nothing() {
     let arm = panda_arm();
     let hand = arm.model.frame_id(arm.hand).unwrap();
     let mut builder = Ik::builder(&arm.model);
-    let out_of_reach = OutOfReach::Rest;
-    builder.settings(IkSettings { out_of_reach, ..IkSettings::default() });
     let task = builder.push("pose", FrameTask::new(hand));
     builder.push("posture", PostureTask::new());
     let mut ik = builder.build_at(&arm.start).unwrap();

@@ -97,8 +97,7 @@ impl IkBuilder {
         self.levels.iter().try_for_each(expect_other_name)?;
         let has_limits = !self.limits.is_empty();
         let limits = has_limits.then_some(self.limits);
-        let levels = self.levels.into_iter().map(|level| self.settings.apply(level));
-        let levels = limits.into_iter().chain(levels).collect();
+        let levels = limits.into_iter().chain(self.levels).collect();
         let stack = TaskStack::new(&self.model, &self.variables, levels, self.settings.solver)?;
         Ik::new(self.model, self.settings, stack, has_limits)
     }

@@ -40,8 +40,9 @@ pub(super) struct Directions {
 
 type Four = [f64; 4];
 
-/// A row of which less than the root of this is left belongs to the levels below.
-const NOTHING: f64 = 1e-12;
+/// A row of which less than the root of this is left belongs to the levels below. Products are exact
+/// to 1e-16, so a direction is to 1e-16 over this, and the square of that is still less than this.
+const NOTHING: f64 = 1e-9;
 /// Of the largest norm of a level's rows, the least that a row is scaled by: a row that has nearly
 /// vanished is one that is lost.
 const SMALLEST: f64 = 0.3;
@@ -91,8 +92,48 @@ impl Directions {
         first..self.count
     }
 
-    /// Computes the directions of all rows.
+    /// Takes a row with a target of zero in before place `at`; rows from there on stand one place later. Returns
+    /// false where there is no room.
+    pub(super) fn insert(&mut self, at: usize, write: impl FnOnce(&mut [f64])) -> bool {
+        let (count, columns) = (self.count, self.rows.columns());
+        if count == self.rows.len() {
+            return false;
+        }
+        if let Ok(rows) = self.rows.coefficients_mut(at..count + 1) {
+            rows.copy_within(..(count - at) * columns, columns);
+            let row = &mut rows[..columns];
+            row.fill(0.0);
+            write(row);
+            self.norms.copy_within(at..count, at + 1);
+            self.norms[at] = dot(row, row).sqrt();
+        }
+        let residual = self.residual.as_flattened_mut();
+        residual.copy_within(at..count, at + 1);
+        residual[at] = 0.0;
+        self.count += 1;
+        true
+    }
+
+    /// Takes the rows of these places out; rows behind them stand so many places earlier.
+    pub(super) fn remove(&mut self, places: Range<usize>) {
+        let (count, columns) = (self.count, self.rows.columns());
+        if let Ok(rows) = self.rows.coefficients_mut(places.start..count) {
+            rows.copy_within(places.len() * columns.., 0);
+        }
+        self.norms.copy_within(places.end..count, places.start);
+        self.residual.as_flattened_mut().copy_within(places.end..count, places.start);
+        self.count -= places.len();
+    }
+
+    /// Scales the targets, and computes the directions of all rows.
     pub(super) fn factorise(&mut self) {
+        let targets = self.residual.as_flattened_mut().iter_mut().zip(&self.norms);
+        targets.take(self.count).for_each(|(target, norm)| *target /= norm);
+        self.find_coordinates();
+    }
+
+    /// Computes the directions of all rows anew, after some were taken in.
+    pub(super) fn find_coordinates(&mut self) {
         let (width, n) = (self.width, self.count);
         let scales = self.scales.as_flattened_mut();
         scales[n..].fill(0.0);
@@ -102,7 +143,6 @@ impl Directions {
             // Of rows that there are: no error is possible.
             let _ = self.rows.multiply_into(i, own, products);
             *scale = 1.0 / self.norms[i];
-            self.residual.as_flattened_mut()[i] *= *scale;
         }
         for i in 0..n {
             let scale = self.scales.as_flattened()[i];
@@ -185,6 +225,15 @@ impl Directions {
             self.above[above] = part;
             subtract(out, part * scales[above], self.rows.row(above).unwrap_or_default());
         }
+    }
+
+    /// Writes the orthonormal direction that a row takes; returns false if it takes none.
+    pub(super) fn direction_into(&mut self, row: usize, out: &mut [f64]) -> bool {
+        let reciprocal = self.reciprocals[row];
+        if reciprocal > 0.0 {
+            self.combine(&(row..row + 1), &[reciprocal], out);
+        }
+        reciprocal > 0.0
     }
 
     /// ‖L⁻¹r‖² of a level, L Lᵀ being its G and r what is missing to its targets; `room` is room for
