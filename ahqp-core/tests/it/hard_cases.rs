@@ -464,7 +464,7 @@ fn large_variables_hide_no_contradiction_of_others() {
     assert!(matches!(error, Error::Infeasible { level, .. } if level.index() == 1), "{error}");
 }
 
-/// Of two alike variables one is factored. What rounding leaves of the other's row then meets a gradient of
+/// One of two alike variables is factored. What rounding leaves of the other's row then meets a gradient of
 /// zero, and is no slope.
 #[test]
 fn a_quadratic_that_only_rounding_tilts_is_bounded() {

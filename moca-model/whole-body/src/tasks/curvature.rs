@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, Matrix6xX, Vector3};
 pub struct Curvature {
     matrix: DMatrix<f64>,
     is_zero: bool,
-    /// Of the matrix and a direction.
+    /// The products of the matrix and a direction.
     products: Vec<f64>,
 }
 
