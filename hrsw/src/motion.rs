@@ -73,7 +73,7 @@ pub struct FrameFollower {
     target: Isometry3<f64>,
     target_linear: Vector3<f64>,
     target_angular: Vector3<f64>,
-    /// How fast it may come nearer to the target [m/s].
+    /// How fast it may come nearer to the target \[m/s\].
     closing: f64,
 }
 

@@ -80,8 +80,8 @@ impl LeashSettings {
     }
 }
 
-/// A joint that is farther from its place when the robot has come to rest after the end of the leash was reached is
-/// pressed against something \[leashes\].
+/// Share of its leash beyond which a joint counts as pressed against something, once the robot has come to rest after a
+/// following error \[-\].
 const PRESSED: f64 = 0.5;
 
 /// Holds q* to q, and x_d to x_a.

@@ -36,8 +36,8 @@ use crate::vector::{dot, subtract};
 /// freed of what the level and those above have. That is Newton's step towards the least distance, at
 /// which the level stands without swinging.
 ///
-/// Where y″ is not known the part (μ²/(σₖ² + μ²))³ of rₖ is given up: damped least squares (Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement
-/// and Control 108, 1986), iterated twice so that well-conditioned directions keep all but (μ/σ)⁶ of
+/// Where y″ is not known the part (μ²/(σₖ² + μ²))³ of rₖ is given up: damped least squares
+/// (Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement and Control 108, 1986), iterated twice so that well-conditioned directions keep all but (μ/σ)⁶ of
 /// their targets (King and Chillingworth, Numerical Functional Analysis and Optimization 1(5), 1979),
 ///
 /// > μ² = ((σ₀/12)² + ((‖r‖/2v)² + ‖r‖/κ) max(0, 1 − v²/s²)) (1 − p²/σ₀²),
