@@ -26,6 +26,9 @@ const RIGHT_FOREARM: [Body25; 2] = [Body25::RightElbow, Body25::RightWrist];
 /// From the wrist (m).
 const FINGERTIPS: f64 = 0.15;
 
+/// How fast a part of an arm is at most in a movement on the spot (m/s).
+const FASTEST_MOVEMENT: f64 = 5.0;
+
 /// How often the step of the hands is halved before it is taken as it is.
 const MOST_HALVINGS: usize = 10;
 
@@ -45,18 +48,34 @@ impl Person {
     /// Goes on towards a goal for `dt` (s).
     pub(super) fn advance(&mut self, goal: &Goal, activity: Activity, dt: f64) {
         let (before, hands) = (self.arms(), self.motion.hands);
+        let moving = self.is_busy().then(|| self.motion.moving.clone());
         self.motion.advance(goal, activity.hands(), dt);
         self.activity = activity;
-        let most = self.motion.gait.arm_speed * dt;
+        let speed = self.motion.gait.arm_speed;
         for _ in 0..MOST_HALVINGS {
-            let mut moved = before.iter().zip(self.arms()).map(|(from, to)| (to - from).norm());
-            if moved.all(|moved| moved <= most) {
+            if !self.arms_moved_by_more_than(speed * dt, &before) {
                 break;
             }
             for (hand, from) in self.motion.hands.iter_mut().zip(hands) {
                 *hand = hand.lerp(&from, 0.5);
             }
         }
+        // Near the direction to which an elbow hangs, a movement of the hand swings it faster than people do.
+        let Some(moving) = moving else { return };
+        let mut elapsed = dt;
+        for _ in 0..MOST_HALVINGS {
+            if !self.arms_moved_by_more_than(speed.max(FASTEST_MOVEMENT) * dt, &before) {
+                break;
+            }
+            elapsed *= 0.5;
+            self.motion.moving.clone_from(&moving);
+            self.motion.moving.advance(elapsed);
+        }
+    }
+
+    /// Returns true if a point of the arms is farther from where it was than `distance` (m).
+    fn arms_moved_by_more_than(&self, distance: f64, before: &[Vector3<f64>; 6]) -> bool {
+        before.iter().zip(self.arms()).any(|(from, to)| (to - from).norm() > distance)
     }
 
     /// Elbows, wrists and fingertips (m, world).
@@ -137,6 +156,7 @@ impl Person {
 
 #[cfg(test)]
 mod tests {
+    use rand::{Rng, SeedableRng};
     use vision_models::Tool;
 
     use super::*;
@@ -173,6 +193,33 @@ mod tests {
             let far = Point3::from(rest + Vector3::new(0.0, 0.0, 2.0));
             assert!((work(Some(&far)) - rest).norm() < 1e-9, "out of reach");
         }
+    }
+
+    #[test]
+    fn no_arm_whips_in_a_movement_beside_an_object() {
+        let works = Activity::Use(Tool::Drill);
+        let goal = Goal { floor: Point2::origin(), heading: 0.0, speed: 0.5, stop: true };
+        let mut fastest = 0.0_f64;
+        for (index, movement) in (0..12_u64).flat_map(|seed| Movement::ALL.map(|any| (seed, any))) {
+            let mut draw = ChaCha8Rng::seed_from_u64(index);
+            let stature = draw.random_range(1.5..2.0);
+            let mut person = Person::standing(stature, Point2::origin(), 0.0, Gait::CAREFUL, works);
+            let object = Point3::new(
+                draw.random_range(0.1..0.7),
+                draw.random_range(-0.6..0.4),
+                draw.random_range(0.6..1.6),
+            );
+            person.begin(movement, &mut draw);
+            while person.is_busy() {
+                let before = person.arms();
+                person.reach_for(Some(&object));
+                person.advance(&goal, works, 1e-3);
+                let moved = before.iter().zip(person.arms()).map(|(from, to)| (to - from).norm());
+                fastest = moved.fold(fastest, |fastest, moved| fastest.max(moved / 1e-3));
+            }
+        }
+        assert!(fastest <= FASTEST_MOVEMENT + 1e-9, "{fastest}");
+        assert!(fastest > 2.0, "hands of people come to 2 m/s: {fastest}");
     }
 
     #[test]
