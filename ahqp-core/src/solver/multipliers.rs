@@ -102,7 +102,7 @@ impl Multipliers {
             }
             // Only where that may be all there is: it costs more than the rest.
             let is_small = residual[i].abs() < CLEARLY_THERE * data.magnitude(id, x_norm);
-            if i >= rank && is_small && residual[i].abs() > rounding[i] {
+            if end - start > rank && is_small && residual[i].abs() > rounding[i] {
                 rounding[i] += factorisation.rounding_of_point(data, group, start + i, x_norm);
             }
             any |= residual[i].abs() > rounding[i];

@@ -3,6 +3,7 @@
 
 use ahqp_core::{Hierarchy, Level, Rows, Settings, Solver, Status};
 use nalgebra::{DMatrix, DVector};
+use proptest::prelude::*;
 
 /// One row: its coefficients, then its lower and its upper bound.
 fn rows<const WIDTH: usize>(of: &[[f64; WIDTH]]) -> Rows {
@@ -172,4 +173,59 @@ fn a_row_on_the_edge_of_the_rank_tolerance_does_not_move_what_is_decided() {
     problem.push(Level::least_squares(rows(&last))).unwrap();
     let violations = violations(&problem);
     assert!(violations[1] < 1e-12, "{violations:?}");
+}
+
+proptest! {
+    /// A level repeats a small row as it is, and hidden in heavy ones that the level above has decided. What
+    /// those leave of its residual is rounding, and holds no row of the level that the least norm would let go.
+    #[test]
+    fn rounding_of_repeated_rows_holds_no_constraint(
+        heavy in prop::array::uniform9(-25..=25_i32), small in prop::array::uniform9(-25..=25_i32),
+        factors in prop::collection::vec((-4..=4_i32, 1..=2_i32), 2..8),
+        side in prop::collection::vec((prop::array::uniform9(-25..=25_i32), -40..=40_i32), 2),
+        last in prop::array::uniform9(-25..=25_i32), targets in prop::array::uniform3(-400..=400_i32),
+    ) {
+        let scaled = |row: &[i32; 9], scale: f64| row.map(|entry| f64::from(entry) * scale);
+        let [heavy, small, last] =
+            [scaled(&heavy, 1.0), scaled(&small, 1.0 / 128.0), scaled(&last, 1.0 / 128.0)];
+        let [at_heavy, at_small, at_last] = [
+            f64::from(targets[0]) / 32.0,
+            f64::from(targets[1]) / 4096.0,
+            f64::from(targets[2]) / 4096.0,
+        ];
+        let equality = |row: &[f64; 9], at: f64| {
+            let mut of = [at; 11];
+            of[..9].copy_from_slice(row);
+            of
+        };
+        let mut repeated = vec![equality(&small, at_small)];
+        repeated.extend(factors.iter().map(|&(of_heavy, of_small)| {
+            let (of_heavy, of_small) = (f64::from(of_heavy), f64::from(of_small));
+            let row = std::array::from_fn(|i| of_heavy * heavy[i] + of_small * small[i]);
+            equality(&row, of_heavy * at_heavy + of_small * at_small)
+        }));
+        let problem = |shift: f64| {
+            let mut problem = Hierarchy::new(9).unwrap();
+            problem.push(Level::least_squares(rows(&[equality(&heavy, at_heavy)]))).unwrap();
+            let limits: Vec<_> = side.iter().map(|(row, upper)| {
+                let mut of = equality(&scaled(row, 1.0 / 16.0), f64::from(*upper) / 16.0 + shift);
+                of[9] = f64::NEG_INFINITY;
+                of
+            }).collect();
+            let middle = Level::least_squares(rows(&repeated)).with_constraints(rows(&limits));
+            problem.push(middle).unwrap();
+            problem.push(Level::constraints_only(rows(&[equality(&last, at_last)]))).unwrap();
+            problem
+        };
+        let mut warm = Solver::new(&problem(0.0), Settings::default()).unwrap();
+        for shift in [0.0, -0.5, 0.0, 0.75, 0.0] {
+            let problem = problem(shift);
+            let solution = warm.solve(&problem);
+            let Ok(x) = solution.and_then(|solution| Ok(solution.optimum()?.to_vec())) else {
+                continue;
+            };
+            let residuals = warm.certificate(&problem).unwrap().residuals(&problem, &x).unwrap();
+            prop_assert!(residuals.worst() < 1e-9, "{residuals:?}");
+        }
+    }
 }

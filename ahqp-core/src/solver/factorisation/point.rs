@@ -230,8 +230,10 @@ impl Factorisation {
         }
     }
 
-    /// The rounding in a x of a dependent stacked row of the group that comes from x: the rows that decide x are
-    /// met to their own rounding.
+    /// The rounding in a x of a stacked row of the group that comes from x: the rows that decide x are met to
+    /// their own rounding, and to a share of that in rows that depend on them.
+    ///
+    /// The least squares of v − b and p v − c takes a share p / (1 + p²) of an error in c into v.
     pub(crate) fn rounding_of_point(
         &mut self,
         data: &ProblemData,
@@ -239,20 +241,40 @@ impl Factorisation {
         at: usize,
         x_norm: f64,
     ) -> f64 {
+        let Group { start, end, rank, .. } = self.groups[group];
+        let mut rounding = 0.0;
+        if at >= start + rank {
+            self.for_each_part(group, at, |id, _, part| {
+                rounding += part.abs() * data.rounding(id, x_norm);
+            });
+            return rounding;
+        }
+        for dependent in start + rank..end {
+            let own = data.rounding(self.stacked[dependent], x_norm);
+            self.for_each_part(group, dependent, |_, pivot, part| {
+                if pivot == at {
+                    rounding += own * part.abs() / (1.0 + part * part);
+                }
+            });
+        }
+        rounding
+    }
+
+    /// Tells `each` of the rows that decide x (id, place in the stack), and the share of them in a row that depends on
+    /// them.
+    fn for_each_part(&mut self, group: usize, at: usize, mut each: impl FnMut(usize, usize, f64)) {
         let n = self.stride;
         let Group { rank, first_pivot, .. } = self.groups[group];
         let mut left = std::mem::take(&mut self.turned);
         left.copy_from_slice(&self.rows[at * n..(at + 1) * n]);
-        let mut rounding = 0.0;
         for coordinate in (0..first_pivot + rank).rev() {
             let pivot = self.pivots[coordinate];
             let row = &self.rows[pivot * n..(pivot + 1) * n];
             let part = left[coordinate] / row[coordinate];
             add_scaled(&mut left[..coordinate], -part, &row[..coordinate]);
-            rounding += part.abs() * data.rounding(self.stacked[pivot], x_norm);
+            each(self.stacked[pivot], pivot, part);
         }
         self.turned = left;
-        rounding
     }
 
     /// Returns true if a dependent row of the group pulls along a coordinate before those that the group
