@@ -215,8 +215,8 @@ proptest! {
     }
 
     /// Each row is the rate of approach of the nearest point of the robot's capsule or of one of
-    /// its ends. It is compared with finite differences of the distance. For a part that may be
-    /// touched, is too near and surely moves, the distance to its current place counts.
+    /// its ends. It is compared with finite differences of the distance. If a part may be touched,
+    /// is too near and surely moves, the distance to its current place counts.
     #[test]
     fn rows_are_the_rate_of_approach(
         jacobian in jacobian(), q in joints(), origin in vector(0.5),
