@@ -31,9 +31,9 @@ pub(super) struct Effort {
     min: [f64; DOF],
     max: [f64; DOF],
     neutral: [f64; DOF],
-    /// √weight / range of each joint.
-    displacement: [f64; DOF],
     /// Factors √weight / range of each joint.
+    displacement: [f64; DOF],
+    /// Factors √weight.
     gravity: f64,
     balance: f64,
     gaze: f64,
