@@ -123,8 +123,8 @@ fn person(index: usize, text: &RawValue) -> Result<ImageBody, Error> {
     })
 }
 
-/// Returns true if joints were scaled to the image's size. With `--keypoint_scale` 3 they lie in 0
-/// to 1, and with 4 in −1 to 1.
+/// Returns true if joints were scaled to the image's size. They lie in 0 to 1 with
+/// `--keypoint_scale` 3, and in −1 to 1 with 4.
 fn is_scaled(keypoints: &[Option<ImageKeypoint>]) -> bool {
     let mut seen = keypoints.iter().flatten().map(|keypoint| keypoint.position).peekable();
     let first = seen.peek().copied();

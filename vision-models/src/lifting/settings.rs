@@ -22,8 +22,8 @@ pub struct LiftingSettings {
     /// Half the side of the square around the joint in which depths are read (m). In the image the
     /// square is 5 to 17 pixels wide. Default 0.03.
     pub window: f64,
-    /// The least share of the window's pixels that must have a depth, and of these the least that
-    /// make a surface of their own. Default 0.3.
+    /// Smallest share of the window's pixels that must have a depth. Also the smallest share of
+    /// these that make a surface. Default 0.3.
     pub least_share: f64,
     /// Depths belong to different surfaces if they differ by more than this (m) and by more than
     /// four standard deviations of the noise. Default 0.08.

@@ -130,8 +130,9 @@ impl Backbone {
         x
     }
 
-    /// Adds a bottleneck: t×1×1 to a quarter of the channels (or the number given by groups and
-    /// their width), 1×3×3, and 1×1×1. The last convolution is returned for the caller to add.
+    /// Adds a bottleneck: t×1×1, 1×3×3 and 1×1×1. The first has a quarter of the channels, or the
+    /// number given by groups and their width. The last convolution is returned for the caller to
+    /// add.
     fn bottleneck(&self, graph: &mut Graph, at: Block, x: Value) -> (Value, Convolution) {
         let Block { stage, index, outputs, stride } = at;
         let names = |number| self.naming.convolution(stage, index, number);

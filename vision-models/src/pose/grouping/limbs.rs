@@ -39,7 +39,7 @@ pub(super) struct Connection {
     pub(super) score: f64,
 }
 
-/// Returns the connections of all limbs, the best first. For each limb the best pairs are taken,
+/// Returns the connections of all limbs, the best first. The best pairs of each limb are taken,
 /// each joint once.
 pub(super) fn connect(
     peaks: &[Vec<Peak>],
