@@ -34,9 +34,9 @@ use ramp::Ramp;
 /// Place at which a level is inserted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// Above all others.
+    /// Priority above all others.
     Top,
-    /// Below all others.
+    /// Priority below all others.
     Bottom,
     /// Directly above this level.
     Above(LevelId),

@@ -179,7 +179,7 @@ struct Head {
     /// Direction from the neck to the landmark `by`, in the trunk's axes.
     neck: Option<Vector3<f64>>,
     by: Landmark,
-    /// Whether that landmark is in the midplane of the head.
+    /// True if that landmark is in the midplane of the head.
     tells_bend: bool,
     /// Direction from the midpoint of both ears to the nose, in the trunk's axes.
     face: Option<Vector3<f64>>,

@@ -74,7 +74,7 @@ pub struct MovingWorkspace {
     person: Anchor,
     lead: Vector3<f64>,
     on_path: f64,
-    /// Whether the carrier is new, and the motion to it has not started.
+    /// True if the carrier is new, and the motion to it has not started.
     is_new: bool,
 }
 

@@ -53,7 +53,7 @@ pub enum Error {
     Malformed {
         /// The text, file or set, with the line if there are lines.
         what: String,
-        /// What does not fit, and what would fit.
+        /// The problem, and what would fit.
         problem: String,
     },
     /// A checkpoint of another network. The message has only the first few names.
@@ -76,7 +76,7 @@ pub enum Error {
     Layer {
         /// The layer's name in the checkpoint, or its kind.
         layer: String,
-        /// What does not fit.
+        /// The problem.
         problem: String,
     },
     /// Weights or activations that are too large for f32.

@@ -13,7 +13,7 @@ use crate::file::{in_file, read_text, without_byte_order_mark};
 
 /// Largest label file that is read (bytes).
 const MAX_BYTES: u64 = 64 << 20;
-/// More classes than any network has.
+/// Largest number of classes. No network has more.
 pub(crate) const MAX_CLASSES: usize = 100_000;
 
 /// The names of a network's classes, in the order of its scores.

@@ -49,7 +49,7 @@ pub struct Rows {
     upper: Vec<f64>,
     /// One weight for each row, or empty.
     weights: Vec<f64>,
-    /// Whether any weight is not 1.
+    /// True if any weight is not 1.
     is_weighted: bool,
     /// One name for each row, or empty.
     names: Vec<Arc<str>>,

@@ -52,7 +52,7 @@ pub(crate) struct ActiveSet {
 
     /// Search: active rows that a level has fixed for all levels below.
     fixed: Vec<bool>,
-    /// Whether the goal had a gradient beyond rounding at the end of its search.
+    /// True if the goal had a gradient beyond rounding at the end of its search.
     has_gradient: bool,
     /// Ranges of rows whose inactive rows must stay within their bounds.
     in_play: List<Range<usize>>,

@@ -80,10 +80,10 @@ pub(crate) struct LevelRows {
     /// quadratic. Otherwise the rows up to the last one that bounds something are in use. The
     /// remaining rows are zero and bound nothing.
     pub(crate) used: usize,
-    /// Whether any row of the objective was multiplied by a weight.
+    /// True if any row of the objective was multiplied by a weight.
     weighted: bool,
     pub(crate) quadratic: bool,
-    /// Whether a part of the gradient lies outside the range of the Hessian.
+    /// True if a part of the gradient lies outside the range of the Hessian.
     pub(crate) has_linear: bool,
     /// The part of the gradient outside the range of the Hessian.
     pub(crate) linear: Vec<f64>,
@@ -122,7 +122,7 @@ pub(crate) struct ProblemData {
     /// large ones would hide small ones when several are made to hold together. Those of objectives
     /// are the roots of the weights.
     scales: Vec<f64>,
-    /// Whether any constraint was multiplied.
+    /// True if any constraint was multiplied.
     scaled: bool,
     pub(crate) sources: Vec<ConstraintSource>,
     pub(crate) levels: Vec<LevelRows>,

@@ -102,7 +102,7 @@ pub(crate) struct Factorisation {
     /// Number of coordinates that are fixed. Rows of later groups have no entries along them.
     closed: usize,
     has_faint_rows: bool,
-    /// Whether the rank neglects parts of rows that exceed rounding. An update would lose them.
+    /// True if the rank neglects parts of rows that exceed rounding. An update would lose them.
     leaves_parts_out: bool,
     /// Coordinates: first the decided ones, then those of free directions.
     y: Vec<f64>,

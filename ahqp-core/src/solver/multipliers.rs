@@ -41,10 +41,10 @@ pub(crate) struct Multipliers {
     /// not come from rows.
     size: f64,
     rounding: f64,
-    /// Whether forces of rows of the level differ so much that the rounding of one may hide
+    /// True if forces of rows of the level differ so much that the rounding of one may hide
     /// another.
     has_spread: bool,
-    /// Whether small multipliers come from parts of rows that the rank tolerance may neglect.
+    /// True if small multipliers come from parts of rows that the rank tolerance may neglect.
     pub(crate) has_faint_pulls: bool,
     /// Upper bound of what counts as rounding, relative to the forces.
     pub(crate) tolerance: f64,

@@ -23,9 +23,9 @@ pub(super) struct LevelPlan {
     pub(super) rows: usize,
     /// Number of rows of its constraints. They are left out if they could not be satisfied.
     pub(super) constraints: usize,
-    /// Whether some rows are combinations of others.
+    /// True if some rows are combinations of others.
     pub(super) deficient: bool,
-    /// Whether some rows repeat earlier ones, and some are zero.
+    /// True if some rows repeat earlier ones, and some are zero.
     pub(super) repeats: bool,
     pub(super) seed: u64,
 }

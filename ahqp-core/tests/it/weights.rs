@@ -274,7 +274,7 @@ fn ties(spread: f64) -> impl Fn(&mut TestRng) -> Vec<Hierarchy> {
     move |random| sequence(random, 2..=4, spread).into_iter().map(with_ties).collect()
 }
 
-/// Rounding drops a row that immediately becomes active again, and must not repeat this for ever.
+/// Rounding drops a row that immediately becomes active again, and must not repeat this endlessly.
 #[test]
 fn a_row_that_returns_at_once_never_cycles() {
     for spread in [0.0, 3.0, 4.0] {

@@ -40,7 +40,7 @@ pub struct FitReport {
     pub spearman: f64,
     /// Eigenvalues of H, ascending \[1/m²\].
     pub eigenvalues: Vector3<f64>,
-    /// Whether the bound H ⪰ εI changed the fit.
+    /// True if the bound H ⪰ εI changed the fit.
     pub bound_active: bool,
     /// The quadratic's minimiser within the domain \[m\].
     pub optimum: Vector3<f64>,

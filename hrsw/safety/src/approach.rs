@@ -104,9 +104,9 @@ pub struct ApproachRows {
     /// The nearest pair. Its distance \[m\] is `least_distance`.
     closest: Option<(usize, usize)>,
     least_distance: f64,
-    /// Whether the robot's mass decided the speed that a contact allows.
+    /// True if the robot's mass decided the speed that a contact allows.
     needs_inertia: bool,
-    /// Whether a pair that needs a row got none.
+    /// True if a pair that needs a row got none.
     crowded: bool,
     undercut: Undercut,
 }

@@ -74,7 +74,7 @@ pub struct Tick {
     pub elapsed: f64,
     /// Fault of the tick's time.
     pub fault: Option<Fault>,
-    /// Whether all frames taken so far must be forgotten. They lie after this tick or in another
+    /// True if all frames taken so far must be forgotten. They lie after this tick or in another
     /// epoch.
     pub forgets: bool,
 }

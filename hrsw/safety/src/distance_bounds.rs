@@ -15,7 +15,7 @@ const ROUNDING: f64 = 1e-12;
 pub(crate) struct DistanceBounds {
     first: Capsules,
     second: Capsules,
-    /// Whether both lists were the same in the tick before.
+    /// True if both lists were the same in the tick before.
     is_own: bool,
     /// A row for each capsule of the first list, with room for the second list.
     bounds: Vec<f64>,

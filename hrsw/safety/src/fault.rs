@@ -102,7 +102,7 @@ pub enum Fault {
     /// The force on the robot from outside is too large: a collision, or a person is clamped.
     #[error("contact force")]
     ContactForce,
-    /// The tool carries a weight that the robot was not told of.
+    /// The tool carries a weight that the robot does not know.
     #[error("unknown payload")]
     UnknownPayload,
     /// The solver found no command.

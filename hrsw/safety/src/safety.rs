@@ -47,9 +47,9 @@ pub struct SafetyInput {
     pub elapsed: f64,
     /// Age of the newest camera frame.
     pub age: Age,
-    /// Whether person and robot work together.
+    /// True if person and robot work together.
     pub together: bool,
-    /// Whether a contact would be noticed, because the force from outside was measured for this
+    /// True if a contact would be noticed, because the force from outside was measured for this
     /// tick.
     pub feels: bool,
 }

@@ -10,6 +10,6 @@ pub enum SafetyState {
     Reduced,
     /// A person is inside the protective distance. The robot does not approach, and leaves slowly.
     Retreat,
-    /// At rest, still under control.
+    /// Standstill, still under control.
     ProtectiveStop,
 }

@@ -18,7 +18,7 @@ pub struct PersonBodySettings {
     /// moved farther counts as missing unless the next frame shows it there again. Default 0.3.
     pub limb_gate: f64,
     /// Largest speed from frame to frame \[m/s\]. A person who moves faster has jumped, and
-    /// velocities are measured anew. Default 1.6.
+    /// velocities are measured again. Default 1.6.
     pub jump_speed: f64,
     /// Longest time without seeing a joint after which its velocity is still continued \[s\].
     /// Default 0.5.

@@ -66,7 +66,7 @@ pub struct SupervisorSettings {
     pub reduced_age: f64,
     /// Age of the last percept above which the robot stops \[s\]. Default 0.8.
     pub stop_age: f64,
-    /// Whether every protective stop must be acknowledged before the robot recovers. Some faults
+    /// True if every protective stop must be acknowledged before the robot recovers. Some faults
     /// always require it, see [`Fault::waits`]. Default false.
     pub acknowledge: bool,
     /// Share of the speed in the reduced state \[-\]. Default 0.3.
@@ -173,13 +173,13 @@ pub struct Supervisor {
     waits: bool,
     unacknowledged: Option<Fault>,
     urgent: bool,
-    /// Whether a fault was reported since the last update.
+    /// True if a fault was reported since the last update.
     reported: bool,
     scale: f64,
     pressure: Pressure,
 }
 
-/// Whether a force that was too large is still there.
+/// State of a contact force that was too large.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Pressure {
     Gone,

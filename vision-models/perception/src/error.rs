@@ -31,9 +31,9 @@ pub enum Error {
     Unfit {
         /// The file, the folder, or another place.
         place: String,
-        /// What was found there.
+        /// The problem that was found there.
         found: String,
-        /// What would be right. Empty if that is obvious.
+        /// The right form. Empty if it is obvious.
         wanted: String,
     },
     /// The weights belong to another network than the requested one.

@@ -12,7 +12,7 @@ use ndarray::{Array, ArrayD, Dimension, IxDyn, ShapeBuilder};
 use crate::error::Error;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-/// More than the header of any array without fields needs (bytes).
+/// Largest header (bytes). No array without fields needs more.
 const MAX_HEADER: usize = 4096;
 /// The size of an element (bytes).
 const ELEMENT: usize = size_of::<f32>();

@@ -52,7 +52,7 @@ pub enum RecordingError {
     Header {
         /// The line.
         line: usize,
-        /// What was found.
+        /// The problem.
         problem: String,
     },
     /// The input ends before the closing line.
@@ -84,7 +84,7 @@ pub enum RecordingError {
     End {
         /// The line.
         line: usize,
-        /// What was found.
+        /// The problem.
         problem: String,
     },
     /// A line is not the JSON of a frame.
@@ -97,7 +97,7 @@ pub enum RecordingError {
         line: usize,
         /// The column, in bytes from 1.
         column: usize,
-        /// What was found.
+        /// The problem.
         problem: String,
     },
     /// A frame has an impossible value.
@@ -109,7 +109,7 @@ pub enum RecordingError {
         what: String,
         /// The value that was found.
         got: String,
-        /// What would be right.
+        /// The right values.
         wanted: String,
     },
     /// An action or a surface has an unknown name.

@@ -20,7 +20,7 @@ use crate::format::{
 use crate::lines::{Line, Lines};
 use crate::timing::{Stamp, Timing};
 
-/// Whether a recording is complete.
+/// The completeness of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Completeness {
     /// The closing line says that it is complete.

@@ -9,10 +9,10 @@ use crate::format::Header;
 use crate::reader::{Completeness, Reader};
 use crate::timing::Timing;
 
-/// How a recording that ends early is treated.
+/// Treatment of a recording that ends early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IfPartial {
-    /// As an error.
+    /// It is an error.
     Refuse,
     /// Its complete frames are returned.
     Take,
@@ -42,7 +42,7 @@ pub struct Recording {
     pub others: Vec<Vec<Body>>,
     /// Times at which the parts of each percept were seen and known.
     pub timings: Vec<Timing>,
-    /// Whether it is complete.
+    /// Completeness of the recording.
     pub completeness: Completeness,
 }
 

@@ -1,14 +1,14 @@
-//! What a person wants from the robot.
+//! The intention of a person towards the robot.
 
 use super::{Action, Tool, WalkingDirection};
 
-/// What the person wants from the robot.
+/// The intention of a person towards the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Intention {
-    /// Nothing. The person does something else.
+    /// Does something else.
     #[default]
     Apart,
-    /// To work with the robot on the object that it holds, standing or walking.
+    /// Works with the robot on the object that it holds, standing or walking.
     Together {
         /// The direction in which the person walks, in the person's frame. None if the person
         /// stands.

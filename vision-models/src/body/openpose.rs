@@ -32,7 +32,7 @@ const OTHERS: [(usize, &str); 3] = [
 /// Smallest number of joints from which scaled coordinates are recognised.
 const FEW: usize = 3;
 
-/// More numbers than a person has in any model.
+/// Largest length of a person's array. No model needs more numbers.
 const NUMBERS: usize = 512;
 
 #[derive(Deserialize)]

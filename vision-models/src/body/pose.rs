@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Matrix2, Point2, Translation3, UnitQuaternion, Vector2, Vector3};
 
-/// How well the person's pose is known.
+/// The quality of a person's pose.
 ///
 /// ```
 /// use vision_models::TrackStatus;
@@ -14,9 +14,9 @@ use nalgebra::{Isometry3, Matrix2, Point2, Translation3, UnitQuaternion, Vector2
 pub enum TrackStatus {
     /// Measured in the latest frames.
     Tracked,
-    /// Not measured for a moment. The pose is predicted with the last velocity.
+    /// Unmeasured for a moment. The pose is predicted with the last velocity.
     Coasting,
-    /// Not measured for longer than the coasting limit. The pose is the last prediction.
+    /// Unmeasured for longer than the coasting limit. The pose is the last prediction.
     Lost,
 }
 

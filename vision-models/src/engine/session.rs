@@ -24,7 +24,7 @@ pub(crate) struct Weights {
 #[derive(Debug)]
 pub(crate) struct Session {
     pub(crate) plan: Plan,
-    /// How many of the plan's outputs are the network's. The pooled activations follow them.
+    /// Number of the plan's outputs that are the network's. The pooled activations follow them.
     maps: usize,
     /// The weight of each pixel of each pooled activation in the features.
     pixel_weights: Vec<Vec<f32>>,

@@ -23,7 +23,7 @@ pub struct ThreadSettings {
     /// The cores that the workers may run on, as numbered by the operating system. All cores if
     /// empty. The caller's thread is not moved. Linux only; elsewhere cores are an error.
     pub cores: Vec<usize>,
-    /// What threads do between the layers of a network.
+    /// Behaviour between the layers of a network.
     pub waiting: Waiting,
 }
 

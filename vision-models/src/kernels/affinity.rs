@@ -27,7 +27,7 @@ pub(super) fn restrict<T>(thread: &JoinHandle<T>, cores: &[usize]) -> io::Result
     if code == 0 { Ok(()) } else { Err(io::Error::from_raw_os_error(code)) }
 }
 
-/// Not supported on other systems.
+/// Fails, because other systems are not supported.
 ///
 /// # Errors
 /// Always.

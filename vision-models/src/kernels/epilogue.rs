@@ -18,7 +18,7 @@ pub(crate) enum Finish<'a> {
     Keep,
     /// Sets negative results to zero, and those that are not finite to NaN.
     Relu,
-    /// As `Relu`, and at most six.
+    /// Like `Relu`, but limited to six.
     Relu6,
     /// 1 / (1 + exp(-x)), and NaN for results that are not finite.
     Logistic,

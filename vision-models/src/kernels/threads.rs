@@ -18,14 +18,14 @@ const SPINS: usize = 20_000;
 /// Number of checks before a thread yields the core.
 const SPINS_BEFORE_YIELD: usize = 2_000;
 
-/// What threads do while there is no work.
+/// Behaviour of threads while there is no work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Waiting {
-    /// They check for work for some tenths of a millisecond, which occupies their cores, and then
+    /// Threads check for work for some tenths of a millisecond, which occupies their cores, and then
     /// sleep. This is fastest.
     #[default]
     Spinning,
-    /// They sleep at once. Their cores are free, but every layer costs a wake-up.
+    /// Threads sleep at once. Their cores are free, but every layer costs a wake-up.
     Parking,
 }
 

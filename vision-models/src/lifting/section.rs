@@ -15,9 +15,9 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrossSection {
-    /// From the middle to either side (m).
+    /// Distance from the middle to either side (m).
     pub half_width: f64,
-    /// From the middle to the front and to the back (m).
+    /// Distance from the middle to the front and to the back (m).
     pub half_depth: f64,
 }
 

@@ -33,7 +33,7 @@ pub struct LiftingSettings {
     /// Largest distance of a joint before or behind the middle of the trunk, along the floor (m).
     /// Default 0.9.
     pub reach: f64,
-    /// The same for joints of the trunk (m). Default 0.5, for a person who bends down.
+    /// Largest such distance of a joint of the trunk (m). Default 0.5, for a person who bends down.
     pub trunk_reach: f64,
     /// Depths of the joints below the skin.
     pub skin: SkinDepths,

@@ -28,10 +28,10 @@ const MAX_FILE: u64 = 256 << 20;
 /// camera's pixels, such as depth and joints, refer to the stored orientation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Orientation {
-    /// As stored.
+    /// The stored orientation.
     #[default]
     Stored,
-    /// As given by the EXIF data, or as stored if they give nothing.
+    /// The orientation of the EXIF data, or the stored one if they give none.
     Exif,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 
-/// More frames per clip, or clips per video, than any network needs.
+/// Largest number of frames per clip and of clips per video. No network needs more.
 const MOST: usize = 1024;
 
 /// How the frames of a video are selected.

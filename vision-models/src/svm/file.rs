@@ -23,7 +23,7 @@ use crate::file::{in_file, read_text, without_byte_order_mark};
 use crate::labels::MAX_CLASSES;
 
 const FIRST_LINE: &str = "linear-svm 1";
-/// More features than any network has.
+/// Largest number of features. No network has more.
 const MAX_FEATURES: usize = 1_000_000;
 /// Largest file that is read (bytes): a thousand planes of ten thousand weights.
 const MAX_BYTES: u64 = 256 << 20;

@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use super::error::{beyond, truncated};
 use crate::error::Error;
 
-/// More bytes than the name of any module or class has.
+/// Longest line (bytes). No name of a module or class is longer.
 const LONGEST_LINE: usize = 4096;
 
 /// A part of a file that is read from beginning to end.

@@ -1,6 +1,6 @@
 //! The number of elements of a shape.
 
-/// More axes than any tensor of a network has.
+/// Largest number of axes. No tensor of a network has more.
 pub(super) const MAX_AXES: usize = 8;
 
 /// Returns the number of elements of a tensor of this shape. `None` if an axis, or all non-empty

@@ -13,7 +13,7 @@ pub(crate) use constant::Constant;
 pub(crate) use schema::is_tensorflow_lite;
 use schema::{Table, Tables};
 
-/// More operands than any operator has.
+/// Largest number of operands. No operator has more.
 const MOST_OPERANDS: usize = 64;
 
 /// A file of TensorFlow Lite, in memory.
@@ -204,7 +204,7 @@ impl Operator<'_> {
     }
 }
 
-/// How an option is stored.
+/// Storage type of an option.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum OptionKind {
     /// A boolean or a value of an enumeration.

@@ -18,7 +18,7 @@ use crate::error::Error;
 use crate::weights::contents::Format;
 use crate::weights::tensor_info::TensorInfo;
 
-/// More bytes of pickle than any checkpoint has. The weights are not in it.
+/// Largest pickle (bytes). It does not contain the weights, so no checkpoint has a larger one.
 const MAX_PICKLE: u64 = 64 << 20;
 /// The magic number 0x1950a86a20f9469cfc6c at the start of the older format, as a pickle: protocol
 /// 2, an integer of ten bytes, end.

@@ -33,9 +33,9 @@ struct Dropped {
     /// Former activity and group.
     state: Activity,
     group: usize,
-    /// Whether the change left a free direction to an objective above the goal.
+    /// True if the change left a free direction to an objective above the goal.
     frees_objectives_above: bool,
-    /// Whether no row has become active since then.
+    /// True if no row has become active since then.
     is_last_change: bool,
 }
 

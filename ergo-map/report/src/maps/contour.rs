@@ -16,7 +16,7 @@ pub(super) struct Field {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Vertex {
     pub(super) at: (f64, f64),
-    /// Whether the field crosses the level here. Otherwise the field ends here.
+    /// True if the field crosses the level here. Otherwise the field ends here.
     pub(super) crossing: bool,
 }
 

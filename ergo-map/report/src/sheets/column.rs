@@ -27,7 +27,7 @@ pub struct Column<S> {
     pub name: &'static str,
     /// Kind of its cells.
     pub cell: Cell,
-    /// Whether a table must have the column. A missing column counts as 0.
+    /// True if a table must have the column. A missing column counts as 0.
     pub needed: bool,
     set: Set<S>,
 }
@@ -49,7 +49,7 @@ const TRUTHS: [(&str, f64); 10] = [
 /// Format of the numbers of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Numbers {
-    /// Whether a comma may precede the decimals, as in a table with another cell separator.
+    /// True if a comma may precede the decimals, as in a table with another cell separator.
     pub(super) decimal_comma: bool,
     /// End of the scales of ratings.
     pub(super) ratings_end: f64,

@@ -8,7 +8,7 @@ use super::lines::LONGEST_ROW;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Form {
     pub(super) delimiter: u8,
-    /// Whether the first line declares the separator, such as `sep=;`.
+    /// True if the first line declares the separator, such as `sep=;`.
     pub(super) declared: bool,
 }
 

@@ -18,7 +18,7 @@ pub(super) struct BodyMotion {
     pub(super) fastest: f64,
     /// Upper bound of the increase of the speed of approach within this tick \[m/s\].
     pub(super) change: f64,
-    /// Whether `change` is the tightest known bound, which takes longer to compute.
+    /// True if `change` is the tightest known bound, which takes longer to compute.
     is_exact: bool,
 }
 

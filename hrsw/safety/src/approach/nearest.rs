@@ -1,4 +1,4 @@
-//! The pair of bodies that a supervisor is told of.
+//! The pair of bodies that is given to a supervisor.
 
 /// The pair of bodies with the least room to its protective distance. Only pairs that may not touch
 /// count.

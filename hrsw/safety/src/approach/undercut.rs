@@ -15,9 +15,9 @@ const ROOM: usize = 256;
 #[derive(Debug, Clone)]
 pub(super) struct Undercut {
     pairs: Vec<Pair>,
-    /// Whether there are more pairs than can be remembered.
+    /// True if there are more pairs than can be remembered.
     overflows: bool,
-    /// Whether the person of a pair may be so near that no direction surely leads away.
+    /// True if the person of a pair may be so near that no direction surely leads away.
     too_near: bool,
 }
 

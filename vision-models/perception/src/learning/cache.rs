@@ -23,7 +23,7 @@ use crate::{
 };
 
 const FIRST_LINE: &str = "features 1";
-/// More features than any record has.
+/// Largest number of features of a record.
 const MOST: usize = 1 << 24;
 /// Longest line of the head that is read (bytes).
 const LONGEST_LINE: u64 = 4096;

@@ -47,7 +47,7 @@ pub enum McapError {
     /// The file has other contents.
     #[error("the file holds no recording: {missing} is missing; its topics are {topics}")]
     NoRecording {
-        /// What a recording would have.
+        /// The part of a recording that is missing.
         missing: &'static str,
         /// The topics of the file.
         topics: String,

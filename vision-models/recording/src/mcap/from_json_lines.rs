@@ -12,7 +12,7 @@ use super::writer::McapWriter;
 use super::{PERCEPT, PERCEPTS, RECORDING};
 use crate::{Reader, RecordingError};
 
-/// How long a body that is not seen again is displayed \[s\].
+/// Time for which a body that is not seen again is displayed \[s\].
 const LIFETIME: f64 = 0.5;
 /// Diameter of a displayed joint \[m\].
 const DIAMETER: f64 = 0.06;

@@ -21,11 +21,11 @@ pub struct PeopleSettings {
     /// Largest angle between the person's heading and the workplace for engaging (rad). Default
     /// 1.2.
     pub facing: f64,
-    /// How long the person must be near and facing to engage (s). Default 0.3.
+    /// Time for which a person must be near and face the workplace to engage (s). Default 0.3.
     pub dwell: f64,
     /// Distance beyond which an engaged person is released (m). Default 6.
     pub release: f64,
-    /// How long an engaged person who is not seen is kept, unless another person engages (s).
+    /// Time for which an unseen engaged person is kept, unless another person engages (s).
     /// Default 2.
     pub keep: f64,
     /// Largest movement of a person between two frames (m). Default 0.6.

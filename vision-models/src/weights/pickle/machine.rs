@@ -12,7 +12,7 @@ use crate::weights::error::{beyond, in_pickle};
 use crate::weights::input::Input;
 use crate::weights::pickle::value::{Global, Id, Value};
 
-/// More values than any checkpoint has: enough for 100,000 tensors.
+/// Largest number of values, enough for 100,000 tensors.
 const MAX_VALUES: usize = 1 << 21;
 
 /// Runs one pickle up to its `STOP`. It creates the values of [`Value`]. Any other import, call or

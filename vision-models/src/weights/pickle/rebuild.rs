@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::weights::pickle::value::{Global, Id, Storage, Value, View};
 use crate::weights::shape::MAX_AXES;
 
-/// More bytes than the key of any storage has.
+/// Longest key of a storage (bytes).
 const MAX_KEY: usize = 64;
 
 impl<R: BufRead> Machine<'_, R> {
