@@ -1,11 +1,12 @@
 //! Residual backbones: the rows of the papers' tables.
 //!
-//! K. He, X. Zhang, S. Ren and J. Sun, "Deep residual learning for image recognition", CVPR 2016,
-//! Table 1. The stride is on the 3×3 convolution of a bottleneck as in torchvision. S. Xie, R.
-//! Girshick, P. Dollár, Z. Tu and K. He, "Aggregated residual transformations for deep neural
-//! networks", CVPR 2017, Table 1. S. Zagoruyko and N. Komodakis, "Wide residual networks", BMVC
-//! 2016. C. Feichtenhofer, H. Fan, J. Malik and K. He, "SlowFast networks for video recognition",
-//! ICCV 2019, Table 1.
+//! - K. He, X. Zhang, S. Ren and J. Sun, "Deep residual learning for image recognition", CVPR 2016,
+//!   Table 1. The stride is on the 3×3 convolution of a bottleneck, as in torchvision.
+//! - S. Xie, R. Girshick, P. Dollár, Z. Tu and K. He, "Aggregated residual transformations for deep
+//!   neural networks", CVPR 2017, Table 1.
+//! - S. Zagoruyko and N. Komodakis, "Wide residual networks", BMVC 2016.
+//! - C. Feichtenhofer, H. Fan, J. Malik and K. He, "SlowFast networks for video recognition", ICCV
+//!   2019, Table 1.
 
 use crate::engine::{Activation, Convolution, Graph, Value, Window};
 
