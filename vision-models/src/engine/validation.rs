@@ -79,7 +79,7 @@ pub(super) fn validate(graph: &Graph) -> Result<(), Error> {
     }
 }
 
-/// Returns the problem if a node reads a value of a later node.
+/// Returns the problem if a node reads a value that no earlier node gives.
 fn unknown<'a>(at: usize, values: impl IntoIterator<Item = &'a Value>) -> Option<String> {
     let is_unknown = values.into_iter().any(|value| value.0 >= at);
     is_unknown.then(|| "it reads a value that is not of this graph".into())

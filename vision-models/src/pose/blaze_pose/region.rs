@@ -66,7 +66,7 @@ impl PoseRegion {
         Rotation2::new(self.angle) * direction
     }
 
-    /// Returns the region in the image whose position in `whole` is given by this one.
+    /// Converts this region from coordinates of `whole` to coordinates of the image.
     pub(super) fn within(&self, whole: &Self) -> Self {
         let centre = whole.place([self.centre.x, self.centre.y]);
         Self { centre, side: self.side * whole.side, angle: self.angle + whole.angle }
