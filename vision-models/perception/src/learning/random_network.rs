@@ -12,7 +12,8 @@ const RESIDUAL: f32 = 0.3;
 /// random projections of the image.
 ///
 /// Kernels have the variance of K. He, X. Zhang, S. Ren and J. Sun ("Delving deep into rectifiers",
-/// ICCV 2015, equation 10), but a uniform distribution. Norms do not change their input.
+/// ICCV 2015, equation 10), but a uniform distribution. Norms keep their input, except for the last
+/// one of a residual block, which scales it.
 ///
 /// # Errors
 /// None known, since the shapes fit.

@@ -14,12 +14,12 @@ const SAME_TIME: f64 = 2e-6;
 /// Shares of correct camera frames.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AgainstTruth {
-    /// Share of the frames in which the robot holds the object and its surface was recognised.
+    /// Share of frames with the right surface, among those in which the robot holds the object.
     pub surface_right: Option<f64>,
-    /// Share of the frames in which the action was the true one, now or within the delay.
+    /// Share of frames whose action is true at that time, or was true within the delay before it.
     pub action_right: Option<f64>,
-    /// Share of the frames in which the filtered intention was the true one, now or within the
-    /// delay. The filter is the controller's and gets the actions as they arrive.
+    /// Share of frames whose filtered intention is true at that time, or was true within the delay
+    /// before it. The filter is the controller's and gets the actions as they arrive.
     pub intention_right: Option<f64>,
     /// The delay (s).
     pub delay: f64,
