@@ -231,8 +231,8 @@ fn age_at(now: f64, then: f64, tolerance: f64) -> f64 {
     if age >= -tolerance { age.max(0.0) } else { f64::INFINITY }
 }
 
-/// Returns how long a motion measured at `then` is continued until `now`: at most `limit`, which
-/// also holds if `now` is not a number.
+/// Returns how long a motion measured at `then` is continued until `now`: at most `limit`, and
+/// `limit` if `now` is not a number.
 fn extrapolated(now: f64, then: f64, limit: f64) -> f64 {
     if now < then { 0.0 } else { (now - then).min(limit) }
 }

@@ -50,8 +50,9 @@ const LIMBS: [[Body25; 2]; 16] = {
 /// Returns a person of 25 joints in the order of BODY_25 or BODY_25B.
 ///
 /// BODY_25 has the neck between the shoulders and mid hip between the hips. BODY_25B has other
-/// joints in those places. The order is BODY_25B if neck or mid hip lie elsewhere or are missing,
-/// the top of the head is near the nose, and the limbs are shorter in that order.
+/// joints in those places. The order is BODY_25B if neck or mid hip lie elsewhere or are missing.
+/// In addition, the top of the head must be near the nose, and the limbs must be shorter in that
+/// order.
 pub(super) fn body_of_25(keypoints: &[Option<ImageKeypoint>; Body25::COUNT]) -> ImageBody {
     let plain = ImageBody::new(*keypoints);
     let Some(size) = size(&plain) else { return plain };
